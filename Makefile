@@ -1,0 +1,42 @@
+# What can be done here, each in one word. `make run` and `make test` need git, make and python3; setup gets the rest.
+
+VENV := .venv/bin
+export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
+
+COMPILE := $(VENV)/uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes \
+	--no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" $(ARGS)
+
+.PHONY: help setup run test lint format campaign lock clean
+
+help: ## List the targets
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+
+setup: ## Install, build and check whatever a run or a test needs; skips what is there
+	@scripts/setup
+
+run: setup ## Drive the simulated robot, e.g. make run ARGS="--for 30"
+	@$(VENV)/giraff run $(ARGS)
+
+test: lint ## Everything that must hold before a commit lands
+	$(MAKE) --no-print-directory -C firmware check
+	$(VENV)/pytest $(ARGS)
+
+lint: setup ## Style and types
+	$(VENV)/ruff check
+	$(VENV)/ruff format --check
+	$(VENV)/mypy
+	$(VENV)/pyright
+
+format: setup ## Put the Python sources into their one form
+	$(VENV)/ruff check --fix
+	$(VENV)/ruff format
+
+campaign: setup ## The runs that take long; leaves a dated record in build/campaign
+	$(VENV)/pytest tests/campaign --timeout=0 $(ARGS)
+
+lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest
+	$(COMPILE) --extra serial --group build --output-file requirements/robot.lock
+	$(COMPILE) --all-extras --group dev --output-file requirements/dev.lock
+
+clean: ## Remove everything that setup and the tests made
+	rm -rf build dist .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -1,0 +1,90 @@
+"""The locks pin everything pyproject.toml asks for, by hash, and say nothing of where it comes from."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from itertools import chain
+from typing import Any
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from tests.rules.repository import ROOT, pyproject
+
+PIN = re.compile(r"(?P<name>[a-z0-9-]+)==(?P<version>[\w.]+)( ; [\w.'<>=! ]+)? \\")
+HASH = re.compile(r"    --hash=sha256:[0-9a-f]{64}( \\)?")
+
+
+def stray_lines(lock: str) -> list[str]:
+    """Lines of a lock that are neither pin nor hash nor comment."""
+    lines = lock.splitlines()
+    return [line for line in lines if not (PIN.fullmatch(line) or HASH.fullmatch(line) or line.lstrip()[:1] == "#")]
+
+
+def pins(lock: str) -> dict[str, set[str]]:
+    """Versions by name; platforms and Python versions may have one each."""
+    found: dict[str, set[str]] = {}
+    for match in filter(None, map(PIN.fullmatch, lock.splitlines())):
+        found.setdefault(match["name"], set()).add(match["version"])
+    return found
+
+
+def unmet(requirements: Iterable[str], pinned: dict[str, set[str]]) -> list[str]:
+    """Requirements that the pins do not satisfy."""
+    return [
+        str(wanted)
+        for wanted in map(Requirement, requirements)
+        if not any(wanted.specifier.contains(version) for version in pinned.get(canonicalize_name(wanted.name), ()))
+    ]
+
+
+def asked_for(project: dict[str, Any], extras: Iterable[str], groups: Iterable[str]) -> list[str]:
+    optional = project["project"]["optional-dependencies"]
+    named = chain.from_iterable(project["dependency-groups"][group] for group in groups)
+    return [
+        *project["project"]["dependencies"],
+        *chain.from_iterable(optional[extra] for extra in extras),
+        *(requirement for requirement in named if isinstance(requirement, str)),
+    ]
+
+
+@pytest.mark.parametrize("lock", ["robot.lock", "dev.lock"])
+def test_a_lock_holds_pins_and_hashes_only(lock: str) -> None:
+    text = (ROOT / "requirements" / lock).read_text()
+    assert stray_lines(text) == []
+    assert "://" not in text
+    assert pins(text)
+
+
+def test_the_locks_pin_what_the_project_asks_for() -> None:
+    project = pyproject()
+    robot = pins((ROOT / "requirements" / "robot.lock").read_text())
+    everything = pins((ROOT / "requirements" / "dev.lock").read_text())
+    assert unmet(asked_for(project, ["serial"], ["build"]), robot) == []
+    extras = project["project"]["optional-dependencies"]
+    assert unmet(asked_for(project, extras, ["build", "dev"]), everything) == []
+    assert {package: everything[package] for package in robot} == robot
+
+
+def test_the_robots_lock_stays_small() -> None:
+    robot = pins((ROOT / "requirements" / "robot.lock").read_text())
+    assert not {"numpy", "rerun-sdk", "typer", "rich", "cffi"} & set(robot)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "--index-url https://packages.example/simple",
+        "giraff @ file:///home/me/giraff",
+        "numpy>=1.24 \\",
+        "numpy==2.0",
+    ],
+)
+def test_a_stray_line_shows(line: str) -> None:
+    assert stray_lines(line) == [line]
+
+
+def test_an_unmet_requirement_shows() -> None:
+    assert unmet(["numpy>=1.24", "rich"], {"numpy": {"1.23"}}) == ["numpy>=1.24", "rich"]
