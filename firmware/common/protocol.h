@@ -1,0 +1,192 @@
+/* The wire between a host and the three boards: the only declaration of it.
+ *
+ * A frame is COBS(body + CRC-16/CCITT-FALSE of body, low byte first) + 0x00; a body is one of the packed
+ * little-endian structs below. `generate_codec.py` makes the Python codec from this file, and PROTOCOL_HASH
+ * (the first 32 bits of the SHA-256 of its code, comments aside) travels in `hello` and `configure`: two
+ * sides that disagree never drive.
+ *
+ * Units are in the names; where none is, the value is a count. Every frame starts with its type and a
+ * sequence number of its sender; every frame of a board also carries the board's microseconds.
+ */
+#ifndef GIRAFF_PROTOCOL_H
+#define GIRAFF_PROTOCOL_H
+#include <stdint.h>
+
+enum board_kind { BOARD_BASE = 1, BOARD_JOYSTICK = 2, BOARD_RANGER = 3 };
+
+enum frame_type {
+    /* board to host */
+    FRAME_HELLO = 0x01,         /* at boot and on request */
+    FRAME_WHEELS = 0x02,        /* base, 100 Hz */
+    FRAME_TILT = 0x03,          /* joystick, 50 Hz */
+    FRAME_RANGE = 0x04,         /* ranger, once a ping */
+    /* host to board */
+    FRAME_HELLO_REQUEST = 0x11, /* any board */
+    FRAME_CONFIGURE = 0x12,     /* base */
+    FRAME_DRIVE = 0x13,         /* base */
+    FRAME_TICK = 0x14           /* joystick, ranger */
+};
+
+/* Why the base board drives, or does not. */
+enum drive_state {
+    DRIVE_ACTIVE = 0,           /* accepted drive frames set the motors */
+    DRIVE_NOT_CONFIGURED = 1,   /* no host has proved protocol and configuration since the boot */
+    DRIVE_AWAITING_ZERO = 2,    /* configured; waits for a first zero drive frame */
+    DRIVE_COMMAND_TIMEOUT = 3   /* no accepted drive frame for COMMAND_TIMEOUT_MS; waits for a zero one */
+};
+
+/* Why the base board refused the last drive or configure frame it refused. */
+enum refusal {
+    REFUSAL_NONE = 0,
+    REFUSAL_PROTOCOL = 1,       /* another protocol hash, or values no robot can have */
+    REFUSAL_BOOT_ID = 2,        /* made for an earlier boot of this board */
+    REFUSAL_STALE = 3,          /* its board_ms is more than ECHO_MAX_AGE_MS ago, or ahead */
+    REFUSAL_SEQUENCE = 4,       /* not newer than the last one accepted */
+    REFUSAL_NOT_CONFIGURED = 5,
+    REFUSAL_AWAITING_ZERO = 6,  /* fresh, but the latch opens for a zero frame only */
+    REFUSAL_LEVEL = 7           /* a level beyond the configured maximum */
+};
+
+/* State of the BNO055, as the joystick board knows it. */
+enum tilt_status {
+    TILT_RUNNING = 0,
+    TILT_STARTING = 1,          /* in reset, or in the datasheet's start-up and mode-change waits */
+    TILT_BUS_FAULT = 2,         /* no answer, a short read, or an all-zero vector: gravity is never zero */
+    TILT_WRONG_CHIP = 3,        /* CHIP_ID or ACC_ID is not a BNO055's */
+    TILT_SELF_TEST_FAILED = 4,
+    TILT_SYSTEM_ERROR = 5       /* SYS_STATUS is not "running without fusion"; sys_error says why */
+};
+
+enum range_state { RANGE_ECHO = 0, RANGE_CLEAR = 1, RANGE_FAULT = 2 };
+
+enum range_fault {
+    RANGE_FAULT_NONE = 0,
+    RANGE_FAULT_NO_ECHO_PULSE = 1,  /* the echo line never rose: sensor absent, dead or unpowered */
+    RANGE_FAULT_STUCK_HIGH = 2,     /* the echo line stays high, longer than the slowest clone's time-out */
+    RANGE_FAULT_TOO_SHORT = 3       /* a pulse shorter than any distance the sensor can measure */
+};
+
+/* Bits of configure.wiring: how motors and encoders are soldered to what the wire calls left and right. */
+enum wiring {
+    WIRING_SWAP_MOTORS = 1,         /* else left is motor A (PD6, PC6) */
+    WIRING_SWAP_ENCODERS = 2,       /* else left is the encoder on PD3 and PC7 */
+    WIRING_INVERT_LEFT_MOTOR = 4,
+    WIRING_INVERT_RIGHT_MOTOR = 8,
+    WIRING_INVERT_LEFT_ENCODER = 16,
+    WIRING_INVERT_RIGHT_ENCODER = 32
+};
+
+/* Bits of hello.reset_cause, the same on all three processors (MCUSR). */
+enum reset_cause { RESET_POWER_ON = 1, RESET_EXTERNAL = 2, RESET_BROWN_OUT = 4, RESET_WATCHDOG = 8 };
+
+enum {
+    BASE_BAUD = 115200,
+    JOYSTICK_BAUD = 500000,
+    RANGER_BAUD = 500000,
+    COMMAND_TIMEOUT_MS = 300,
+    ECHO_MAX_AGE_MS = 150,
+    WHEELS_PERIOD_MS = 10,
+    TILT_PERIOD_MS = 20,
+    RANGE_SLOT_MS = 60,             /* between two pings, of whichever sensor: echoes have died down by then */
+    RANGE_SENSORS = 3,
+    TILT_LSB_PER_M_S2 = 100,        /* BNO055 datasheet 3.6.4.1 */
+    ECHO_US_PER_M = 5800            /* HC-SR04 datasheet: 58 us a centimetre, there and back */
+};
+
+#define PACKED __attribute__((packed))
+
+struct PACKED hello {
+    uint8_t type;
+    uint16_t seq;
+    uint32_t board_us;
+    uint8_t board;                  /* enum board_kind */
+    uint32_t protocol_hash;
+    uint32_t boot_id;               /* counts boots, kept in EEPROM: never 0 */
+    uint8_t reset_cause;            /* enum reset_cause */
+};
+
+struct PACKED wheels {
+    uint8_t type;
+    uint16_t seq;
+    uint32_t board_us;              /* when the ticks were read; wraps after 71 minutes */
+    uint32_t board_ms;              /* for the host to echo; wraps after 49 days */
+    uint32_t boot_id;
+    uint32_t session;               /* of the configure frame in force; 0 = none */
+    int32_t left_ticks;             /* forward positive; both edges of channel A; wraps */
+    int32_t right_ticks;
+    int16_t left_pwm_counts;        /* what the motor gets now, of 255, forward positive */
+    int16_t right_pwm_counts;
+    uint8_t drive_state;            /* enum drive_state */
+    uint8_t last_refusal;           /* enum refusal */
+    uint16_t accepted;              /* drive frames accepted since the boot; wraps */
+    uint16_t refused;               /* drive and configure frames refused since the boot; wraps */
+    uint16_t line_errors;           /* frames with a wrong CRC or shape, bytes lost; wraps */
+    uint16_t battery_adc_counts;    /* 10 bit, of AVCC */
+};
+
+struct PACKED tilt {
+    uint8_t type;
+    uint16_t seq;
+    uint32_t board_us;
+    uint32_t boot_id;
+    uint32_t tick_epoch;            /* newest tick held when the reading began; epoch 0 = none yet */
+    uint64_t tick_robot_ns;
+    int16_t x;                      /* TILT_LSB_PER_M_S2 */
+    int16_t y;
+    int16_t z;
+    uint8_t status;                 /* enum tilt_status */
+    uint8_t sys_status;             /* BNO055 registers SYS_STATUS and SYS_ERR, as read */
+    uint8_t sys_error;
+    uint8_t button;                 /* 1 = pressed */
+    uint16_t line_errors;
+};
+
+struct PACKED range {
+    uint8_t type;
+    uint16_t seq;
+    uint32_t board_us;              /* of the trigger */
+    uint32_t boot_id;
+    uint32_t tick_epoch;            /* newest tick held at the trigger; epoch 0 = none yet */
+    uint64_t tick_robot_ns;
+    uint8_t sensor;                 /* 0 .. RANGE_SENSORS-1 */
+    uint8_t state;                  /* enum range_state */
+    uint8_t fault;                  /* enum range_fault */
+    uint32_t echo_us;               /* 0 = none measured */
+    uint16_t line_errors;
+};
+
+struct PACKED hello_request {
+    uint8_t type;
+    uint16_t seq;
+};
+
+/* Opens a session: motors to zero, any earlier sequence number forgotten, then a zero drive frame is awaited. */
+struct PACKED configure {
+    uint8_t type;
+    uint16_t seq;
+    uint32_t protocol_hash;
+    uint32_t boot_id;
+    uint32_t board_ms;              /* newest one read from `wheels` */
+    uint32_t session;               /* random, not 0 */
+    uint8_t wiring;                 /* enum wiring */
+    uint8_t level_max;              /* largest |level| a drive frame may ask for, 1..255 */
+};
+
+struct PACKED drive {
+    uint8_t type;
+    uint16_t seq;                   /* newer than the last one accepted, modulo 2^16 */
+    uint32_t boot_id;
+    uint32_t board_ms;              /* newest one read from `wheels` */
+    int16_t left_level;             /* PWM counts of 255, forward positive */
+    int16_t right_level;
+};
+
+/* A moment of the robot's clock, sent down so that a measurement can carry the one it was made after. */
+struct PACKED tick {
+    uint8_t type;
+    uint16_t seq;
+    uint32_t epoch;                 /* not 0 */
+    uint64_t robot_ns;
+};
+
+#endif

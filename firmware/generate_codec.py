@@ -1,0 +1,260 @@
+#!/usr/bin/env python3
+"""Write schemas/giraff_schemas/wire.py, the Python side of the wire, from common/protocol.h.
+
+The header is the only declaration of the wire. This reads the part of C it is written in and refuses the
+rest: `enum name { NAME = number, ... };`, such enums without a name for constants, and
+`struct PACKED name { integer fields };`.
+
+Usage: generate_codec.py           write wire.py
+       generate_codec.py --check   fail when wire.py is not what the header gives
+       generate_codec.py --hash    print the protocol hash, for -DPROTOCOL_HASH=
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import re
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+
+FIRMWARE = Path(__file__).resolve().parent
+HEADER = FIRMWARE / "common" / "protocol.h"
+WIRE = FIRMWARE.parent / "schemas" / "giraff_schemas" / "wire.py"
+
+STRUCT_CODES = {
+    "uint8_t": "B",
+    "int8_t": "b",
+    "uint16_t": "H",
+    "int16_t": "h",
+    "uint32_t": "I",
+    "int32_t": "i",
+    "uint64_t": "Q",
+    "int64_t": "q",
+}
+
+
+class HeaderError(Exception):
+    """The header holds something this generator does not understand."""
+
+
+@dataclass
+class Enum:
+    name: str
+    members: dict[str, int] = field(default_factory=dict)
+
+
+@dataclass
+class Record:
+    name: str
+    fields: dict[str, str] = field(default_factory=dict)  # field name: C type
+
+
+@dataclass
+class Protocol:
+    enums: list[Enum]
+    constants: dict[str, int]
+    records: list[Record]
+    hash: int
+
+
+def without_comments(source: str) -> str:
+    return re.sub(r"/\*.*?\*/|//[^\n]*", " ", source, flags=re.DOTALL)
+
+
+def tokens(source: str) -> list[str]:
+    return re.findall(r"\w+|[^\w\s]", source)
+
+
+def protocol_hash(source: str) -> int:
+    """The first 32 bits of the SHA-256 of the header's tokens: comments and white space do not count."""
+    text = " ".join(tokens(without_comments(source)))
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4], "big")
+
+
+class Parser:
+    """A reader of tokens that knows where it wants which."""
+
+    def __init__(self, words: list[str]) -> None:
+        self._words = words
+        self._at = 0
+
+    def more(self) -> bool:
+        return self._at < len(self._words)
+
+    def peek(self) -> str:
+        return self._words[self._at] if self.more() else "the end"
+
+    def take(self, pattern: str) -> str:
+        word = self.peek()
+        if not re.fullmatch(pattern, word):
+            before = " ".join(self._words[max(0, self._at - 5) : self._at])
+            raise HeaderError(f"after '{before}': '{word}' is not {pattern}")
+        self._at += 1
+        return word
+
+    def number(self) -> int:
+        return int(self.take(r"0[xX][0-9a-fA-F]+|\d+"), 0)
+
+
+def parse(source: str) -> Protocol:
+    lines = without_comments(source).splitlines()
+    parser = Parser(tokens("\n".join(line for line in lines if not line.lstrip().startswith("#"))))
+    protocol = Protocol([], {}, [], protocol_hash(source))
+    while parser.more():
+        if parser.take("enum|struct") == "enum":
+            enum = parse_enum(parser)
+            if enum.name:
+                protocol.enums.append(enum)
+            else:
+                protocol.constants.update(enum.members)
+        else:
+            protocol.records.append(parse_struct(parser))
+    check(protocol)
+    return protocol
+
+
+def parse_enum(parser: Parser) -> Enum:
+    enum = Enum("" if parser.peek() == "{" else parser.take(r"[a-z]\w*"))
+    parser.take(r"\{")
+    while parser.peek() != "}":
+        name = parser.take(r"[A-Z]\w*")
+        parser.take("=")
+        enum.members[name] = parser.number()
+        if parser.peek() != "}":
+            parser.take(",")
+    parser.take(r"\}")
+    parser.take(";")
+    return enum
+
+
+def parse_struct(parser: Parser) -> Record:
+    parser.take("PACKED")
+    record = Record(parser.take(r"[a-z]\w*"))
+    parser.take(r"\{")
+    while parser.peek() != "}":
+        kind = parser.take("|".join(STRUCT_CODES))
+        record.fields[parser.take(r"[a-z]\w*")] = kind
+        parser.take(";")
+    parser.take(r"\}")
+    parser.take(";")
+    return record
+
+
+def check(protocol: Protocol) -> None:
+    """Each frame type has its struct and each struct its type, and all begin alike."""
+    types = next((e.members for e in protocol.enums if e.name == "frame_type"), {})
+    wanted = {"FRAME_" + r.name.upper() for r in protocol.records}
+    if wanted != set(types):
+        raise HeaderError(f"frame type without struct, or struct without type: {sorted(wanted ^ set(types))}")
+    if len(set(types.values())) != len(types):
+        raise HeaderError("two frame types have one number")
+    for record in protocol.records:
+        if list(record.fields.items())[:2] != [("type", "uint8_t"), ("seq", "uint16_t")]:
+            raise HeaderError(f"struct {record.name} does not begin with 'uint8_t type; uint16_t seq;'")
+
+
+def camel(name: str) -> str:
+    return "".join(part.capitalize() for part in name.split("_"))
+
+
+def common_prefix(names: list[str]) -> str:
+    """What the members' names share, up to an underscore: all of C's enums share one name space."""
+    first, last = min(names), max(names)
+    same = next((i for i, (a, b) in enumerate(zip(first, last, strict=False)) if a != b), len(first))
+    return first[: first.rfind("_", 0, same) + 1]
+
+
+def enum_lines(enum: Enum) -> list[str]:
+    single_bits = all(value and not value & (value - 1) for value in enum.members.values())
+    base = "IntFlag" if single_bits else "IntEnum"
+    prefix = common_prefix(list(enum.members))
+    lines = [f"class {camel(enum.name)}({base}):", f'    """enum {enum.name}"""', ""]
+    return [*lines, *(f"    {name.removeprefix(prefix)} = {value}" for name, value in enum.members.items())]
+
+
+def record_lines(record: Record) -> list[str]:
+    layout = "<" + "".join(STRUCT_CODES[kind] for kind in record.fields.values())
+    own = [name for name in record.fields if name not in ("type", "seq")]
+    return [
+        f"class {camel(record.name)}Frame(Frame, frozen=True):",
+        f'    """struct {record.name}"""',
+        "",
+        f"    type: ClassVar[FrameType] = FrameType.{record.name.upper()}",
+        f'    layout: ClassVar[struct.Struct] = struct.Struct("{layout}")',
+        *([""] if own else []),
+        *(f"    {name}: int" for name in own),
+    ]
+
+
+PREAMBLE = '''"""The wire between a host and the boards. Generated by firmware/generate_codec.py from
+firmware/common/protocol.h, which says what each field means: change that, not this.
+"""
+
+import struct
+from enum import IntEnum, IntFlag
+from typing import ClassVar, Final, Self
+
+import msgspec
+'''
+
+BASE_CLASS = '''class Frame(msgspec.Struct, frozen=True):
+    """What every frame has: its type, its sender's sequence number, and a packed little-endian layout."""
+
+    type: ClassVar[FrameType]
+    layout: ClassVar[struct.Struct]
+
+    seq: int
+
+    def pack(self) -> bytes:
+        """The frame's body; struct.error when a value does not fit its field."""
+        return self.layout.pack(self.type, *msgspec.structs.astuple(self))
+
+    @classmethod
+    def unpack(cls, body: bytes) -> Self:
+        """The frame of a body of this type; struct.error when its length is another's."""
+        return cls(*cls.layout.unpack(body)[1:])'''
+
+
+def generate(protocol: Protocol) -> str:
+    constants = [f"{name}: Final = {value}" for name, value in protocol.constants.items()]
+    table = [
+        "FRAME_CLASSES: Final[dict[int, type[Frame]]] = {",
+        *(f"    FrameType.{r.name.upper()}: {camel(r.name)}Frame," for r in protocol.records),
+        "}",
+    ]
+    blocks = [
+        f"PROTOCOL_HASH: Final = 0x{protocol.hash:08X}\n\n" + "\n".join(constants),
+        *("\n".join(enum_lines(enum)) for enum in protocol.enums),
+        BASE_CLASS,
+        *("\n".join(record_lines(record)) for record in protocol.records),
+        "\n".join(table),
+    ]
+    return PREAMBLE + "\n" + "\n\n\n".join(blocks) + "\n"
+
+
+def main() -> int:
+    arguments = argparse.ArgumentParser(description="Write the Python codec of the boards' wire.")
+    mode = arguments.add_mutually_exclusive_group()
+    mode.add_argument("--check", action="store_true", help="fail when the codec is not what the header gives")
+    mode.add_argument("--hash", action="store_true", help="print the protocol hash")
+    asked = arguments.parse_args()
+    try:
+        protocol = parse(HEADER.read_text())
+    except HeaderError as error:
+        print(f"{HEADER}: {error}", file=sys.stderr)
+        return 1
+    text = generate(protocol)
+    if asked.hash:
+        print(f"0x{protocol.hash:08X}")
+    elif not asked.check:
+        WIRE.write_text(text)
+    elif not WIRE.exists() or WIRE.read_text() != text:
+        print(f"{WIRE} is not what {HEADER} gives: run {Path(__file__).resolve()}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

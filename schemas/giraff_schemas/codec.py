@@ -1,0 +1,54 @@
+"""Samples to bytes and back: MessagePack maps, with an encoding that names the schema."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import msgspec
+
+from giraff_schemas.topics import SampleT, Topic
+
+
+class DecodeError(ValueError):
+    """A payload that is not what its key carries. The message names the key and the field."""
+
+
+_encoder = msgspec.msgpack.Encoder()
+
+
+def stamped(sample: SampleT, seq: int, stamp_ns: int, instance: str) -> SampleT:
+    """`sample` with what every sample starts with."""
+    return msgspec.structs.replace(sample, seq=seq, stamp_ns=stamp_ns, instance=instance)
+
+
+def encode(message: msgspec.Struct) -> bytes:
+    return _encoder.encode(message)
+
+
+def encoding_of(type_: type[msgspec.Struct]) -> str:
+    """The encoding that travels with each sample: media type; schema."""
+    return f"application/msgpack;giraff.{type_.__name__}"
+
+
+def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None = None) -> SampleT:
+    """A sample of `topic` that arrived on `key`; DecodeError if it is none.
+
+    `encoding`, when given and ours, must name the topic's schema.
+    """
+    if encoding is not None and ";giraff." in encoding and encoding != encoding_of(topic.schema):
+        raise DecodeError(f"{key}: carries {encoding!r} where {encoding_of(topic.schema)!r} belongs")
+    try:
+        sample: SampleT = _decoder(topic.schema).decode(payload)
+    except msgspec.ValidationError as error:
+        raise DecodeError(f"{key}: not a {topic.schema.__name__}: {error}") from error
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:  # text that is none, nesting without end
+        raise DecodeError(f"{key}: not MessagePack ({len(payload)} bytes): {error}") from error
+    if not sample.instance:
+        raise DecodeError(f"{key}: not a {topic.schema.__name__}: `instance` is missing or empty")
+    return sample
+
+
+@cache
+def _decoder(type_: type[msgspec.Struct]) -> msgspec.msgpack.Decoder[Any]:
+    return msgspec.msgpack.Decoder(type_)

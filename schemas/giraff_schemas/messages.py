@@ -1,0 +1,284 @@
+"""The samples that services exchange: frozen Structs, SI units, REP-103 axes (x forward, y left, yaw to the left).
+
+A sample is a MessagePack map, so that any language reads it without this module. Unknown fields are ignored on
+decoding (an older reader keeps working); a missing field, a wrong type or a number that is not finite is an error.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import msgspec
+
+
+class RobotTime(msgspec.Struct, frozen=True):
+    """A moment on the robot's own clock, as base published it in a `Tick`.
+
+    Whatever carries one was measured, or asked for by a human, after that moment: at base, `now - robot_ns` bounds
+    its true age from above, whatever the clocks of other hosts say and however long it travelled.
+    """
+
+    epoch: int
+    """Random, one per start of base; 0 is nobody's. Moments of different epochs cannot be compared."""
+    robot_ns: int
+    """CLOCK_BOOTTIME of base's host, ns: it goes on while the machine is suspended."""
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.epoch < 1 << 32 and 0 <= self.robot_ns < 1 << 64):
+            raise ValueError(f"epoch {self.epoch}, robot_ns {self.robot_ns}: not the boards' 32 and 64 bits")
+
+
+class Sample(msgspec.Struct, frozen=True, kw_only=True):
+    """What every sample starts with. A policy leaves it out; the publisher fills it in (`codec.stamped`)."""
+
+    seq: int = 0
+    """Counts the samples of this maker on this key, from 0, without gaps."""
+    stamp_ns: int = 0
+    """Wall clock of the maker's host, ns since 1970: for people and recordings, never for a decision."""
+    instance: str = ""
+    """Random id of the process that made the sample; an empty one is refused on decoding."""
+
+
+class Tick(Sample, frozen=True, kw_only=True):
+    """The robot's clock, from base. See `RobotTime`."""
+
+    epoch: int
+    robot_ns: int
+
+    def __post_init__(self) -> None:
+        if self.time.epoch == 0:
+            raise ValueError("epoch is 0, which is nobody's")
+
+    @property
+    def time(self) -> RobotTime:
+        return RobotTime(epoch=self.epoch, robot_ns=self.robot_ns)
+
+
+TiltStatus = Literal["running", "starting", "bus_fault", "wrong_chip", "self_test_failed", "system_error", "no_board"]
+
+
+class Tilt(Sample, frozen=True, kw_only=True):
+    """Acceleration in the operator's hand, m/s²: at rest it is gravity, seen from the tilted sensor."""
+
+    x: float
+    y: float
+    z: float
+    status: TiltStatus
+    tick: RobotTime | None
+    """Newest moment the board held when it began the reading."""
+
+    def __post_init__(self) -> None:
+        _require_finite(x=self.x, y=self.y, z=self.z)
+
+
+Source = Literal["hand", "fault"]
+
+
+class DriveCommand(Sample, frozen=True, kw_only=True):
+    """What an operator asks of the robot."""
+
+    linear_x: float
+    """m/s, forward positive."""
+    angular_z: float
+    """rad/s, counter-clockwise positive."""
+    source: Source
+    """`hand`: a human's wish. `fault`: the operator's side lost the hand; always neutral, and arms nothing."""
+    reason: str
+    """Of a fault: what is wrong and the way out. Else empty."""
+    tick: RobotTime | None
+    """Of the measurement or human event, never renewed. None: the operator has not heard the robot yet."""
+
+    def __post_init__(self) -> None:
+        _require_finite(linear_x=self.linear_x, angular_z=self.angular_z)
+
+    @property
+    def neutral(self) -> bool:
+        return self.linear_x == 0.0 and self.angular_z == 0.0
+
+
+class GuardedCommand(Sample, frozen=True, kw_only=True):
+    """What the guard lets through to base: the only samples that move motors."""
+
+    linear_x: float
+    angular_z: float
+    guard_tick: RobotTime | None
+    """Newest moment the guard held when it decided."""
+    operator: str
+    """Instance whose command this is; empty: nobody's."""
+    operator_tick: RobotTime | None
+    range_tick: RobotTime | None
+    """Oldest moment among the ranges that what the operator asks relies on; one that never came counts as robot_ns 0.
+    None: it relies on none."""
+    source: Source
+    hand_neutral: bool
+    """The operator's own command is a hand's and neutral: what arms the robot when held."""
+    reason: str
+    """Why this is less than the operator asked for; empty when it is not."""
+
+    def __post_init__(self) -> None:
+        _require_finite(linear_x=self.linear_x, angular_z=self.angular_z)
+
+    @property
+    def neutral(self) -> bool:
+        return self.linear_x == 0.0 and self.angular_z == 0.0
+
+
+RangeState = Literal["echo", "clear", "fault"]
+
+
+class Range(Sample, frozen=True, kw_only=True):
+    """One reading of one ultrasonic sensor."""
+
+    sensor: str
+    state: RangeState
+    """`clear`: nothing answered within the sensor's reach, which is not proof that nothing is there."""
+    range: float | None
+    """m from the sensor; only of an echo."""
+    echo_us: int
+    """Length of the echo pulse as the board measured it; 0 = none."""
+    reason: str
+    """Of a fault: what is wrong and the way out. Else empty."""
+    tick: RobotTime | None
+    """Newest moment the board held when it triggered the ping."""
+
+    def __post_init__(self) -> None:
+        if (self.range is not None) != (self.state == "echo"):
+            raise ValueError(f"range {self.range!r} does not go with state {self.state!r}")
+        if self.range is not None:
+            _require_finite(range=self.range)
+
+
+class Wheels(Sample, frozen=True, kw_only=True):
+    """Encoders and motors as the base board reports them."""
+
+    left_ticks: int
+    """Signed 32-bit counter, wraps; forward positive. Comparable only within one `boot_id`."""
+    right_ticks: int
+    left_velocity: float
+    """m/s over the last report, from the board's own time; 0 after a gap."""
+    right_velocity: float
+    left_pwm_counts: int
+    """What the motor gets, of 255; forward positive."""
+    right_pwm_counts: int
+    board_us: int
+    """Board's clock when the ticks were read; unsigned 32 bit, wraps after 71 minutes."""
+    boot_id: int
+    tick: RobotTime
+    """When base read the report."""
+
+    def __post_init__(self) -> None:
+        _require_finite(left_velocity=self.left_velocity, right_velocity=self.right_velocity)
+
+
+class Odometry(Sample, frozen=True, kw_only=True):
+    """Pose of `base_link` in `odom`, and twist in `base_link`, from the wheels alone."""
+
+    x: float
+    y: float
+    yaw: float
+    """rad, in (-pi, pi]."""
+    linear_x: float
+    angular_z: float
+    covariance: tuple[float, float, float, float, float, float]
+    """Of (x, y, yaw): xx, xy, xyaw, yy, yyaw, yawyaw; m², m·rad, rad². Grows with way and turn."""
+    path: float
+    """m travelled by the robot's centre, backwards counted too."""
+    board_us: int
+    boot_id: int
+    tick: RobotTime
+
+    def __post_init__(self) -> None:
+        _require_finite(x=self.x, y=self.y, yaw=self.yaw, linear_x=self.linear_x, angular_z=self.angular_z)
+        _require_finite(path=self.path, **{f"covariance[{i}]": value for i, value in enumerate(self.covariance)})
+
+
+class BoardState(msgspec.Struct, frozen=True, kw_only=True):
+    """The base board, as its newest report shows it."""
+
+    connected: bool
+    boot_id: int
+    drive_state: str
+    last_refusal: str
+    accepted: int
+    refused: int
+    line_errors: int
+
+
+class BaseState(Sample, frozen=True, kw_only=True):
+    """Whether base drives, and if not, why."""
+
+    armed: bool
+    driving: bool
+    """The newest drive frame asked for motion."""
+    reason: str
+    """Why the robot does not do what the guard let through, and the way out; empty when it does."""
+    guard: str
+    """Instance of the guard that base is bound to; empty: none yet."""
+    round_trip: float | None
+    """s from the operator's measurement to base's newest drive frame (age of its tick)."""
+    budget_left: float | None
+    """s until the first of the ticks in use is too old; negative: it is."""
+    board: BoardState
+
+    def __post_init__(self) -> None:
+        _require_finite(round_trip=self.round_trip or 0.0, budget_left=self.budget_left or 0.0)
+
+
+class Battery(Sample, frozen=True, kw_only=True):
+    voltage: float
+    """V."""
+
+    def __post_init__(self) -> None:
+        _require_finite(voltage=self.voltage)
+
+
+Direction = Literal["forward", "backward", "turn_left", "turn_right"]
+Freedom = Literal["free", "slow", "creep", "blocked"]
+
+
+class Verdict(msgspec.Struct, frozen=True, kw_only=True):
+    """What the guard allows in one direction now."""
+
+    allowed: float
+    """m/s (forward, backward) or rad/s (turns), never negative."""
+    freedom: Freedom
+    sensor: str
+    """The sensor that limits; empty: none does."""
+    reason: str
+    way_out: str
+
+    def __post_init__(self) -> None:
+        _require_finite(allowed=self.allowed)
+
+
+class GuardState(Sample, frozen=True, kw_only=True):
+    """The guard's verdict for each direction, and what it does with the operator's command."""
+
+    forward: Verdict
+    backward: Verdict
+    turn_left: Verdict
+    turn_right: Verdict
+    operator: str
+    """Instance the guard listens to; empty: none."""
+    reason: str
+    """Why the newest command was cut; empty when it was not."""
+
+
+class Health(msgspec.Struct, frozen=True, kw_only=True):
+    """Answer of a service's health query."""
+
+    service: str
+    instance: str
+    host: str
+    pid: int
+    uptime: float
+    ok: bool
+    faults: tuple[str, ...]
+    """What is wrong now, each with its way out."""
+
+
+def _require_finite(**values: float) -> None:
+    for name, value in values.items():
+        if not math.isfinite(value):
+            raise ValueError(f"{name} is {value}, not a finite number")

@@ -1,0 +1,80 @@
+"""The topics table: the only place where a key is written.
+
+Keys are under `giraff/<robot>/`. `*` in a key stands for one chunk (an operator's or a sensor's name), given with `at`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Generic, Literal, TypeVar
+
+import msgspec
+
+from giraff_schemas import messages as m
+
+SampleT = TypeVar("SampleT", bound=m.Sample)
+
+Qos = Literal["control", "state"]
+"""`control`: real-time priority, sent at once. `state`: below it. Both drop rather than wait: an old one is useless."""
+
+ROOT = "giraff"
+
+
+class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
+    """One row of the table. `rate_hz` is the nominal rate; 0 = on change only."""
+
+    key: str
+    schema: type[SampleT]
+    rate_hz: float
+    qos: Qos
+
+    def at(self, name: str) -> Topic[SampleT]:
+        """The row of one operator or sensor."""
+        require_chunk(name)
+        return msgspec.structs.replace(self, key=self.key.replace("*", name))
+
+
+TICK = Topic("tick", m.Tick, 50, "control")
+TILT = Topic("tilt", m.Tilt, 50, "state")
+OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 30, "control")
+RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control")
+CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control")
+WHEELS = Topic("wheels", m.Wheels, 100, "control")
+ODOM = Topic("odom", m.Odometry, 100, "state")
+BASE = Topic("base", m.BaseState, 10, "state")
+BATTERY = Topic("battery", m.Battery, 2, "state")
+GUARD = Topic("guard", m.GuardState, 10, "state")
+
+TOPICS: tuple[Topic[Any], ...] = (
+    TICK,
+    TILT,
+    OPERATOR_CMD_VEL,
+    RANGE,
+    CMD_VEL,
+    WHEELS,
+    ODOM,
+    BASE,
+    BATTERY,
+    GUARD,
+)
+
+
+def key_of(robot: str, topic: Topic[Any]) -> str:
+    """The whole key of a topic: a key expression while it still has a `*`."""
+    return f"{ROOT}/{require_chunk(robot)}/{topic.key}"
+
+
+def alive_key(robot: str, service: str = "*", instance: str = "*") -> str:
+    """Liveliness token of one process."""
+    return f"{ROOT}/{robot}/alive/{service}/{instance}"
+
+
+def health_key(robot: str, service: str = "*") -> str:
+    """Queryable that answers with a `Health`."""
+    return f"{ROOT}/{robot}/health/{service}"
+
+
+def require_chunk(name: str) -> str:
+    """`name`, if it can be one chunk of a key; else ValueError."""
+    if not name or not name.isascii() or any(c in "/*$?# " or not c.isprintable() for c in name):
+        raise ValueError(f"{name!r} cannot be part of a key: use letters, digits, '-' and '_'")
+    return name

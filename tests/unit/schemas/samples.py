@@ -1,0 +1,137 @@
+"""Any message of the schemas, for property tests."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import msgspec
+from hypothesis import strategies as st
+
+from giraff_schemas import messages as m
+
+_FINITE = st.floats(allow_nan=False, allow_infinity=False)
+_COUNTS = st.integers(min_value=-(1 << 63), max_value=(1 << 64) - 1)  # what MessagePack can carry
+_EPOCHS = st.integers(min_value=1, max_value=(1 << 32) - 1)
+_ROBOT_NS = st.integers(min_value=0, max_value=(1 << 64) - 1)
+_TEXTS = st.text(max_size=8)
+_INSTANCES = st.text(min_size=1, max_size=8)
+
+_LEAVES: dict[Any, st.SearchStrategy[Any]] = {
+    int: _COUNTS,
+    float: _FINITE,
+    str: _TEXTS,
+    bool: st.booleans(),
+    type(None): st.none(),
+    m.RobotTime: st.builds(m.RobotTime, epoch=_EPOCHS, robot_ns=_ROBOT_NS),
+}
+
+
+def _values(type_: Any) -> st.SearchStrategy[Any]:
+    if type_ in _LEAVES:
+        return _LEAVES[type_]
+    if isinstance(type_, type) and issubclass(type_, msgspec.Struct):
+        return messages(type_)
+    arguments = get_args(type_)
+    if get_origin(type_) is Literal:
+        return st.sampled_from(arguments)
+    if get_origin(type_) is tuple:
+        if arguments[-1] is Ellipsis:
+            return st.lists(_values(arguments[0]), max_size=3).map(tuple)
+        return st.tuples(*map(_values, arguments))
+    return st.one_of(*map(_values, arguments))  # a union
+
+
+def messages(type_: type[msgspec.Struct]) -> st.SearchStrategy[Any]:
+    """Messages of `type_` with any values that it may hold."""
+    fields = {name: _values(hint) for name, hint in get_type_hints(type_).items()}
+    if "instance" in fields:
+        fields["instance"] = _INSTANCES
+    if type_ is m.Tick:
+        fields |= {"epoch": _EPOCHS, "robot_ns": _ROBOT_NS}
+    if type_ is m.Range:
+        echo = st.fixed_dictionaries(fields | {"state": st.just("echo"), "range": _FINITE})
+        none = st.fixed_dictionaries(fields | {"state": st.sampled_from(["clear", "fault"]), "range": st.none()})
+        return st.one_of(echo, none).map(lambda values: m.Range(**values))
+    return st.builds(type_, **fields)
+
+
+def an_example(type_: type[msgspec.Struct]) -> dict[str, Any]:
+    """The plain map of one valid message, for a test to spoil."""
+    return dict(_EXAMPLES[type_])
+
+
+_START = {"seq": 3, "stamp_ns": 1_700_000_000_000_000_000, "instance": "a1"}
+_TIME = {"epoch": 7, "robot_ns": 5_000_000_000}
+_VERDICT = {"allowed": 0.6, "freedom": "free", "sensor": "", "reason": "", "way_out": ""}
+_BOARD = {
+    "connected": True,
+    "boot_id": 4,
+    "drive_state": "active",
+    "last_refusal": "none",
+    "accepted": 10,
+    "refused": 0,
+    "line_errors": 0,
+}
+_TWIST = {"linear_x": 0.3, "angular_z": -0.2}
+
+_EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
+    m.Tick: _START | _TIME,
+    m.Tilt: _START | {"x": 0.0, "y": 0.0, "z": 9.8, "status": "running", "tick": _TIME},
+    m.DriveCommand: _START | _TWIST | {"source": "hand", "reason": "", "tick": _TIME},
+    m.GuardedCommand: _START
+    | _TWIST
+    | {
+        "guard_tick": _TIME,
+        "operator": "b2",
+        "operator_tick": _TIME,
+        "range_tick": None,
+        "source": "hand",
+        "hand_neutral": False,
+        "reason": "",
+    },
+    m.Range: _START | {"sensor": "rear", "state": "echo", "range": 1.25, "echo_us": 7250, "reason": "", "tick": _TIME},
+    m.Wheels: _START
+    | {
+        "left_ticks": -5,
+        "right_ticks": 5,
+        "left_velocity": -0.1,
+        "right_velocity": 0.1,
+        "left_pwm_counts": -12,
+        "right_pwm_counts": 12,
+        "board_us": 123,
+        "boot_id": 4,
+        "tick": _TIME,
+    },
+    m.Odometry: _START
+    | _TWIST
+    | {
+        "x": 1.0,
+        "y": 2.0,
+        "yaw": 0.5,
+        "covariance": [0.0] * 6,
+        "path": 3.0,
+        "board_us": 123,
+        "boot_id": 4,
+        "tick": _TIME,
+    },
+    m.BaseState: _START
+    | {
+        "armed": True,
+        "driving": False,
+        "reason": "",
+        "guard": "c3",
+        "round_trip": 0.03,
+        "budget_left": 0.17,
+        "board": _BOARD,
+    },
+    m.Battery: _START | {"voltage": 25.1},
+    m.GuardState: _START
+    | {
+        "forward": _VERDICT,
+        "backward": _VERDICT,
+        "turn_left": _VERDICT,
+        "turn_right": _VERDICT,
+        "operator": "b2",
+        "reason": "",
+    },
+}

@@ -1,0 +1,265 @@
+"""Samples to bytes and back: what is said comes back, and what is not a sample is named."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import msgpack  # type: ignore[import-untyped]
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from giraff_schemas import messages as m
+from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
+from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, OPERATOR_CMD_VEL, RANGE, TICK, TILT, TOPICS, Topic
+from tests.unit.schemas.samples import an_example, messages
+
+KEY = "giraff/sim-test/some/key"
+TICK_SAMPLE = m.Tick(seq=3, stamp_ns=4, instance="a1", epoch=7, robot_ns=5)
+
+every_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.schema.__name__)
+
+
+def refusal(topic: Topic[Any], payload: bytes, encoding: str | None = None) -> str:
+    """What the decoder says about a payload that it must refuse."""
+    with pytest.raises(DecodeError) as refused:
+        decode(topic, KEY, payload, encoding)
+    message = str(refused.value)
+    assert message.startswith(f"{KEY}: ")
+    return message
+
+
+@every_topic
+@settings(max_examples=50)
+@given(data=st.data())
+def test_what_is_encoded_is_decoded_and_a_plain_map_to_a_reader_without_the_schemas(
+    topic: Topic[Any], data: st.DataObject
+) -> None:
+    sample = data.draw(messages(topic.schema))
+    payload = encode(sample)
+    assert decode(topic, KEY, payload, encoding_of(topic.schema)) == sample
+    plain = msgpack.unpackb(payload)
+    assert plain == msgspec.json.decode(msgspec.json.encode(sample))
+    assert list(plain)[:3] == ["seq", "stamp_ns", "instance"]
+
+
+@given(health=messages(m.Health))
+def test_health_comes_back_too(health: m.Health) -> None:
+    assert msgspec.msgpack.decode(encode(health), type=m.Health) == health
+
+
+@every_topic
+def test_a_map_that_any_library_packs_is_a_sample(topic: Topic[Any]) -> None:
+    example = an_example(topic.schema)
+    sample = decode(topic, KEY, msgpack.packb(example))
+    assert isinstance(sample, topic.schema)
+    assert msgpack.unpackb(encode(sample)) == example
+
+
+def test_the_encoding_names_the_schema() -> None:
+    assert encoding_of(m.Tick) == "application/msgpack;giraff.Tick"
+    assert encoding_of(m.GuardedCommand) == "application/msgpack;giraff.GuardedCommand"
+
+
+@pytest.mark.parametrize(
+    "encoding", [None, "", "application/msgpack", "zenoh/bytes", "application/msgpack;giraff.Tick"]
+)
+def test_an_encoding_that_claims_nothing_else_is_read(encoding: str | None) -> None:
+    assert decode(TICK, KEY, encode(TICK_SAMPLE), encoding) == TICK_SAMPLE
+
+
+def test_another_schema_in_the_encoding_is_refused_though_the_map_would_fit() -> None:
+    message = refusal(TICK, encode(TICK_SAMPLE), "application/msgpack;giraff.Tilt")
+    assert "giraff.Tilt" in message
+    assert "giraff.Tick" in message
+
+
+def required_fields() -> list[tuple[Topic[Any], str]]:
+    return [
+        (topic, field.encode_name)
+        for topic in TOPICS
+        for field in msgspec.structs.fields(topic.schema)
+        if field.required
+    ]
+
+
+@pytest.mark.parametrize(("topic", "field"), required_fields(), ids=lambda part: getattr(part, "key", part))
+def test_a_missing_field_is_named(topic: Topic[Any], field: str) -> None:
+    example = an_example(topic.schema)
+    del example[field]
+    message = refusal(topic, msgpack.packb(example))
+    assert topic.schema.__name__ in message
+    assert f"`{field}`" in message
+
+
+@pytest.mark.parametrize(("topic", "field"), required_fields(), ids=lambda part: getattr(part, "key", part))
+def test_a_field_of_the_wrong_type_is_named(topic: Topic[Any], field: str) -> None:
+    message = refusal(topic, msgpack.packb(an_example(topic.schema) | {field: b"bytes are nowhere right"}))
+    assert f"$.{field}" in message
+
+
+@pytest.mark.parametrize("field", ["seq", "stamp_ns", "instance"])
+@every_topic
+def test_what_every_sample_starts_with_is_checked(topic: Topic[Any], field: str) -> None:
+    message = refusal(topic, msgpack.packb(an_example(topic.schema) | {field: [1]}))
+    assert f"$.{field}" in message
+
+
+def test_a_wrong_field_inside_another_is_named_by_its_path() -> None:
+    example = an_example(m.BaseState)
+    example["board"] = example["board"] | {"accepted": "many"}
+    assert "$.board.accepted" in refusal(BASE, msgpack.packb(example))
+
+
+def paths_of_floats(example: dict[str, Any]) -> list[tuple[str | int, ...]]:
+    """Where a map holds a float, at whatever depth."""
+    found: list[tuple[str | int, ...]] = []
+    for name, value in example.items():
+        if isinstance(value, float):
+            found.append((name,))
+        if isinstance(value, dict):
+            found += [(name, *path) for path in paths_of_floats(value)]
+        if isinstance(value, list):
+            found += [(name, index) for index, each in enumerate(value) if isinstance(each, float)]
+    return found
+
+
+def spoilt(values: Any, path: tuple[str | int, ...], number: float) -> Any:
+    """A copy of nested maps and lists with `number` at `path`."""
+    if not path:
+        return number
+    copy = values.copy()
+    copy[path[0]] = spoilt(values[path[0]], path[1:], number)
+    return copy
+
+
+FLOATS = [(topic, path) for topic in TOPICS for path in paths_of_floats(an_example(topic.schema))]
+
+
+@pytest.mark.parametrize("number", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize(("topic", "path"), FLOATS, ids=lambda part: getattr(part, "key", str(part)))
+def test_a_number_that_is_not_finite_is_refused_by_name(
+    topic: Topic[Any], path: tuple[str | int, ...], number: float
+) -> None:
+    message = refusal(topic, msgpack.packb(spoilt(an_example(topic.schema), path, number)))
+    name = next(part for part in reversed(path) if isinstance(part, str))
+    assert re.search(rf"\b{name}\b", message)
+    assert "finite" in message
+
+
+def test_every_message_with_a_float_is_in_that_test() -> None:
+    assert {topic.schema for topic, _ in FLOATS} == {topic.schema for topic in TOPICS} - {m.Tick}
+
+
+@every_topic
+@pytest.mark.parametrize("instance", ["", None])
+def test_a_sample_of_nobody_is_refused(topic: Topic[Any], instance: str | None) -> None:
+    example = an_example(topic.schema)
+    if instance is None:
+        del example["instance"]
+    else:
+        example["instance"] = instance
+    assert "`instance`" in refusal(topic, msgpack.packb(example))
+
+
+@every_topic
+def test_unknown_fields_are_ignored(topic: Topic[Any]) -> None:
+    example = an_example(topic.schema)
+    newer = example | {"a_later_field": {"of": ["any", 1.5, None]}}
+    assert decode(topic, KEY, msgpack.packb(newer)) == decode(topic, KEY, msgpack.packb(example))
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        b"",
+        b"\xc1",
+        b"garbage",
+        b"\xdf\xff\xff\xff\xff\xa1a",
+        b"\x91" * 100_000 + b"\xc0",
+        encode(TICK_SAMPLE)[:-1],
+        encode(TICK_SAMPLE) + b"\0",
+        encode(TICK_SAMPLE).replace(b"\xa2a1", b"\xa2\xff\xfe"),
+        b"\x87" + encode(TICK_SAMPLE)[1:] + b"\xa1z" + b"\x91" * 100_000 + b"\xc0",
+    ],
+    ids=["empty", "no opcode", "text", "huge map", "deep", "cut off", "more", "not UTF-8", "deep unknown field"],
+)
+def test_bytes_that_are_no_sample_are_refused_with_the_key(payload: bytes) -> None:
+    refusal(TICK, payload)
+
+
+@given(payload=st.binary(max_size=200))
+def test_no_bytes_do_anything_but_decode_or_be_refused(payload: bytes) -> None:
+    for topic in TOPICS:
+        refusal(topic, payload)
+
+
+@given(data=st.data())
+def test_no_damage_does_anything_but_decode_or_be_refused(data: st.DataObject) -> None:
+    topic = data.draw(st.sampled_from(TOPICS))
+    whole = msgpack.packb(an_example(topic.schema))
+    at = data.draw(st.integers(0, len(whole) - 1))
+    damaged = whole[:at] + data.draw(st.binary(min_size=1, max_size=3)) + whole[at + 1 :]
+    said = ""
+    try:
+        decode(topic, KEY, damaged)
+    except DecodeError as error:
+        said = str(error)
+    assert said == "" or said.startswith(f"{KEY}: ")
+
+
+@pytest.mark.parametrize(("state", "range_"), [("echo", None), ("clear", 1.0), ("fault", 1.0), ("clear", 0.0)])
+def test_a_distance_goes_with_an_echo_and_with_nothing_else(state: str, range_: float | None) -> None:
+    message = refusal(RANGE, msgpack.packb(an_example(m.Range) | {"state": state, "range": range_}))
+    assert state in message
+
+
+@pytest.mark.parametrize(
+    ("topic", "field", "value"),
+    [
+        (RANGE, "state", "maybe"),
+        (TILT, "status", "fine"),
+        (OPERATOR_CMD_VEL, "source", "ghost"),
+        (CMD_VEL, "source", ""),
+    ],
+)
+def test_a_word_that_is_not_in_the_vocabulary_is_refused(topic: Topic[Any], field: str, value: str) -> None:
+    assert f"$.{field}" in refusal(topic, msgpack.packb(an_example(topic.schema) | {field: value}))
+
+
+@pytest.mark.parametrize(
+    "time", [{"epoch": -1, "robot_ns": 5}, {"epoch": 1 << 32, "robot_ns": 5}, {"epoch": 7, "robot_ns": -1}]
+)
+def test_a_moment_that_the_boards_could_not_carry_is_refused(time: dict[str, int]) -> None:
+    assert "epoch" in refusal(OPERATOR_CMD_VEL, msgpack.packb(an_example(m.DriveCommand) | {"tick": time}))
+    assert "epoch" in refusal(TICK, msgpack.packb(an_example(m.Tick) | time))
+
+
+def test_a_tick_of_nobodys_epoch_is_refused() -> None:
+    assert "epoch" in refusal(TICK, msgpack.packb(an_example(m.Tick) | {"epoch": 0}))
+
+
+def test_stamping_fills_in_what_every_sample_starts_with_and_nothing_else() -> None:
+    battery = m.Battery(voltage=25.0)
+    assert stamped(battery, 5, 6, "d4") == m.Battery(seq=5, stamp_ns=6, instance="d4", voltage=25.0)
+    assert decode(BATTERY, KEY, encode(stamped(battery, 5, 6, "d4"))).seq == 5
+
+
+def test_samples_cannot_be_changed() -> None:
+    with pytest.raises(AttributeError):
+        TICK_SAMPLE.seq = 4  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("type_", [m.DriveCommand, m.GuardedCommand])
+@pytest.mark.parametrize(
+    ("linear_x", "angular_z", "neutral"), [(0.0, 0.0, True), (0.1, 0.0, False), (0.0, -0.1, False)]
+)
+def test_neutral_is_no_motion_at_all(
+    type_: type[m.DriveCommand | m.GuardedCommand], linear_x: float, angular_z: float, neutral: bool
+) -> None:
+    twist = {"linear_x": linear_x, "angular_z": angular_z}
+    command = msgspec.convert(an_example(type_) | twist, type_)
+    assert command.neutral is neutral
