@@ -1,0 +1,43 @@
+/* Reset, watchdog, EEPROM: alike on the three processors. */
+#include <avr/eeprom.h>
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/wdt.h>
+#include "hal.h"
+
+static uint32_t boot_count EEMEM;
+
+uint8_t hal_take_reset_cause(void)
+{
+    uint8_t cause = MCUSR;
+    MCUSR = 0;          /* WDRF keeps the watchdog on, at its shortest, until it is cleared */
+    wdt_disable();
+    return cause;
+}
+
+uint32_t hal_boot_count(void)
+{
+    return eeprom_read_dword(&boot_count);
+}
+
+void hal_set_boot_count(uint32_t count)
+{
+    eeprom_update_dword(&boot_count, count);
+    eeprom_busy_wait();
+}
+
+void hal_start_watchdog(void)
+{
+    _Static_assert(WATCHDOG_MS == 250, "WDTO_250MS is what is set");
+    wdt_enable(WDTO_250MS);
+}
+
+void hal_feed_watchdog(void)
+{
+    wdt_reset();
+}
+
+void hal_enable_interrupts(void)
+{
+    sei();
+}

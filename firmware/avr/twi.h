@@ -1,0 +1,6 @@
+#ifndef GIRAFF_TWI_H
+#define GIRAFF_TWI_H
+
+void twi_start(void);
+
+#endif

@@ -1,0 +1,45 @@
+#include "clock.h"
+#include "hal.h"
+#include "start_values.h"
+
+static volatile uint32_t ms;
+static volatile uint32_t us;        /* at the last millisecond: counted, since ms * 1000 would wrap elsewhere */
+
+void clock_start(void)
+{
+    ms = start_values.board_ms;
+    us = start_values.board_us;
+    hal_start_clock();
+}
+
+void clock_on_millisecond(void)
+{
+    ms++;
+    us += 1000;
+}
+
+uint32_t clock_ms(void)
+{
+    uint32_t now;
+    ATOMICALLY {
+        now = ms;
+    }
+    return now;
+}
+
+uint32_t clock_us(void)
+{
+    uint32_t now;
+    ATOMICALLY {
+        now = us + hal_clock_us();
+    }
+    return now;
+}
+
+bool clock_due(uint32_t *last_ms, uint16_t period_ms)
+{
+    if (clock_ms() - *last_ms < period_ms)
+        return false;
+    *last_ms += period_ms;
+    return true;
+}

@@ -1,0 +1,36 @@
+# One board's program and its machine for this computer: make -f host.mk BOARD=base, by way of the Makefile.
+include sources.mk
+
+SANITIZE ?=
+HOST_EXTRA ?=
+HOST_LINK ?=
+
+OUT := $(BUILD)/host/$(BOARD)
+LIBRARY := $(BUILD)/host/$(BOARD).so
+OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) \
+	$(patsubst %,$(OUT)/machine/%.o,machine processor $(BOARD)_parts $(notdir $(HOST_EXTRA:.c=)))
+
+FLAGS += -O2 -g -fPIC -fvisibility=hidden -Ihost
+ifneq ($(SANITIZE),)
+FLAGS += -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+endif
+
+ifneq ($(HOST_EXTRA),)
+vpath %.c $(dir $(HOST_EXTRA))
+endif
+
+COMPILE = @mkdir -p $(@D) && $(CC) $(FLAGS) -c $< -o $@
+
+$(LIBRARY): $(OBJECTS) host/firmware.ld
+	@$(CC) $(FLAGS) -shared $(OBJECTS) -Wl,-T,host/firmware.ld $(HOST_LINK) -lm -o $@
+
+$(OUT)/program/start_values.o: $(START_VALUES) sources.mk host.mk
+	$(COMPILE)
+$(OUT)/program/%.o: %.c sources.mk host.mk
+	$(COMPILE)
+$(OUT)/machine/%.o: host/%.c sources.mk host.mk
+	$(COMPILE)
+$(OUT)/machine/%.o: %.c sources.mk host.mk
+	$(COMPILE)
+
+-include $(OBJECTS:.o=.d)

@@ -1,0 +1,59 @@
+/* What a simulated board offers to the simulated world. Implemented twice, so that the world cannot tell:
+ * by services/giraff_sim/lockstep (the real ELF on a simavr core) and by firmware/host (the same C compiled
+ * for this machine). Read by cffi in ABI mode: lines that start with # are hidden from it.
+ *
+ * Time is simulated. The world moves the inputs, calls board_run to the end of the next slice (1 ms), and
+ * reads the outputs.
+ */
+#ifndef GIRAFF_BOARD_MODEL_H
+#define GIRAFF_BOARD_MODEL_H
+#include <stdint.h>
+
+enum { BOARD_MOTORS = 2, BOARD_SONARS = 3 };
+enum { BOARD_RUNNING = 0, BOARD_STOPPED = 1, BOARD_CRASHED = 2 };
+
+/* An H bridge and the encoder on its shaft; 0 is motor A (PD6, PC6) with the encoder PD3+PC7, 1 is motor B
+ * (PD4, PB4) with the encoder PD2+PC0. Forward is positive, as facts about the real board have it. */
+struct motor_model {
+    double position;        /* in: encoder position at the end of the next slice, in quadrature states (4x) */
+    double drive;           /* out: mean of the signed duty over the last slice, PWM counts -255..255 */
+    int drive_peak;         /* out: largest |duty| since the world last zeroed it: no pulse is too short to be seen */
+    int encoder_cut;        /* in: 1 = the encoder's wires are cut, its pins stay as they are */
+    int64_t states;         /* out: quadrature states sent to the pins so far */
+};
+
+struct board_model {
+    struct motor_model motor[2];
+    unsigned pings[3];      /* out: valid triggers seen, by sonar */
+    uint8_t twi_register[256];  /* in/out: registers of the TWI slave; its behaviour is the world's */
+    int twi_address;        /* in: 7 bits; 0 = nothing answers */
+    uint64_t twi_reads;     /* out: bytes read */
+    int slave_reset;        /* out: 1 while the board holds the slave's reset line low */
+    int button;             /* in: 1 = pressed */
+    double battery_volts;   /* in: at the ADC pin, 0..5 V */
+    unsigned tx_len;        /* out: bytes that board_uart_read would give */
+    unsigned rx_free;       /* out: room for board_uart_write */
+    uint64_t tx_total, rx_total, tx_lost;
+    unsigned resets;        /* out: resets of every kind since board_open */
+    unsigned errors;        /* out: the simulator's own complaints; the last one is in message */
+    int state;              /* out: BOARD_RUNNING ... */
+    uint64_t now_us;        /* out: end of the last slice */
+    /* Called when sonar k was triggered, at the exact instant its echo line would rise. Answers the echo pulse's
+     * length in us; 0 = the line never rises, negative = it rises and stays high. NULL: every line stays low. */
+    double (*on_ping)(void *user, int k);
+    void *user;
+    char message[160];
+    struct board_private *inside;
+};
+
+/* image: the ELF to run; the host-compiled boards ignore it. kind: enum board_kind of protocol.h.
+ * NULL: cannot, and message (160 bytes) says why. */
+struct board_model *board_open(const char *image, int kind, char *message);
+void board_close(struct board_model *b);
+int board_run(struct board_model *b, uint64_t until_us);   /* the state */
+int board_uart_read(struct board_model *b, uint8_t *to, int room);
+int board_uart_write(struct board_model *b, const uint8_t *from, int n);   /* bytes taken */
+/* cause: enum reset_cause of protocol.h; power-on also scrambles RAM. EEPROM is kept. */
+void board_reset(struct board_model *b, int cause);
+int board_eeprom(struct board_model *b, uint8_t *bytes, int n, int write);     /* 0, or -1 when it has none */
+#endif

@@ -1,0 +1,162 @@
+/* What each processor has: clock, watchdog, EEPROM, UART. */
+#include <string.h>
+#include "board.h"
+#include "firmware.h"
+#include "hal.h"
+#include "machine.h"
+#include "uart.h"
+
+#define EXPORT __attribute__((visibility("default")))
+
+enum { MS_NS = 1000000, BITS_PER_BYTE = 10, TX_SIZE = 65536, RX_SIZE = 4096 };
+
+static const uint64_t BYTE_NS = BITS_PER_BYTE * 1000000000ull / BAUD;
+
+static uint64_t millisecond_began_ns;
+static uint8_t sending;                         /* the byte on its way out */
+static uint8_t tx[TX_SIZE];                     /* what has come out; tx_len of the model counts it */
+static uint8_t rx[RX_SIZE];
+static unsigned rx_len;
+
+void processor_open(void)
+{
+    rx_len = 0;
+    machine_board->rx_free = RX_SIZE;
+}
+
+void processor_reset(void)
+{
+    for (enum source source = WATCHDOG; source < SOURCES; source++)
+        machine_cancel(source);
+}
+
+static void send_next(void)
+{
+    int16_t byte = uart_on_transmit();
+    if (byte < 0)
+        return;
+    sending = (uint8_t)byte;
+    machine_schedule(UART_TX, machine_now_ns() + BYTE_NS);
+}
+
+static void sent(void)
+{
+    struct board_model *b = machine_board;
+    b->tx_total++;
+    if (b->tx_len < TX_SIZE)
+        tx[b->tx_len++] = sending;
+    else
+        b->tx_lost++;
+    send_next();
+}
+
+static void receive_next(void)
+{
+    if (rx_len && !machine_is_scheduled(UART_RX))
+        machine_schedule(UART_RX, machine_now_ns() + BYTE_NS);
+}
+
+static void received(void)
+{
+    uint8_t byte = rx[0];
+    memmove(rx, rx + 1, --rx_len);
+    machine_board->rx_free++;
+    machine_board->rx_total++;
+    uart_on_receive(byte, false);
+    receive_next();
+}
+
+void processor_on_event(enum source source)
+{
+    switch (source) {
+    case CLOCK:
+        millisecond_began_ns += MS_NS;
+        machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
+        firmware_on_millisecond();
+        break;
+    case UART_RX:
+        received();
+        break;
+    default:
+        sent();
+    }
+}
+
+EXPORT int board_uart_read(struct board_model *b, uint8_t *to, int room)
+{
+    unsigned n = room < 0 ? 0 : (unsigned)room;
+    if (n > b->tx_len)
+        n = b->tx_len;
+    memcpy(to, tx, n);
+    b->tx_len -= n;
+    memmove(tx, tx + n, b->tx_len);
+    return (int)n;
+}
+
+EXPORT int board_uart_write(struct board_model *b, const uint8_t *from, int n)
+{
+    unsigned taken = n < 0 ? 0 : (unsigned)n;
+    if (taken > b->rx_free)
+        taken = b->rx_free;
+    memcpy(rx + rx_len, from, taken);
+    rx_len += taken;
+    b->rx_free -= taken;
+    receive_next();
+    return (int)taken;
+}
+
+uint8_t hal_take_reset_cause(void)
+{
+    return (uint8_t)machine_reset_cause;
+}
+
+/* As the AVR's compiler lays it out: the only variable in EEPROM, low byte first. */
+uint32_t hal_boot_count(void)
+{
+    const uint8_t *e = machine_eeprom;
+    return e[0] | (uint32_t)e[1] << 8 | (uint32_t)e[2] << 16 | (uint32_t)e[3] << 24;
+}
+
+void hal_set_boot_count(uint32_t count)
+{
+    for (int i = 0; i < 4; i++)
+        machine_eeprom[i] = (uint8_t)(count >> 8 * i);
+}
+
+void hal_start_watchdog(void)
+{
+    hal_feed_watchdog();
+}
+
+void hal_feed_watchdog(void)
+{
+    machine_schedule(WATCHDOG, machine_now_ns() + WATCHDOG_MS * (uint64_t)MS_NS);
+}
+
+void hal_enable_interrupts(void)
+{
+    /* Events come between polls, so none has come yet. */
+}
+
+void hal_start_clock(void)
+{
+    millisecond_began_ns = machine_now_ns();
+    machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
+}
+
+uint16_t hal_clock_us(void)
+{
+    uint64_t since_ns = machine_now_ns() - millisecond_began_ns;
+    return CLOCK_US((unsigned)(since_ns * CLOCK_COUNTS_PER_MS / MS_NS));
+}
+
+void hal_start_uart(void)
+{
+    receive_next();
+}
+
+void hal_transmit(void)
+{
+    if (!machine_is_scheduled(UART_TX))
+        send_next();
+}

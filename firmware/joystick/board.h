@@ -1,0 +1,12 @@
+#ifndef GIRAFF_BOARD_H
+#define GIRAFF_BOARD_H
+#include "protocol.h"
+
+#define BOARD_KIND BOARD_JOYSTICK
+#define BAUD 500000UL               /* JOYSTICK_BAUD, for the preprocessor */
+
+/* Timer 0 divides 16 MHz by 64: 250 counts a millisecond. */
+#define CLOCK_COUNTS_PER_MS 250
+#define CLOCK_US(counts) ((uint16_t)((counts) * 4u))
+
+#endif

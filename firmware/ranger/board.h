@@ -1,0 +1,12 @@
+#ifndef GIRAFF_BOARD_H
+#define GIRAFF_BOARD_H
+#include "protocol.h"
+
+#define BOARD_KIND BOARD_RANGER
+#define BAUD 500000UL               /* RANGER_BAUD, for the preprocessor */
+
+/* Timer 0 divides 16 MHz by 64: 250 counts a millisecond, 4 us or 0.7 mm each. */
+#define CLOCK_COUNTS_PER_MS 250
+#define CLOCK_US(counts) ((uint16_t)((counts) * 4u))
+
+#endif

@@ -1,0 +1,19 @@
+# What avr.mk and host.mk share: one board's sources and flags.
+
+START_VALUES ?= common/start_values.c
+
+COMMON := boot clock cobs crc frame hello link uart watchdog
+base_PROGRAM := base drive encoders motors
+joystick_PROGRAM := bno055 bus joystick tick
+ranger_PROGRAM := echo ranger sonars tick
+PROGRAM := $(COMMON) $($(BOARD)_PROGRAM) start_values
+
+HASH := $(shell $(PYTHON) generate_codec.py --hash)
+ifeq ($(HASH),)
+$(error generate_codec.py gave no protocol hash)
+endif
+
+FLAGS := -std=gnu11 -Wall -Wextra -Werror -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wundef \
+	-fno-common -MMD -MP -Icommon -I$(BOARD) -DPROTOCOL_HASH=$(HASH)UL
+
+vpath %.c common $(BOARD)

@@ -1,0 +1,44 @@
+"""The boards' C compiled for this machine: as it is, and in the variants that tests ask for."""
+
+from __future__ import annotations
+
+import subprocess
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from giraff_schemas.wire import BoardKind
+from tests.firmware.board import FIRMWARE, ROOT, Board
+
+BUILD: Final = ROOT / "build"
+HERE: Final = Path(__file__).resolve().parent
+
+
+@cache
+def compiled(variant: str = "", *settings: str) -> Path:
+    """Compile the boards with make's `settings`, each variant into a directory of its own, which this returns."""
+    build = BUILD / "variants" / variant if variant else BUILD
+    command = ["make", "--silent", "-C", str(FIRMWARE), "host", f"BUILD={build}", *settings]
+    made = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert made.returncode == 0, made.stderr
+    return build
+
+
+def open_board(kind: BoardKind, build: Path) -> Board:
+    return Board(kind, build / "host" / f"{kind.name.lower()}.so")
+
+
+def near_wraps() -> Path:
+    """Every counter starts shortly before it wraps."""
+    return compiled("near_wraps", f"START_VALUES={HERE / 'near_wraps.c'}")
+
+
+def sanitized() -> Path:
+    """With address and undefined-behaviour sanitizers, which end the process at the first finding."""
+    return compiled("sanitized", "SANITIZE=1")
+
+
+def with_fault(name: str, *wrapped: str) -> Path:
+    """With faults/`name`.c between the program and the `wrapped` functions."""
+    link = " ".join(f"-Wl,--wrap={function}" for function in wrapped)
+    return compiled(name, f"HOST_EXTRA={HERE / 'faults' / name}.c", f"HOST_LINK={link}")

@@ -1,0 +1,72 @@
+"""Throws noise at a board until a seed is used up; run in a process of its own, under sanitizers.
+
+Usage: noise.py LIBRARY SEED MILLISECONDS
+Prints how many line errors the board has counted.
+"""
+
+from __future__ import annotations
+
+import random
+import sys
+from pathlib import Path
+
+from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.wire import (
+    FRAME_CLASSES,
+    BoardKind,
+    ConfigureFrame,
+    DriveFrame,
+    Frame,
+    HelloRequestFrame,
+    RangeFrame,
+    TickFrame,
+    TiltFrame,
+    WheelsFrame,
+)
+from tests.firmware.board import Board
+
+HOST_FRAMES: tuple[type[Frame], ...] = (HelloRequestFrame, ConfigureFrame, DriveFrame, TickFrame)
+
+
+def noise(chance: random.Random) -> bytes:
+    """Plain noise, a frame with random content, or a damaged frame."""
+    if chance.random() < 0.4:
+        return chance.randbytes(chance.randrange(1, 80))
+    kind = chance.choice([*HOST_FRAMES, *FRAME_CLASSES.values()])
+    frame = bytearray(encode(bytes([kind.type]) + chance.randbytes(kind.layout.size - 1)))
+    if chance.random() < 0.5:
+        frame[chance.randrange(len(frame))] = chance.randrange(256)
+    return bytes(frame)
+
+
+def main() -> int:
+    library, seed, milliseconds = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
+    chance = random.Random(seed)
+    kind = BoardKind[library.stem.upper()]
+    board = Board(kind, library)
+    board.on_ping(lambda _sensor: chance.choice([0.0, -1.0, chance.uniform(0, 200_000)]))
+    decoder = Decoder()
+    errors = 0
+    for now_ms in range(1, milliseconds + 1):
+        if chance.random() < 0.5:
+            board.write(noise(chance))
+        for motor in board.model.motor:
+            motor.position += chance.uniform(-50, 50)
+        board.model.twi_address = chance.choice([0, 0x28, 0x28, 0x28])
+        board.registers[0:64] = chance.randbytes(64) if chance.random() < 0.5 else bytes([0xA0, 0xFB]) + bytes(62)
+        if chance.random() < 0.001:
+            board.reset()
+        board.run(now_ms * 1000)
+        for frame in decoder.feed(board.read()):
+            if isinstance(frame, (WheelsFrame, TiltFrame, RangeFrame)):
+                errors = max(errors, frame.line_errors)
+    assert decoder.crc_errors + decoder.shape_errors <= board.model.resets, "only a reset tears the board's frames"
+    assert max(motor.drive_peak for motor in board.model.motor) == 0, "noise drives"
+    assert board.model.errors == 0, board.message
+    board.close()
+    print(errors)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,104 @@
+"""Every counter that wraps, seen across its wrap."""
+
+import itertools
+from collections.abc import Iterator
+
+import pytest
+
+from giraff_schemas.wire import ECHO_MAX_AGE_MS, BoardKind, DriveState, Refusal, WheelsFrame, Wiring
+from tests.firmware.bench import BaseBench
+from tests.firmware.builds import near_wraps, open_board
+
+MS_WRAPS_AT = 1000  # simulated ms, as near_wraps.c has it
+U32 = 1 << 32
+
+
+@pytest.fixture
+def base() -> Iterator[BaseBench]:
+    board = open_board(BoardKind.BASE, near_wraps())
+    yield BaseBench(board)
+    board.close()
+
+
+def differences(values: list[int], modulus: int) -> set[int]:
+    return {(later - earlier) % modulus for earlier, later in itertools.pairwise(values)}
+
+
+def wraps(values: list[int]) -> int:
+    return sum(later < earlier for earlier, later in itertools.pairwise(values))
+
+
+def test_time_and_sequence_go_on_evenly(base: BaseBench) -> None:
+    base.run(1500)
+    told = base.all(WheelsFrame)
+    for values, step, modulus in (
+        ([frame.board_us for frame in told], 10_000, U32),
+        ([frame.board_ms for frame in told], 10, U32),
+        ([frame.seq for frame in told], 1, 1 << 16),
+    ):
+        assert wraps(values) == 1
+        assert differences(values, modulus) == {step}
+
+
+def drive_until(base: BaseBench, ms: int) -> None:
+    """Drive as a healthy host does, up to a simulated millisecond."""
+    base.start(40, 40)
+    while base.now_ms < ms - 20:
+        base.drive(40, 40)
+    base.run(ms - base.now_ms)
+
+
+def test_driving_goes_on_across_the_wrap_of_board_ms(base: BaseBench) -> None:
+    drive_until(base, MS_WRAPS_AT - 100)
+    for _ in range(20):
+        base.drive(40, 40)
+        assert base.duties() == (40, 40)
+    assert base.wheels().refused == 0
+    assert base.wheels().board_ms < MS_WRAPS_AT
+
+
+@pytest.mark.parametrize(("age", "refusal"), [(ECHO_MAX_AGE_MS, Refusal.NONE), (ECHO_MAX_AGE_MS + 1, Refusal.STALE)])
+def test_an_echo_from_before_the_wrap_is_as_old_as_it_is(base: BaseBench, age: int, refusal: Refusal) -> None:
+    drive_until(base, MS_WRAPS_AT + 50)
+    arrival = base.now_ms + 1 - MS_WRAPS_AT
+    base.send(base.drive_frame(50, 50, board_ms=(arrival - age) % U32))
+    base.run(15)
+    assert base.wheels().last_refusal == refusal
+
+
+def test_an_echo_from_beyond_the_wrap_is_from_the_future(base: BaseBench) -> None:
+    drive_until(base, MS_WRAPS_AT - 50)
+    base.send(base.drive_frame(50, 50, board_ms=0))
+    base.run(15)
+    assert base.wheels().last_refusal == Refusal.STALE
+
+
+def test_the_time_out_keeps_its_length_across_the_wrap(base: BaseBench) -> None:
+    drive_until(base, MS_WRAPS_AT - 150)
+    base.send(base.drive_frame(50, 50))
+    base.run(2)
+    began = base.now_ms
+    while base.duties() != (0, 0):
+        base.run(1)
+    assert base.now_ms > MS_WRAPS_AT
+    assert base.now_ms - began == pytest.approx(300, abs=2)
+    base.run(15)
+    assert base.wheels().drive_state == DriveState.COMMAND_TIMEOUT
+
+
+@pytest.mark.parametrize("wiring", [0, Wiring.INVERT_LEFT_ENCODER])
+def test_ticks_wrap_and_lose_none(base: BaseBench, wiring: int) -> None:
+    base.configure(wiring=wiring)
+    base.forget()
+    base.run(15)
+    for _ in range(100):
+        base.model.motor[0].position += 40
+        base.model.motor[1].position += 40
+        base.run(1)
+    base.run(15)
+    told = base.all(WheelsFrame)
+    for ticks in ([frame.left_ticks for frame in told], [frame.right_ticks for frame in told]):
+        assert max(abs(later - earlier) for earlier, later in itertools.pairwise(ticks)) > 1 << 31
+        steps = [(later - earlier + (1 << 31)) % U32 - (1 << 31) for earlier, later in itertools.pairwise(ticks)]
+        assert abs(sum(steps)) == 2000
+        assert max(abs(step) for step in steps) <= 200
