@@ -1,0 +1,13 @@
+"""The runtime that each service runs on."""
+
+import os
+
+# Read once, when zenoh is imported: as many receiving threads as links that can die at one moment, because a dead
+# link's close blocks its thread for up to 10 s and would freeze the healthy links that share it.
+os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
+
+from giraff_node.clock import robot_now_ns
+from giraff_node.node import Inbox, Newest, Node, Publisher
+from giraff_node.pacing import Pacer
+
+__all__ = ["Inbox", "Newest", "Node", "Pacer", "Publisher", "robot_now_ns"]

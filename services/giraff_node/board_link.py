@@ -1,0 +1,93 @@
+"""A serial link to one of the three boards: frames instead of bytes, and proof that the other side is the right one."""
+
+from __future__ import annotations
+
+from giraff_node.serial_link import SerialLink
+from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, Frame, HelloFrame, HelloRequestFrame
+
+HELLO_PERIOD = 0.25  # s between two requests while none was answered
+SILENCE = 1.0  # s without a frame after which the port is opened again: a stale descriptor outlives a replug
+
+
+class BoardLink:
+    """Frames from and to the board of `kind`. None is passed on before a matching `hello`."""
+
+    def __init__(self, path: str, baud: int, kind: BoardKind) -> None:
+        self.kind = kind
+        self.hello: HelloFrame | None = None
+        self._serial = SerialLink(path, baud)
+        self._decoder = Decoder()
+        self._seq = 0
+        self._heard = 0.0
+        self._next_request = 0.0
+        self._mismatch = ""
+        self._reporting = False  # the board has said more than hello since the port was opened
+
+    def descriptor(self) -> int | None:
+        return self._serial.descriptor()
+
+    @property
+    def opened(self) -> int:
+        """How often the port was opened."""
+        return self._serial.opened
+
+    @property
+    def fault(self) -> str:
+        """Why there are no frames, with the way out; empty when there may be."""
+        if self._serial.fault or self._mismatch:
+            return self._serial.fault or self._mismatch
+        if self._reporting:
+            return ""
+        return f"{self._serial.path}: no reports from a {self.kind.name.lower()} board yet"
+
+    @property
+    def line_errors(self) -> int:
+        """Frames that arrived torn or wrong."""
+        return self._decoder.crc_errors + self._decoder.shape_errors
+
+    def poll(self, now: float) -> list[Frame]:
+        """Keep the port open and return the frames that have arrived. `now`: monotonic, s."""
+        if self._serial.keep_open(now):
+            self._decoder = Decoder()
+            self.hello = None
+            self._reporting = False
+            self._heard = now
+            self._next_request = now
+        self._serial.flush()
+        arrived = self._decoder.feed(self._serial.read())
+        if arrived:
+            self._heard = now
+        frames = [frame for frame in arrived if self._accept(frame)]
+        if self.descriptor() is not None:
+            if now - self._heard > SILENCE:
+                self._serial.close(f"{self._serial.path}: silent for {SILENCE:g} s; check the board's power and cable")
+            elif self.hello is None and now >= self._next_request:
+                self._next_request = now + HELLO_PERIOD
+                self._seq = (self._seq + 1) & 0xFFFF
+                self.send(HelloRequestFrame(seq=self._seq))
+        return frames
+
+    def send(self, frame: Frame) -> None:
+        """Send `frame`; a newer one replaces it until the kernel has begun to take it."""
+        self._serial.send(encode(frame.pack()))
+
+    def _accept(self, frame: Frame) -> bool:
+        if isinstance(frame, HelloFrame):
+            self._mismatch = self._judge(frame)
+            self.hello = None if self._mismatch else frame
+        elif self.hello is not None:
+            self._reporting = True
+        return self.hello is not None
+
+    def _judge(self, hello: HelloFrame) -> str:
+        path = self._serial.path
+        if hello.board != self.kind:
+            there = BoardKind(hello.board).name.lower() if hello.board in list(BoardKind) else f"kind {hello.board}"
+            return f"{path}: a {there} board is there, not a {self.kind.name.lower()} board; swap the ports"
+        if hello.protocol_hash != PROTOCOL_HASH:
+            return (
+                f"{path}: the board speaks protocol {hello.protocol_hash:08x}, this program {PROTOCOL_HASH:08x}; "
+                f"reflash it: make -C firmware flash BOARD={self.kind.name.lower()} PORT={path}"
+            )
+        return ""

@@ -1,0 +1,78 @@
+"""Strict configuration: the robot file (TOML, one table a service), then the environment.
+
+The file is $GIRAFF_CONFIG, else `deploy/robot.toml` below the working directory. A variable GIRAFF_<TABLE>_<FIELD>
+(GIRAFF_BASE_PORT, GIRAFF_ROBOT_NAME) overrides one field. Anything unknown is an error that suggests the right word.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
+
+TABLES = ("robot", "network", "joystick", "base", "ranger", "odometry", "guard", "sim")
+_NOT_FIELDS = ("GIRAFF_CONFIG",)
+
+
+class ConfigError(Exception):
+    """A robot file or a variable that cannot be used. The message names where and the way out."""
+
+
+def robot_file(environment: Mapping[str, str] = os.environ) -> Path:
+    """Path of the robot file."""
+    given = environment.get("GIRAFF_CONFIG")
+    path = Path(given) if given else Path("deploy/robot.toml")
+    if not path.is_file():
+        wanted = "GIRAFF_CONFIG names it" if given else "it is looked for there unless GIRAFF_CONFIG names another"
+        raise ConfigError(f"no robot file at {path.absolute()} ({wanted})")
+    return path
+
+
+def read_tables(environment: Mapping[str, str] = os.environ) -> dict[str, dict[str, Any]]:
+    """The robot file's tables with the environment's overrides; values are not yet checked."""
+    path = robot_file(environment)
+    try:
+        tables = tomllib.loads(path.read_text())
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{path}: not TOML: {error}") from error
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
+    for name, table in tables.items():
+        if name not in TABLES:
+            raise ConfigError(f"{path}: unknown table [{name}]{_suggestion(name, TABLES)}")
+        if not isinstance(table, dict):
+            raise ConfigError(f"{path}: {name} is a value where the table [{name}] belongs")
+    for variable, value in environment.items():
+        if not variable.startswith("GIRAFF_") or variable in _NOT_FIELDS:
+            continue
+        table_name, _, field = variable.removeprefix("GIRAFF_").lower().partition("_")
+        if table_name not in TABLES or not field:
+            tables_there = [f"GIRAFF_{table.upper()}_…" for table in TABLES]
+            raise ConfigError(f"{variable}: names no field; there are {', '.join(tables_there)} and GIRAFF_CONFIG")
+        tables.setdefault(table_name, {})[field] = value
+    return tables
+
+
+def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.environ) -> ConfigT:
+    """The checked table `table` as a `config`. Its fields' defaults stand for what the file leaves out."""
+    values = read_tables(environment).get(table, {})
+    try:
+        # Not strict, because the environment's values are text: "70" is a number, "true" a truth.
+        return msgspec.convert(values, config, strict=False)
+    except msgspec.ValidationError as error:
+        fields = [field.name for field in msgspec.structs.fields(config)]
+        unknown = [name for name in values if name not in fields]
+        hint = _suggestion(unknown[0], fields) if unknown else ""
+        raise ConfigError(f"{robot_file(environment)}: table [{table}]: {error}{hint}") from error
+
+
+def _suggestion(word: str, known: list[str] | tuple[str, ...]) -> str:
+    close = difflib.get_close_matches(word, known, n=1)
+    return f"; did you mean {close[0]!r}?" if close else f"; known are: {', '.join(sorted(known))}"

@@ -1,0 +1,86 @@
+"""What several services know of the robot: the table `[robot]` of the robot file."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+from giraff_schemas.topics import require_chunk
+from giraff_schemas.wire import RANGE_SENSORS, Wiring
+
+
+class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """An ultrasonic sensor in `base_link`: metres, radians."""
+
+    index: int
+    """Number of the sensor on the ranger board."""
+    x: float
+    y: float
+    yaw: float
+
+
+class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Geometry, limits and wiring of one robot. SI units unless the name says otherwise."""
+
+    name: str
+    track_width: float
+    """m between the wheels' contact points."""
+    ticks_per_metre: float
+    """Encoder counts of the base board (both edges of A) per metre of wheel travel."""
+    max_wheel_speed: float
+    """m/s of one wheel at `max_level`."""
+    max_level: int
+    """Largest PWM level asked of a motor, of 255."""
+    max_angular_speed: float
+    """rad/s."""
+    footprint_radius: float
+    """m: a disc about `base_link` that holds the whole robot."""
+    battery_volts_per_count: float
+    """V per ADC count of the base board; 0 = not calibrated, no battery is published."""
+    swap_motors: bool
+    swap_encoders: bool
+    invert_left_motor: bool
+    invert_right_motor: bool
+    invert_left_encoder: bool
+    invert_right_encoder: bool
+    sensors: dict[str, SensorPose]
+
+    def __post_init__(self) -> None:
+        require_chunk(self.name)
+        for name in (
+            "track_width",
+            "ticks_per_metre",
+            "max_wheel_speed",
+            "max_angular_speed",
+            "footprint_radius",
+        ):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} is {value}: it must be a positive number")
+        if not 1 <= self.max_level <= 255:
+            raise ValueError(f"max_level is {self.max_level}: it must be in 1..255")
+        for sensor, pose in self.sensors.items():
+            require_chunk(sensor)
+            if not 0 <= pose.index < RANGE_SENSORS:
+                raise ValueError(f"sensor {sensor} has index {pose.index}: the ranger board has 0..{RANGE_SENSORS - 1}")
+        indices = [pose.index for pose in self.sensors.values()]
+        if len(set(indices)) != len(indices):
+            raise ValueError(f"sensors share an index: {sorted(indices)}")
+
+    @property
+    def wiring(self) -> Wiring:
+        """The bits that the base board's `configure` frame carries."""
+        bits = (
+            (self.swap_motors, Wiring.SWAP_MOTORS),
+            (self.swap_encoders, Wiring.SWAP_ENCODERS),
+            (self.invert_left_motor, Wiring.INVERT_LEFT_MOTOR),
+            (self.invert_right_motor, Wiring.INVERT_RIGHT_MOTOR),
+            (self.invert_left_encoder, Wiring.INVERT_LEFT_ENCODER),
+            (self.invert_right_encoder, Wiring.INVERT_RIGHT_ENCODER),
+        )
+        result = Wiring(0)
+        for is_set, bit in bits:
+            if is_set:
+                result |= bit
+        return result

@@ -1,0 +1,114 @@
+"""A serial port that comes and goes: opened by path, reopened by path, never waited for."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+
+import serial
+
+REOPEN_PERIOD = 0.1  # s between two attempts
+
+
+class SerialLink:
+    """Bytes in, frames out. Nothing here raises: `fault` says what is wrong, and the port is opened again."""
+
+    def __init__(self, path: str, baud: int) -> None:
+        self.path = path
+        self.baud = baud
+        self.fault = f"{path}: not opened yet"
+        """Why the port is closed, with the way out; empty while it is open."""
+        self.opened = 0
+        """How often the port was opened: a change means that whatever was under way is lost."""
+        self._port: serial.Serial | None = None
+        self._next_attempt = 0.0
+        self._unsent = b""  # rest of a frame that the kernel took in part: it must end before another begins
+        self._waiting = b""  # newest frame that has not been begun
+
+    def descriptor(self) -> int | None:
+        return None if self._port is None else self._port.fileno()
+
+    def keep_open(self, now: float) -> bool:
+        """Try to open a closed port when it is time; whether it has just been opened. `now`: monotonic, s."""
+        if self._port is not None or now < self._next_attempt:
+            return False
+        self._next_attempt = now + REOPEN_PERIOD
+        try:
+            self._port = serial.Serial(self.path, self.baud, timeout=0, write_timeout=0, exclusive=True)
+            # What was queued before now is of another life: of an earlier session, or of a board's earlier boot.
+            self._port.reset_input_buffer()
+            self._port.reset_output_buffer()
+        except (serial.SerialException, OSError, ValueError) as error:
+            self.close(_explain(self.path, error))
+            return False
+        self.fault = ""
+        self.opened += 1
+        return True
+
+    def close(self, why: str) -> None:
+        """Close the port because of `why`; it is opened again when it is time."""
+        if self._port is not None:
+            with contextlib.suppress(serial.SerialException, OSError):  # a device that is gone is closed all the same
+                self._port.close()
+            self._port = None
+        self._unsent = self._waiting = b""
+        self.fault = why
+
+    def read(self) -> bytes:
+        """What has arrived; empty when nothing has, or the port is closed."""
+        if self._port is None:
+            return b""
+        try:
+            data = os.read(self._port.fileno(), 4096)
+        except BlockingIOError:
+            return b""
+        except OSError as error:
+            self.close(_explain(self.path, error))
+            return b""
+        # pyserial sets VMIN=0: no data reads as b"" on a live port, as end of file on a dead one. A dead one also
+        # fails the line-status call that in_waiting makes.
+        if not data:
+            try:
+                _ = self._port.in_waiting
+            except OSError as error:
+                self.close(_explain(self.path, error))
+        return data
+
+    def send(self, frame: bytes) -> None:
+        """Send `frame` as soon as the kernel takes it; a newer one replaces it until then."""
+        self._waiting = frame
+        self.flush()
+
+    def flush(self) -> None:
+        """Go on with what could not be sent at once."""
+        if self._port is None:
+            return
+        try:
+            while self._unsent or self._waiting:
+                if not self._unsent:
+                    self._unsent, self._waiting = self._waiting, b""
+                taken = os.write(self._port.fileno(), self._unsent)
+                self._unsent = self._unsent[taken:]
+                if self._unsent:
+                    return
+        except BlockingIOError:
+            return
+        except OSError as error:
+            self.close(_explain(self.path, error))
+
+
+def _explain(path: str, error: Exception) -> str:
+    """What `error` on the port `path` probably means, and the way out."""
+    number = getattr(error, "errno", None)
+    if number == errno.ENOENT:
+        return f"{path}: no such port; plug the board in, or correct `port` in the robot file"
+    if number in (errno.EACCES, errno.EPERM):
+        return f"{path}: not permitted; add this user to the group that owns the port (dialout)"
+    if number in (errno.EAGAIN, errno.EBUSY):
+        return f"{path}: in use by another process; end that one"
+    if number in (errno.EIO, errno.ENXIO, errno.ENODEV, errno.EBADF):
+        return f"{path}: unplugged; it is opened again when it is back"
+    if number == errno.ENOTTY:
+        return f"{path}: not a serial port; correct `port` in the robot file"
+    return f"{path}: {error}"
