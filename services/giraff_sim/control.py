@@ -1,0 +1,186 @@
+"""The control socket: how tests and `giraff run` look into the simulated robot and lay hands on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+import msgspec
+
+from giraff_schemas.wire import BoardKind, DriveState, Refusal, ResetCause, WheelsFrame
+from giraff_sim import messages
+from giraff_sim.hand import Hand, ScriptError, StillHand
+from giraff_sim.pacing import WallPacer
+from giraff_sim.ptys import SerialPort
+from giraff_sim.room import Pose, RoomError
+from giraff_sim.simulation import Simulation
+
+_WHEELS: Final = {"left": 0, "right": 1}
+
+HandMaker = Callable[[str, float], Hand]
+"""Makes a hand of its name ("demo", "still", a path) and the simulated second at which it begins."""
+
+
+class Control:
+    """Does what requests ask."""
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        ports: Mapping[BoardKind, SerialPort],
+        pacer: WallPacer,
+        make_hand: HandMaker,
+    ) -> None:
+        self._simulation = simulation
+        self._ports = ports
+        self._pacer = pacer
+        self._make_hand = make_hand
+        self._decoder = msgspec.json.Decoder(messages.AnyRequest)
+        self._actions: dict[type[messages.Request], Callable[[Any], messages.Reply | None]] = {
+            messages.GetState: self._state,
+            messages.GetRecord: self._record,
+            messages.Tilt: self._tilt,
+            messages.SetHand: self._hand,
+            messages.Button: self._button,
+            messages.Place: self._place,
+            messages.AddWall: self._add_wall,
+            messages.RemoveWall: self._remove_wall,
+            messages.FailBno055: self._fail_bno055,
+            messages.FailSonar: self._fail_sonar,
+            messages.CutEncoder: self._cut_encoder,
+            messages.Battery: self._battery,
+            messages.Unplug: self._unplug,
+            messages.Plug: self._plug,
+            messages.Reset: self._reset,
+        }
+
+    def answer(self, line: bytes) -> messages.Reply:
+        """The reply to one line."""
+        try:
+            request = self._decoder.decode(line)
+            action = self._actions.get(type(request))
+            reply = None if action is None else action(request)
+        except msgspec.DecodeError as error:
+            return messages.Reply(ok=False, error=f"not a request: {error}")
+        except (ValueError, RoomError, ScriptError) as error:
+            return messages.Reply(ok=False, error=str(error))
+        return reply or messages.Reply(ok=True, now_us=self._simulation.now_us)
+
+    def _state(self, _request: messages.GetState) -> messages.Reply:
+        simulation, plant = self._simulation, self._simulation.world.plant
+        state = messages.State(
+            now_us=simulation.now_us,
+            x=plant.pose.x,
+            y=plant.pose.y,
+            yaw=plant.pose.yaw,
+            left_speed=plant.left.speed,
+            right_speed=plant.right.speed,
+            path_length=plant.path_length,
+            clearance=_finite(plant.clearance),
+            closest=_finite(plant.closest),
+            contacts=plant.contacts,
+            battery_volts=plant.volts,
+            skew=self._pacer.skew,
+            pings={number: sonar.pings for number, sonar in simulation.world.sonars.items()},
+            boards={kind.name.lower(): self._board_state(kind) for kind in simulation.boards},
+            base=_base_says(simulation.record.telemetry),
+        )
+        return messages.Reply(ok=True, now_us=simulation.now_us, state=state)
+
+    def _board_state(self, kind: BoardKind) -> messages.BoardState:
+        board = self._simulation.boards[kind]
+        port = self._ports.get(kind)
+        return messages.BoardState(
+            state=board.state,
+            plugged=port is not None and port.is_plugged,
+            resets=board.model.resets,
+            sent=board.model.tx_total,
+            taken=board.model.rx_total,
+            lost=board.model.tx_lost + (port.lost if port else 0),
+            complaints=board.model.errors,
+            complaint=board.message,
+        )
+
+    def _record(self, request: messages.GetRecord) -> messages.Reply:
+        now_us = self._simulation.now_us
+        until_us = now_us if request.until_us is None else request.until_us
+        if until_us < request.since_us:
+            raise ValueError(f"the window ends at {until_us} us, before it begins at {request.since_us} us")
+        verdict = self._simulation.record.verdict(request.since_us, until_us)
+        return messages.Reply(ok=True, now_us=now_us, record=verdict)
+
+    def _tilt(self, request: messages.Tilt) -> None:
+        self._simulation.world.hand = StillHand((request.x, request.y, request.z))
+
+    def _hand(self, request: messages.SetHand) -> None:
+        self._simulation.world.hand = self._make_hand(request.hand, self._simulation.now_us * 1e-6)
+
+    def _button(self, request: messages.Button) -> None:
+        self._simulation.world.button = request.pressed
+
+    def _place(self, request: messages.Place) -> None:
+        self._simulation.world.plant.place(Pose(request.x, request.y, request.yaw))
+
+    def _add_wall(self, request: messages.AddWall) -> None:
+        self._simulation.world.room.add_wall(request.name, request.points, closed=request.closed)
+
+    def _remove_wall(self, request: messages.RemoveWall) -> None:
+        self._simulation.world.room.remove(request.name)
+
+    def _fail_bno055(self, request: messages.FailBno055) -> None:
+        if self._simulation.bno055 is None:
+            raise ValueError("there is no joystick here")
+        self._simulation.bno055.fault = request.fault
+
+    def _fail_sonar(self, request: messages.FailSonar) -> None:
+        sonars = self._simulation.world.sonars
+        if request.number not in sonars:
+            raise ValueError(f"there is no sonar {request.number}; there are {sorted(sonars)}")
+        sonars[request.number].fault = request.fault
+
+    def _cut_encoder(self, request: messages.CutEncoder) -> None:
+        self._simulation.cut_encoder(_WHEELS[request.wheel], is_cut=request.cut)
+
+    def _battery(self, request: messages.Battery) -> None:
+        if not (math.isfinite(request.volts) and request.volts >= 0.0):
+            raise ValueError(f"a battery cannot have {request.volts} V")
+        self._simulation.world.plant.open_volts = request.volts
+
+    def _unplug(self, request: messages.Unplug) -> None:
+        self._port(request.board).unplug()
+
+    def _plug(self, request: messages.Plug) -> None:
+        self._port(request.board).plug()
+
+    def _reset(self, request: messages.Reset) -> None:
+        self._simulation.reset(self._port(request.board).kind, ResetCause[request.cause.upper()])
+
+    def _port(self, name: str) -> SerialPort:
+        port = self._ports.get(BoardKind[name.upper()])
+        if port is None:
+            raise ValueError(f"there is no {name} board here")
+        return port
+
+
+def _base_says(frame: WheelsFrame | None) -> messages.BaseSays | None:
+    if frame is None:
+        return None
+    return messages.BaseSays(
+        boot_id=frame.boot_id,
+        session=frame.session,
+        drive_state=DriveState(frame.drive_state).name.lower(),
+        last_refusal=Refusal(frame.last_refusal).name.lower(),
+        left_ticks=frame.left_ticks,
+        right_ticks=frame.right_ticks,
+        left_pwm_counts=frame.left_pwm_counts,
+        right_pwm_counts=frame.right_pwm_counts,
+        accepted=frame.accepted,
+        refused=frame.refused,
+        line_errors=frame.line_errors,
+    )
+
+
+def _finite(value: float) -> float:
+    """JSON has no infinity; no room is this wide."""
+    return min(value, 1e9)

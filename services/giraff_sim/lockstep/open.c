@@ -1,0 +1,177 @@
+/* Making the three boards: processor, clock, image, and what is soldered to which pin. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "sim_elf.h"
+#include "avr_adc.h"
+#include "avr_eeprom.h"
+#include "inside.h"
+
+static const struct processor { const char *mcu; uint32_t hz; } PROCESSORS[] = {
+    [BOARD_BASE] = { "atmega644", 18432000 },
+    [BOARD_JOYSTICK] = { "atmega328p", 16000000 },
+    [BOARD_RANGER] = { "atmega2560", 16000000 },
+};
+
+static const struct motor_wiring MOTORS[BOARD_MOTORS] = {
+    { '2', 'B', "D6", "C6", "D3", "C7", .forward = 1, .mirrored = 0 },
+    { '1', 'B', "D4", "B4", "D2", "C0", .forward = 0, .mirrored = 1 },
+};
+
+static const struct { const char *trigger, *echo; } SONARS[BOARD_SONARS] = {
+    { "A0", "E4" },
+    { "A1", "E5" },
+    { "A2", "D3" },
+};
+
+static const char JOYSTICK_SLAVE_RESET[] = "D7", JOYSTICK_BUTTON[] = "D4";
+
+avr_io_t *io_next(avr_t *avr, const char *kind, avr_io_t *after)
+{
+    for (avr_io_t *io = after ? after->next : avr->io_port; io; io = io->next)
+        if (!strcmp(io->kind, kind))
+            return io;
+    return NULL;
+}
+
+static void on_log(avr_t *avr, const int level, const char *format, va_list arguments)
+{
+    struct board_model *b = avr ? board_of(avr) : NULL;
+    if (level > LOG_ERROR || !b)
+        return;
+    b->errors++;
+    vsnprintf(b->message, sizeof b->message, format, arguments);
+}
+
+static void on_reset(avr_t *avr)        /* in the middle of avr_reset: only note it */
+{
+    struct board_model *b = board_of(avr);
+    if (b->inside->core_reset)
+        b->inside->core_reset(avr);
+    b->inside->was_reset = 1;
+    b->resets++;
+}
+
+static void no_sleep(avr_t *avr, avr_cycle_count_t cycles)
+{
+    (void)avr;
+    (void)cycles;
+}
+
+/* TRAP: simavr aborts on an image that is too large, and libelf is not asked whether it is one at all. */
+static int read_image(const char *path, const avr_t *avr, elf_firmware_t *firmware, char *message)
+{
+    enum { HEADER = 20, MACHINE = 18, EM_AVR = 83 };
+    unsigned char header[HEADER] = { 0 };
+    FILE *file = fopen(path, "rb");
+    if (!file) {
+        snprintf(message, MESSAGE_SIZE, "cannot read %s: %m", path);
+        return -1;
+    }
+    size_t n = fread(header, 1, sizeof header, file);
+    fclose(file);
+    if (n < sizeof header || memcmp(header, "\177ELF", 4) || header[MACHINE] != EM_AVR) {
+        snprintf(message, MESSAGE_SIZE, "%s is no AVR ELF file", path);
+        return -1;
+    }
+    memset(firmware, 0, sizeof *firmware);
+    if (elf_read_firmware(path, firmware) || !firmware->flash) {
+        snprintf(message, MESSAGE_SIZE, "%s holds no code", path);
+        return -1;
+    }
+    if (firmware->flashbase + firmware->flashsize > avr->flashend + 1) {
+        snprintf(message, MESSAGE_SIZE, "%s is larger than the %s", path, avr->mmcu);
+        return -1;
+    }
+    return 0;
+}
+
+static void free_image(elf_firmware_t *firmware)
+{
+    for (uint32_t k = 0; k < firmware->symbolcount; k++)
+        free(firmware->symbol[k]);
+    free(firmware->symbol);
+    free(firmware->flash);
+    free(firmware->eeprom);
+}
+
+static int wire(struct board_model *b, int kind)
+{
+    avr_t *avr = b->inside->avr;
+    if (uart_wire(b))
+        return -1;
+    if (kind == BOARD_BASE) {
+        for (int k = 0; k < BOARD_MOTORS; k++)
+            if (motor_wire(b, k, &MOTORS[k]))
+                return -1;
+        b->inside->battery = avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0);
+    } else if (kind == BOARD_JOYSTICK) {
+        b->inside->slave_reset = pin_named(avr, JOYSTICK_SLAVE_RESET);
+        b->inside->button = pin_named(avr, JOYSTICK_BUTTON);
+        return twi_wire(b);
+    } else {
+        for (int k = 0; k < BOARD_SONARS; k++)
+            sonar_wire(b, k, SONARS[k].trigger, SONARS[k].echo);
+    }
+    return 0;
+}
+
+struct board_model *board_open(const char *image, int kind, char *message)
+{
+    if (kind < BOARD_BASE || kind > BOARD_RANGER) {
+        snprintf(message, MESSAGE_SIZE, "there is no board of kind %d", kind);
+        return NULL;
+    }
+    avr_global_logger_set(on_log);      /* the only state simavr shares between cores */
+    avr_t *avr = avr_make_mcu_by_name(PROCESSORS[kind].mcu);
+    if (!avr) {
+        snprintf(message, MESSAGE_SIZE, "this simavr has no %s", PROCESSORS[kind].mcu);
+        return NULL;
+    }
+    elf_firmware_t firmware;
+    if (read_image(image, avr, &firmware, message)) {
+        free(avr);
+        return NULL;
+    }
+    struct board_model *b = calloc(1, sizeof *b);
+    b->inside = calloc(1, sizeof *b->inside);
+    b->inside->avr = avr;
+    avr->custom.data = b;
+    avr_init(avr);
+    avr_load_firmware(avr, &firmware);
+    free_image(&firmware);
+    avr->frequency = PROCESSORS[kind].hz;
+    avr->vcc = avr->avcc = avr->aref = 5000;
+    avr->log = LOG_ERROR;
+    avr->sleep = no_sleep;
+    b->inside->core_reset = avr->reset;
+    avr->reset = on_reset;
+    b->inside->was_reset = 1;
+    if (wire(b, kind)) {
+        snprintf(message, MESSAGE_SIZE, "this simavr's %s lacks a part the board needs", PROCESSORS[kind].mcu);
+        board_close(b);
+        return NULL;
+    }
+    board_reset(b, RESET_POWER_ON);
+    b->resets = 0;
+    return b;
+}
+
+void board_close(struct board_model *b)
+{
+    if (!b)
+        return;
+    avr_terminate(b->inside->avr);
+    free(b->inside->avr);
+    free(b->inside);
+    free(b);
+}
+
+int board_eeprom(struct board_model *b, uint8_t *bytes, int n, int write)
+{
+    enum { TOO_LARGE = -2 };        /* TRAP: success is -1 */
+    avr_eeprom_desc_t part = { .ee = bytes, .offset = 0, .size = (uint32_t)n };
+    uint32_t what = write ? AVR_IOCTL_EEPROM_SET : AVR_IOCTL_EEPROM_GET;
+    return avr_ioctl(b->inside->avr, what, &part) == TOO_LARGE ? -1 : 0;
+}

@@ -1,0 +1,121 @@
+/* Running a core to the end of a slice, and what a reset of it takes to survive. */
+#include <string.h>
+#include "avr_extint.h"
+#include "inside.h"
+
+/* Instructions that run together, up to the next timer or interrupt: the same bytes as one by one, but faster. */
+enum { BATCH_CYCLES = 1000 };
+
+static avr_cycle_count_t on_slice_end(avr_t *avr, avr_cycle_count_t when, void *param)
+{
+    (void)avr;
+    (void)when;
+    (void)param;
+    return 0;
+}
+
+static void arm(struct board_model *b)      /* what is to happen before the end of the slice */
+{
+    struct board_private *in = b->inside;
+    avr_t *avr = in->avr;
+    /* TRAP: sleep jumps to the next timer, so without one it would run past the slice's end. */
+    avr_cycle_timer_register(avr, in->end > avr->cycle ? in->end - avr->cycle : 0, on_slice_end, NULL);
+    motors_arm(b);
+    uart_arm(b);
+}
+
+/* TRAP: avr_reset, a watchdog's included, empties the timer pool, clears PINx and forgets settings. */
+static void after_reset(struct board_model *b)
+{
+    struct board_private *in = b->inside;
+    in->was_reset = 0;
+    in->avr->run_cycle_limit = BATCH_CYCLES;
+    for (uint8_t n = 0; n < EXTINT_COUNT; n++)
+        avr_extint_set_strict_lvl_trig(in->avr, n, 0);  /* TRAP: INTn low with EICRx = 0 polls at every cycle */
+    pins_restore(in->avr);
+    sonars_arm(b);
+    motors_restore(b);
+    twi_restore(b);
+    uart_restore(b);
+}
+
+static void inputs(struct board_model *b)
+{
+    struct board_private *in = b->inside;
+    if (in->button.port)
+        pin_drive(b, in->button, !b->button);           /* to ground, against a pull-up */
+    int battery_mv = (int)(b->battery_volts * 1000 + 0.5);
+    if (in->battery && battery_mv != in->battery_mv) {
+        in->battery_mv = battery_mv;
+        avr_raise_irq(in->battery, (uint32_t)battery_mv);
+    }
+}
+
+static void outputs(struct board_model *b)
+{
+    const struct board_private *in = b->inside;
+    if (in->slave_reset.port)
+        b->slave_reset = pin_output(in->avr, in->slave_reset) == 0;
+}
+
+static void run_slice(struct board_model *b)
+{
+    struct board_private *in = b->inside;
+    avr_t *avr = in->avr;
+    avr_cycle_count_t began = avr->cycle;
+    motors_begin(b);
+    if (in->was_reset)
+        after_reset(b);
+    inputs(b);
+    arm(b);
+    while (avr->cycle < in->end) {
+        int state = avr_run(avr);
+        if (in->was_reset) {
+            after_reset(b);
+            arm(b);
+        }
+        if (state == cpu_Done || state == cpu_Crashed) {
+            b->state = state == cpu_Done ? BOARD_STOPPED : BOARD_CRASHED;
+            break;
+        }
+    }
+    motors_end(b, avr->cycle - began);
+    outputs(b);
+}
+
+int board_run(struct board_model *b, uint64_t until_us)
+{
+    struct board_private *in = b->inside;
+    avr_cycle_count_t end = until_us * (uint64_t)in->avr->frequency / 1000000;
+    if (end <= in->end)
+        return b->state;
+    in->start = in->end;
+    in->end = end;
+    if (b->state == BOARD_RUNNING)
+        run_slice(b);
+    if (b->state != BOARD_RUNNING) {
+        if (in->avr->cycle < end)
+            in->avr->cycle = end;       /* time goes on; a reset must not make up for it */
+        motors_stand_still(b);
+    }
+    b->now_us = until_us;
+    return b->state;
+}
+
+void board_reset(struct board_model *b, int cause)
+{
+    avr_t *avr = b->inside->avr;
+    avr_reset(avr);
+    if (cause & RESET_POWER_ON)
+        memset(avr->data + avr->ioend + 1, 0xC5, (size_t)(avr->ramend - avr->ioend));
+    const struct { int cause; avr_regbit_t flag; } flags[] = {
+        { RESET_POWER_ON, avr->reset_flags.porf },
+        { RESET_EXTERNAL, avr->reset_flags.extrf },
+        { RESET_BROWN_OUT, avr->reset_flags.borf },
+        { RESET_WATCHDOG, avr->reset_flags.wdrf },
+    };
+    for (size_t k = 0; k < sizeof flags / sizeof *flags; k++)
+        if (cause & flags[k].cause)
+            avr_regbit_set(avr, flags[k].flag);
+    b->state = BOARD_RUNNING;
+}

@@ -1,0 +1,213 @@
+"""What goes over the control socket: one JSON object a line each way. SI units unless named."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+from giraff_sim.bno055 import Bno055Fault
+from giraff_sim.board import RunState
+from giraff_sim.record import Verdict
+from giraff_sim.sonar import SonarFault
+
+BoardName = Literal["base", "joystick", "ranger"]
+
+
+class Request(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="op"):
+    """Something asked of the simulator."""
+
+
+class Now(Request, frozen=True, kw_only=True, tag="now"):
+    """The simulated time."""
+
+
+class GetState(Request, frozen=True, kw_only=True, tag="state"):
+    """Everything there is to know."""
+
+
+class GetRecord(Request, frozen=True, kw_only=True, tag="record"):
+    """The verdict on a window of the black box; without ends, on all that is kept."""
+
+    since_us: int = 0
+    until_us: int | None = None
+
+
+class Tilt(Request, frozen=True, kw_only=True, tag="tilt"):
+    """Hold the joystick so that its sensor feels this, m/s^2."""
+
+    x: float
+    y: float
+    z: float
+
+
+class SetHand(Request, frozen=True, kw_only=True, tag="hand"):
+    """Give the joystick to the demonstration's hand, to none, or to a tilt script that starts now."""
+
+    hand: str
+    """"demo", "still", or the path of a script."""
+
+
+class Button(Request, frozen=True, kw_only=True, tag="button"):
+    """Press the joystick's button, or let it go."""
+
+    pressed: bool
+
+
+class Place(Request, frozen=True, kw_only=True, tag="place"):
+    """Set the robot down elsewhere, at rest. m, rad."""
+
+    x: float
+    y: float
+    yaw: float = 0.0
+
+
+class AddWall(Request, frozen=True, kw_only=True, tag="add_wall"):
+    """Put up a wall."""
+
+    name: str
+    points: list[tuple[float, float]]
+    closed: bool = False
+
+
+class RemoveWall(Request, frozen=True, kw_only=True, tag="remove_wall"):
+    """Take away every wall and post of a name."""
+
+    name: str
+
+
+class FailBno055(Request, frozen=True, kw_only=True, tag="bno055"):
+    """Break the joystick's sensor, or mend it."""
+
+    fault: Bno055Fault
+
+
+class FailSonar(Request, frozen=True, kw_only=True, tag="sonar"):
+    """Break one of the ranger's sensors, or mend it."""
+
+    number: int
+    fault: SonarFault
+
+
+class CutEncoder(Request, frozen=True, kw_only=True, tag="encoder"):
+    """Cut a wheel encoder's wires, or mend them."""
+
+    wheel: Literal["left", "right"]
+    cut: bool
+
+
+class Battery(Request, frozen=True, kw_only=True, tag="battery"):
+    """Set the battery's voltage with nothing connected."""
+
+    volts: float
+
+
+class Unplug(Request, frozen=True, kw_only=True, tag="unplug"):
+    """Pull a board's serial cable. The board keeps its power."""
+
+    board: BoardName
+
+
+class Plug(Request, frozen=True, kw_only=True, tag="plug"):
+    """Plug it in again."""
+
+    board: BoardName
+
+
+class Reset(Request, frozen=True, kw_only=True, tag="reset"):
+    """Reset a board's processor."""
+
+    board: BoardName
+    cause: Literal["power_on", "external", "brown_out", "watchdog"] = "external"
+
+
+AnyRequest = (
+    Now
+    | GetState
+    | GetRecord
+    | Tilt
+    | SetHand
+    | Button
+    | Place
+    | AddWall
+    | RemoveWall
+    | FailBno055
+    | FailSonar
+    | CutEncoder
+    | Battery
+    | Unplug
+    | Plug
+    | Reset
+)
+
+
+class BoardState(msgspec.Struct, frozen=True, kw_only=True):
+    """One board."""
+
+    state: RunState
+    plugged: bool
+    resets: int
+    """Of every kind, since the start."""
+    sent: int
+    """Bytes the board has sent."""
+    taken: int
+    """Bytes that have arrived at the board."""
+    lost: int
+    """Bytes of the board that reached nobody."""
+    complaints: int
+    """Of the simulator about the board."""
+    complaint: str
+    """The last one."""
+
+
+class BaseSays(msgspec.Struct, frozen=True, kw_only=True):
+    """The base board's newest telemetry; names as in firmware/common/protocol.h."""
+
+    boot_id: int
+    session: int
+    drive_state: str
+    last_refusal: str
+    left_ticks: int
+    right_ticks: int
+    left_pwm_counts: int
+    right_pwm_counts: int
+    accepted: int
+    refused: int
+    line_errors: int
+
+
+class State(msgspec.Struct, frozen=True, kw_only=True):
+    """The simulated robot as it truly is."""
+
+    now_us: int
+    x: float
+    y: float
+    yaw: float
+    left_speed: float
+    right_speed: float
+    path_length: float
+    clearance: float
+    """m between the robot's disc and what is nearest to it."""
+    closest: float
+    """The smallest clearance so far."""
+    contacts: int
+    battery_volts: float
+    skew: float
+    """s by which simulated time has slipped behind the wall's."""
+    pings: dict[int, int]
+    """Of each sonar."""
+    boards: dict[str, BoardState]
+    base: BaseSays | None
+    """None before its first telemetry."""
+
+
+class Reply(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """The answer to any request."""
+
+    ok: bool
+    error: str = ""
+    """Why not."""
+    now_us: int = 0
+    """When the request was done; what it changed acts from the next millisecond on."""
+    state: State | None = None
+    record: Verdict | None = None

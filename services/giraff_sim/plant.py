@@ -1,0 +1,152 @@
+"""The robot's body: what the motors make of their drive, and where that takes it. SI units.
+
+The motion is integrated in steps of a millisecond from the wheels' speeds, not by the formulas of any
+service, so that an error there shows.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_node.robot import RobotConfig
+from giraff_sim.config import SimConfig
+from giraff_sim.room import Pose, Room
+
+STATES_PER_TICK: Final = 2  # of the encoder's quadrature states: the base board counts both edges of A
+_FULL_DUTY: Final = 255.0
+_PUSHES: Final = 4  # out of surfaces in one step: two walls of a corner, and once more each
+
+
+class Wheel:
+    """A motor on an H bridge, its wheel and its encoder."""
+
+    def __init__(self, robot: RobotConfig, sim: SimConfig) -> None:
+        self.speed = 0.0
+        """m/s, forward positive."""
+        self.travel = 0.0
+        """m turned so far, forward positive."""
+        self._lag = sim.motor_time_constant
+        self._friction = sim.wheel_friction
+        self._dead_zone = sim.dead_zone_counts
+        self._speed_per_count = robot.max_wheel_speed / robot.max_level
+
+    def step(self, duration: float, duty: float, voltage_ratio: float) -> None:
+        """Turn for `duration` s with a signed duty of 255, the battery at `voltage_ratio` of nominal.
+
+        The drive that holds a speed is measured with friction in it: level 70 stands for 0.6 m/s of a turning
+        wheel, not of a free shaft. So the friction shows where the drive ends.
+        """
+        effective = duty * voltage_ratio
+        if abs(effective) < self._dead_zone:
+            aim = 0.0
+        else:
+            aim = effective * self._speed_per_count + math.copysign(self._friction * self._lag, effective)
+        pull = (aim - self.speed) / self._lag
+        slide = self.speed or pull
+        if self.speed == 0.0 and abs(pull) <= self._friction:
+            return
+        speed = self.speed + (pull - math.copysign(self._friction, slide)) * duration
+        if self.speed * speed < 0.0:
+            speed = 0.0  # friction stops a wheel, it does not turn it back
+        self.travel += (self.speed + speed) / 2.0 * duration
+        self.speed = speed
+
+
+class Plant:
+    """Two driven wheels under a disc that walls and posts stop. The body stops; the wheels then slip."""
+
+    def __init__(self, robot: RobotConfig, sim: SimConfig, room: Room) -> None:
+        self.left = Wheel(robot, sim)
+        self.right = Wheel(robot, sim)
+        self.pose = room.start
+        self.path_length = 0.0
+        """m the centre has moved."""
+        self.contacts = 0
+        """How often the body came to touch something."""
+        self.open_volts = sim.battery_volts
+        """V of the battery with nothing connected."""
+        self.volts = sim.battery_volts
+        """V of the battery now."""
+        self._states_per_metre = robot.ticks_per_metre * STATES_PER_TICK
+        self._track_width = robot.track_width
+        self._radius = robot.footprint_radius
+        self._nominal_volts = sim.battery_nominal_volts
+        self._sag_volts = sim.battery_sag_volts
+        self._room = room
+        self._touching = False
+        self._closest = math.inf
+        self._clear_for = 0.0  # m that the centre may move before the closest approach can change
+        self._room_version = -1
+
+    def step(self, duration: float, left_duty: float, right_duty: float) -> None:
+        """Move for `duration` s with each motor's signed duty, of 255."""
+        load = (abs(left_duty) + abs(right_duty)) / (2.0 * _FULL_DUTY)
+        self.volts = max(0.0, self.open_volts - load * self._sag_volts)
+        ratio = self.volts / self._nominal_volts
+        self.left.step(duration, left_duty, ratio)
+        self.right.step(duration, right_duty, ratio)
+        speed = (self.left.speed + self.right.speed) / 2.0
+        turn = (self.right.speed - self.left.speed) / self._track_width
+        if speed != 0.0 or turn != 0.0 or self._room.version != self._room_version:
+            self._move(speed * duration, turn * duration)
+
+    @property
+    def left_states(self) -> float:
+        """Position of the left encoder, in quadrature states."""
+        return self.left.travel * self._states_per_metre
+
+    @property
+    def right_states(self) -> float:
+        """Position of the right encoder, in quadrature states."""
+        return self.right.travel * self._states_per_metre
+
+    @property
+    def clearance(self) -> float:
+        """m between the body and what is nearest to it."""
+        return self._room.clearance(self.pose.x, self.pose.y) - self._radius
+
+    @property
+    def closest(self) -> float:
+        """The smallest clearance so far, m."""
+        return min(self._closest, self.clearance)
+
+    def place(self, pose: Pose) -> None:
+        """Lift the robot and set it down at rest. The path driven stays; the closest approach starts anew."""
+        if not all(math.isfinite(value) for value in pose):
+            raise ValueError(f"a robot cannot be at {tuple(pose)}")
+        self.pose = pose
+        self.left.speed = self.right.speed = 0.0
+        self._touching = False
+        self._closest = math.inf
+        self._clear_for = 0.0
+
+    def _move(self, distance: float, angle: float) -> None:
+        middle = self.pose.yaw + angle / 2.0
+        x = self.pose.x + distance * math.cos(middle)
+        y = self.pose.y + distance * math.sin(middle)
+        self._clear_for -= abs(distance)
+        if self._clear_for <= 0.0 or self._room.version != self._room_version:
+            x, y = self._stop_at_surfaces(x, y)
+        self.path_length += math.hypot(x - self.pose.x, y - self.pose.y)
+        self.pose = Pose(x, y, math.remainder(self.pose.yaw + angle, math.tau))
+
+    def _stop_at_surfaces(self, x: float, y: float) -> tuple[float, float]:
+        touching = False
+        clearance = math.inf
+        for _ in range(_PUSHES):
+            distance, normal_x, normal_y = self._room.nearest(x, y)
+            clearance = distance - self._radius
+            if clearance >= 0.0:
+                break
+            touching = True
+            x -= clearance * normal_x
+            y -= clearance * normal_y
+        if touching and not self._touching:
+            self.contacts += 1
+        # A robot that is pushed along a wall has left it only when it is a millimetre away.
+        self._touching = touching or (self._touching and clearance < 1e-3)
+        self._closest = min(self._closest, max(0.0, 0.0 if touching else clearance))
+        self._clear_for = 0.0 if self._touching else max(0.0, clearance - self._closest)
+        self._room_version = self._room.version
+        return x, y

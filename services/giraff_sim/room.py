@@ -1,0 +1,248 @@
+"""A room: walls as segments, posts as circles, where the robot starts and where a hand would steer it.
+
+The file is TOML, metres, with x to the east and y to the north:
+
+    name = "living room"
+    waypoints = [[4.6, 1.4], [1.4, 3.2]]      # for the demonstration's hand, in turn, for ever
+    start = { x = 1.5, y = 2.2, yaw_deg = 0.0 }
+
+    [[walls]]
+    name = "sofa"
+    points = [[1.5, 4.1], [3.5, 4.1], [3.5, 5.0]]
+    closed = false                            # true: the last point is joined to the first
+
+    [[posts]]
+    name = "table leg"
+    x = 4.7
+    y = 3.6
+    radius = 0.03
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import msgspec
+
+_SHORTEST_WALL: Final = 1e-3  # m: below it a segment has no direction worth the name
+
+
+class RoomError(Exception):
+    """A room file, or a change of a room, that cannot be used. The message names the place."""
+
+
+class Pose(NamedTuple):
+    """Where something is: m, m, radians counter-clockwise from x."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+class Hit(NamedTuple):
+    """What a ray meets first."""
+
+    distance: float
+    """m along the ray."""
+    surface: int
+    """The surface's number, the same for all rays until the room changes."""
+    incidence: float
+    """Cosine of the angle between the ray and the surface's normal, 0..1."""
+    round: bool
+    """A post: it has a point that faces every ray's origin."""
+
+
+class _Segment(NamedTuple):
+    name: str
+    x: float
+    y: float
+    along_x: float  # unit vector from one end to the other
+    along_y: float
+    length: float
+
+
+class _Post(NamedTuple):
+    name: str
+    x: float
+    y: float
+    radius: float
+
+
+class _Strict(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    pass
+
+
+class _StartFile(_Strict, frozen=True, kw_only=True):
+    x: float
+    y: float
+    yaw_deg: float
+
+
+class _WallFile(_Strict, frozen=True, kw_only=True):
+    name: str
+    points: list[tuple[float, float]]
+    closed: bool = False
+
+
+class _PostFile(_Strict, frozen=True, kw_only=True):
+    name: str
+    x: float
+    y: float
+    radius: float
+
+
+class _RoomFile(_Strict, frozen=True, kw_only=True):
+    name: str
+    start: _StartFile
+    waypoints: list[tuple[float, float]] = []
+    walls: list[_WallFile] = []
+    posts: list[_PostFile] = []
+
+
+class Room:
+    """Surfaces that stop a robot and echo its pings. Walls can be added and removed by name."""
+
+    def __init__(self, name: str, start: Pose, waypoints: list[tuple[float, float]] | None = None) -> None:
+        self.name = name
+        self.start = start
+        self.waypoints = waypoints or []
+        self.version = 0
+        """Changes with the room."""
+        self._segments: list[_Segment] = []
+        self._posts: list[_Post] = []
+
+    def add_wall(self, name: str, points: list[tuple[float, float]], *, closed: bool = False) -> None:
+        """A polyline through `points`."""
+        if len(points) < 2:
+            raise RoomError(f"wall {name!r} has {len(points)} points: it needs two or more")
+        if closed and len(points) < 3:
+            raise RoomError(f"wall {name!r} has {len(points)} points: a closed one needs three or more")
+        ends = [*points[1:], points[0]] if closed else points[1:]
+        added = []
+        for (x, y), (end_x, end_y) in zip(points, ends, strict=False):
+            if not all(math.isfinite(value) for value in (x, y, end_x, end_y)):
+                raise RoomError(f"wall {name!r} has a point that is not finite")
+            length = math.hypot(end_x - x, end_y - y)
+            if length < _SHORTEST_WALL:
+                raise RoomError(f"wall {name!r} repeats the point ({x:g}, {y:g})")
+            added.append(_Segment(name, x, y, (end_x - x) / length, (end_y - y) / length, length))
+        self._segments += added
+        self.version += 1
+
+    def add_post(self, name: str, x: float, y: float, radius: float) -> None:
+        """An upright cylinder."""
+        if not all(math.isfinite(value) for value in (x, y, radius)) or radius <= 0.0:
+            raise RoomError(f"post {name!r} at ({x:g}, {y:g}), radius {radius:g}: the radius must be positive")
+        self._posts.append(_Post(name, x, y, radius))
+        self.version += 1
+
+    def remove(self, name: str) -> None:
+        """Take away every wall and post called `name`."""
+        segments = [segment for segment in self._segments if segment.name != name]
+        posts = [post for post in self._posts if post.name != name]
+        if len(segments) == len(self._segments) and len(posts) == len(self._posts):
+            raise RoomError(f"there is no wall or post {name!r}; there are {', '.join(self.names) or 'none'}")
+        self._segments, self._posts = segments, posts
+        self.version += 1
+
+    @property
+    def names(self) -> list[str]:
+        """What stands in the room."""
+        return sorted({segment.name for segment in self._segments} | {post.name for post in self._posts})
+
+    def clearance(self, x: float, y: float) -> float:
+        """m from a point to the nearest surface; infinite in an empty room."""
+        return self.nearest(x, y)[0]
+
+    def nearest(self, x: float, y: float) -> tuple[float, float, float]:
+        """m from a point to the nearest surface, and the unit vector from there to the point."""
+        best = math.inf
+        from_x = from_y = 0.0
+        for _, start_x, start_y, along_x, along_y, length in self._segments:
+            offset_x, offset_y = x - start_x, y - start_y
+            part = offset_x * along_x + offset_y * along_y
+            part = 0.0 if part < 0.0 else min(part, length)
+            offset_x -= part * along_x
+            offset_y -= part * along_y
+            distance = math.sqrt(offset_x * offset_x + offset_y * offset_y)
+            if distance < best:
+                best, from_x, from_y = distance, offset_x, offset_y
+        norm = best or 1.0
+        for post in self._posts:
+            offset_x, offset_y = x - post.x, y - post.y
+            to_centre = math.hypot(offset_x, offset_y)
+            if to_centre - post.radius < best:
+                best, from_x, from_y, norm = to_centre - post.radius, offset_x, offset_y, to_centre or 1.0
+        return best, from_x / norm, from_y / norm
+
+    def facing(self, x: float, y: float) -> list[float]:
+        """Directions (radians) from a point to every surface point whose normal aims back at it."""
+        directions = [math.atan2(post.y - y, post.x - x) for post in self._posts]
+        for segment in self._segments:
+            part = (x - segment.x) * segment.along_x + (y - segment.y) * segment.along_y
+            if 0.0 < part < segment.length:
+                foot_x, foot_y = segment.x + part * segment.along_x, segment.y + part * segment.along_y
+                directions.append(math.atan2(foot_y - y, foot_x - x))
+        return directions
+
+    def ray(self, x: float, y: float, direction: float, limit: float) -> Hit | None:
+        """The first surface from a point in a direction (radians), within `limit` m."""
+        cos, sin = math.cos(direction), math.sin(direction)
+        best, found = limit, -1
+        for number, (_, start_x, start_y, along_x, along_y, length) in enumerate(self._segments):
+            across = cos * along_y - sin * along_x
+            if across == 0.0:
+                continue
+            offset_x, offset_y = start_x - x, start_y - y
+            distance = (offset_x * along_y - offset_y * along_x) / across
+            if 0.0 <= distance < best and 0.0 <= (offset_x * sin - offset_y * cos) / across <= length:
+                best, found = distance, number
+        for number, post in enumerate(self._posts, len(self._segments)):
+            offset_x, offset_y = post.x - x, post.y - y
+            along = offset_x * cos + offset_y * sin
+            miss = offset_x * sin - offset_y * cos
+            if along <= 0.0 or abs(miss) >= post.radius:
+                continue
+            distance = max(0.0, along - math.sqrt(post.radius**2 - miss**2))
+            if distance < best:
+                best, found = distance, number
+        if found < 0:
+            return None
+        if found < len(self._segments):
+            segment = self._segments[found]
+            return Hit(best, found, abs(cos * segment.along_y - sin * segment.along_x), round=False)
+        post = self._posts[found - len(self._segments)]
+        normal_x, normal_y = x + best * cos - post.x, y + best * sin - post.y
+        return Hit(best, found, min(1.0, abs(cos * normal_x + sin * normal_y) / post.radius), round=True)
+
+    def incidence(self, surface: int, direction: float) -> float:
+        """Cosine of the angle between a direction (radians) and a wall's normal."""
+        segment = self._segments[surface]
+        return abs(math.cos(direction) * segment.along_y - math.sin(direction) * segment.along_x)
+
+
+def read_room(path: Path) -> Room:
+    """The room in a file."""
+    try:
+        content = msgspec.convert(tomllib.loads(path.read_text()), _RoomFile)
+    except OSError as error:
+        raise RoomError(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RoomError(f"{path}: not TOML: {error}") from error
+    except msgspec.ValidationError as error:
+        raise RoomError(f"{path}: {error}") from error
+    start = Pose(content.start.x, content.start.y, math.radians(content.start.yaw_deg))
+    if not all(math.isfinite(value) for point in (start, *content.waypoints) for value in point):
+        raise RoomError(f"{path}: start and waypoints must be finite numbers")
+    room = Room(content.name, start, content.waypoints)
+    try:
+        for wall in content.walls:
+            room.add_wall(wall.name, wall.points, closed=wall.closed)
+        for post in content.posts:
+            room.add_post(post.name, post.x, post.y, post.radius)
+    except RoomError as error:
+        raise RoomError(f"{path}: {error}") from error
+    return room

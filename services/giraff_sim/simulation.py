@@ -1,0 +1,125 @@
+"""Boards and world, stepped together in simulated time: the same calls give the same bytes on every UART."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final
+
+from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.bno055 import Bno055
+from giraff_sim.board import BUILD, Board, Implementation, open_board
+from giraff_sim.record import Record
+from giraff_sim.world import STEP_US, World
+
+_LEFT: Final = 0  # motor and encoder A of board_model.h
+_RIGHT: Final = 1
+
+
+class Simulation:
+    """Any set of boards in one world.
+
+    `step()` runs a millisecond. Each board's UART is a pair of byte streams: `write` gives bytes to the
+    board, which takes them at its baud, and `read` returns what it has sent.
+    """
+
+    def __init__(self, boards: Mapping[BoardKind, Board], world: World) -> None:
+        self.boards = dict(boards)
+        self.world = world
+        self.record = Record()
+        self.now_us = 0
+        """Simulated us since the power-on of all boards."""
+        self._sent = {kind: bytearray() for kind in self.boards}
+        self._base = self.boards.get(BoardKind.BASE)
+        self._joystick = self.boards.get(BoardKind.JOYSTICK)
+        self.bno055: Bno055 | None = None
+        """The sensor on the joystick's bus, where there is a joystick."""
+        if self._joystick is not None:
+            self.bno055 = Bno055(self._joystick.registers, world.sim.tilt_noise, f"{world.seed}/bno055")
+        if (ranger := self.boards.get(BoardKind.RANGER)) is not None:
+            ranger.on_ping(world.echo_us)
+
+    def step(self) -> None:
+        """Advance everything by STEP_US."""
+        self.now_us += STEP_US
+        self._move_world()
+        for kind, board in self.boards.items():
+            board.run(self.now_us)
+            if board.model.tx_len:
+                sent = board.read()
+                self._sent[kind] += sent
+                if board is self._base:
+                    self.record.note_sent(self.now_us, sent)
+        if self._base is not None:
+            motors = self._base.model.motor
+            peak = max(motors[_LEFT].drive_peak, motors[_RIGHT].drive_peak)
+            motors[_LEFT].drive_peak = motors[_RIGHT].drive_peak = 0
+            self.record.note_drive(self.now_us, peak)
+
+    def run(self, seconds: float) -> None:
+        """Advance by simulated seconds."""
+        end = self.now_us + round(seconds * 1e6)
+        while self.now_us < end:
+            self.step()
+
+    def read(self, kind: BoardKind) -> bytes:
+        """What a board has sent since the last call."""
+        sent = self._sent[kind]
+        if not sent:
+            return b""
+        data = bytes(sent)
+        sent.clear()
+        return data
+
+    def write(self, kind: BoardKind, data: bytes) -> int:
+        """Send bytes to a board; how many its adapter has taken. Offer the rest again."""
+        return self.boards[kind].write(data)
+
+    def room_for(self, kind: BoardKind) -> int:
+        """How many bytes `write` would take now."""
+        return int(self.boards[kind].model.rx_free)
+
+    def reset(self, kind: BoardKind, cause: ResetCause) -> None:
+        """Reset a board's processor."""
+        self.boards[kind].reset(cause)
+
+    def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
+        """Cut (or mend) the wires of the left (0) or right (1) encoder, as they are soldered by default."""
+        if self._base is None:
+            raise ValueError("there is no base board here")
+        self._base.model.motor[wheel].encoder_cut = int(is_cut)
+
+    def _move_world(self) -> None:
+        world = self.world
+        if self._base is None:
+            world.step(0.0, 0.0)
+        else:
+            model = self._base.model
+            left, right = model.motor[_LEFT], model.motor[_RIGHT]
+            world.step(left.drive, right.drive)
+            left.position = world.plant.left_states
+            right.position = world.plant.right_states
+            model.battery_volts = world.battery_pin_volts
+        if self._joystick is not None and self.bno055 is not None:
+            model = self._joystick.model
+            model.twi_address = self.bno055.step(self.now_us, bool(model.slave_reset), world.acceleration)
+            model.button = int(world.button)
+
+
+@contextmanager
+def simulation(
+    world: World,
+    kinds: tuple[BoardKind, ...] = tuple(BoardKind),
+    implementation: Implementation = Implementation.AVR,
+    build: Path = BUILD,
+) -> Iterator[Simulation]:
+    """A simulation of the boards that the build holds, ended with the block."""
+    boards: dict[BoardKind, Board] = {}
+    try:
+        for kind in kinds:
+            boards[kind] = open_board(kind, implementation, build)
+        yield Simulation(boards, world)
+    finally:
+        for board in boards.values():
+            board.close()

@@ -1,0 +1,129 @@
+"""HC-SR04 ultrasonic sensors among the surfaces of a room. Metres and radians, but echo pulses in us.
+
+What is known of the sensor: a cone of 15 degrees; 2 to 400 cm; stable up to 25-30 degrees between its axis
+and a wall's normal, beyond that readings are far too long or missing; a pulse of 38 ms where nothing answers.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Final
+
+from giraff_node.robot import SensorPose
+from giraff_schemas.wire import ECHO_US_PER_M
+from giraff_sim.config import SimConfig
+from giraff_sim.room import Hit, Pose, Room
+
+SILENT_US: Final = 0.0  # for board_model.h: the echo line never rises
+STUCK_US: Final = -1.0  # for board_model.h: it rises and stays
+NO_ECHO_US: Final = 38_000.0
+RANGE: Final = 4.0
+SHORTEST: Final = 0.02
+HALF_CONE: Final = math.radians(7.5)
+
+_RAYS: Final = 9
+_SURE: Final = math.cos(math.radians(25.0))  # of the incidence: heard for certain
+_DOUBTFUL: Final = math.cos(math.radians(30.0))  # beyond: mostly not heard
+_HEARD_SLANTED: Final = 0.2  # share of pings heard beyond that; sweeps recorded 0 to 0.42
+_LOST_SLANTED: Final = 0.5  # share of the unheard ones that end in no echo; the others come by a detour
+_DETOUR: Final = (1.3, 3.0)  # times the true range
+
+
+class SonarFault(StrEnum):
+    """What can be wrong with a sensor."""
+
+    NONE = "none"
+    DEAD = "dead"
+    """The echo line never rises."""
+    STUCK = "stuck"
+    """The echo line rises and stays."""
+    FROZEN = "frozen"
+    """Every ping measures what the last one before the fault did."""
+    WILD = "wild"
+    """Any range at all."""
+
+
+class Sonar:
+    """One sensor on the robot."""
+
+    def __init__(self, mount: SensorPose, room: Room, sim: SimConfig, seed: str) -> None:
+        self.fault = SonarFault.NONE
+        self.pings = 0
+        self._mount = mount
+        self._room = room
+        self._noise = sim.sonar_noise
+        self._crosstalk = sim.sonar_crosstalk
+        self._random = random.Random(seed)
+        self._last_us = NO_ECHO_US
+
+    def echo_us(self, robot: Pose) -> float:
+        """Ping with the robot at `robot`: the echo pulse's length, or SILENT_US, or STUCK_US."""
+        self.pings += 1
+        match self.fault:
+            case SonarFault.DEAD:
+                return SILENT_US
+            case SonarFault.STUCK:
+                return STUCK_US
+            case SonarFault.WILD:
+                return self._random.uniform(SHORTEST, RANGE) * ECHO_US_PER_M
+            case SonarFault.NONE:
+                self._last_us = self._pulse_us(self.heard(robot))
+            case SonarFault.FROZEN:
+                pass
+        return self._last_us
+
+    def heard(self, robot: Pose) -> float | None:
+        """The range one ping measures before noise, m; None when nothing answers."""
+        origin = self._origin(robot)
+        hits = sorted(self._hits(origin))
+        verdicts: dict[int, bool] = {}
+        for hit in hits:
+            if hit.round or hit.surface not in verdicts:
+                verdicts[hit.surface] = self._is_heard(hit, origin.yaw)
+            if verdicts[hit.surface]:
+                return hit.distance
+        if not hits or self._random.random() < _LOST_SLANTED:
+            return None
+        detour = hits[0].distance * self._random.uniform(*_DETOUR)
+        return detour if detour <= RANGE else None
+
+    def _origin(self, robot: Pose) -> Pose:
+        cos, sin = math.cos(robot.yaw), math.sin(robot.yaw)
+        mount = self._mount
+        x, y = robot.x + cos * mount.x - sin * mount.y, robot.y + sin * mount.x + cos * mount.y
+        return Pose(x, y, robot.yaw + mount.yaw)
+
+    def _hits(self, origin: Pose) -> list[Hit]:
+        """What the cone meets: along rays spread over it, and at each point in it that faces the sensor."""
+        offsets = [HALF_CONE * (2.0 * k / (_RAYS - 1) - 1.0) for k in range(_RAYS)]
+        for direction in self._room.facing(origin.x, origin.y):
+            offset = math.remainder(direction - origin.yaw, math.tau)
+            if abs(offset) <= HALF_CONE:
+                offsets.append(offset)
+        rays = (self._room.ray(origin.x, origin.y, origin.yaw + offset, RANGE) for offset in offsets)
+        return [hit for hit in rays if hit is not None]
+
+    def _is_heard(self, hit: Hit, axis: float) -> bool:
+        incidence = hit.incidence if hit.round else self._room.incidence(hit.surface, axis)
+        if incidence >= _SURE:
+            return True
+        chance = _HEARD_SLANTED
+        if incidence > _DOUBTFUL:
+            chance += (1.0 - chance) * (incidence - _DOUBTFUL) / (_SURE - _DOUBTFUL)
+        return self._random.random() < chance
+
+    def _pulse_us(self, heard: float | None) -> float:
+        if self._crosstalk and self._random.random() < self._crosstalk:
+            heard = self._random.uniform(SHORTEST, heard or RANGE)
+        if heard is None:
+            return NO_ECHO_US
+        noise = self._random.gauss(0.0, self._noise) if self._noise else 0.0
+        return max(SHORTEST, heard + noise) * ECHO_US_PER_M
+
+
+def sonars(mounts: Mapping[str, SensorPose], room: Room, sim: SimConfig, seed: int) -> dict[int, Sonar]:
+    """The robot's sensors by their number on the ranger board."""
+    return {mount.index: Sonar(mount, room, sim, f"{seed}/sonar/{mount.index}") for mount in mounts.values()}

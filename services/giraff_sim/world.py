@@ -1,0 +1,61 @@
+"""The world around the boards, in steps of a millisecond of simulated time: room, body, sensors, the hand."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_node.robot import RobotConfig
+from giraff_sim.bno055 import Vector
+from giraff_sim.config import SimConfig
+from giraff_sim.hand import LEVEL, Hand
+from giraff_sim.plant import Plant
+from giraff_sim.room import Room, RoomError
+from giraff_sim.sonar import SILENT_US, sonars
+
+STEP_US: Final = 1000
+_STEP_S: Final = STEP_US * 1e-6
+_HAND_STEPS: Final = 8  # the accelerometer takes no more samples than one in 8 ms
+_ADC_FULL_SCALE: Final = 1023
+_ADC_VOLTS: Final = 5.0
+_UNCALIBRATED_VOLTS_PER_COUNT: Final = 30.0 / _ADC_FULL_SCALE  # a divider that a 24 V battery fits into
+
+
+class World:
+    """Everything that is not a board. The same seed makes the same world."""
+
+    def __init__(self, room: Room, robot: RobotConfig, sim: SimConfig, hand: Hand, seed: int) -> None:
+        """Set the robot at rest at the room's start."""
+        self.room = room
+        self.plant = Plant(robot, sim, room)
+        if self.plant.clearance < 0.0:
+            radius = robot.footprint_radius
+            raise RoomError(f"room {room.name!r}: the robot, a disc of {radius:g} m, does not fit at its start")
+        self.sonars = sonars(robot.sensors, room, sim, seed)
+        self.hand = hand
+        self.acceleration: Vector = LEVEL
+        """m/s^2 on the joystick."""
+        self.button = False
+        """Whether the joystick's button is pressed."""
+        self.now_us = 0
+        self.sim = sim
+        self.seed = seed
+        self._volts_per_count = robot.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
+        self._steps = 0
+
+    def step(self, left_duty: float, right_duty: float) -> None:
+        """Advance by STEP_US with each motor's signed duty, of 255."""
+        if self._steps % _HAND_STEPS == 0:
+            self.acceleration = self.hand.acceleration(self.now_us * 1e-6, self.plant.pose)
+        self._steps += 1
+        self.now_us += STEP_US
+        self.plant.step(_STEP_S, left_duty, right_duty)
+
+    def echo_us(self, number: int) -> float:
+        """The echo pulse of the sensor that was just triggered, as board_model.h has it."""
+        sonar = self.sonars.get(number)
+        return SILENT_US if sonar is None else sonar.echo_us(self.plant.pose)
+
+    @property
+    def battery_pin_volts(self) -> float:
+        """V at the base board's ADC, behind its divider."""
+        return min(_ADC_VOLTS, self.plant.volts / self._volts_per_count * _ADC_VOLTS / _ADC_FULL_SCALE)

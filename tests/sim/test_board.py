@@ -1,0 +1,186 @@
+"""Boards as objects: what can go wrong on opening them, what survives a reset, what is private to each."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.wire import BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, ResetCause, WheelsFrame
+from giraff_sim.board import BUILD, Board, BoardError, Implementation, RunState, open_board
+from giraff_sim.simulation import Simulation, simulation
+from tests.sim.line import BaseLine
+from tests.sim.robots import empty_room, world_in
+
+LOCKSTEP = BUILD / "lockstep" / "lockstep.so"
+FIRMWARE = Path(__file__).parents[2] / "firmware"
+
+
+def boot_of(board: Board, until_us: int) -> HelloFrame:
+    board.run(until_us)
+    return next(frame for frame in Decoder().feed(board.read()) if isinstance(frame, HelloFrame))
+
+
+def test_what_is_missing_is_named_with_the_way_out(tmp_path: Path) -> None:
+    with pytest.raises(BoardError, match=r"lockstep\.so is missing: run make"):
+        open_board(BoardKind.BASE, Implementation.AVR, tmp_path)
+    with pytest.raises(BoardError, match=r"ranger\.so is missing: run make"):
+        open_board(BoardKind.RANGER, Implementation.HOST, tmp_path)
+    with pytest.raises(BoardError, match=r"base\.elf is missing: run make -C firmware"):
+        Board(BoardKind.BASE, LOCKSTEP, tmp_path / "base.elf")
+
+
+def test_what_is_no_firmware_is_refused(tmp_path: Path) -> None:
+    image = tmp_path / "base.elf"
+    for content in (b"", b"\x7fELF", b"not an ELF file, but long enough to hold a header"):
+        image.write_bytes(content)
+        with pytest.raises(BoardError, match=r"base\.elf is no AVR ELF file"):
+            Board(BoardKind.BASE, LOCKSTEP, image)
+    with pytest.raises(BoardError, match="is no AVR ELF file"):
+        Board(BoardKind.BASE, LOCKSTEP, LOCKSTEP)
+    with pytest.raises(BoardError, match=r"base\.elf cannot be loaded"):
+        Board(BoardKind.BASE, image)
+
+
+def test_an_image_for_a_larger_processor_is_refused(tmp_path: Path) -> None:
+    source, image = tmp_path / "large.c", tmp_path / "large.elf"
+    source.write_text('int main(void) {}\nasm(".section .text\\n.space 70000");\n')
+    subprocess.run(["avr-gcc", "-mmcu=atmega2560", "-w", "-o", image, source], check=True)
+    with pytest.raises(BoardError, match=r"large\.elf is larger than the atmega644"):
+        Board(BoardKind.BASE, LOCKSTEP, image)
+
+
+def test_boards_of_one_kind_share_nothing(implementation: Implementation) -> None:
+    first, second = (open_board(BoardKind.BASE, implementation) for _ in range(2))
+    try:
+        first.run(500_000)
+        second.run(200_000)
+        counts = [len([f for f in Decoder().feed(b.read()) if isinstance(f, WheelsFrame)]) for b in (first, second)]
+        assert counts[0] == pytest.approx(50, abs=2)
+        assert counts[1] == pytest.approx(20, abs=2)
+    finally:
+        first.close()
+        second.close()
+
+
+def test_eeprom_outlives_the_board(implementation: Implementation) -> None:
+    board = open_board(BoardKind.JOYSTICK, implementation)
+    boot_id = boot_of(board, 100_000).boot_id
+    kept = board.eeprom
+    assert kept
+    board.close()
+    board.close()
+    board = open_board(BoardKind.JOYSTICK, implementation)
+    board.keep_from(kept)
+    assert boot_of(board, 100_000).boot_id == boot_id + 1
+    board.close()
+
+
+def test_an_error_in_the_world_comes_out_of_run(implementation: Implementation) -> None:
+    board = open_board(BoardKind.RANGER, implementation)
+
+    def fails(_sonar: int) -> float:
+        raise ZeroDivisionError("in the world")
+
+    board.on_ping(fails)
+    with pytest.raises(ZeroDivisionError, match="in the world"):
+        board.run(200_000)
+    board.on_ping(lambda _: 5800.0)
+    board.run(400_000)
+    assert any(isinstance(frame, RangeFrame) for frame in Decoder().feed(board.read()))
+    board.close()
+
+
+def test_the_adapter_takes_what_it_has_room_for(implementation: Implementation) -> None:
+    board = open_board(BoardKind.BASE, implementation)
+    board.run(20_000)
+    board.read()
+    request = encode(HelloRequestFrame(seq=1).pack())
+    room = board.model.rx_free
+    assert 100 < room < 8192  # bytes that a reopened port cannot flush
+    assert board.write(bytes(100_000)) == room
+    assert board.model.rx_free == 0
+    assert board.write(b"x") == 0
+    # At 115 200 baud a byte takes 87 us.
+    board.run(30_000)
+    assert board.model.rx_free == pytest.approx(115, abs=3)
+    board.run(1_000_000)
+    assert board.write(request) == len(request)
+    board.run(1_050_000)
+    assert any(isinstance(frame, HelloFrame) for frame in Decoder().feed(board.read()))
+    board.close()
+
+
+HANGS_ON_REVERSE = """
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include "start_values.h"
+
+const struct start_values start_values = { 0 };
+
+/* As soon as motor B's PHASE says backward, the program hangs in an interrupt, its motors running. */
+__attribute__((constructor)) static void set_trap(void)
+{
+    PCMSK1 = _BV(PCINT12);
+    PCICR = _BV(PCIE1);
+}
+
+ISR(PCINT1_vect)
+{
+    while (PINB & _BV(PB4))
+        ;
+}
+"""
+
+
+def test_a_program_that_hangs_with_its_motors_running_is_stopped_by_the_watchdog(tmp_path: Path) -> None:
+    source, image = tmp_path / "hangs.c", tmp_path / "firmware" / "base.elf"
+    source.write_text(HANGS_ON_REVERSE)
+    make = ["make", "--silent", "-C", str(FIRMWARE), f"BUILD={tmp_path}", f"START_VALUES={source}", "avr-base"]
+    subprocess.run(make, check=True, capture_output=True)
+    board = Board(BoardKind.BASE, LOCKSTEP, image)
+    base = BaseLine(Simulation({BoardKind.BASE: board}, world_in(empty_room())))
+    base.start()
+    base.drive(40, 40, 0.3)
+    before = base.wheels
+    hangs_us = base.simulation.now_us
+    base.drive(40, -40, 1.0)
+    verdict = base.simulation.record.verdict(hangs_us, base.simulation.now_us)
+    assert verdict.last_driven_us is not None
+    assert 200_000 < verdict.last_driven_us - hangs_us < 350_000
+    assert board.model.resets == 1
+    assert base.last(HelloFrame).reset_cause == ResetCause.WATCHDOG
+    assert base.last(HelloFrame).boot_id == before.boot_id + 1
+    board.close()
+
+
+CRASHES = """
+#include <avr/interrupt.h>
+#include <avr/sleep.h>
+int main(void) { %s; }
+"""
+
+
+@pytest.mark.parametrize(
+    ("statement", "state"),
+    [("cli(); sleep_mode()", RunState.STOPPED), ("((void (*)(void))0x7FF0)()", RunState.CRASHED)],
+)
+def test_a_processor_that_stands_is_told_and_a_reset_starts_it(tmp_path: Path, statement: str, state: RunState) -> None:
+    source, image = tmp_path / "stands.c", tmp_path / "stands.elf"
+    source.write_text(CRASHES % statement)
+    subprocess.run(["avr-gcc", "-mmcu=atmega328p", "-w", "-o", image, source], check=True)
+    board = Board(BoardKind.JOYSTICK, LOCKSTEP, image)
+    board.run(10_000)
+    assert board.state is state
+    board.reset()
+    assert board.state is RunState.RUNNING
+    board.run(10_001)
+    board.run(20_000)
+    assert board.state is state
+    board.close()
+
+
+def test_a_simulation_ends_its_boards(implementation: Implementation) -> None:
+    with simulation(world_in(empty_room()), (BoardKind.BASE,), implementation) as running:
+        running.run(0.1)
+    assert not running.boards[BoardKind.BASE].model

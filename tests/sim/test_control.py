@@ -1,0 +1,175 @@
+"""The control protocol: every request does what it says, and nonsense gets an answer."""
+
+import json
+import math
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from giraff_sim import messages
+from giraff_sim.client import SimulatorClient, SimulatorError
+from giraff_sim.control import Control
+from giraff_sim.control_server import ControlServer
+from giraff_sim.hand import Hand, StillHand
+from giraff_sim.pacing import WallPacer
+from giraff_sim.simulation import Simulation
+from giraff_sim.sonar import SonarFault
+from tests.sim.robots import ORIGIN, room_with_wall, world_in
+
+
+@pytest.fixture
+def simulation() -> Simulation:
+    """A world without boards."""
+    return Simulation({}, world_in(room_with_wall(2.0)))
+
+
+def make_hand(name: str, begin: float) -> Hand:
+    if name == "tired":
+        raise ValueError("no such hand")
+    return StillHand((begin, 0.0, 0.0))
+
+
+@pytest.fixture
+def control(simulation: Simulation) -> Control:
+    return Control(simulation, {}, WallPacer(), make_hand)
+
+
+def ask(control: Control, **request: Any) -> messages.Reply:
+    return control.answer(json.dumps(request).encode())
+
+
+def test_now_and_state(simulation: Simulation, control: Control) -> None:
+    simulation.run(0.25)
+    assert ask(control, op="now") == messages.Reply(ok=True, now_us=250_000)
+    state = ask(control, op="state").state
+    assert state is not None
+    assert (state.x, state.y, state.yaw, state.path_length) == (0.0, 0.0, 0.0, 0.0)
+    assert state.clearance == pytest.approx(1.7)
+    assert state.closest == pytest.approx(1.7)
+    assert state.battery_volts == 24.0
+    assert state.boards == {}
+    assert state.base is None
+
+
+def test_place_and_walls(simulation: Simulation, control: Control) -> None:
+    assert ask(control, op="place", x=-1.0, y=0.5, yaw=1.0).ok
+    assert simulation.world.plant.pose == (-1.0, 0.5, 1.0)
+    assert ask(control, op="add_wall", name="screen", points=[[0, -1], [0, 1]]).ok
+    assert simulation.world.plant.clearance == pytest.approx(0.7)
+    assert ask(control, op="remove_wall", name="screen").ok
+    assert simulation.world.plant.clearance == pytest.approx(2.7)
+
+
+def test_tilt_hand_and_button(simulation: Simulation, control: Control) -> None:
+    assert ask(control, op="tilt", x=4.0, y=-1.0, z=8.0).ok
+    simulation.run(0.01)
+    assert simulation.world.acceleration == (4.0, -1.0, 8.0)
+    assert ask(control, op="hand", hand="demo").ok
+    simulation.run(0.01)
+    assert simulation.world.acceleration == (0.01, 0.0, 0.0)
+    assert ask(control, op="button", pressed=True).ok
+    assert simulation.world.button
+
+
+def test_faults(simulation: Simulation, control: Control) -> None:
+    assert ask(control, op="sonar", number=2, fault="stuck").ok
+    assert simulation.world.sonars[2].fault is SonarFault.STUCK
+    assert ask(control, op="battery", volts=21.5).ok
+    simulation.run(0.001)
+    assert simulation.world.plant.volts == 21.5
+
+
+@pytest.mark.parametrize(
+    ("line", "complaint"),
+    [
+        (b"", "not a request"),
+        (b"hello", "not a request"),
+        (b"\xff\xfe", "not a request"),
+        (b"[1]", "not a request"),
+        (b'{"x": 1}', "missing required field `op`"),
+        (b'{"op": "fly"}', "Invalid value 'fly'"),
+        (b'{"op": "place", "x": 1}', "missing required field `y`"),
+        (b'{"op": "place", "x": 1, "y": 2, "w": 3}', "unknown field `w`"),
+        (b'{"op": "place", "x": 1e999, "y": 2}', "not a request"),
+        (b'{"op": "sonar", "number": 7, "fault": "dead"}', "no sonar 7; there are [0, 1, 2]"),
+        (b'{"op": "sonar", "number": 0, "fault": "sad"}', "Invalid enum value 'sad'"),
+        (b'{"op": "remove_wall", "name": "sofa"}', "no wall or post 'sofa'; there are wall"),
+        (b'{"op": "add_wall", "name": "w", "points": [[0, 1]]}', "needs two or more"),
+        (b'{"op": "hand", "hand": "tired"}', "no such hand"),
+        (b'{"op": "battery", "volts": -1}', "cannot have -1"),
+        (b'{"op": "bno055", "fault": "dead"}', "no joystick here"),
+        (b'{"op": "encoder", "wheel": "left", "cut": true}', "no base board here"),
+        (b'{"op": "unplug", "board": "base"}', "no base board here"),
+        (b'{"op": "record", "since_us": 5, "until_us": 4}', "before it begins"),
+    ],
+)
+def test_nonsense_gets_an_answer(control: Control, line: bytes, complaint: str) -> None:
+    reply = control.answer(line)
+    assert not reply.ok
+    assert complaint in reply.error
+
+
+@pytest.fixture
+def socket_path(tmp_path: Path, control: Control) -> Iterator[Path]:
+    """A control socket that is served until the test is over."""
+    path = tmp_path / "deep" / "control"
+    server = ControlServer(path, control.answer)
+    over = threading.Event()
+
+    def serve() -> None:
+        clients: list[int] = []
+        while not over.wait(0.002):
+            if (client := server.accept()) is not None:
+                clients.append(client)
+            for descriptor in list(clients):
+                try:
+                    if not server.serve(descriptor):
+                        clients.remove(descriptor)
+                except BlockingIOError:
+                    continue
+
+    thread = threading.Thread(target=serve)
+    thread.start()
+    yield path
+    over.set()
+    thread.join()
+    server.close()
+    assert not path.exists()
+
+
+def test_a_client_speaks_in_types(socket_path: Path, simulation: Simulation) -> None:
+    with SimulatorClient(socket_path) as client:
+        assert client.now() == 0
+        assert client.place(0.5, 0.0, math.pi) == 0
+        assert client.state().yaw == math.pi
+        assert client.record().driven_ms == 0
+        client.add_wall("box", [(3.0, 0.0), (4.0, 0.0), (4.0, 1.0)], closed=True)
+        client.remove_wall("box")
+        client.tilt(1.0, 2.0)
+        client.button(pressed=True)
+        client.fail_sonar(1, SonarFault.WILD)
+        client.battery(23.0)
+        with pytest.raises(SimulatorError, match="no base board here"):
+            client.reset("base")
+        assert client.now() == 0  # and goes on
+    assert simulation.world.sonars[1].fault is SonarFault.WILD
+    assert simulation.world.plant.pose == (*ORIGIN[:0], 0.5, 0.0, math.pi)
+
+
+def test_several_clients_at_once(socket_path: Path) -> None:
+    with SimulatorClient(socket_path) as one, SimulatorClient(socket_path) as other:
+        assert one.now() == other.now() == 0
+
+
+def test_a_missing_simulator_is_named(tmp_path: Path) -> None:
+    with pytest.raises(SimulatorError, match=r"no simulator at .*nowhere"):
+        SimulatorClient(tmp_path / "nowhere")
+
+
+def test_a_path_that_is_too_long_for_a_socket_is_named(tmp_path: Path, control: Control) -> None:
+    path = tmp_path / ("x" * 120)
+    with pytest.raises(ValueError, match="cannot be a control socket"):
+        ControlServer(path, control.answer)

@@ -1,0 +1,164 @@
+"""python -m giraff_sim as others start it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.wire import BoardKind, HelloFrame, HelloRequestFrame, WheelsFrame
+from giraff_sim.bno055 import Bno055Fault
+from giraff_sim.board import Implementation
+from giraff_sim.client import SimulatorClient, SimulatorError
+from giraff_sim.sonar import SonarFault
+
+ROOT = Path(__file__).parents[2]
+LIVING_ROOM = ROOT / "deploy" / "worlds" / "living_room.toml"
+
+
+def command(directory: Path, *more: str) -> list[str]:
+    places = ["--ports", str(directory / "ports"), "--control", str(directory / "control")]
+    return [sys.executable, "-m", "giraff_sim", *places, "--world", str(LIVING_ROOM), *more]
+
+
+def environment() -> dict[str, str]:
+    return os.environ | {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")}
+
+
+@contextmanager
+def simulator(directory: Path, *more: str) -> Iterator[subprocess.Popen[str]]:
+    """A simulator that has said it is ready."""
+    process = subprocess.Popen(command(directory, *more), stdout=subprocess.PIPE, text=True, env=environment())
+    try:
+        assert process.stdout is not None
+        ready = json.loads(process.stdout.readline())
+        assert ready["ready"] is True
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def frames_of(path: Path, seconds: float, send: bytes = b"") -> list[object]:
+    """What arrives at a port in wall-clock seconds."""
+    descriptor = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    decoder = Decoder()
+    frames: list[object] = []
+    try:
+        os.write(descriptor, send)
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            time.sleep(0.005)
+            try:
+                frames += decoder.feed(os.read(descriptor, 65536))
+            except BlockingIOError:
+                continue
+    finally:
+        os.close(descriptor)
+    return frames
+
+
+def test_it_offers_ports_and_control_and_ends_cleanly(tmp_path: Path, implementation: Implementation) -> None:
+    with simulator(tmp_path, "--boards", implementation, "--hand", "still") as process:
+        frames = frames_of(tmp_path / "ports" / "base", 0.5, encode(HelloRequestFrame(seq=1).pack()))
+        assert any(isinstance(frame, HelloFrame) and frame.board == BoardKind.BASE for frame in frames)
+        assert sum(isinstance(frame, WheelsFrame) for frame in frames) > 10
+        with SimulatorClient(tmp_path / "control") as client:
+            first = client.now()
+            time.sleep(0.3)
+            assert client.now() > first + 100_000
+            state = client.state()
+            assert set(state.boards) == {"base", "joystick", "ranger"}
+            assert all(board.state == "running" and board.plugged for board in state.boards.values())
+            assert all(board.complaints == 0 for board in state.boards.values())
+            assert state.base is not None
+            assert state.base.drive_state == "not_configured"
+            assert client.record().driven_ms == 0
+            client.fail_bno055(Bno055Fault.FROZEN)
+            client.fail_sonar(0, SonarFault.DEAD)
+            client.cut_encoder("left", cut=True)
+            client.hand("demo")
+            client.unplug("base")
+            assert not (tmp_path / "ports" / "base").exists()
+            assert not client.state().boards["base"].plugged
+            client.plug("base")
+            assert (tmp_path / "ports" / "base").exists()
+            before = client.state().boards["ranger"].resets
+            client.reset("ranger", "watchdog")
+            assert client.state().boards["ranger"].resets == before + 1
+            with pytest.raises(SimulatorError, match="cannot be read"):
+                client.hand("/nowhere.csv")
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(5) == 0
+    assert [path.name for path in (tmp_path / "ports").iterdir() if not path.name.endswith(".eeprom")] == []
+    assert not (tmp_path / "control").exists()
+
+
+def boot_id_of(directory: Path) -> int:
+    with simulator(directory, "--only", "base") as process:
+        frames = frames_of(directory / "ports" / "base", 0.4, encode(HelloRequestFrame(seq=1).pack()))
+        process.send_signal(signal.SIGINT)
+        assert process.wait(5) == 0
+    return next(frame.boot_id for frame in frames if isinstance(frame, HelloFrame))
+
+
+def test_a_new_run_is_a_new_boot_of_the_same_board(tmp_path: Path) -> None:
+    assert boot_id_of(tmp_path) + 1 == boot_id_of(tmp_path)
+
+
+def test_it_can_be_one_board_alone(tmp_path: Path) -> None:
+    with simulator(tmp_path, "--only", "joystick"), SimulatorClient(tmp_path / "control") as client:
+        assert set(client.state().boards) == {"joystick"}
+        assert client.state().base is None
+        with pytest.raises(SimulatorError, match="no base board here"):
+            client.unplug("base")
+
+
+def test_it_ends_with_its_parent(tmp_path: Path) -> None:
+    start = (
+        "import os, subprocess, sys, time\n"
+        "child = subprocess.Popen([*sys.argv[1:], '--parent-pid', str(os.getpid())], stdout=subprocess.PIPE)\n"
+        "child.stdout.readline()\n"
+        "print(child.pid, flush=True)\n"
+        "time.sleep(60)\n"
+    )
+    parent = subprocess.Popen(
+        [sys.executable, "-c", start, *command(tmp_path, "--only", "ranger")],
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment(),
+    )
+    assert parent.stdout is not None
+    assert int(parent.stdout.readline()) > 0
+    assert (tmp_path / "control").exists()
+    parent.kill()
+    parent.communicate()
+    end = time.monotonic() + 10.0
+    while (tmp_path / "control").exists():
+        assert time.monotonic() < end, "the simulator has outlived its parent"
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize(
+    ("more", "complaint"),
+    [
+        (["--world", "/nowhere.toml"], "/nowhere.toml: cannot be read"),
+        (["--hand", "/nowhere.csv"], "/nowhere.csv: cannot be read"),
+        (["--only", "base,motor"], "there is no board 'motor'"),
+        (["--boards", "real"], "invalid choice: 'real'"),
+    ],
+)
+def test_a_mistake_is_told_and_ends_it(tmp_path: Path, more: list[str], complaint: str) -> None:
+    ended = subprocess.run(
+        command(tmp_path, *more), capture_output=True, text=True, env=environment(), timeout=20, check=False
+    )
+    assert ended.returncode != 0
+    assert complaint in ended.stderr
+    assert "Traceback" not in ended.stderr

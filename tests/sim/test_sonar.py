@@ -1,0 +1,136 @@
+"""The HC-SR04: what it hears, and what it cannot."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_node.robot import SensorPose
+from giraff_sim.config import SimConfig
+from giraff_sim.room import Pose, Room
+from giraff_sim.sonar import NO_ECHO_US, SILENT_US, STUCK_US, Sonar, SonarFault, sonars
+from tests.sim.robots import EXACT, ORIGIN, ROBOT, empty_room, room_with_wall
+
+AHEAD = SensorPose(index=0, x=0.0, y=0.0, yaw=0.0)
+
+
+def sonar_in(room: Room, sim: SimConfig = EXACT, mount: SensorPose = AHEAD, seed: str = "seed") -> Sonar:
+    return Sonar(mount, room, sim, seed)
+
+
+@given(st.floats(0.02, 3.999))
+def test_the_echo_of_a_wall_ahead_lasts_58_us_a_centimetre(distance: float) -> None:
+    assert sonar_in(room_with_wall(distance)).echo_us(ORIGIN) == pytest.approx(distance * 5800.0)
+
+
+def test_beyond_4_metres_nothing_answers() -> None:
+    for room in (empty_room(), room_with_wall(4.1), room_with_wall(-1.0)):
+        sonar = sonar_in(room)
+        assert sonar.heard(ORIGIN) is None
+        assert sonar.echo_us(ORIGIN) == NO_ECHO_US
+
+
+def test_nearer_than_2_centimetres_reads_2() -> None:
+    assert sonar_in(room_with_wall(0.005)).echo_us(ORIGIN) == pytest.approx(116.0)
+
+
+def test_the_mount_counts() -> None:
+    room = room_with_wall(2.0)
+    heard = {number: sonar.heard(ORIGIN) for number, sonar in sonars(ROBOT.sensors, room, EXACT, 1).items()}
+    assert heard == {0: pytest.approx(1.75), 1: pytest.approx(1.75), 2: None}
+    turned = Pose(0.0, 0.0, math.pi)
+    assert sonars(ROBOT.sensors, room, EXACT, 1)[2].heard(turned) == pytest.approx(1.75)
+
+
+@pytest.mark.parametrize("degrees", [0, 5, 10, 15, 20, 24.9])
+def test_a_wall_up_to_25_degrees_is_always_heard_at_its_nearest_point_in_the_cone(degrees: float) -> None:
+    slant = math.radians(degrees)
+    room = empty_room()
+    along = (-math.sin(slant), math.cos(slant))
+    room.add_wall("slant", [(2 - 5 * along[0], -5 * along[1]), (2 + 5 * along[0], 5 * along[1])])
+    outside = max(0.0, slant - math.radians(7.5))
+    expected = 2.0 * math.cos(slant) / math.cos(outside)
+    sonar = sonar_in(room)
+    for _ in range(50):
+        assert sonar.heard(ORIGIN) == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_wall_beyond_30_degrees_is_mostly_missed_or_far_too_long() -> None:
+    slant = math.radians(40.0)
+    room = empty_room()
+    along = (-math.sin(slant), math.cos(slant))
+    room.add_wall("slant", [(1 - 5 * along[0], -5 * along[1]), (1 + 5 * along[0], 5 * along[1])])
+    sonar = sonar_in(room)
+    heard = [sonar.heard(ORIGIN) for _ in range(2000)]
+    true = [value for value in heard if value is not None and value < 1.0]
+    wild = [value for value in heard if value is not None and value >= 1.0]
+    missed = [value for value in heard if value is None]
+    assert 0.58 < (len(wild) + len(missed)) / len(heard) < 1.0
+    assert len(true) > 100
+    assert len(wild) > 400
+    assert len(missed) > 400
+
+
+def test_between_25_and_30_degrees_some_pings_are_lost() -> None:
+    slant = math.radians(27.5)
+    room = empty_room()
+    along = (-math.sin(slant), math.cos(slant))
+    room.add_wall("slant", [(1 - 5 * along[0], -5 * along[1]), (1 + 5 * along[0], 5 * along[1])])
+    sonar = sonar_in(room)
+    lost = sum((heard := sonar.heard(ORIGIN)) is None or heard > 1.0 for _ in range(2000))
+    assert 400 < lost < 1200
+
+
+def test_the_cone_is_15_degrees_wide() -> None:
+    for degrees, is_heard in ((0.0, True), (7.4, True), (-7.4, True), (9.0, False), (-9.0, False)):
+        room = empty_room()
+        room.add_post("pole", 2.0 * math.cos(math.radians(degrees)), 2.0 * math.sin(math.radians(degrees)), 0.01)
+        heard = sonar_in(room).heard(ORIGIN)
+        assert heard == (pytest.approx(1.99) if is_heard else None)
+
+
+def test_what_stands_in_front_hides_what_is_behind() -> None:
+    room = room_with_wall(3.0)
+    room.add_wall("screen", [(1.0, -1.0), (1.0, 1.0)])
+    sonar = sonar_in(room)
+    assert sonar.heard(ORIGIN) == pytest.approx(1.0)
+    room.remove("screen")
+    assert sonar.heard(ORIGIN) == pytest.approx(3.0)
+
+
+def test_noise_is_small_and_the_seeds() -> None:
+    noisy = SimConfig(sonar_noise=0.003)
+    first = [sonar_in(room_with_wall(1.0), noisy).echo_us(ORIGIN) for _ in range(3)]
+    assert first[0] == first[1] == first[2]
+    sonar = sonar_in(room_with_wall(1.0), noisy)
+    many = [sonar.echo_us(ORIGIN) / 5800.0 for _ in range(2000)]
+    assert sum(many) / len(many) == pytest.approx(1.0, abs=5e-4)
+    assert max(abs(value - 1.0) for value in many) < 0.02
+    assert sonar_in(room_with_wall(1.0), noisy, seed="other").echo_us(ORIGIN) != first[0]
+
+
+def test_crosstalk_is_a_range_that_is_too_short() -> None:
+    sonar = sonar_in(room_with_wall(2.0), SimConfig(sonar_noise=0.0, sonar_crosstalk=0.25))
+    ranges = [sonar.echo_us(ORIGIN) / 5800.0 for _ in range(2000)]
+    short = [value for value in ranges if value < 1.999]
+    assert 0.2 < len(short) / len(ranges) < 0.3
+    assert max(ranges) == pytest.approx(2.0)
+
+
+def test_faults() -> None:
+    room = room_with_wall(1.0)
+    sonar = sonar_in(room)
+    assert sonar.echo_us(ORIGIN) == pytest.approx(5800.0)
+    sonar.fault = SonarFault.DEAD
+    assert sonar.echo_us(ORIGIN) == SILENT_US
+    sonar.fault = SonarFault.STUCK
+    assert sonar.echo_us(ORIGIN) == STUCK_US
+    sonar.fault = SonarFault.FROZEN
+    room.remove("wall")
+    assert sonar.echo_us(ORIGIN) == pytest.approx(5800.0)
+    sonar.fault = SonarFault.WILD
+    assert len({sonar.echo_us(ORIGIN) for _ in range(50)}) == 50
+    sonar.fault = SonarFault.NONE
+    assert sonar.echo_us(ORIGIN) == NO_ECHO_US
+    assert sonar.pings == 55
