@@ -1,0 +1,1 @@
+"""Operator's laptop: the tilt of an accelerometer in the hand becomes a wish to drive."""

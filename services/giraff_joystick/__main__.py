@@ -1,0 +1,3 @@
+from giraff_joystick.main import main
+
+main()

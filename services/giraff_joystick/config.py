@@ -1,0 +1,38 @@
+"""The table `[joystick]` of the robot file."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+from giraff_schemas.topics import require_chunk
+
+Curve = Literal["angle", "source"]
+
+
+class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the joystick board is, and what a tilt means."""
+
+    port: str = "/dev/giraff-joystick"
+    """Path of the board's serial port."""
+    operator: str = "joystick"
+    """Name under which this operator's commands are published: `cmd_vel/<operator>`."""
+    curve: Curve = "angle"
+    """`angle`: speed grows with the angle between `dead_zone_deg` and `full_tilt_deg`; yaw is capped at the
+    robot's `max_angular_speed`. `source`: the published curve, exactly: speed grows with the acceleration from
+    4.5 to 9.5 m/s², which is 27 to 76 degrees; yaw is limited by the wheels alone."""
+    dead_zone_deg: float = 8.0
+    """Degrees from flat within which nothing moves; of the curve `angle`."""
+    full_tilt_deg: float = 35.0
+    """Degrees from flat at which full speed is reached; of the curve `angle`."""
+
+    def __post_init__(self) -> None:
+        if not self.port:
+            raise ValueError("port is empty: give the path of the joystick board's serial port")
+        require_chunk(self.operator)
+        if not 0.0 < self.dead_zone_deg < self.full_tilt_deg <= 90.0:
+            raise ValueError(
+                f"dead_zone_deg is {self.dead_zone_deg} and full_tilt_deg {self.full_tilt_deg}: "
+                "they must grow in that order between 0 and 90"
+            )

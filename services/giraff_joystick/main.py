@@ -1,0 +1,35 @@
+"""Joystick: tilt in the hand to `cmd_vel/<operator>`.
+
+Reads the joystick board and `tick`, which it hands down to the board; writes `tilt` and `cmd_vel/<operator>`.
+"""
+
+from giraff_joystick.config import JoystickConfig
+from giraff_joystick.policy import JoystickPolicy
+from giraff_node import Node, Pacer
+from giraff_node.board_link import BoardLink
+from giraff_schemas.topics import OPERATOR_CMD_VEL, TICK, TILT
+from giraff_schemas.wire import JOYSTICK_BAUD, BoardKind, TiltFrame
+
+
+def main() -> None:
+    with Node("joystick", JoystickConfig) as node:
+        link = BoardLink(node.config.port, JOYSTICK_BAUD, BoardKind.JOYSTICK)
+        policy = JoystickPolicy(node.config, node.robot)
+        ticks = node.inbox(TICK, limit=1)
+        tilts = node.publisher(TILT)
+        commands = node.publisher(OPERATOR_CMD_VEL.at(node.config.operator))
+        pace = Pacer(OPERATOR_CMD_VEL.rate_hz)
+        for now in node.turns(pace, link=link):
+            for frame in link.poll(now):
+                if isinstance(frame, TiltFrame):
+                    tilts.put(policy.on_frame(frame, now))
+            for tick in ticks.take():
+                link.send(policy.on_tick(tick))
+            if pace.due(now):
+                command = policy.command(now)
+                commands.put(command)
+                if (lost := policy.lost(now)) is not None:
+                    tilts.put(lost)
+                for name, message in (("board", link.fault), ("hand", command.reason)):
+                    node.set_fault(name, message)
+        commands.put(policy.farewell())

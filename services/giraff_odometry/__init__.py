@@ -1,0 +1,1 @@
+"""The wheels' encoder counts become a pose."""

@@ -1,0 +1,3 @@
+from giraff_odometry.main import main
+
+main()

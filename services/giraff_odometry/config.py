@@ -1,0 +1,32 @@
+"""The table `[odometry]` of the robot file. Track width and counts per metre are in `[robot]`."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+
+class OdometryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the wheels can do, and how far they are trusted."""
+
+    max_wheel_speed: float = 1.5
+    """m/s beyond which a wheel's travel between two samples is not believed: above anything the motors can do."""
+    max_gap: float = 0.5
+    """s of the board's time between two samples above which the way between them is a guess."""
+    wheel_noise: float = 1e-5
+    """m: variance (m²) of a wheel's travel per metre of it. 1e-5 is 3 mm after one metre, 10 mm after ten."""
+    lost_position: float = 0.2
+    """m: standard deviation, on either axis, of what was missed when the counters could not be followed."""
+    lost_yaw: float = 0.35
+    """rad: the same of the heading."""
+
+    def __post_init__(self) -> None:
+        for name in ("max_wheel_speed", "max_gap"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"{name} is {value}: it must be a positive number")
+        for name in ("wheel_noise", "lost_position", "lost_yaw"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= 0.0):
+                raise ValueError(f"{name} is {value}: it must be zero or a positive number")

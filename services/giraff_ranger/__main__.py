@@ -1,0 +1,3 @@
+from giraff_ranger.main import main
+
+main()

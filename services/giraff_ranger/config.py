@@ -1,0 +1,16 @@
+"""The table `[ranger]` of the robot file. Names, numbers and poses of the sensors are in `[robot]`."""
+
+from __future__ import annotations
+
+import msgspec
+
+
+class RangerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the ranger board is."""
+
+    port: str = "/dev/giraff-ranger"
+    """Path of the board's serial port."""
+
+    def __post_init__(self) -> None:
+        if not self.port:
+            raise ValueError("port is empty: give the path of the ranger board's serial port")

@@ -1,0 +1,77 @@
+"""What the pings of the ranger board say about each sensor of the robot."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import Range, RangeState, RobotTime, Tick
+from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
+from giraff_schemas.wire import RangeState as WireState
+
+LONGEST_ECHO_US: Final = 38_000
+"""How long an HC-SR04 waits for an answer: a longer pulse is no echo."""
+
+_STATES: Final[dict[int, RangeState]] = {WireState.ECHO: "echo", WireState.CLEAR: "clear"}
+
+_FAULTS: Final[dict[int, str]] = {
+    RangeFault.NO_ECHO_PULSE: "does not answer; check its power, its cable and its trigger and echo pins",
+    RangeFault.STUCK_HIGH: "holds its echo line high; check the echo wire, then replace the sensor",
+    RangeFault.TOO_SHORT: (
+        "sends pulses too short for any distance; look for something on its face, then for a loose echo wire"
+    ),
+}
+
+
+class RangerPolicy:
+    """Turns the board's frames into samples."""
+
+    def __init__(self, robot: RobotConfig) -> None:
+        self._names = {pose.index: name for name, pose in robot.sensors.items()}
+        self._tick_seq = 0
+        self.faults: dict[str, str] = {}
+        """What the newest frame of each sensor complains of; empty when it does not."""
+
+    def on_tick(self, tick: Tick) -> TickFrame:
+        """The robot's clock as it goes down to the board, which puts the newest one into each frame."""
+        self._tick_seq = (self._tick_seq + 1) & 0xFFFF
+        return TickFrame(seq=self._tick_seq, epoch=tick.epoch, robot_ns=tick.robot_ns)
+
+    def on_frame(self, frame: RangeFrame) -> Range | None:
+        """The reading in `frame`; None when the robot file knows no such sensor."""
+        name = self._names.get(frame.sensor)
+        if name is None:
+            known = ", ".join(f"{index} = {known}" for index, known in sorted(self._names.items())) or "none"
+            self.faults[f"sensor {frame.sensor}"] = (
+                f"the ranger board has a sensor {frame.sensor}, the robot file only {known}; "
+                "add it to [robot.sensors] with its pose"
+            )
+            return None
+        sample = reading(name, frame)
+        self.faults[f"sensor {name}"] = sample.reason
+        return sample
+
+
+def reading(name: str, frame: RangeFrame) -> Range:
+    """A frame of the sensor `name` in SI units. An echo of impossible length is a fault, never a distance."""
+    reason = _fault(name, frame)
+    state = "fault" if reason else _STATES[frame.state]
+    return Range(
+        sensor=name,
+        state=state,
+        range=frame.echo_us / ECHO_US_PER_M if state == "echo" else None,
+        echo_us=frame.echo_us,
+        reason=reason,
+        tick=RobotTime(epoch=frame.tick_epoch, robot_ns=frame.tick_robot_ns) if frame.tick_epoch else None,
+    )
+
+
+def _fault(name: str, frame: RangeFrame) -> str:
+    """What is wrong with this reading, with the way out; empty when nothing is."""
+    if frame.state == WireState.FAULT and frame.fault in _FAULTS:
+        return f"{name} {_FAULTS[frame.fault]}"
+    if frame.state not in _STATES:
+        return f"{name} reports state {frame.state} with fault {frame.fault}, unknown here; reflash the board"
+    if frame.state == WireState.ECHO and not 0 < frame.echo_us <= LONGEST_ECHO_US:
+        return f"{name} reports an echo of {frame.echo_us} us, which no distance gives; reflash the board"
+    return ""

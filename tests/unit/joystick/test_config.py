@@ -1,0 +1,31 @@
+"""What the table [joystick] may say."""
+
+import math
+
+import msgspec
+import pytest
+
+from giraff_joystick.config import JoystickConfig
+
+
+def test_the_defaults_are_valid() -> None:
+    assert msgspec.convert({}, JoystickConfig) == JoystickConfig()
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ({"port": ""}, "port is empty"),
+        ({"operator": "a/b"}, "cannot be part of a key"),
+        ({"curve": "square"}, "Invalid enum value 'square'"),
+        ({"dead_zone_deg": 0.0}, "dead_zone_deg is 0.0"),
+        ({"dead_zone_deg": 40.0}, "dead_zone_deg is 40.0"),
+        ({"dead_zone_deg": math.nan}, "dead_zone_deg is nan"),
+        ({"full_tilt_deg": 91.0}, "full_tilt_deg 91.0"),
+        ({"full_tilt_deg": math.inf}, "full_tilt_deg inf"),
+        ({"ports": "/dev/x"}, "unknown field `ports`"),
+    ],
+)
+def test_a_senseless_value_is_refused_in_clear_words(table: dict[str, object], words: str) -> None:
+    with pytest.raises(msgspec.ValidationError, match=words):
+        msgspec.convert(table, JoystickConfig)

@@ -1,0 +1,184 @@
+"""What the joystick says when its sensor, its board or the robot is not there."""
+
+import math
+from typing import cast
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_joystick.policy import BOARD_SILENCE, JoystickPolicy
+from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.messages import DriveCommand, RobotTime, Tick, Tilt
+from giraff_schemas.wire import FrameType, TickFrame, TiltFrame, TiltStatus
+from tests.unit.joystick.frames import ANGLE, EPOCH, ROBOT, SOURCE, tilt_frame
+
+
+def policy() -> JoystickPolicy:
+    return JoystickPolicy(SOURCE, ROBOT)
+
+
+def after(frame: TiltFrame) -> tuple[Tilt, DriveCommand]:
+    joystick = policy()
+    return joystick.on_frame(frame, 10.0), joystick.command(10.0)
+
+
+def assert_fault(command: DriveCommand, *words: str) -> None:
+    assert command.neutral
+    assert command.source == "fault"
+    for word in words:
+        assert word in command.reason
+
+
+def test_a_sound_reading_is_a_hand_with_the_tick_of_its_frame() -> None:
+    tilt, command = after(tilt_frame(7.0, 0.0, 6.87, robot_ns=5))
+    assert (tilt.x, tilt.y, tilt.z, tilt.status) == (7.0, 0.0, 6.87, "running")
+    assert (command.source, command.reason) == ("hand", "")
+    assert command.linear_x == pytest.approx(0.3)
+    assert command.tick == tilt.tick == RobotTime(epoch=EPOCH, robot_ns=5)
+
+
+def test_a_flat_hand_is_neutral_and_no_fault() -> None:
+    _, command = after(tilt_frame())
+    assert command.neutral
+    assert command.source == "hand"
+
+
+@pytest.mark.parametrize(
+    ("status", "name", "words"),
+    [
+        (TiltStatus.STARTING, "starting", ("starting", "wait")),
+        (TiltStatus.BUS_FAULT, "bus_fault", ("no reading", "shield")),
+        (TiltStatus.WRONG_CHIP, "wrong_chip", ("BNO055", "shield")),
+        (TiltStatus.SELF_TEST_FAILED, "self_test_failed", ("self-test", "replace")),
+        (TiltStatus.SYSTEM_ERROR, "system_error", ("SYS_ERR 9", "unplug")),
+        (200, "system_error", ("SYS_ERR 9", "unplug")),
+    ],
+)
+def test_a_sensor_that_is_not_running_is_a_fault_with_cause_and_way_out(
+    status: int, name: str, words: tuple[str, ...]
+) -> None:
+    tilt, command = after(tilt_frame(9.5, status=status, sys_error=9))
+    assert tilt.status == name
+    assert_fault(command, *words)
+    assert command.tick == tilt.tick
+
+
+def test_every_status_of_the_wire_has_its_name() -> None:
+    assert [after(tilt_frame(status=status))[0].status for status in TiltStatus] == [
+        status.name.lower() for status in TiltStatus
+    ]
+
+
+def test_an_all_zero_vector_is_a_bus_fault_though_the_board_calls_it_running() -> None:
+    tilt, command = after(tilt_frame(0.0, 0.0, 0.0))
+    assert tilt.status == "bus_fault"
+    assert_fault(command, "without gravity", "shield")
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_a_value_that_is_no_number_is_a_bus_fault(axis: str, value: float) -> None:
+    frame = msgspec.structs.replace(tilt_frame(9.5), **{axis: value})
+    tilt, command = after(frame)
+    assert (tilt.x, tilt.y, tilt.z, tilt.status) == (0.0, 0.0, 0.0, "bus_fault")
+    assert_fault(command, "shield")
+
+
+def test_what_is_too_weak_for_gravity_has_no_direction() -> None:
+    joystick = JoystickPolicy(ANGLE, ROBOT)
+    joystick.on_frame(tilt_frame(0.5, 0.0, 0.1), 0.0)
+    assert_fault(joystick.command(0.0), "falling", "hold")
+
+
+def test_a_board_that_has_not_heard_the_robot_is_a_fault_without_a_tick() -> None:
+    tilt, command = after(tilt_frame(9.5, epoch=0))
+    assert tilt.status == "running"
+    assert tilt.tick is None
+    assert command.tick is None
+    assert_fault(command, "not heard the robot", "check")
+
+
+def test_before_the_first_frame_there_is_no_board_and_no_tick() -> None:
+    joystick = policy()
+    assert_fault(joystick.command(0.0), SOURCE.port, "cable")
+    assert joystick.command(0.0).tick is None
+    assert joystick.lost(0.0) == Tilt(x=0.0, y=0.0, z=0.0, status="no_board", tick=None)
+
+
+def test_a_silent_board_is_a_fault_with_its_last_tick() -> None:
+    joystick = policy()
+    tilt = joystick.on_frame(tilt_frame(9.5), 10.0)
+    assert joystick.command(10.0 + BOARD_SILENCE - 0.001).source == "hand"
+    assert joystick.lost(10.0 + BOARD_SILENCE - 0.001) is None
+    for late in (0.001, 1.0, 100.0):
+        command, lost = joystick.command(10.0 + BOARD_SILENCE + late), joystick.lost(10.0 + BOARD_SILENCE + late)
+        assert_fault(command, "no frame", SOURCE.port, "cable")
+        assert lost is not None
+        assert lost.status == "no_board"
+        assert command.tick == lost.tick == tilt.tick
+    joystick.on_frame(tilt_frame(9.5), 200.0)
+    assert joystick.command(200.0).source == "hand"
+
+
+def test_a_repeated_command_keeps_the_tick_of_its_frame() -> None:
+    joystick = policy()
+    joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
+    joystick.on_tick(Tick(epoch=EPOCH, robot_ns=99))
+    assert joystick.command(0.0) == joystick.command(0.1)
+    assert joystick.command(0.1).tick == RobotTime(epoch=EPOCH, robot_ns=1)
+
+
+def test_a_service_that_ends_says_stop_with_its_last_tick() -> None:
+    joystick = policy()
+    joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
+    assert_fault(joystick.farewell(), "ended", "start it again")
+    assert joystick.farewell().tick == RobotTime(epoch=EPOCH, robot_ns=1)
+
+
+def test_a_board_reset_passes_through_its_faults_and_drives_again() -> None:
+    joystick = policy()
+    sources = []
+    for frame in (
+        tilt_frame(7.0, seq=900, boot_id=1),
+        tilt_frame(7.0, seq=0, boot_id=2, epoch=0, status=TiltStatus.STARTING),
+        tilt_frame(7.0, seq=1, boot_id=2, epoch=0),
+        tilt_frame(7.0, seq=2, boot_id=2),
+    ):
+        joystick.on_frame(frame, 0.0)
+        sources.append(joystick.command(0.0).source)
+    assert sources == ["hand", "fault", "fault", "hand"]
+
+
+def test_frames_across_the_wrap_of_their_sequence_all_count() -> None:
+    joystick = policy()
+    for step, seq in enumerate((65534, 65535, 0, 1)):
+        joystick.on_frame(tilt_frame(4.5 + step, seq=seq), 0.02 * step)
+        assert joystick.command(0.02 * step).linear_x == pytest.approx(0.6 * step / 5)
+
+
+def test_ticks_go_down_as_they_are_and_their_sequence_wraps() -> None:
+    joystick = policy()
+    frames = [joystick.on_tick(Tick(epoch=EPOCH, robot_ns=ns)) for ns in range(0x10001)]
+    assert [frame.seq for frame in (frames[0], frames[-3], frames[-2], frames[-1])] == [1, 65535, 0, 1]
+    assert Decoder().feed(encode(frames[5].pack())) == [TickFrame(seq=6, epoch=EPOCH, robot_ns=5)]
+
+
+bodies = st.binary(min_size=TiltFrame.layout.size - 1, max_size=TiltFrame.layout.size - 1)
+
+
+@given(st.lists(bodies, min_size=1, max_size=5))
+def test_whatever_the_board_sends_the_command_is_sane(payloads: list[bytes]) -> None:
+    """Each payload is a frame with a right checksum and any contents at all."""
+    joystick = policy()
+    decoder = Decoder()
+    for payload in payloads:
+        (frame,) = decoder.feed(encode(bytes((FrameType.TILT,)) + payload))
+        tilt = joystick.on_frame(cast(TiltFrame, frame), 0.0)
+        command = joystick.command(0.0)
+        fastest_wheel = abs(command.linear_x) + abs(command.angular_z) * ROBOT.track_width / 2
+        assert fastest_wheel <= ROBOT.max_wheel_speed + 1e-9
+        assert (command.source == "fault") == bool(command.reason)
+        assert command.neutral or (tilt.status == "running" and command.tick is not None)
+        assert command.tick == tilt.tick

@@ -1,0 +1,46 @@
+"""The robot and the wheels of these tests."""
+
+from pathlib import Path
+
+import msgspec
+
+from giraff_node.config import load
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import RobotTime, Wheels
+
+ROBOT = msgspec.structs.replace(
+    load("robot", RobotConfig, {"GIRAFF_CONFIG": str(Path(__file__).parents[3] / "deploy" / "robot.toml")}),
+    track_width=0.47,
+    ticks_per_metre=2000.0,
+)
+
+PERIOD_US = 10_000
+
+
+def signed32(count: int) -> int:
+    """A count as a 32-bit counter shows it."""
+    return (count + (1 << 31)) % (1 << 32) - (1 << 31)
+
+
+def wheels(
+    left: int = 0,
+    right: int = 0,
+    board_us: int = 0,
+    *,
+    boot_id: int = 1,
+    instance: str = "base-1",
+    robot_s: float | None = None,
+) -> Wheels:
+    """A report of counters that may have wrapped; `robot_s`: base's clock, the board's when left out."""
+    return Wheels(
+        instance=instance,
+        left_ticks=signed32(left),
+        right_ticks=signed32(right),
+        left_velocity=0.0,
+        right_velocity=0.0,
+        left_pwm_counts=0,
+        right_pwm_counts=0,
+        board_us=board_us % (1 << 32),
+        boot_id=boot_id,
+        tick=RobotTime(epoch=3, robot_ns=round((board_us / 1e6 if robot_s is None else robot_s) * 1e9)),
+    )

@@ -1,0 +1,148 @@
+"""What a ping becomes: an echo with its distance, nothing in reach, or a fault with its way out."""
+
+from pathlib import Path
+from typing import cast
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_node.config import load
+from giraff_node.robot import RobotConfig, SensorPose
+from giraff_ranger.config import RangerConfig
+from giraff_ranger.policy import LONGEST_ECHO_US, RangerPolicy
+from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.messages import Range, RobotTime, Tick
+from giraff_schemas.wire import FrameType, RangeFault, RangeFrame, RangeState, TickFrame
+
+ROBOT = msgspec.structs.replace(
+    load("robot", RobotConfig, {"GIRAFF_CONFIG": str(Path(__file__).parents[3] / "deploy" / "robot.toml")}),
+    sensors={
+        "front_left": SensorPose(index=0, x=0.25, y=0.15, yaw=0.0),
+        "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=3.14),
+    },
+)
+
+
+def range_frame(
+    sensor: int = 0,
+    state: int = RangeState.ECHO,
+    *,
+    echo_us: int = 5800,
+    fault: int = RangeFault.NONE,
+    epoch: int = 7,
+    seq: int = 0,
+) -> RangeFrame:
+    return RangeFrame(
+        seq=seq,
+        board_us=0,
+        boot_id=1,
+        tick_epoch=epoch,
+        tick_robot_ns=42,
+        sensor=sensor,
+        state=state,
+        fault=fault,
+        echo_us=echo_us,
+        line_errors=0,
+    )
+
+
+def taken(frame: RangeFrame) -> Range:
+    sample = RangerPolicy(ROBOT).on_frame(frame)
+    assert sample is not None
+    return sample
+
+
+@given(st.integers(1, LONGEST_ECHO_US))
+def test_an_echo_is_a_distance_at_58_us_a_centimetre(echo_us: int) -> None:
+    sample = taken(range_frame(echo_us=echo_us))
+    assert (sample.sensor, sample.state, sample.echo_us, sample.reason) == ("front_left", "echo", echo_us, "")
+    assert sample.range == pytest.approx(echo_us / 58 / 100)
+    assert sample.tick == RobotTime(epoch=7, robot_ns=42)
+
+
+def test_a_sensor_goes_by_its_number_on_the_board() -> None:
+    assert taken(range_frame(2)).sensor == "rear"
+
+
+@pytest.mark.parametrize("echo_us", [0, 24_000, 38_000, 180_000])
+def test_nothing_in_reach_is_clear_and_no_distance(echo_us: int) -> None:
+    sample = taken(range_frame(state=RangeState.CLEAR, echo_us=echo_us))
+    assert (sample.state, sample.range, sample.echo_us, sample.reason) == ("clear", None, echo_us, "")
+
+
+@pytest.mark.parametrize(
+    ("frame", "words"),
+    [
+        (range_frame(state=RangeState.FAULT, fault=RangeFault.NO_ECHO_PULSE), ("does not answer", "check its power")),
+        (range_frame(state=RangeState.FAULT, fault=RangeFault.STUCK_HIGH), ("holds its echo line high", "check")),
+        (range_frame(state=RangeState.FAULT, fault=RangeFault.TOO_SHORT), ("too short", "look for")),
+        (range_frame(state=RangeState.FAULT, fault=99), ("fault 99", "reflash")),
+        (range_frame(state=RangeState.FAULT, fault=RangeFault.NONE), ("fault 0", "reflash")),
+        (range_frame(state=9), ("state 9", "reflash")),
+        (range_frame(echo_us=0), ("echo of 0 us", "reflash")),
+        (range_frame(echo_us=LONGEST_ECHO_US + 1), ("echo of 38001 us", "reflash")),
+    ],
+)
+def test_a_fault_names_the_sensor_the_cause_and_the_way_out(frame: RangeFrame, words: tuple[str, ...]) -> None:
+    ranger = RangerPolicy(ROBOT)
+    sample = ranger.on_frame(frame)
+    assert sample is not None
+    assert (sample.state, sample.range) == ("fault", None)
+    assert ranger.faults == {"sensor front_left": sample.reason}
+    for word in ("front_left", *words):
+        assert word in sample.reason
+
+
+def test_a_fault_lasts_until_the_next_sound_reading_of_that_sensor() -> None:
+    ranger = RangerPolicy(ROBOT)
+    ranger.on_frame(range_frame(0, RangeState.FAULT, fault=RangeFault.STUCK_HIGH))
+    ranger.on_frame(range_frame(2))
+    assert ranger.faults["sensor front_left"]
+    ranger.on_frame(range_frame(0, RangeState.CLEAR))
+    assert not any(ranger.faults.values())
+
+
+def test_a_sensor_that_the_robot_file_does_not_know_is_named() -> None:
+    ranger = RangerPolicy(ROBOT)
+    assert ranger.on_frame(range_frame(1)) is None
+    (message,) = ranger.faults.values()
+    for words in ("sensor 1", "0 = front_left, 2 = rear", "[robot.sensors]"):
+        assert words in message
+
+
+def test_a_ping_made_before_the_robot_was_heard_has_no_tick() -> None:
+    assert taken(range_frame(epoch=0)).tick is None
+
+
+def test_frames_across_the_wrap_of_their_sequence_all_count() -> None:
+    ranger = RangerPolicy(ROBOT)
+    assert all(ranger.on_frame(range_frame(seq=seq)) for seq in (65534, 65535, 0, 1))
+
+
+def test_ticks_go_down_as_they_are_and_their_sequence_wraps() -> None:
+    ranger = RangerPolicy(ROBOT)
+    frames = [ranger.on_tick(Tick(epoch=7, robot_ns=ns)) for ns in range(0x10001)]
+    assert [frame.seq for frame in (frames[0], frames[-3], frames[-2], frames[-1])] == [1, 65535, 0, 1]
+    assert Decoder().feed(encode(frames[5].pack())) == [TickFrame(seq=6, epoch=7, robot_ns=5)]
+
+
+@given(st.binary(min_size=RangeFrame.layout.size - 1, max_size=RangeFrame.layout.size - 1))
+def test_whatever_the_board_sends_a_range_is_finite_and_within_reach(payload: bytes) -> None:
+    (frame,) = Decoder().feed(encode(bytes((FrameType.RANGE,)) + payload))
+    ranger = RangerPolicy(ROBOT)
+    sample = ranger.on_frame(cast(RangeFrame, frame))
+    if sample is None:
+        assert any(ranger.faults.values())
+        return
+    assert (sample.state == "fault") == bool(sample.reason)
+    assert sample.range is None or 0.0 < sample.range < 7.0
+
+
+def test_the_configuration_wants_a_port() -> None:
+    assert msgspec.convert({}, RangerConfig) == RangerConfig()
+    with pytest.raises(msgspec.ValidationError, match="port is empty"):
+        msgspec.convert({"port": ""}, RangerConfig)
+    with pytest.raises(msgspec.ValidationError, match="unknown field `sensors`"):
+        msgspec.convert({"sensors": {}}, RangerConfig)
