@@ -1,0 +1,1 @@
+"""Motors and encoders of a Giraff, through its base board."""

@@ -1,0 +1,3 @@
+from giraff_base.main import main
+
+main()

@@ -1,0 +1,31 @@
+"""From a twist to PWM levels: limits, ramp, mixing. Open loop: a level stands for a speed."""
+
+from __future__ import annotations
+
+import math
+
+from giraff_node.robot import RobotConfig
+
+
+def wheel_levels(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple[int, int]:
+    """PWM levels (left, right) for a twist (m/s, rad/s), scaled as one so that no wheel exceeds the largest level.
+
+    Curvature is kept: both wheels are scaled alike. Differential drive: v = linear_x ∓ angular_z · track_width / 2.
+    """
+    half_turn = angular_z * robot.track_width / 2
+    left, right = linear_x - half_turn, linear_x + half_turn
+    fastest = max(abs(left), abs(right), robot.max_wheel_speed)
+    per_speed = robot.max_level / fastest
+    return round(left * per_speed), round(right * per_speed)
+
+
+def ramped(now_at: float, target: float, largest_step: float) -> float:
+    """The next value from `now_at` to `target`: away from zero by at most `largest_step`, towards it at once.
+
+    A reversal passes through zero: what is asked in the old direction ends now, the new one starts from rest.
+    """
+    if math.copysign(1.0, now_at) != math.copysign(1.0, target):
+        now_at = 0.0
+    if abs(target) <= abs(now_at):
+        return target
+    return math.copysign(min(abs(target), abs(now_at) + largest_step), target)

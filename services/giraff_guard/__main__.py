@@ -1,0 +1,3 @@
+from giraff_guard.main import main
+
+main()

@@ -1,0 +1,18 @@
+"""How fast one may go towards an obstacle: reaction at constant speed, then constant deceleration."""
+
+from __future__ import annotations
+
+import math
+
+
+def stopping_distance(speed: float, reaction_time: float, deceleration: float) -> float:
+    """m that a robot at `speed` (m/s) still travels: v·t + v²/2a."""
+    return speed * reaction_time + speed * speed / (2.0 * deceleration)
+
+
+def fastest(room: float, reaction_time: float, deceleration: float) -> float:
+    """The speed (m/s) whose stopping distance is `room` (m); 0 where there is no room."""
+    if room <= 0.0:
+        return 0.0
+    lag = deceleration * reaction_time
+    return math.sqrt(lag * lag + 2.0 * deceleration * room) - lag

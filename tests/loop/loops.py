@@ -1,0 +1,49 @@
+"""The whole robot in simulated time, for the tests here."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import msgspec
+
+from giraff_joystick.config import JoystickConfig
+from giraff_sim.board import Implementation
+from giraff_sim.closed_loop import ClosedLoop, Settings
+from giraff_sim.config import SimConfig
+from giraff_sim.hand import StillHand
+from giraff_sim.room import Room
+from giraff_sim.simulation import simulation
+from giraff_sim.world import World
+from tests.sim.robots import EXACT, ROBOT
+
+SETTINGS = Settings(robot=ROBOT)
+SOURCE_CURVE = msgspec.structs.replace(SETTINGS, joystick=JoystickConfig(port="joystick", curve="source"))
+GRAVITY = 9.81
+FULL_TILT = 7.5
+"""m/s² along one axis: more than the default curve's full speed needs."""
+
+
+@contextmanager
+def closed_loop(
+    room: Room,
+    settings: Settings = SETTINGS,
+    implementation: Implementation = Implementation.HOST,
+    sim: SimConfig = EXACT,
+    seed: int = 1,
+) -> Iterator[ClosedLoop]:
+    world = World(room, settings.robot, sim, StillHand(), seed)
+    with simulation(world, implementation=implementation) as running:
+        yield ClosedLoop(running, settings)
+
+
+def hold(loop: ClosedLoop, x: float = 0.0, y: float = 0.0) -> None:
+    """Hold the joystick so that it feels this along its axes, m/s²."""
+    loop.simulation.world.hand = StillHand((x, y, GRAVITY))
+
+
+def arm(loop: ClosedLoop) -> None:
+    """Hold the hand level until the robot is armed and every sensor was heard."""
+    hold(loop)
+    loop.run(2.0)
+    assert loop.newest["base"].armed, loop.newest["base"].reason

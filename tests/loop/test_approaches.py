@@ -1,0 +1,72 @@
+"""Driving at a wall, in simulated time: never touches, stops outside the margin, and can always get away."""
+
+from __future__ import annotations
+
+import math
+import random
+
+from giraff_sim.closed_loop import ClosedLoop
+from tests.loop.loops import SETTINGS, arm, closed_loop, hold
+from tests.sim.robots import empty_room
+
+APPROACHES = 100
+LARGEST_INCIDENCE = math.radians(25.0)
+MARGIN = SETTINGS.guard.margin
+
+
+def come_to_rest(loop: ClosedLoop) -> None:
+    """Run until the robot has stood still for a second."""
+    until = loop.simulation.now_us + 40_000_000
+    still_ms = 0
+    while still_ms < 1000:
+        assert loop.simulation.now_us < until, f"the robot does not stop: {loop.newest['guard']}"
+        loop.step()
+        wheels = loop.newest["wheels"]
+        still_ms = still_ms + 1 if (wheels.left_velocity, wheels.right_velocity) == (0.0, 0.0) else 0
+
+
+def approach(number: int) -> tuple[float, float]:
+    """One approach from its seed: the clearance where the robot came to rest, and how far it got away, m."""
+    choose = random.Random(number)
+    incidence = choose.uniform(-LARGEST_INCIDENCE, LARGEST_INCIDENCE)
+    distance = choose.uniform(1.0, 3.0)
+    tilt = choose.uniform(2.5, 7.5)  # of the default curve: from a third of the speed up to all of it
+    backward = choose.random() < 0.3
+    room = empty_room()
+    side = -1.0 if backward else 1.0
+    foot = (side * distance * math.cos(incidence) ** 2, side * distance * math.cos(incidence) * math.sin(incidence))
+    along = (-math.sin(incidence) * 10.0, math.cos(incidence) * 10.0)
+    room.add_wall("wall", [(foot[0] - along[0], foot[1] - along[1]), (foot[0] + along[0], foot[1] + along[1])])
+    with closed_loop(room, seed=number) as loop:
+        plant = loop.simulation.world.plant
+        arm(loop)
+        hold(loop, x=side * tilt)
+        loop.run(choose.uniform(1.0, 1.2))  # the ranger's cycle is 0.18 s: arrive at any moment of it
+        come_to_rest(loop)
+        assert plant.contacts == 0, f"approach {number} touched the wall"
+        rest = plant.clearance
+        way = "backward" if backward else "forward"
+        verdict = getattr(loop.newest["guard"], way)
+        assert verdict.freedom == "blocked"
+        assert verdict.sensor
+        assert verdict.way_out
+        if choose.random() < 0.5:
+            before = plant.pose.yaw
+            hold(loop, y=3.0)
+            loop.run(1.5)
+            assert abs(plant.pose.yaw - before) > 0.2, f"approach {number} cannot turn away"
+        else:
+            hold(loop, x=-side * 4.0)
+            loop.run(2.0)
+            assert plant.clearance > rest + 0.1, f"approach {number} cannot back away"
+        return rest, plant.closest
+
+
+def test_a_hundred_approaches_stop_outside_the_margin() -> None:
+    rests = []
+    for number in range(APPROACHES):
+        rest, closest = approach(number)
+        assert closest >= MARGIN, f"approach {number}: {closest:.3f} m is inside the margin"
+        rests.append(rest)
+    print(f"{APPROACHES} approaches: at rest {min(rests):.3f} to {max(rests):.3f} m from the wall")
+    assert max(rests) < MARGIN + 0.35, "a guard that stops this far out is of no use"

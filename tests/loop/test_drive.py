@@ -1,0 +1,66 @@
+"""Tilt in the hand to PWM in the firmware, through every policy, in simulated time."""
+
+from __future__ import annotations
+
+import pytest
+
+from giraff_sim.board import Implementation
+from giraff_sim.closed_loop import ClosedLoop
+from tests.loop.loops import FULL_TILT, SOURCE_CURVE, arm, closed_loop, hold
+from tests.sim.robots import empty_room
+
+
+def pwm_counts(loop: ClosedLoop) -> tuple[int, int]:
+    wheels = loop.newest["wheels"]
+    return wheels.left_pwm_counts, wheels.right_pwm_counts
+
+
+@pytest.mark.parametrize("implementation", [*Implementation], ids=str)
+def test_seven_forward_is_thirty_five_on_both_wheels(implementation: Implementation) -> None:
+    with closed_loop(empty_room(), SOURCE_CURVE, implementation) as loop:
+        arm(loop)
+        hold(loop, x=7.0)
+        loop.run(2.0)
+        assert pwm_counts(loop) == (35, 35)
+        assert loop.simulation.world.plant.pose.x > 0.2
+
+
+@pytest.mark.parametrize(("tilt", "signs"), [(7.0, (-1, 1)), (-7.0, (1, -1))])
+def test_sideways_turns_in_place(tilt: float, signs: tuple[int, int]) -> None:
+    with closed_loop(empty_room(), SOURCE_CURVE) as loop:
+        arm(loop)
+        hold(loop, y=tilt)
+        loop.run(2.0)
+        left, right = pwm_counts(loop)
+        assert (left, right) == (35 * signs[0], 35 * signs[1])
+        pose = loop.simulation.world.plant.pose
+        assert abs(pose.x) < 0.05
+        assert abs(pose.y) < 0.05
+
+
+def test_a_start_is_ramped_and_a_stop_is_immediate() -> None:
+    with closed_loop(empty_room()) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(0.4)
+        assert 0 < pwm_counts(loop)[0] < 70
+        loop.run(1.6)
+        assert pwm_counts(loop) == (70, 70)
+        hold(loop)
+        begin = loop.simulation.now_us
+        while pwm_counts(loop) != (0, 0):
+            loop.step()
+        # Hand to board: 8 ms sensor, 20 ms frame, 33 ms command, 20 ms guard, 10 ms base, 10 ms report.
+        assert loop.simulation.now_us - begin < 110_000
+
+
+def test_nothing_moves_before_a_neutral_hand() -> None:
+    with closed_loop(empty_room()) as loop:
+        hold(loop, x=FULL_TILT)
+        loop.run(5.0)
+        assert loop.simulation.record.verdict(0, loop.simulation.now_us).driven_ms == 0
+        assert "hold the hand level" in loop.newest["base"].reason
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(1.0)
+        assert pwm_counts(loop)[0] > 0

@@ -1,0 +1,61 @@
+"""A service that ends while the robot drives, in simulated time: the bare bounds, and what a restart may do."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
+from tests.sim.robots import empty_room
+
+BOUNDS = {"base": 0.35, "guard": 0.35, "joystick": 0.45, "ranger": 0.45}
+"""s from the end of the service to PWM zero."""
+
+DELAYS_MS = range(0, 180, 30)
+"""When in the robot's cycles the service ends: the ranger's takes 180 ms."""
+
+
+@pytest.mark.parametrize("service", BOUNDS)
+def test_pwm_is_zero_within_the_bound(service: str) -> None:
+    worst = 0.0
+    for delay_ms in DELAYS_MS:
+        with closed_loop(empty_room()) as loop:
+            arm(loop)
+            hold(loop, x=FULL_TILT)
+            loop.run(2.0 + delay_ms * 1e-3)
+            loop.kill(service)
+            killed_us = loop.simulation.now_us
+            loop.run(2.0)
+            last = loop.simulation.record.verdict(killed_us, loop.simulation.now_us).last_driven_us
+            assert last is not None, "the robot did not drive when the service ended"
+            worst = max(worst, (last - killed_us) * 1e-6)
+    print(f"{service}: PWM zero after at most {worst:.3f} s")
+    assert worst <= BOUNDS[service]
+
+
+@pytest.mark.parametrize("service", BOUNDS)
+def test_a_restarted_service_moves_nothing_before_a_neutral_hand(service: str) -> None:
+    with closed_loop(empty_room()) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(1.0)
+        loop.kill(service)
+        loop.run(2.5)
+        loop.start(service)
+        restarted_us = loop.simulation.now_us
+        loop.run(3.0)
+        assert loop.simulation.record.verdict(restarted_us, loop.simulation.now_us).driven_ms == 0
+        assert loop.newest["base"].reason
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(1.0)
+        assert loop.newest["wheels"].left_pwm_counts > 0
+
+
+def test_without_odometry_driving_goes_on() -> None:
+    with closed_loop(empty_room()) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(1.0)
+        loop.kill("odometry")
+        loop.run(1.0)
+        assert loop.newest["wheels"].left_pwm_counts == 70
