@@ -1,0 +1,1 @@
+"""The `giraff` command: what a person types."""

@@ -1,0 +1,70 @@
+"""What the samples of one key tell about its rate and its losses, and the ages of commands."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from typing import Final
+
+_WINDOW: Final = 3.0  # s that the rate of now looks back
+_MARK_EVERY: Final = 0.25  # s
+_AGE_STEP_MS: Final = 0.1
+
+
+class Flow:
+    """The samples of one maker on one key. Counts by sequence number, so that a loss does not lower the rate."""
+
+    def __init__(self, seq: int, seconds: float) -> None:
+        """The first sample; `seconds`: of the clock that this key's maker runs by."""
+        self.lost = 0
+        self._first_seq = self._last_seq = seq
+        self._first_s = self._last_s = seconds
+        self._marks: deque[tuple[float, int]] = deque()
+
+    def hear(self, seq: int, seconds: float) -> None:
+        """A sample."""
+        self.lost += max(0, seq - self._last_seq - 1)
+        self._last_seq, self._last_s = max(seq, self._last_seq), seconds
+        if not self._marks or seconds - self._marks[-1][0] >= _MARK_EVERY:
+            self._marks.append((seconds, seq))
+            while self._marks[0][0] < seconds - _WINDOW:
+                self._marks.popleft()
+
+    def begin(self) -> None:
+        """Count samples and time from the newest sample on."""
+        self._first_seq, self._first_s = self._last_seq, self._last_s
+
+    @property
+    def made(self) -> int:
+        """Samples after the first."""
+        return self._last_seq - self._first_seq
+
+    @property
+    def took(self) -> float:
+        """s in which they were made."""
+        return self._last_s - self._first_s
+
+    def rate_now(self, seconds: float) -> float | None:
+        """Hz over the last moments; None: too few samples to tell."""
+        if seconds - self._last_s > _WINDOW or not self._marks:
+            return None
+        since, seq = self._marks[0]
+        return (self._last_seq - seq) / (self._last_s - since) if self._last_s - since >= _MARK_EVERY else None
+
+
+class Ages:
+    """A distribution of ages in ms, as steps of 0.1 ms: it does not grow with a long run."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[int] = Counter()
+
+    def add(self, milliseconds: float) -> None:
+        self._counts[round(milliseconds / _AGE_STEP_MS)] += 1
+
+    def share(self, share: float) -> float | None:
+        """The age that `share` (0..1) of all do not exceed; None: there are none."""
+        wanted, seen = share * self._counts.total(), 0
+        for step, count in sorted(self._counts.items()):
+            seen += count
+            if seen >= wanted:
+                return round(step * _AGE_STEP_MS, 1)
+        return None

@@ -1,0 +1,127 @@
+"""Where the robot truly is, where odometry says it is, and how far these are apart. SI units."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from giraff_schemas.messages import Odometry
+
+_KEPT: Final = 200  # odometry samples: two seconds, more than lie between two looks at the truth
+
+
+_REST: Final = 1e-3  # m/s, rad/s
+
+
+class Pose(NamedTuple):
+    """m, m, rad."""
+
+    x: float
+    y: float
+    yaw: float
+
+    def seen_from(self, origin: Pose) -> Pose:
+        """This pose in the frame whose origin is `origin`."""
+        x, y = self.x - origin.x, self.y - origin.y
+        cos, sin = math.cos(origin.yaw), math.sin(origin.yaw)
+        return Pose(x * cos + y * sin, y * cos - x * sin, math.remainder(self.yaw - origin.yaw, math.tau))
+
+    def placed_in(self, frame: Pose) -> Pose:
+        """The inverse of `seen_from`: this pose, given in `frame`, where `frame` itself is given."""
+        cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
+        x, y = self.x * cos - self.y * sin, self.x * sin + self.y * cos
+        return Pose(frame.x + x, frame.y + y, math.remainder(self.yaw + frame.yaw, math.tau))
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The simulated robot as the world has it."""
+
+    robot_ns: int
+    """Robot's clock when the world was asked."""
+    simulated_us: int
+    pose: Pose
+    speed: float
+    """m/s, forward positive."""
+    turn: float
+    """rad/s, counter-clockwise positive."""
+    path: float
+    """m that the robot's centre has moved."""
+    closest: float
+    """m; the smallest clearance to anything so far."""
+    contacts: int
+    """How often the robot came to touch something."""
+
+    @property
+    def is_at_rest(self) -> bool:
+        return abs(self.speed) < _REST and abs(self.turn) < _REST
+
+
+class Apart(NamedTuple):
+    """Odometry's error at one moment."""
+
+    distance: float
+    """m."""
+    angle: float
+    """rad, never negative."""
+
+
+class Comparison:
+    """Odometry against the truth at the same moment, each from where it was when both were first known.
+
+    The two are not heard at the same moments: odometry is interpolated to the moment of each truth, as soon as
+    samples from both sides of it are there.
+    """
+
+    def __init__(self) -> None:
+        self.apart: Apart | None = None
+        """At the newest truth that odometry reaches up to; None: at none of late."""
+        self._samples: deque[Odometry] = deque(maxlen=_KEPT)
+        self._waiting: Truth | None = None
+        self._origins: tuple[Pose, Pose] | None = None
+
+    def hear(self, sample: Odometry) -> None:
+        if self._samples and self._samples[-1].instance != sample.instance:
+            # A restarted odometry begins anew wherever the robot then is.
+            self._samples.clear()
+            self._origins = None
+        self._samples.append(sample)
+
+    def see(self, truth: Truth) -> None:
+        if self._waiting is not None:
+            odometry = self._at(self._waiting.robot_ns)
+            self.apart = None if odometry is None else self._compare(odometry, self._waiting.pose)
+        self._waiting = truth
+
+    def in_odom(self, truth: Pose) -> Pose | None:
+        """A true pose in the frame of odometry; None: odometry has not begun."""
+        if self._origins is None:
+            return None
+        odometry, origin = self._origins
+        return truth.seen_from(origin).placed_in(odometry)
+
+    def _compare(self, odometry: Pose, truth: Pose) -> Apart:
+        if self._origins is None:
+            self._origins = odometry, truth
+        off = odometry.seen_from(self.in_odom(truth) or odometry)
+        return Apart(math.hypot(off.x, off.y), abs(off.yaw))
+
+    def _at(self, robot_ns: int) -> Pose | None:
+        later: Odometry | None = None
+        for sample in reversed(self._samples):
+            if sample.tick.robot_ns <= robot_ns:
+                return None if later is None else _between(sample, later, robot_ns)
+            later = sample
+        return None
+
+
+def _between(before: Odometry, after: Odometry, robot_ns: int) -> Pose:
+    share = (robot_ns - before.tick.robot_ns) / (after.tick.robot_ns - before.tick.robot_ns)
+    turn = math.remainder(after.yaw - before.yaw, math.tau)
+    return Pose(
+        before.x + share * (after.x - before.x),
+        before.y + share * (after.y - before.y),
+        math.remainder(before.yaw + share * turn, math.tau),
+    )

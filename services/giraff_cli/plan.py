@@ -1,0 +1,164 @@
+"""What a run is to be: the options, checked, before anything is started."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import socket
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+from giraff_node.config import ConfigError, load, robot_file
+from giraff_node.robot import RobotConfig
+from giraff_node.session import NetworkConfig
+from giraff_schemas.topics import require_chunk
+from giraff_sim.board import BUILD, ROOT
+from giraff_sim.config import SimConfig
+from giraff_sim.hand import ScriptError
+from giraff_sim.main import make_hand
+from giraff_sim.room import RoomError, read_room
+from giraff_sim.world import World
+
+Boards = Literal["avr", "host"]
+
+_NEEDED: Final[dict[Boards, tuple[str, ...]]] = {
+    "avr": ("lockstep/lockstep.so", "firmware/base.elf", "firmware/joystick.elf", "firmware/ranger.elf"),
+    "host": ("host/base.so", "host/joystick.so", "host/ranger.so"),
+}
+"""Below the build directory."""
+
+
+class PlanError(Exception):
+    """Options that make no run. The message says which and why."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """A run that can begin."""
+
+    robot: RobotConfig
+    network: NetworkConfig
+    """As the robot file has it; the run chooses the rendezvous."""
+    environment: dict[str, str]
+    """Of every process, but for what is known only at the start."""
+    seconds: float | None
+    world: Path
+    hand: str
+    seed: int
+    boards: Boards
+    why_boards: str
+    """Why not the better ones; empty when they are, or when they were asked for."""
+    summary: Path | None
+    picture: Path | None
+
+
+def make_plan(
+    *,
+    seconds: float | None,
+    world: Path | None,
+    seed: int,
+    tilt_script: Path | None,
+    boards: Boards | None,
+    summary: Path | None,
+    picture: Path | None,
+    local: bool,
+) -> Plan:
+    """The plan, or PlanError."""
+    if seconds is not None and not (math.isfinite(seconds) and seconds > 0.0):
+        raise PlanError(f"--for {seconds:g}: give a positive number of seconds, or leave it out to go on until Ctrl-C")
+    try:
+        environment = _environment(os.environ, local=local)
+        robot = load("robot", RobotConfig, environment)
+        network = load("network", NetworkConfig, environment)
+        sim = load("sim", SimConfig, environment)
+    except ConfigError as error:
+        raise PlanError(str(error)) from error
+    world = (world or ROOT / "deploy" / "worlds" / "living_room.toml").absolute()
+    hand = "demo" if tilt_script is None else str(tilt_script.absolute())
+    try:
+        room = read_room(world)
+        World(room, robot, sim, make_hand(hand, room, seed, 0.0), seed)
+    except RoomError as error:
+        raise PlanError(f"--world: {error}") from error
+    except ScriptError as error:
+        raise PlanError(f"--tilt-script: {error}") from error
+    except ValueError as error:
+        raise PlanError(str(error)) from error
+    for option, path in (("--summary", summary), ("--picture", picture)):
+        if path is not None:
+            _require_writable(option, path)
+    chosen, why = choose_boards(boards, BUILD)
+    return Plan(
+        robot=robot,
+        network=network,
+        environment=environment,
+        seconds=seconds,
+        world=world,
+        hand=hand,
+        seed=seed,
+        boards=chosen,
+        why_boards=why,
+        summary=summary,
+        picture=picture,
+    )
+
+
+def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
+    """The boards to run, and why they are not the real firmware where nobody asked for that."""
+    missing = {boards: [name for name in names if not (build / name).is_file()] for boards, names in _NEEDED.items()}
+    if wanted is not None:
+        if missing[wanted]:
+            raise PlanError(f"--boards {wanted}: build/{missing[wanted][0]} is missing; make setup builds it")
+        return wanted, ""
+    if not missing["avr"]:
+        return "avr", ""
+    if not missing["host"]:
+        return "host", f"build/{missing['avr'][0]} is missing (make setup builds it where it can)"
+    raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make setup builds it")
+
+
+def simulated_name(host: str) -> str:
+    """The robot name of a simulation on this host, never that of a robot."""
+    return "sim-" + (re.sub(r"[^A-Za-z0-9_-]+", "-", host).strip("-") or "host")
+
+
+def write_file(path: Path, text: str) -> None:
+    """Write a file whole or not at all."""
+    path = path.resolve()
+    fresh = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        fresh.write_text(text)
+        fresh.replace(path)
+    finally:
+        fresh.unlink(missing_ok=True)
+
+
+def _environment(given: Mapping[str, str], *, local: bool) -> dict[str, str]:
+    environment = dict(given)
+    if not environment.get("GIRAFF_CONFIG"):
+        here = Path("deploy/robot.toml")
+        environment["GIRAFF_CONFIG"] = str(here if here.is_file() else ROOT / "deploy" / "robot.toml")
+    environment["GIRAFF_CONFIG"] = str(robot_file(environment).absolute())
+    name = environment.setdefault("GIRAFF_ROBOT_NAME", simulated_name(socket.gethostname()))
+    try:
+        require_chunk(name)
+    except ValueError as error:
+        raise ConfigError(f"GIRAFF_ROBOT_NAME: {error}") from error
+    if local:
+        environment["GIRAFF_NETWORK_LOCAL"] = "true"
+    return environment
+
+
+def _require_writable(option: str, path: Path) -> None:
+    path = path.resolve()
+    if path.exists() and not path.is_file():
+        raise PlanError(f"{option} {path}: is there already, and no plain file")
+    try:
+        with tempfile.TemporaryFile(dir=path.parent):
+            pass
+    except OSError as error:
+        raise PlanError(f"{option} {path}: cannot be written: {error.strerror}") from error

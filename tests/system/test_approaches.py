@@ -1,0 +1,39 @@
+"""Real processes and the AVR firmware drive at a wall."""
+
+from __future__ import annotations
+
+import math
+import random
+from pathlib import Path
+
+from tests.system.robot import FULL_TILT, process_robot
+
+APPROACHES = 5
+MARGIN = 0.25  # m, of `[guard]`
+
+
+def test_five_approaches_stop_outside_the_margin(tmp_path: Path) -> None:
+    choose = random.Random(5)
+    with process_robot(tmp_path) as robot:
+        for number in range(APPROACHES):
+            incidence = choose.uniform(-1.0, 1.0) * math.radians(25.0)
+            distance = choose.uniform(1.2, 2.5)
+            robot.simulator.place(0.0, 0.0)
+            x, dx, dy = distance * math.cos(incidence), -math.sin(incidence) * 10.0, math.cos(incidence) * 10.0
+            y = distance * math.sin(incidence)
+            x, y = x * math.cos(incidence), y * math.cos(incidence)
+            robot.simulator.add_wall("wall", [(x - dx, y - dy), (x + dx, y + dy)])
+            robot.simulator.tilt(0.0, 0.0)
+            robot.run(1.5)
+            robot.simulator.tilt(FULL_TILT, 0.0)
+            robot.wait("driving", robot.drives, 10.0)
+            robot.run(distance / 0.6 + 3.0)
+            state = robot.simulator.state()
+            print(f"approach {number}: at rest {state.clearance:.3f} m from the wall")
+            assert state.contacts == 0
+            assert MARGIN <= state.clearance <= MARGIN + 0.35
+            assert not robot.drives()
+            robot.simulator.tilt(-FULL_TILT, 0.0)
+            robot.run(1.5)
+            assert robot.simulator.state().clearance > state.clearance + 0.1
+            robot.simulator.remove_wall("wall")

@@ -1,0 +1,180 @@
+"""Samples as the services would make them, and a telemetry that has heard ten seconds of a drive."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from giraff_cli.motion import Pose, Truth
+from giraff_cli.telemetry import Telemetry
+from giraff_schemas import topics
+from giraff_schemas.codec import stamped
+from giraff_schemas.messages import (
+    BaseState,
+    Battery,
+    BoardState,
+    DriveCommand,
+    Freedom,
+    GuardedCommand,
+    GuardState,
+    Odometry,
+    Range,
+    RangeState,
+    RobotTime,
+    Tick,
+    Tilt,
+    Verdict,
+    Wheels,
+)
+from giraff_schemas.topics import Topic
+
+SENSORS = ("front_left", "front_right", "rear")
+EPOCH = 7
+START = Pose(1.5, 2.2, 0.0)
+MS = 1_000_000
+
+
+def at(robot_ns: int) -> RobotTime:
+    return RobotTime(epoch=EPOCH, robot_ns=robot_ns)
+
+
+def truth(robot_ns: int, *, x: float = 0.0, simulated_us: int | None = None, speed: float = 0.0) -> Truth:
+    """A robot that went `x` m straight on from the start."""
+    return Truth(
+        robot_ns=robot_ns,
+        simulated_us=robot_ns // 1000 if simulated_us is None else simulated_us,
+        pose=Pose(START.x + x, START.y, START.yaw),
+        speed=speed,
+        turn=0.0,
+        path=abs(x),
+        closest=0.42,
+        contacts=0,
+    )
+
+
+def odometry(robot_ns: int, x: float, y: float = 0.0, yaw: float = 0.0) -> Odometry:
+    return Odometry(
+        x=x,
+        y=y,
+        yaw=yaw,
+        linear_x=0.0,
+        angular_z=0.0,
+        covariance=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        path=abs(x),
+        board_us=robot_ns // 1000,
+        boot_id=1,
+        tick=at(robot_ns),
+    )
+
+
+def command(operator_ns: int | None, *, reason: str = "", epoch: int = EPOCH) -> GuardedCommand:
+    tick = None if operator_ns is None else RobotTime(epoch=epoch, robot_ns=operator_ns)
+    return GuardedCommand(
+        linear_x=0.4,
+        angular_z=-0.2,
+        guard_tick=tick,
+        operator="hand",
+        operator_tick=tick,
+        range_tick=None,
+        source="hand",
+        hand_neutral=False,
+        reason=reason,
+    )
+
+
+def wheels(robot_ns: int) -> Wheels:
+    return Wheels(
+        left_ticks=0,
+        right_ticks=0,
+        left_velocity=0.0,
+        right_velocity=0.0,
+        left_pwm_counts=0,
+        right_pwm_counts=0,
+        board_us=robot_ns // 1000,
+        boot_id=1,
+        tick=at(robot_ns),
+    )
+
+
+def verdict(
+    allowed: float = 1.0, freedom: Freedom = "free", sensor: str = "", reason: str = "", way_out: str = ""
+) -> Verdict:
+    return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=reason, way_out=way_out)
+
+
+def guard(forward: Verdict) -> GuardState:
+    return GuardState(
+        forward=forward,
+        backward=verdict(),
+        turn_left=verdict(),
+        turn_right=verdict(),
+        operator="hand",
+        reason=forward.reason,
+    )
+
+
+def base(*, armed: bool = True, reason: str = "", line_errors: int = 0) -> BaseState:
+    board = BoardState(
+        connected=True,
+        boot_id=1,
+        drive_state="active",
+        last_refusal="none",
+        accepted=1,
+        refused=0,
+        line_errors=line_errors,
+    )
+    return BaseState(
+        armed=armed, driving=armed, reason=reason, guard="guard", round_trip=0.02, budget_left=0.1, board=board
+    )
+
+
+def reading(sensor: str, distance: float | None, state: RangeState = "echo", reason: str = "") -> Range:
+    return Range(sensor=sensor, state=state, range=distance, echo_us=0, reason=reason, tick=None)
+
+
+class Network:
+    """Numbers samples as publishers do, and lets a telemetry hear them."""
+
+    def __init__(self, telemetry: Telemetry) -> None:
+        self.telemetry = telemetry
+        self._seq: dict[tuple[str, str], int] = {}
+
+    def send(
+        self, topic: Topic[Any], sample: Any, at_ns: int, *, name: str = "", maker: str = "m", lose: bool = False
+    ) -> None:
+        key = topic.at(name).key if name else topic.key
+        seq = self._seq.get((key, maker), 0)
+        self._seq[key, maker] = seq + 1
+        if not lose:
+            self.telemetry.hear(topic, key, stamped(sample, seq, 0, maker), at_ns)
+
+
+def ten_seconds() -> Telemetry:
+    """Straight on with 0.4 m/s, everything in order."""
+    telemetry = Telemetry(SENSORS, truth(0))
+    network = Network(telemetry)
+    for service in ("joystick", "guard", "base", "ranger", "odometry"):
+        telemetry.announce(service, "m", present=True)
+    for ms in range(0, 10_001, 10):
+        now, x = ms * MS, 0.4e-3 * ms
+        network.send(topics.WHEELS, wheels(now), now)
+        network.send(topics.ODOM, odometry(now, x), now)
+        if ms % 20 == 0:
+            network.send(topics.TICK, Tick(epoch=EPOCH, robot_ns=now), now)
+            network.send(topics.TILT, Tilt(x=2.5, y=-0.4, z=9.4, status="running", tick=at(now)), now)
+            network.send(topics.CMD_VEL, command(max(0, now - 31 * MS)), now)
+        if ms % 30 == 0:
+            asked = DriveCommand(linear_x=0.4, angular_z=-0.2, source="hand", reason="", tick=at(now))
+            network.send(topics.OPERATOR_CMD_VEL, asked, now, name="joystick")
+        if ms % 180 == 0:
+            network.send(topics.RANGE, reading("front_left", 1.23), now, name="front_left")
+            network.send(topics.RANGE, reading("front_right", None, "clear"), now, name="front_right")
+            network.send(topics.RANGE, reading("rear", None, "fault", "stuck"), now, name="rear")
+        if ms % 100 == 0:
+            slow = verdict(0.3, "slow", sensor="front_left", reason="1.23 m ahead", way_out="turn away")
+            network.send(topics.GUARD, guard(slow), now)
+            network.send(topics.BASE, base(), now)
+        if ms % 500 == 0:
+            network.send(topics.BATTERY, Battery(voltage=24.3), now)
+        if ms % 200 == 0 and ms:
+            telemetry.see(truth(now, x=x, speed=0.4))
+    return telemetry

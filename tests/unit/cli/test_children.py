@@ -1,0 +1,151 @@
+"""No process of a run outlives it, however either ends. The processes are stand-ins of a line or two."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from giraff_cli.children import Children
+
+STUBBORN = """
+import signal, time
+signal.signal(signal.SIGTERM, signal.SIG_IGN)
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+print("up", flush=True)
+time.sleep(60.0)
+"""
+OBEDIENT = """
+import signal, sys, time
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+print("up", flush=True)
+time.sleep(60.0)
+"""
+CLUMSY = """
+import signal, sys, time
+signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))
+print("up", flush=True)
+time.sleep(60.0)
+"""
+DYING = """
+import sys
+print("\\n".join(f"line {number}" for number in range(10)), file=sys.stderr)
+sys.exit("the port is gone")
+"""
+PARENT = Path(__file__).with_name("children_of.py")
+
+
+@pytest.fixture
+def children(tmp_path: Path) -> Iterator[Children]:
+    for name, source in {"stubborn": STUBBORN, "obedient": OBEDIENT, "clumsy": CLUMSY, "dying": DYING}.items():
+        (tmp_path / f"{name}.py").write_text(source)
+    started = Children(tmp_path)
+    yield started
+    started.stop_all(grace=0.0)
+
+
+def start(children: Children, directory: Path, name: str) -> None:
+    children.start(name, name, [], os.environ | {"PYTHONPATH": str(directory)})
+
+
+def wait(what: str, holds: Callable[[], bool], seconds: float = 10.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.01)
+
+
+def is_up(children: Children, name: str) -> bool:
+    return children.output(name).read_bytes() == b"up\n"
+
+
+def is_running(pid: int) -> bool:
+    """Also a zombie has ended: whoever should reap it is init."""
+    try:
+        stat = Path(f"/proc/{pid}/stat").read_text()
+    except (FileNotFoundError, ProcessLookupError):
+        return False
+    return stat.rpartition(")")[2].split()[0] != "Z"
+
+
+def test_one_that_ignores_sigterm_is_killed_in_bounded_time(children: Children, tmp_path: Path) -> None:
+    start(children, tmp_path, "stubborn")
+    start(children, tmp_path, "obedient")
+    pids = [children.pid("stubborn"), children.pid("obedient")]
+    wait("both are up", lambda: is_up(children, "stubborn") and is_up(children, "obedient"))
+    began = time.monotonic()
+    troubles = children.stop_all(grace=0.3)
+    assert time.monotonic() - began < 3.0
+    assert troubles == ["stubborn did not end within 0.3 s and was killed"]
+    assert not any(map(is_running, pids))
+    assert not any(Path(f"/proc/{pid}").exists() for pid in pids), "not reaped"
+
+
+def test_one_that_ends_with_an_error_when_told_to_is_named(children: Children, tmp_path: Path) -> None:
+    start(children, tmp_path, "clumsy")
+    wait("it is up", lambda: is_up(children, "clumsy"))
+    assert children.stop(["clumsy"], grace=5.0) == ["clumsy ended with exit code 3 when it was told to end"]
+
+
+def test_only_the_named_ones_are_stopped(children: Children, tmp_path: Path) -> None:
+    start(children, tmp_path, "stubborn")
+    start(children, tmp_path, "obedient")
+    wait("both are up", lambda: is_up(children, "stubborn") and is_up(children, "obedient"))
+    assert children.stop(["obedient", "absent"], grace=5.0) == []
+    assert is_running(children.pid("stubborn"))
+
+
+def test_one_that_ends_by_itself_is_named_once_with_its_last_words(children: Children, tmp_path: Path) -> None:
+    start(children, tmp_path, "dying")
+    start(children, tmp_path, "obedient")
+    wait("it has ended", lambda: bool(children.reap()))
+    ended = children.ended["dying"]
+    assert ended.how == "exit code 1"
+    assert ended.last_words == ("line 6", "line 7", "line 8", "line 9", "the port is gone")
+    assert str(ended).startswith("dying ended by itself (exit code 1), its log ends:\n    line 6")
+    assert children.reap() == []
+    assert is_running(children.pid("obedient"))
+
+
+def test_a_signal_that_ended_one_is_named(children: Children, tmp_path: Path) -> None:
+    start(children, tmp_path, "obedient")
+    wait("it is up", lambda: is_up(children, "obedient"))
+    os.kill(children.pid("obedient"), signal.SIGKILL)
+    wait("it has ended", lambda: bool(children.reap()))
+    assert str(children.ended["obedient"]) == "obedient ended by itself (SIGKILL)"
+
+
+def test_they_are_in_sessions_of_their_own(children: Children, tmp_path: Path) -> None:
+    """Ctrl-C reaches the parent alone, who ends them in the right order."""
+    start(children, tmp_path, "obedient")
+    pid = children.pid("obedient")
+    assert os.getsid(pid) == pid != os.getsid(0)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGSEGV])
+def test_nothing_outlives_its_parent(children: Children, tmp_path: Path, number: signal.Signals) -> None:
+    command = [sys.executable, str(PARENT), str(tmp_path), "stubborn", "obedient"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as parent:
+        assert parent.stdout is not None
+        pids = [int(word) for word in parent.stdout.readline().split()]
+        wait("both are up", lambda: is_up(children, "stubborn") and is_up(children, "obedient"))
+        parent.send_signal(number)
+        parent.wait(5.0)
+    assert len(pids) == 2
+    wait("the end of both", lambda: not any(map(is_running, pids)), 2.0)
+
+
+def test_one_whose_parent_has_ended_before_it_began_does_not_begin(tmp_path: Path) -> None:
+    launch = Path(sys.modules[Children.__module__].__file__ or "").with_name("launch.py")
+    not_the_parent = str(os.getppid())
+    command = [sys.executable, "-I", "-S", str(launch), not_the_parent, sys.executable, "-c", "print('began')"]
+    run = subprocess.run(command, check=False, capture_output=True, text=True, cwd=tmp_path)
+    assert run.returncode == 1
+    assert run.stdout == ""
+    assert "the parent has ended" in run.stderr

@@ -1,0 +1,205 @@
+"""Options are checked before anything is started."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from giraff_cli.plan import Plan, PlanError, choose_boards, make_plan, simulated_name, write_file
+from giraff_schemas.topics import require_chunk
+from giraff_sim.board import BUILD, ROOT
+from giraff_sim.room import read_room
+
+BUILT = {
+    "avr": ["lockstep/lockstep.so", "firmware/base.elf", "firmware/joystick.elf", "firmware/ranger.elf"],
+    "host": ["host/base.so", "host/joystick.so", "host/ranger.so"],
+}
+
+
+@pytest.fixture(autouse=True)
+def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """No robot's settings, and nothing of the repository below the working directory."""
+    for name in os.environ:
+        if name.startswith("GIRAFF_"):
+            monkeypatch.delenv(name)
+    monkeypatch.chdir(tmp_path)
+
+
+def plan(**options: Any) -> Plan:
+    defaults: dict[str, Any] = dict.fromkeys(("seconds", "world", "tilt_script", "boards", "summary", "picture"))
+    return make_plan(**defaults | {"seed": 1, "local": False} | options)
+
+
+def test_the_defaults_make_a_run() -> None:
+    made = plan()
+    assert made.robot.name.startswith("sim-")
+    assert made.environment["GIRAFF_ROBOT_NAME"] == made.robot.name
+    assert Path(made.environment["GIRAFF_CONFIG"]) == ROOT / "deploy" / "robot.toml"
+    assert made.world.is_file()
+    assert (made.hand, made.seconds) == ("demo", None)
+    assert (made.boards, made.why_boards) == choose_boards(None, BUILD)
+
+
+def test_the_robot_may_be_named_and_kept_off_the_network(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GIRAFF_ROBOT_NAME", "otto")
+    made = plan(local=True)
+    assert made.robot.name == "otto"
+    assert made.network.local
+    assert made.environment["GIRAFF_NETWORK_LOCAL"] == "true"
+
+
+def test_the_robot_file_below_the_working_directory_counts(tmp_path: Path) -> None:
+    (tmp_path / "deploy").mkdir()
+    text = (ROOT / "deploy" / "robot.toml").read_text()
+    (tmp_path / "deploy" / "robot.toml").write_text(text.replace("footprint_radius = 0.30", "footprint_radius = 0.25"))
+    made = plan()
+    assert made.robot.footprint_radius == 0.25
+    assert Path(made.environment["GIRAFF_CONFIG"]) == tmp_path / "deploy" / "robot.toml"
+
+
+def world_file(directory: Path, text: str) -> Path:
+    path = directory / "world.toml"
+    path.write_text(text)
+    return path
+
+
+ROOM = """
+name = "closet"
+start = { x = 0.0, y = 0.0, yaw_deg = 0.0 }
+waypoints = [[1.0, 0.0]]
+"""
+
+
+@pytest.mark.parametrize(
+    ("seconds", "told"),
+    [(-3.0, "--for -3"), (0.0, "--for 0"), (math.nan, "--for nan"), (math.inf, "--for inf")],
+)
+def test_a_run_lasts_a_positive_time(seconds: float, told: str) -> None:
+    with pytest.raises(PlanError, match=told):
+        plan(seconds=seconds)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("not toml", "not TOML"),
+        ("name = 'x'", "start"),
+        (ROOM + "[[walls]]\nname = 'near'\npoints = [[0.1, -1.0], [0.1, 1.0]]", "does not fit"),
+        (ROOM.replace("waypoints", "# waypoints"), "waypoints"),
+    ],
+)
+def test_a_bad_world_is_refused(tmp_path: Path, text: str, told: str) -> None:
+    with pytest.raises(PlanError, match=told):
+        plan(world=world_file(tmp_path, text))
+
+
+def test_a_missing_world_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(PlanError, match=r"--world: .*nowhere\.toml: cannot be read: No such file"):
+        plan(world=tmp_path / "nowhere.toml")
+
+
+def test_a_world_without_waypoints_is_good_enough_for_a_script(tmp_path: Path) -> None:
+    script = tmp_path / "script.csv"
+    script.write_text("t,x,y,z\n0,0,0,9.81\n2,4,0,9\n")
+    made = plan(world=world_file(tmp_path, ROOM.replace("waypoints", "# waypoints")), tilt_script=script)
+    assert made.hand == str(script)
+    assert read_room(made.world).name == "closet"
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        ("0,0,0,9.81\n1,up,0,9.81", r"script\.csv:2: x is 'up'"),
+        ("0,0,0,9.81\n1,0,0", r"script\.csv:2: 3 columns"),
+        ("0,0,0,9.81\n1,nan,0,0", r"script\.csv:2: x is nan"),
+        ("1,0,0,9.81\n0,0,0,9.81", r"script\.csv:2: time 0"),
+        ("", "no row"),
+    ],
+)
+def test_a_bad_tilt_script_is_refused_with_file_and_line(tmp_path: Path, rows: str, told: str) -> None:
+    script = tmp_path / "script.csv"
+    script.write_text(rows)
+    with pytest.raises(PlanError, match=rf"--tilt-script: .*{told}"):
+        plan(tilt_script=script)
+
+
+@pytest.mark.parametrize("option", ["summary", "picture"])
+def test_what_cannot_be_written_is_refused_at_the_start(tmp_path: Path, option: str) -> None:
+    with pytest.raises(PlanError, match=rf"--{option} .*cannot be written: No such file"):
+        plan(**{option: tmp_path / "missing" / "file"})
+    with pytest.raises(PlanError, match=rf"--{option} .*no plain file"):
+        plan(**{option: tmp_path})
+    with pytest.raises(PlanError, match="no plain file"):
+        plan(**{option: Path(os.devnull)})
+    kept = tmp_path / "kept"
+    kept.write_text("before")
+    plan(**{option: kept})
+    assert [path.name for path in tmp_path.iterdir()] == ["kept"]
+    assert kept.read_text() == "before"
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "told"),
+    [
+        ("GIRAFF_ROBOT_NAME", "a/b", "GIRAFF_ROBOT_NAME: 'a/b'"),
+        ("GIRAFF_SPEED", "1", "GIRAFF_SPEED: names no field"),
+        ("GIRAFF_CONFIG", "missing.toml", "no robot file"),
+        ("GIRAFF_ROBOT_TRACK_WIDTH", "wide", "track_width"),
+    ],
+)
+def test_bad_settings_are_refused(monkeypatch: pytest.MonkeyPatch, variable: str, value: str, told: str) -> None:
+    monkeypatch.setenv(variable, value)
+    with pytest.raises(PlanError, match=told):
+        plan()
+
+
+def build(directory: Path, *boards: str) -> Path:
+    for name in (name for kind in boards for name in BUILT[kind]):
+        (directory / name).parent.mkdir(exist_ok=True)
+        (directory / name).touch()
+    return directory
+
+
+def test_the_real_firmware_is_taken_where_it_is_built(tmp_path: Path) -> None:
+    assert choose_boards(None, build(tmp_path, "avr", "host")) == ("avr", "")
+    assert choose_boards("host", tmp_path) == ("host", "")
+
+
+def test_without_it_the_boards_compiled_for_this_machine_are_taken_and_that_is_said(tmp_path: Path) -> None:
+    boards, why = choose_boards(None, build(tmp_path, "host"))
+    assert boards == "host"
+    assert "build/lockstep/lockstep.so is missing" in why
+
+
+def test_boards_that_were_asked_for_are_not_replaced(tmp_path: Path) -> None:
+    with pytest.raises(PlanError, match=r"--boards avr: build/lockstep/lockstep\.so is missing; make setup"):
+        choose_boards("avr", build(tmp_path, "host"))
+
+
+def test_without_any_boards_there_is_no_run(tmp_path: Path) -> None:
+    with pytest.raises(PlanError, match="make setup"):
+        choose_boards(None, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("host", "name"),
+    [("vm", "sim-vm"), ("näh.kästchen local", "sim-n-h-k-stchen-local"), ("*", "sim-host"), ("", "sim-host")],
+)
+def test_any_host_has_a_name_for_its_simulation(host: str, name: str) -> None:
+    assert simulated_name(host) == require_chunk(name)
+
+
+def test_a_file_is_written_whole_and_through_its_links(tmp_path: Path) -> None:
+    target, link = tmp_path / "target", tmp_path / "link"
+    target.write_text("before")
+    link.symlink_to(target)
+    write_file(link, "after")
+    assert (target.read_text(), link.is_symlink()) == ("after", True)
+    with pytest.raises(UnicodeEncodeError):
+        write_file(target, "\ud800")
+    assert target.read_text() == "after"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "target"]

@@ -1,0 +1,183 @@
+"""What a person sees: the live view, the line, the summary."""
+
+from __future__ import annotations
+
+import io
+import re
+from dataclasses import replace
+
+import msgspec
+import pytest
+from rich.console import Console
+
+from giraff_cli.line import line
+from giraff_cli.screen import picture
+from giraff_cli.summary import Summary, summarize, to_json, to_text
+from giraff_cli.telemetry import Snapshot, Telemetry
+from giraff_cli.view import Frame, view
+from giraff_schemas import topics
+from tests.unit.cli.samples import MS, SENSORS, Network, base, guard, reading, ten_seconds, truth, verdict
+
+SECOND = 1000 * MS
+FRAME = Frame(
+    robot="sim-here",
+    boards="avr",
+    seed=3,
+    elapsed=12.3,
+    seconds=600.0,
+    services={"joystick": "alive", "guard": "alive", "base": "alive", "ranger": "silent", "odometry": "ended"},
+    notices=(),
+)
+
+
+def rendered(snapshot: Snapshot, frame: Frame = FRAME, width: int = 80) -> list[str]:
+    console = Console(file=io.StringIO(), width=width, height=24, color_system=None)
+    with console.capture() as capture:
+        console.print(view(snapshot, frame))
+    return capture.get().splitlines()
+
+
+def test_the_view_tells_all_of_it_on_80_by_24() -> None:
+    shown = rendered(ten_seconds().snapshot(10 * SECOND), replace(FRAME, notices=("odometry ended by itself",)))
+    assert len(shown) <= 24
+    assert all(len(row) <= 80 for row in shown)
+    text = "\n".join(shown)
+    for wanted in (
+        r"sim-here · avr boards · seed 3 · 0:12 of 10:00",
+        r"odometry +4\.000 +0\.000 +0\.0",
+        r"truth +4\.000 +0\.000 +0\.0",
+        r"apart +0\.000",
+        r"path +4\.00 m ",
+        r"speed +0\.40 m/s",
+        r"forward +2\.50",
+        r"front left +1\.23 m █+·+ +5\.6",
+        r"front right +clear ·+",
+        r"rear +fault ·+",
+        r"state +driving +24\.3 V",
+        r"forward +0\.30 m/s +slow +1\.23 m ahead · turn away",
+        r"turn right +1\.00 rad/s +free",
+        r"passes +0\.40 m/s +-0\.20 rad/s",
+        r"command +31 ms, p99 31, most 31",
+        r"TOPICS +0 lost",
+        r"cmd_vel/joystick +33\.3",
+        r"wheels +100\.0",
+        r"● joystick +● guard +● base +○ ranger +✗ odometry",
+        r"odometry ended by itself",
+    ):
+        assert re.search(wanted, text), f"{wanted} is not in\n{text}"
+
+
+def place(shown: list[str], word: str) -> tuple[int, int]:
+    [found] = [(number, row.index(word)) for number, row in enumerate(shown) if word in row]
+    return found
+
+
+def test_nothing_moves_in_the_view_when_numbers_change() -> None:
+    before = rendered(ten_seconds().snapshot(10 * SECOND))
+    telemetry = ten_seconds()
+    network = Network(telemetry)
+    network.send(topics.RANGE, reading("front_left", None, "clear"), 10 * SECOND, name="front_left", maker="n")
+    telemetry.see(truth(10 * SECOND, x=-123.4, speed=-0.6))
+    after = rendered(telemetry.snapshot(10 * SECOND))
+    for heading in ("POSE", "MOTION", "TILT", "RANGES", "BASE", "GUARD", "TOPICS", "SERVICES"):
+        places = [
+            (number, row.index(heading))
+            for shown in (before, after)
+            for number, row in enumerate(shown)
+            if heading in row
+        ]
+        assert len(places) == 2
+        assert places[0] == places[1]
+
+
+def test_a_long_reason_is_cut_and_not_wrapped() -> None:
+    telemetry = ten_seconds()
+    network = Network(telemetry)
+    long = verdict(0.0, freedom="blocked", sensor="rear", reason="r" * 200, way_out="w" * 200)
+    network.send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
+    network.send(topics.BASE, base(armed=False, reason="b" * 200), 10 * SECOND, maker="n")
+    shown = rendered(telemetry.snapshot(10 * SECOND))
+    assert len(shown) <= 24
+    assert all(len(row) <= 80 for row in shown)
+    assert sum("…" in row for row in shown) == 2
+
+
+def test_a_wider_terminal_shows_more_of_the_reasons() -> None:
+    telemetry = ten_seconds()
+    long = verdict(0.0, freedom="blocked", sensor="rear", reason="r" * 60, way_out="w" * 20)
+    Network(telemetry).send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
+    shown = "\n".join(rendered(telemetry.snapshot(10 * SECOND), width=120))
+    assert "r" * 60 + " · " + "w" * 20 in shown
+
+
+def test_the_view_says_so_when_nothing_is_known() -> None:
+    starting = replace(FRAME, seconds=None, services={"base": "starting"})
+    text = "\n".join(rendered(Telemetry(SENSORS, truth(0)).snapshot(0), starting))
+    assert "silent" in text
+    assert "0:12 ─" in text
+    assert "○ base" in text
+
+
+def test_the_line_is_one_line() -> None:
+    shown = line(ten_seconds().snapshot(10 * SECOND), 12.34)
+    assert shown.startswith("  12.3 s | x   4.00 y   0.00 m")
+    assert "ranges 1.23 m  clear  fault | forward slow (front_left) | base driving | lost 0" in shown
+    assert "\n" not in line(Telemetry(SENSORS, truth(0)).snapshot(0), 0.0)
+
+
+def summary(telemetry: Telemetry, failures: list[str] | None = None) -> Summary:
+    return summarize(telemetry, robot="sim-here", boards="avr", seed=3, began_ns=2 * SECOND, failures=failures or [])
+
+
+def test_the_summary_is_what_was_measured() -> None:
+    told = summary(ten_seconds(), ["guard ended by itself"])
+    assert told.duration_s == 8.0
+    assert told.distance_m == 4.0
+    assert told.odom_error_m == pytest.approx(0.0, abs=1e-3)
+    assert (told.closest_m, told.contacts, told.frames_lost, told.line_errors) == (0.42, 0, 0, 0)
+    assert told.rates_hz[topics.ODOM.key] == pytest.approx(100.0)
+    assert told.age_ms is not None
+    assert told.age_ms.p99 == 31.0
+    assert told.failures == ["guard ended by itself"]
+
+
+def test_the_summary_as_json_has_the_names_that_are_promised() -> None:
+    told = msgspec.json.decode(to_json(summary(ten_seconds())))
+    assert {
+        "distance_m",
+        "odom_error_m",
+        "odom_error_deg",
+        "closest_m",
+        "contacts",
+        "frames_lost",
+        "rates_hz",
+        "age_ms",
+        "duration_s",
+        "seed",
+        "boards",
+        "skew_percent",
+    } <= told.keys()
+    assert set(told["age_ms"]) == {"p50", "p99", "max"}
+
+
+def test_the_summary_does_not_make_up_what_nobody_heard() -> None:
+    told = summary(Telemetry(SENSORS, truth(2 * SECOND)))
+    assert told.odom_error_m is None
+    assert told.age_ms is None
+    assert told.rates_hz == {}
+    assert to_text(told).count("unknown") == 3
+
+
+def test_the_summary_for_people_fits_a_terminal() -> None:
+    text = to_text(summary(ten_seconds()))
+    assert max(map(len, text.splitlines())) <= 80
+    assert "0.420 m, 0 contacts" in text
+    assert "31.0 ms median, 31.0 ms p99" in text
+
+
+def test_the_picture_stands_alone() -> None:
+    svg = picture(ten_seconds().snapshot(10 * SECOND), FRAME)
+    assert svg.startswith("<svg")
+    assert "sim-here" in svg.replace("&#160;", " ")
+    assert "url(" not in svg.replace("url(#", "")
+    assert picture(ten_seconds().snapshot(10 * SECOND), FRAME) == svg

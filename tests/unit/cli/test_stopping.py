@@ -1,0 +1,44 @@
+"""Being told to end wakes whoever waits, at once."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+
+import pytest
+
+from giraff_cli.stopping import Stopping
+
+
+def signal_soon(number: signal.Signals, seconds: float = 0.1) -> None:
+    threading.Timer(seconds, os.kill, [os.getpid(), number]).start()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_a_wait(number: signal.Signals) -> None:
+    with Stopping() as stopping:
+        assert not stopping.wait(0.01)
+        signal_soon(number)
+        began = time.monotonic()
+        assert stopping.wait(10.0)
+        assert time.monotonic() - began < 5.0
+        assert stopping.wait(10.0), "and every wait after it"
+
+
+def test_a_wait_may_outlast_the_first_signal() -> None:
+    with Stopping() as stopping:
+        stopping.ask()
+        assert not stopping.wait(0.05, patience=2)
+        signal_soon(signal.SIGINT)
+        assert stopping.wait(10.0, patience=2)
+
+
+def test_signals_are_as_before_afterwards() -> None:
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
+    with Stopping():
+        assert signal.getsignal(signal.SIGTERM) != before[1]
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)] == before
+    with pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGINT)

@@ -1,0 +1,200 @@
+"""What is heard and seen becomes rates, losses, ages and errors."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from giraff_cli.flow import Ages, Flow
+from giraff_cli.motion import Comparison, Pose
+from giraff_cli.telemetry import Telemetry
+from giraff_schemas import topics
+from giraff_schemas.codec import stamped
+from giraff_schemas.messages import Tick
+from tests.unit.cli.samples import (
+    EPOCH,
+    MS,
+    SENSORS,
+    START,
+    Network,
+    command,
+    odometry,
+    ten_seconds,
+    truth,
+    wheels,
+)
+
+SECOND = 1000 * MS
+
+
+def quiet() -> Telemetry:
+    return Telemetry(SENSORS, truth(0))
+
+
+def test_rates_are_counted_by_sequence_and_a_loss_does_not_lower_them() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    for count in range(101):
+        network.send(topics.GUARD, command(None), count * 100 * MS, lose=count % 10 == 5)
+    assert telemetry.rates_hz == {topics.GUARD.key: pytest.approx(10.0)}
+    assert telemetry.lost == {topics.GUARD.key: 10}
+    assert telemetry.snapshot(10 * SECOND).rates[topics.GUARD.key].hz == pytest.approx(10.0)
+
+
+def test_what_boards_pace_is_judged_in_simulated_time_and_the_rest_by_the_clock() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    for count in range(1001):  # the simulation runs at 0.8 of the wall's pace
+        now = count * 10 * MS
+        if count % 20 == 0:
+            telemetry.see(truth(now, simulated_us=round(now / 1000 * 0.8)))
+        network.send(topics.WHEELS, wheels(now), now)
+        network.send(topics.TICK, Tick(epoch=EPOCH, robot_ns=now), now)
+    assert telemetry.rates_hz[topics.WHEELS.key] == pytest.approx(125.0, rel=0.01)
+    assert telemetry.rates_hz[topics.TICK.key] == pytest.approx(100.0, rel=0.01)
+    assert telemetry.skew == pytest.approx(0.2)
+
+
+def test_a_run_is_judged_from_its_beginning() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    for now in (0, 3 * SECOND, 4 * SECOND):
+        network.send(topics.TICK, Tick(epoch=EPOCH, robot_ns=now), now)
+    telemetry.see(truth(4 * SECOND, simulated_us=2_000_000))
+    telemetry.begin()
+    network.send(topics.TICK, Tick(epoch=EPOCH, robot_ns=0), 4 * SECOND + 20 * MS)
+    telemetry.see(truth(5 * SECOND, simulated_us=3_000_000))
+    assert telemetry.rates_hz == {topics.TICK.key: pytest.approx(50.0)}
+    assert telemetry.skew == pytest.approx(0.0)
+
+
+def test_a_restarted_maker_counts_from_zero_and_loses_nothing_by_it() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    for count in range(100):
+        network.send(topics.WHEELS, wheels(0), count * 10 * MS, maker="first" if count < 50 else "second")
+    assert telemetry.lost == {}
+    assert telemetry.rates_hz[topics.WHEELS.key] == pytest.approx(100.0)
+
+
+def test_samples_before_the_first_that_was_heard_are_not_lost() -> None:
+    flow = Flow(500, 0.0)
+    flow.hear(500, 0.0)
+    flow.hear(501, 0.1)
+    assert flow.lost == 0
+    flow.hear(504, 0.4)
+    assert flow.lost == 2
+
+
+def test_a_key_that_fell_silent_has_no_rate_now() -> None:
+    telemetry = ten_seconds()
+    assert telemetry.snapshot(10 * SECOND).rates[topics.TICK.key].hz == pytest.approx(50.0)
+    assert telemetry.snapshot(14 * SECOND).rates[topics.TICK.key].hz is None
+
+
+def test_keys_are_in_the_order_of_the_table() -> None:
+    order = [topic.key for topic in topics.TOPICS]
+    heads = [key.partition("/")[0] for key in ten_seconds().rates_hz]
+    assert heads == [key.partition("/")[0] for key in order for _ in range(3 if key == topics.RANGE.key else 1)]
+
+
+def test_the_age_of_a_command_is_from_the_operators_tick_to_its_arrival() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    network.send(topics.TICK, Tick(epoch=EPOCH, robot_ns=0), 0)
+    for count in range(1, 101):
+        network.send(topics.CMD_VEL, command(SECOND), SECOND + count * MS)
+    age = telemetry.age_ms
+    assert age is not None
+    assert (age.p50, age.p99, age.max) == (50.0, 99.0, 100.0)
+
+
+def test_a_tick_of_another_epoch_or_none_has_no_age() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    network.send(topics.CMD_VEL, command(0), 5 * MS)  # the tick is not known yet
+    network.send(topics.TICK, Tick(epoch=EPOCH, robot_ns=0), 5 * MS)
+    network.send(topics.CMD_VEL, command(None), 6 * MS)
+    network.send(topics.CMD_VEL, command(0, epoch=EPOCH + 1), 7 * MS)
+    assert telemetry.age_ms is None
+
+
+def test_ages_do_not_grow_with_the_run() -> None:
+    ages = Ages()
+    for count in range(10_000):
+        ages.add(20.0 + count % 10)
+    assert len(ages._counts) == 10
+    assert ages.share(0.5) == 24.0
+
+
+def test_services_come_and_go() -> None:
+    telemetry = quiet()
+    telemetry.announce("base", "one", present=True)
+    telemetry.announce("base", "two", present=True)
+    telemetry.announce("base", "one", present=False)
+    assert telemetry.alive == {"base"}
+    telemetry.announce("base", "two", present=False)
+    assert telemetry.alive == frozenset()
+
+
+def test_a_snapshot_knows_how_old_each_sample_is() -> None:
+    snapshot = ten_seconds().snapshot(10 * SECOND + 1500 * MS)
+    assert snapshot.tilt is not None
+    assert snapshot.tilt.age == pytest.approx(1.5)
+    assert not snapshot.tilt.fresh
+
+
+def drive(comparison: Comparison, error_x: float = 0.0, error_yaw: float = 0.0, maker: str = "m") -> None:
+    """Five seconds at 0.5 m/s, truth and odometry at different moments, the error growing evenly."""
+    for ms in range(5001):
+        if ms % 10 == 3:
+            share = ms / 5000
+            sample = odometry(ms * MS, 0.5e-3 * ms + error_x * share, 0.0, error_yaw * share)
+            comparison.hear(stamped(sample, ms, 0, maker))
+        if ms % 200 == 8:
+            comparison.see(truth(ms * MS, x=0.5e-3 * ms))
+
+
+def test_odometry_and_truth_are_compared_at_the_same_moment() -> None:
+    comparison = Comparison()
+    drive(comparison)
+    assert comparison.apart is not None
+    assert comparison.apart.distance == pytest.approx(0.0, abs=1e-9)
+    assert comparison.apart.angle == pytest.approx(0.0, abs=1e-9)
+
+
+def test_an_error_of_odometry_shows_as_it_is() -> None:
+    comparison = Comparison()
+    drive(comparison, error_x=0.05, error_yaw=-0.02)
+    assert comparison.apart is not None
+    assert comparison.apart.distance == pytest.approx(0.046, abs=0.001)  # at 4.6 s, the last that was compared
+    assert comparison.apart.angle == pytest.approx(0.0184, abs=0.0005)
+
+
+def test_a_restarted_odometry_is_compared_from_where_it_began() -> None:
+    comparison = Comparison()
+    drive(comparison, error_x=0.05)
+    for ms in range(5000, 6001):
+        if ms % 10 == 0:
+            comparison.hear(stamped(odometry(ms * MS, 0.5e-3 * (ms - 5000)), ms, 0, "again"))
+        if ms % 200 == 8:
+            comparison.see(truth(ms * MS, x=0.5e-3 * ms))
+    assert comparison.apart is not None
+    assert comparison.apart.distance == pytest.approx(0.0, abs=1e-9)
+
+
+def test_an_odometry_that_fell_silent_is_not_compared() -> None:
+    comparison = Comparison()
+    drive(comparison)
+    comparison.see(truth(6000 * MS, x=3.0))
+    comparison.see(truth(6200 * MS, x=3.0))
+    assert comparison.apart is None
+
+
+@pytest.mark.parametrize("yaw", [0.0, 1.0, -3.0, math.pi])
+def test_frames_of_poses_are_inverse_to_each_other(yaw: float) -> None:
+    frame, pose = Pose(1.0, -2.0, yaw), Pose(0.3, 0.7, 2.9)
+    back = pose.seen_from(frame).placed_in(frame)
+    assert back == pytest.approx(pose)
+    assert START.seen_from(START) == Pose(0.0, 0.0, 0.0)

@@ -1,0 +1,103 @@
+"""What is on the network reaches the telemetry; a namesake is found."""
+
+from __future__ import annotations
+
+import json
+import secrets
+import time
+from collections.abc import Callable, Iterator
+
+import pytest
+import zenoh
+
+from giraff_cli.telemetry import Telemetry
+from giraff_cli.watcher import Watcher, claim, free_port
+from giraff_node.session import NetworkConfig
+from giraff_schemas.codec import encode, stamped
+from giraff_schemas.messages import Tick
+from giraff_schemas.topics import TICK, alive_key, key_of
+from tests.unit.cli.samples import SENSORS, truth
+
+ROBOT = f"sim-{secrets.token_hex(4)}"
+
+
+@pytest.fixture
+def network() -> NetworkConfig:
+    return NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
+
+
+@pytest.fixture
+def watcher(network: NetworkConfig) -> Iterator[Watcher]:
+    opened = Watcher(ROBOT, network)
+    yield opened
+    assert opened.close()
+
+
+@pytest.fixture
+def other(watcher: Watcher, network: NetworkConfig) -> Iterator[zenoh.Session]:  # noqa: ARG001
+    """Another process that has found its way to the rendezvous."""
+    config = zenoh.Config()
+    config.insert_json5("listen/endpoints", json.dumps(["tcp/127.0.0.1:0"]))
+    config.insert_json5("connect/endpoints", json.dumps([f"tcp/{network.rendezvous}"]))
+    config.insert_json5("scouting/multicast/enabled", "false")
+    with zenoh.open(config) as session:
+        yield session
+
+
+def wait(what: str, holds: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + 10.0
+    while not holds():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.02)
+
+
+def test_samples_and_services_are_told(watcher: Watcher, other: zenoh.Session) -> None:
+    telemetry = Telemetry(SENSORS, truth(0))
+    watcher.listen()
+
+    def heard() -> bool:
+        other.put(key_of(ROBOT, TICK), encode(stamped(Tick(epoch=1, robot_ns=2), 0, 0, "one")))
+        watcher.pass_on(telemetry)
+        return telemetry.newest(TICK, time.monotonic_ns()) is not None
+
+    def alive() -> list[str]:
+        watcher.pass_on(telemetry)
+        return sorted(telemetry.alive)
+
+    wait("the tick", heard)
+    with other.liveliness().declare_token(alive_key(ROBOT, "base", "one")):
+        wait("the token", lambda: alive() == ["base"])
+    wait("its end", lambda: not alive())
+    assert watcher.complaints == []
+
+
+def test_what_cannot_be_decoded_is_named(watcher: Watcher, other: zenoh.Session) -> None:
+    watcher.listen()
+
+    def named() -> bool:
+        other.put(key_of(ROBOT, TICK), b"\x93")
+        return bool(watcher.complaints)
+
+    wait("the complaint", named)
+    assert watcher.complaints[0].startswith(key_of(ROBOT, TICK))
+
+
+def test_a_namesake_is_found_and_others_are_not(watcher: Watcher, other: zenoh.Session) -> None:
+    tokens = other.liveliness()
+    with (
+        tokens.declare_token(alive_key("somebody-else", "base", "1")),
+        tokens.declare_token(alive_key(ROBOT, "viewer", "2")),
+    ):
+        assert watcher.namesake(0.3) is None
+        with tokens.declare_token(alive_key(ROBOT, "base", "3")):
+            assert watcher.namesake(10.0) == alive_key(ROBOT, "base", "3")
+
+
+def test_a_name_is_held_by_one_run_of_a_host() -> None:
+    held = claim(ROBOT)
+    assert held is not None
+    assert claim(ROBOT) is None
+    held.close()
+    again = claim(ROBOT)
+    assert again is not None
+    again.close()
