@@ -31,7 +31,7 @@ format: setup ## Put the Python sources into their one form
 	$(VENV)/ruff check --fix
 	$(VENV)/ruff format
 
-campaign: setup ## The runs that take long; leaves a dated record in build/campaign
+campaign: setup ## The runs that take long; leaves dated records in docs/campaign
 	$(VENV)/pytest tests/campaign --timeout=0 $(ARGS)
 
 lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest

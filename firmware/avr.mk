@@ -19,9 +19,10 @@ OUT := $(BUILD)/firmware/$(BOARD)
 ELF := $(BUILD)/firmware/$(BOARD).elf
 OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/avr/%.o,$(REGISTERS) $($(BOARD)_REGISTERS))
 
-FLAGS += -mmcu=$(MCU) -DF_CPU=$($(BOARD)_HZ) -Os -g -flto -ffunction-sections -fdata-sections -fstack-usage
+FLAGS += -mmcu=$(MCU) -DF_CPU=$($(BOARD)_HZ) -Os -g -flto -ffunction-sections -fdata-sections
 
-COMPILE = @mkdir -p $(@D) && $(AVR_CC) $(FLAGS) -c $< -o $@
+# Each function's stack comes from compiling: at the link, -fstack-usage would leave its files in /tmp.
+COMPILE = @mkdir -p $(@D) && $(AVR_CC) $(FLAGS) -ffat-lto-objects -fstack-usage -c $< -o $@
 
 .PHONY: size
 size: $(ELF)
@@ -38,5 +39,10 @@ $(OUT)/avr/%.o: avr/%.c sources.mk avr.mk
 	$(COMPILE)
 $(OUT)/avr/%.o: avr/%.S sources.mk avr.mk
 	$(COMPILE)
+
+.PHONY: check
+check:
+	$(CHECK) --platform=avr8 --library=avr -D__AVR__ -DF_CPU=$($(BOARD)_HZ) common $(BOARD) \
+		$(patsubst %,avr/%.c,$(REGISTERS) $(filter-out motors_off,$($(BOARD)_REGISTERS)))
 
 -include $(OBJECTS:.o=.d)

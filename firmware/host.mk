@@ -7,8 +7,8 @@ HOST_LINK ?=
 
 OUT := $(BUILD)/host/$(BOARD)
 LIBRARY := $(BUILD)/host/$(BOARD).so
-OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) \
-	$(patsubst %,$(OUT)/machine/%.o,machine processor $(BOARD)_parts $(notdir $(HOST_EXTRA:.c=)))
+MACHINE := machine processor $(BOARD)_parts
+OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/machine/%.o,$(MACHINE) $(notdir $(HOST_EXTRA:.c=)))
 
 FLAGS += -O2 -g -fPIC -fvisibility=hidden -Ihost
 ifneq ($(SANITIZE),)
@@ -32,5 +32,9 @@ $(OUT)/machine/%.o: host/%.c sources.mk host.mk
 	$(COMPILE)
 $(OUT)/machine/%.o: %.c sources.mk host.mk
 	$(COMPILE)
+
+.PHONY: check
+check:
+	$(CHECK) --platform=unix64 -Ihost $(MACHINE:%=host/%.c)
 
 -include $(OBJECTS:.o=.d)

@@ -16,4 +16,7 @@ endif
 FLAGS := -std=gnu11 -Wall -Wextra -Werror -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wundef \
 	-fno-common -MMD -MP -Icommon -I$(BOARD) -DPROTOCOL_HASH=$(HASH)UL
 
+CHECK := $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter -I%,$(FLAGS)) -DPROTOCOL_HASH=$(HASH) \
+	--enable=warning,style,performance,portability --suppress=missingIncludeSystem
+
 vpath %.c common $(BOARD)

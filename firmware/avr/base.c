@@ -68,6 +68,7 @@ void hal_start_encoders(void)
     PORTD |= _BV(ENCODER_0_A) | _BV(ENCODER_1_A);       /* pull-ups */
     PORTC |= _BV(ENCODER_0_B) | _BV(ENCODER_1_B);
     EICRA = _BV(ISC10) | _BV(ISC00);                    /* any edge */
+    EIFR = _BV(INTF1) | _BV(INTF0);                     /* what choosing the edge may have raised */
     EIMSK = _BV(INT1) | _BV(INT0);
 }
 

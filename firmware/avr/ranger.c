@@ -15,6 +15,7 @@ void hal_start_sonars(void)
     PORTD |= _BV(ECHO_2);
     EICRB = _BV(ISC40) | _BV(ISC50);            /* any edge */
     EICRA = _BV(ISC30);
+    EIFR = _BV(INTF3) | _BV(INTF4) | _BV(INTF5);
     EIMSK = _BV(INT3) | _BV(INT4) | _BV(INT5);
 }
 

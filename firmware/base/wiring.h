@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include "protocol.h"
 
-enum wheel { LEFT = 0, RIGHT = 1, WHEELS = 2 };
+enum wheel { LEFT = 0, RIGHT = 1 };
 
 static inline uint8_t wiring_motor(uint8_t wiring, enum wheel wheel)
 {

@@ -61,8 +61,8 @@ enum range_state { RANGE_ECHO = 0, RANGE_CLEAR = 1, RANGE_FAULT = 2 };
 
 enum range_fault {
     RANGE_FAULT_NONE = 0,
-    RANGE_FAULT_NO_ECHO_PULSE = 1,  /* the echo line never rose: sensor absent, dead or unpowered */
-    RANGE_FAULT_STUCK_HIGH = 2,     /* the echo line stays high, longer than the slowest clone's time-out */
+    RANGE_FAULT_NO_ECHO_PULSE = 1,  /* the echo line never rose: sensor dead or unpowered, trigger wire off */
+    RANGE_FAULT_STUCK_HIGH = 2,     /* the echo line stays high, longer than any sensor waits: echo wire off */
     RANGE_FAULT_TOO_SHORT = 3       /* a pulse shorter than any distance the sensor can measure */
 };
 

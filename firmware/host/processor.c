@@ -125,12 +125,13 @@ void hal_set_boot_count(uint32_t count)
 
 void hal_start_watchdog(void)
 {
-    hal_feed_watchdog();
+    machine_schedule(WATCHDOG, machine_now_ns() + WATCHDOG_MS * (uint64_t)MS_NS);
 }
 
 void hal_feed_watchdog(void)
 {
-    machine_schedule(WATCHDOG, machine_now_ns() + WATCHDOG_MS * (uint64_t)MS_NS);
+    if (machine_is_scheduled(WATCHDOG))
+        hal_start_watchdog();
 }
 
 void hal_enable_interrupts(void)

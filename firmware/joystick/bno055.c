@@ -62,8 +62,8 @@ enum phase {
 };
 
 static enum phase phase;
-static uint32_t since_ms;       /* the phase, or with WAITING and STEPPING the last thing to be waited for */
-static uint16_t wait_ms;
+static uint32_t since_ms;       /* RESETTING and WAITING: their beginning */
+static uint16_t wait_ms;        /* WAITING: its length */
 static uint8_t step;
 static uint32_t step_began_ms;
 static uint8_t failures;

@@ -24,7 +24,8 @@ class Arming:
         self.why = "base has just started"
         """What disarmed last."""
         self.intruder = ""
-        """A second guard that was heard while the one in charge was alive; empty: none."""
+        """A second guard that was heard lately while the one in charge was alive; empty: none."""
+        self._intruder_heard_ns = 0
         self._guard_heard_ns = 0
         self._last_seq = -1
         self._operator = ""
@@ -39,23 +40,26 @@ class Arming:
 
     def admit(self, command: GuardedCommand, now: RobotTime, at_rest: bool) -> str:
         """Judge a command by who sent it and when; empty when it counts, else why it does not."""
+        too_old = "the guard's command is too old" if age(command.guard_tick, now) > self._config.guard_budget else ""
         if command.instance != self.guard:
             silent = (now.robot_ns - self._guard_heard_ns) * 1e-9
             if self.guard:
                 self.disarm(f"guard {command.instance} spoke while base obeys guard {self.guard}")
                 if silent < self._config.guard_silence:
-                    self.intruder = command.instance
+                    self.intruder, self._intruder_heard_ns = command.instance, now.robot_ns
                     return f"a second guard, {command.instance}, is running; end one of the two"
                 if not at_rest:
                     return "a new guard waits until the robot is at rest"
+            if too_old:
+                return too_old
             self.guard, self.intruder, self._last_seq = command.instance, "", -1
         if command.seq <= self._last_seq:
             return f"command {command.seq} is not newer than {self._last_seq}"
         self._last_seq = command.seq
         self._guard_heard_ns = now.robot_ns
-        if age(command.guard_tick, now) > self._config.guard_budget:
-            return "the guard's command is too old"
-        return ""
+        if (now.robot_ns - self._intruder_heard_ns) * 1e-9 >= self._config.guard_silence:
+            self.intruder = ""
+        return too_old
 
     def consider(self, command: GuardedCommand, now: RobotTime) -> None:
         """Arm or disarm by what the hand does. `command` was admitted."""
@@ -66,7 +70,8 @@ class Arming:
             self.disarm("the operator's side reports a fault")
             return
         tick = command.operator_tick
-        if tick is None or age(tick, now) > self._config.operator_budget or not command.hand_neutral:
+        neutral = command.hand_neutral and command.neutral
+        if tick is None or age(tick, now) > self._config.operator_budget or not neutral:
             self._neutral_from = self._neutral_to = None
             return
         if self._neutral_to is None or age(self._neutral_to, now) > self._config.operator_budget:

@@ -63,6 +63,7 @@ class BasePolicy:
         self._session = session
         self._link_fault = ""
         self._report = None
+        self._reason = "no report from the base board yet"
         self._reports.forget()
         self._linear = self._angular = 0.0
         self._arming.disarm("the serial link was opened anew")
@@ -91,6 +92,8 @@ class BasePolicy:
 
     def on_command(self, command: GuardedCommand, now: RobotTime) -> None:
         """Take a command of a guard."""
+        if self._command is not None:
+            self._disarm_if_stale(self._command, now)  # before a fresh one can hide it
         # A refused one does not end the command in charge: a late copy must not be able to stop the robot.
         self._refused = self._arming.admit(command, now, self._reports.at_rest)
         if not self._refused:
@@ -166,9 +169,7 @@ class BasePolicy:
         command, config = self._command, self._config
         if command is None:
             return 0.0, 0.0, self._refused
-        operator_age = age(command.operator_tick, now)
-        guard_age = age(command.guard_tick, now)
-        range_age = age(command.range_tick, now) if command.range_tick is not None else 0.0
+        operator_age, guard_age, range_age = _ages(command, now)
         self._round_trip = operator_age if operator_age < config.disarm_time else None
         left = min(
             config.operator_budget - operator_age,
@@ -176,8 +177,7 @@ class BasePolicy:
             config.range_budget - range_age,
         )
         self._budget_left = max(left, -config.disarm_time)
-        if max(operator_age, guard_age, range_age) > config.disarm_time:
-            self._arming.disarm("a command or a range was stale for too long")
+        self._disarm_if_stale(command, now)
         if guard_age > config.guard_budget:
             return 0.0, 0.0, self._refused or "the guard is not heard; start giraff_guard on this machine"
         if operator_age > config.operator_budget:
@@ -188,8 +188,17 @@ class BasePolicy:
             return 0.0, 0.0, command.reason or "the operator's side reports a fault"
         if not self._arming.armed:
             return 0.0, 0.0, f"not armed since {self._arming.why}; {HOW_TO_ARM} for {config.arm_time:g} s"
-        share = min(fade(operator_age, config.operator_budget), fade(guard_age, config.guard_budget))
-        return command.linear_x * share, command.angular_z * share, command.reason
+        by_operator, by_guard = fade(operator_age, config.operator_budget), fade(guard_age, config.guard_budget)
+        share, late = by_operator, "slowed: the operator's commands come late; check its link"
+        if by_guard < by_operator:
+            share, late = by_guard, "slowed: the guard's commands come late; relieve this machine"
+        reason = command.reason or ("" if share == 1.0 or command.neutral else late)
+        return command.linear_x * share, command.angular_z * share, reason
+
+    def _disarm_if_stale(self, command: GuardedCommand, now: RobotTime) -> None:
+        """Disarm when a part of the command in charge has been stale for too long."""
+        if max(_ages(command, now)) > self._config.disarm_time:
+            self._arming.disarm("a command or a range was stale for too long")
 
     def _configure(self, report: WheelsFrame) -> ConfigureFrame:
         return ConfigureFrame(
@@ -205,3 +214,9 @@ class BasePolicy:
     def _next_seq(self) -> int:
         self._seq = (self._seq + 1) & 0xFFFF
         return self._seq
+
+
+def _ages(command: GuardedCommand, now: RobotTime) -> tuple[float, float, float]:
+    """s, of the operator's, the guard's and the range's tick; a command that relies on no range has a new one."""
+    range_age = age(command.range_tick, now) if command.range_tick is not None else 0.0
+    return age(command.operator_tick, now), age(command.guard_tick, now), range_age

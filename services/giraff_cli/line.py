@@ -14,9 +14,9 @@ def line(snapshot: Snapshot, elapsed: float) -> str:
     truth, pose = snapshot.truth, snapshot.true_pose or Pose(0.0, 0.0, 0.0)
     parts = [
         f"{elapsed:6.1f} s",
-        f"x {pose.x:6.2f} y {pose.y:6.2f} m, {math.degrees(pose.yaw):6.1f}°",
+        f"x {pose.x:z6.2f} y {pose.y:z6.2f} m, {math.degrees(pose.yaw):z6.1f}°",
         f"path {truth.path:6.2f} m",
-        f"{truth.speed:5.2f} m/s",
+        f"{truth.speed:z5.2f} m/s",
         "ranges " + " ".join(f"{range_text(seen):>6}" for seen in snapshot.ranges.values()),
         f"forward {_forward(snapshot.guard)}",
         f"base {base_text(snapshot.base)}",

@@ -95,8 +95,8 @@ def _motion(snapshot: Snapshot) -> Table:
     table = _block("MOTION", 6, _right("", 6), _left("", 5))
     truth = snapshot.truth
     table.add_row("path", f"{truth.path:.2f}", _unit("m"))
-    table.add_row("speed", f"{truth.speed:.2f}", _unit("m/s"))
-    table.add_row("turn", f"{truth.turn:.2f}", _unit("rad/s"))
+    table.add_row("speed", f"{truth.speed:z.2f}", _unit("m/s"))
+    table.add_row("turn", f"{truth.turn:z.2f}", _unit("rad/s"))
     return table
 
 
@@ -106,14 +106,14 @@ def _hand(snapshot: Snapshot) -> Table:
     if tilt is not None and tilt.sample.status != "running":
         table.columns[1].header = Text(tilt.sample.status.replace("_", " "), style="red")
     for axis, meaning in (("x", "forward"), ("y", "left"), ("z", "up")):
-        value = _NONE if tilt is None else f"{getattr(tilt.sample, axis):.2f}"
+        value = _NONE if tilt is None else f"{getattr(tilt.sample, axis):z.2f}"
         table.add_row(meaning, value, style=_dim(tilt))
     return table
 
 
 def _ranges(snapshot: Snapshot) -> Table:
     longest = max((len(sensor) for sensor in snapshot.ranges), default=0)
-    table = _block("RANGES", longest, _right("", 6), _left("", _BAR), _right("Hz", 4))
+    table = _block("RANGES", longest + 1, _right("", 6), _left("", _BAR), _right("Hz", 4))
     for sensor, seen in snapshot.ranges.items():
         rate = snapshot.rates.get(RANGE.at(sensor).key)
         table.add_row(sensor.replace("_", " "), range_text(seen), _bar(seen), _hz(rate))
@@ -170,7 +170,7 @@ def _command(snapshot: Snapshot) -> Table:
         table.add_row("passes", _NONE)
     else:
         sample = command.sample
-        text = Text(f"{sample.linear_x:6.2f} m/s {sample.angular_z:6.2f} rad/s")
+        text = Text(f"{sample.linear_x:z6.2f} m/s {sample.angular_z:z6.2f} rad/s")
         table.add_row("passes", text.append(f"  {sample.reason}", style="yellow"))
     return table
 
@@ -179,11 +179,11 @@ def _topics(snapshot: Snapshot) -> Table:
     of_ranges = {RANGE.at(sensor).key for sensor in snapshot.ranges}
     rates = [(key, rate) for key, rate in snapshot.rates.items() if key not in of_ranges]
     lost = sum(rate.lost for rate in snapshot.rates.values())
-    table = Table(box=None, expand=True, padding=(0, 2, 0, 0), show_edge=False, pad_edge=False)
+    table = Table(box=None, padding=(0, 2, 0, 0), show_edge=False, pad_edge=False)
     heading = Text.assemble(("TOPICS", "bold cyan"), (f"  {lost} lost", "red" if lost else "dim"))
     for column in range(_TOPIC_COLUMNS):
-        table.add_column(heading if column == 0 else "", no_wrap=True, overflow="ellipsis", ratio=1)
-        table.add_column(Text("Hz", "dim"), justify="right", no_wrap=True, min_width=5)
+        table.add_column(heading if column == 0 else "", no_wrap=True, overflow="ellipsis", width=17)
+        table.add_column(_unit("Hz"), justify="right", no_wrap=True, width=5)
     rows = max(1, math.ceil(len(rates) / _TOPIC_COLUMNS))
     for row in range(rows):
         cells: list[RenderableType] = []
@@ -234,7 +234,7 @@ def _beside(*blocks: Table) -> Table:
 def _pose(pose: Pose | None) -> tuple[RenderableType, RenderableType, RenderableType]:
     if pose is None:
         return _NONE, _NONE, _NONE
-    return f"{pose.x:.3f}", f"{pose.y:.3f}", f"{math.degrees(pose.yaw):.1f}"
+    return f"{pose.x:z.3f}", f"{pose.y:z.3f}", f"{math.degrees(pose.yaw):z.1f}"
 
 
 def _hz(rate: KeyRate | None) -> Text:

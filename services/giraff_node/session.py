@@ -51,7 +51,9 @@ def session_config(network: NetworkConfig) -> dict[str, Any]:
         "queries_default_timeout": 2000,
         "transport": {
             "unicast": {"open_timeout": 2000, "accept_timeout": 2000},
-            "link": {"tx": {"lease": 1500, "keep_alive": 4}},
+            "link": {
+                "tx": {"lease": 1500, "keep_alive": 4, "queue": {"size": {"real_time": 16, "data_high": 16}}},
+            },
             "shared_memory": {"enabled": False},
         },
     }

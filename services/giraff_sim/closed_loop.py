@@ -154,7 +154,7 @@ class Ranger(Service):
         if isinstance(sample, Tick):
             self.loop.send(BoardKind.RANGER, self._policy.on_tick(sample))
 
-    def turn(self, now: float) -> None:
+    def turn(self, now: float) -> None:  # noqa: ARG002  its board paces it
         for frame in self.loop.receive(BoardKind.RANGER):
             if isinstance(frame, RangeFrame) and (sample := self._policy.on_frame(frame)) is not None:
                 self.say(RANGE.at(sample.sensor), sample)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from tests.loop.loops import arm, closed_loop, hold
+from giraff_schemas.wire import BoardKind, ResetCause
+from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import EXACT, empty_room
 
 LEGS = (
@@ -45,3 +46,22 @@ def test_thirty_metres_are_within_one_percent() -> None:
         )
         assert error <= 0.01 * plant.path_length
         assert math.isclose(odom.path, plant.path_length, rel_tol=0.01)
+
+
+def test_a_reset_board_is_a_new_boot_and_no_jump() -> None:
+    with closed_loop(empty_room()) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(3.0)
+        before, boot_id = loop.newest["odom"], loop.newest["wheels"].boot_id
+        loop.simulation.reset(BoardKind.BASE, ResetCause.EXTERNAL)
+        farthest = before
+        for _ in range(2000):
+            loop.step()
+            odom = loop.newest["odom"]
+            step = math.hypot(odom.x - farthest.x, odom.y - farthest.y)
+            assert step < 0.02, f"odometry jumped by {step:.3f} m"
+            farthest = odom
+        assert loop.newest["wheels"].boot_id == boot_id + 1
+        truth = loop.simulation.world.plant.pose
+        assert math.hypot(farthest.x - truth.x, farthest.y - truth.y) < 0.3, "more was lost than the reset itself"
