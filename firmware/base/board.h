@@ -3,10 +3,11 @@
 #include "protocol.h"
 
 #define BOARD_KIND BOARD_BASE
-#define BAUD 115200UL               /* BASE_BAUD, for the preprocessor: UBRR = 9 exactly at 18.432 MHz */
+#define BAUD 115200UL               /* for the preprocessor; UBRR = 9 exactly at 18.432 MHz */
+_Static_assert(BAUD == BASE_BAUD, "the wire's baud is declared in protocol.h");
 
 /* Timer 0 divides 18.432 MHz by 256: 72 counts a millisecond, exactly. */
 #define CLOCK_COUNTS_PER_MS 72
-#define CLOCK_US(counts) ((uint16_t)((counts) * 222u / 16u))       /* 13.875 for 13.889: never 1 us off */
+#define CLOCK_US(counts) ((uint16_t)((counts) * 222u / 16u))       /* 13.889 each, at most 2 us short */
 
 #endif

@@ -3,7 +3,8 @@
 #include "protocol.h"
 
 #define BOARD_KIND BOARD_RANGER
-#define BAUD 500000UL               /* RANGER_BAUD, for the preprocessor */
+#define BAUD 500000UL               /* for the preprocessor */
+_Static_assert(BAUD == RANGER_BAUD, "the wire's baud is declared in protocol.h");
 
 /* Timer 0 divides 16 MHz by 64: 250 counts a millisecond, 4 us or 0.7 mm each. */
 #define CLOCK_COUNTS_PER_MS 250

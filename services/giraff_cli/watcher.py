@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import random
 import socket
 import threading
 import time
@@ -20,6 +21,7 @@ from giraff_schemas.messages import Sample
 from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
 
 _CLOSE_TIMEOUT: Final = 1.0  # s; a session's close can hang
+_OWN_PORTS: Final = (20_000, 32_000)  # below Linux's range for outgoing connections, 32768 to 60999
 _ASK_AGAIN: Final = 0.1  # s
 
 Report = Callable[[Telemetry], None]
@@ -94,10 +96,18 @@ class Watcher:
 
 
 def free_port() -> int:
-    """A port of the loopback that nobody listens on."""
-    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
+    """A port of the loopback that nobody listens on, and that no outgoing connection is given by the kernel.
+
+    One of the kernel's would be free now and taken in a moment; a peer that calls it before anybody listens could
+    even be given the port for its own end, and be connected to itself.
+    """
+    while True:
+        port = random.randrange(*_OWN_PORTS)
+        with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+            try:
+                probe.bind(("127.0.0.1", port))
+            except OSError:
+                continue
         return port
 
 

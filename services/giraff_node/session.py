@@ -37,7 +37,7 @@ def session_config(network: NetworkConfig) -> dict[str, Any]:
             "exit_on_failure": False,
         },
         "connect": {
-            "endpoints": [f"tcp/{network.rendezvous}", *network.connect],
+            "endpoints": [f"tcp/{network.rendezvous}", *(() if network.local else network.connect)],
             "timeout_ms": -1,
             "exit_on_failure": False,
             "retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 1.5},

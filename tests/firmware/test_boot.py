@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from giraff_schemas.framing import encode
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,
     PROTOCOL_HASH,
@@ -129,6 +130,25 @@ def test_the_command_time_out_needs_no_main_loop(fragile: BaseBench) -> None:
     while fragile.duties() != (0, 0):
         fragile.run(1)
     assert fragile.now_ms - hung_at == pytest.approx(COMMAND_TIMEOUT_MS, abs=3)
+    assert fragile.model.resets == 0
+
+
+def test_bytes_that_find_no_room_are_counted_and_cost_only_their_own_frames(fragile: BaseBench) -> None:
+    fragile.start(60, 60)
+    accepted = fragile.wheels().accepted
+    ring = 127
+    frames = [encode(fragile.drive_frame(50, 50).pack()) for _ in range(10)]
+    fragile.model.battery_volts = LOOP_HANGS
+    fragile.send_bytes(b"".join(frames))
+    fragile.run(30)
+    fragile.model.battery_volts = NOTHING_STOPS
+    fragile.run(20)
+    whole = next(n for n in range(10) if len(b"".join(frames[: n + 1])) > ring)
+    assert fragile.wheels().accepted == accepted + whole
+    assert fragile.wheels().line_errors == len(b"".join(frames)) - ring
+    fragile.send_bytes(b"\0")
+    fragile.drive(40, 40)
+    assert fragile.duties() == (40, 40)
     assert fragile.model.resets == 0
 
 

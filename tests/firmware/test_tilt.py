@@ -121,6 +121,18 @@ def test_one_reading_that_fails_is_told_of_and_changes_nothing(joystick: Bench, 
     assert len(sensor.resets_ms) == 1
 
 
+def test_readings_that_fail_now_and_then_do_not_add_up(joystick: Bench, sensor: Bno055) -> None:
+    run_until_running(joystick)
+    joystick.forget()
+    for _ in range(20):
+        sensor.answers = False
+        joystick.run(TILT_PERIOD_MS)
+        sensor.answers = True
+        joystick.run(2 * TILT_PERIOD_MS)
+    assert len(sensor.resets_ms) == 1
+    assert [frame.status for frame in joystick.all(TiltFrame)].count(TiltStatus.BUS_FAULT) == 20
+
+
 def test_a_sensor_that_stops_answering_is_brought_up_anew(joystick: Bench, sensor: Bno055) -> None:
     run_until_running(joystick)
     joystick.forget()

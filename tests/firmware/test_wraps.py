@@ -5,8 +5,22 @@ from collections.abc import Iterator
 
 import pytest
 
-from giraff_schemas.wire import ECHO_MAX_AGE_MS, BoardKind, DriveState, Refusal, WheelsFrame, Wiring
-from tests.firmware.bench import BaseBench
+from giraff_schemas.wire import (
+    ECHO_MAX_AGE_MS,
+    RANGE_SLOT_MS,
+    TILT_PERIOD_MS,
+    BoardKind,
+    DriveState,
+    RangeFrame,
+    RangeState,
+    Refusal,
+    TiltFrame,
+    TiltStatus,
+    WheelsFrame,
+    Wiring,
+)
+from tests.firmware.bench import BaseBench, Bench
+from tests.firmware.bno055 import Bno055
 from tests.firmware.builds import near_wraps, open_board
 
 MS_WRAPS_AT = 1000  # simulated ms, as near_wraps.c has it
@@ -102,3 +116,34 @@ def test_ticks_wrap_and_lose_none(base: BaseBench, wiring: int) -> None:
         steps = [(later - earlier + (1 << 31)) % U32 - (1 << 31) for earlier, later in itertools.pairwise(ticks)]
         assert abs(sum(steps)) == 2000
         assert max(abs(step) for step in steps) <= 200
+
+
+def test_an_echo_across_the_wrap_of_board_us_is_as_long_as_it_is() -> None:
+    board = open_board(BoardKind.RANGER, near_wraps())
+    ranger = Bench(board)
+    board.on_ping(lambda _sensor: 22_000.0)
+    ranger.run(2000)
+    told = ranger.all(RangeFrame)
+    rose = [(frame.board_us + 450) % U32 for frame in told]
+    assert any(at + 22_000 >= U32 for at in rose), "one echo was in the air when the count wrapped"
+    assert {frame.state for frame in told} == {RangeState.ECHO}
+    assert all(frame.echo_us == pytest.approx(22_000, abs=5) for frame in told)
+    assert differences([frame.board_us for frame in told], U32) == {RANGE_SLOT_MS * 1000}
+    assert wraps([frame.seq for frame in told]) == 1
+    board.close()
+
+
+@pytest.mark.parametrize("delay_ms", [0, 20, 200, 700])
+def test_a_bring_up_across_the_wrap_of_board_ms_takes_no_longer(delay_ms: int) -> None:
+    """The count wraps in the reset, in the sensor's start, or while it is already read."""
+    board = open_board(BoardKind.JOYSTICK, near_wraps())
+    joystick = Bench(board)
+    sensor = Bno055(joystick)
+    sensor.start_ms = 200 + delay_ms
+    joystick.run(2000)
+    told = joystick.all(TiltFrame)
+    assert told[-1].status == TiltStatus.RUNNING
+    assert len(sensor.resets_ms) == 1
+    assert differences([frame.board_us for frame in told], U32) == {TILT_PERIOD_MS * 1000}
+    assert differences([frame.seq for frame in told], 1 << 16) == {1}
+    board.close()

@@ -22,6 +22,10 @@ def signed32(count: int) -> int:
     return (count + (1 << 31)) % (1 << 32) - (1 << 31)
 
 
+BOOTED_S = 3600.0
+"""Base's clock when the board's is at 0."""
+
+
 def wheels(
     left: int = 0,
     right: int = 0,
@@ -31,7 +35,8 @@ def wheels(
     instance: str = "base-1",
     robot_s: float | None = None,
 ) -> Wheels:
-    """A report of counters that may have wrapped; `robot_s`: base's clock, the board's when left out."""
+    """A report of counters that may have wrapped; `robot_s`: s of base's clock since BOOTED_S, the board's when left out."""
+    since_s = board_us / 1e6 if robot_s is None else robot_s
     return Wheels(
         instance=instance,
         left_ticks=signed32(left),
@@ -42,5 +47,5 @@ def wheels(
         right_pwm_counts=0,
         board_us=board_us % (1 << 32),
         boot_id=boot_id,
-        tick=RobotTime(epoch=3, robot_ns=round((board_us / 1e6 if robot_s is None else robot_s) * 1e9)),
+        tick=RobotTime(epoch=3, robot_ns=round((BOOTED_S + since_s) * 1e9)),
     )

@@ -6,7 +6,7 @@ import math
 import re
 from typing import Any
 
-import msgpack  # type: ignore[import-untyped]
+import msgpack
 import msgspec
 import pytest
 from hypothesis import given, settings
@@ -21,6 +21,13 @@ KEY = "giraff/sim-test/some/key"
 TICK_SAMPLE = m.Tick(seq=3, stamp_ns=4, instance="a1", epoch=7, robot_ns=5)
 
 every_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.schema.__name__)
+
+
+def packed(value: object) -> bytes:
+    """As another language's MessagePack library would."""
+    payload = msgpack.packb(value)
+    assert isinstance(payload, bytes)
+    return payload
 
 
 def refusal(topic: Topic[Any], payload: bytes, encoding: str | None = None) -> str:
@@ -54,7 +61,7 @@ def test_health_comes_back_too(health: m.Health) -> None:
 @every_topic
 def test_a_map_that_any_library_packs_is_a_sample(topic: Topic[Any]) -> None:
     example = an_example(topic.schema)
-    sample = decode(topic, KEY, msgpack.packb(example))
+    sample = decode(topic, KEY, packed(example))
     assert isinstance(sample, topic.schema)
     assert msgpack.unpackb(encode(sample)) == example
 
@@ -90,28 +97,28 @@ def required_fields() -> list[tuple[Topic[Any], str]]:
 def test_a_missing_field_is_named(topic: Topic[Any], field: str) -> None:
     example = an_example(topic.schema)
     del example[field]
-    message = refusal(topic, msgpack.packb(example))
+    message = refusal(topic, packed(example))
     assert topic.schema.__name__ in message
     assert f"`{field}`" in message
 
 
 @pytest.mark.parametrize(("topic", "field"), required_fields(), ids=lambda part: getattr(part, "key", part))
 def test_a_field_of_the_wrong_type_is_named(topic: Topic[Any], field: str) -> None:
-    message = refusal(topic, msgpack.packb(an_example(topic.schema) | {field: b"bytes are nowhere right"}))
+    message = refusal(topic, packed(an_example(topic.schema) | {field: b"bytes are nowhere right"}))
     assert f"$.{field}" in message
 
 
 @pytest.mark.parametrize("field", ["seq", "stamp_ns", "instance"])
 @every_topic
 def test_what_every_sample_starts_with_is_checked(topic: Topic[Any], field: str) -> None:
-    message = refusal(topic, msgpack.packb(an_example(topic.schema) | {field: [1]}))
+    message = refusal(topic, packed(an_example(topic.schema) | {field: [1]}))
     assert f"$.{field}" in message
 
 
 def test_a_wrong_field_inside_another_is_named_by_its_path() -> None:
     example = an_example(m.BaseState)
     example["board"] = example["board"] | {"accepted": "many"}
-    assert "$.board.accepted" in refusal(BASE, msgpack.packb(example))
+    assert "$.board.accepted" in refusal(BASE, packed(example))
 
 
 def paths_of_floats(example: dict[str, Any]) -> list[tuple[str | int, ...]]:
@@ -144,7 +151,7 @@ FLOATS = [(topic, path) for topic in TOPICS for path in paths_of_floats(an_examp
 def test_a_number_that_is_not_finite_is_refused_by_name(
     topic: Topic[Any], path: tuple[str | int, ...], number: float
 ) -> None:
-    message = refusal(topic, msgpack.packb(spoilt(an_example(topic.schema), path, number)))
+    message = refusal(topic, packed(spoilt(an_example(topic.schema), path, number)))
     name = next(part for part in reversed(path) if isinstance(part, str))
     assert re.search(rf"\b{name}\b", message)
     assert "finite" in message
@@ -162,14 +169,14 @@ def test_a_sample_of_nobody_is_refused(topic: Topic[Any], instance: str | None) 
         del example["instance"]
     else:
         example["instance"] = instance
-    assert "`instance`" in refusal(topic, msgpack.packb(example))
+    assert "`instance`" in refusal(topic, packed(example))
 
 
 @every_topic
 def test_unknown_fields_are_ignored(topic: Topic[Any]) -> None:
     example = an_example(topic.schema)
     newer = example | {"a_later_field": {"of": ["any", 1.5, None]}}
-    assert decode(topic, KEY, msgpack.packb(newer)) == decode(topic, KEY, msgpack.packb(example))
+    assert decode(topic, KEY, packed(newer)) == decode(topic, KEY, packed(example))
 
 
 @pytest.mark.parametrize(
@@ -200,7 +207,7 @@ def test_no_bytes_do_anything_but_decode_or_be_refused(payload: bytes) -> None:
 @given(data=st.data())
 def test_no_damage_does_anything_but_decode_or_be_refused(data: st.DataObject) -> None:
     topic = data.draw(st.sampled_from(TOPICS))
-    whole = msgpack.packb(an_example(topic.schema))
+    whole = packed(an_example(topic.schema))
     at = data.draw(st.integers(0, len(whole) - 1))
     damaged = whole[:at] + data.draw(st.binary(min_size=1, max_size=3)) + whole[at + 1 :]
     said = ""
@@ -213,7 +220,7 @@ def test_no_damage_does_anything_but_decode_or_be_refused(data: st.DataObject) -
 
 @pytest.mark.parametrize(("state", "range_"), [("echo", None), ("clear", 1.0), ("fault", 1.0), ("clear", 0.0)])
 def test_a_distance_goes_with_an_echo_and_with_nothing_else(state: str, range_: float | None) -> None:
-    message = refusal(RANGE, msgpack.packb(an_example(m.Range) | {"state": state, "range": range_}))
+    message = refusal(RANGE, packed(an_example(m.Range) | {"state": state, "range": range_}))
     assert state in message
 
 
@@ -227,19 +234,19 @@ def test_a_distance_goes_with_an_echo_and_with_nothing_else(state: str, range_: 
     ],
 )
 def test_a_word_that_is_not_in_the_vocabulary_is_refused(topic: Topic[Any], field: str, value: str) -> None:
-    assert f"$.{field}" in refusal(topic, msgpack.packb(an_example(topic.schema) | {field: value}))
+    assert f"$.{field}" in refusal(topic, packed(an_example(topic.schema) | {field: value}))
 
 
 @pytest.mark.parametrize(
     "time", [{"epoch": -1, "robot_ns": 5}, {"epoch": 1 << 32, "robot_ns": 5}, {"epoch": 7, "robot_ns": -1}]
 )
 def test_a_moment_that_the_boards_could_not_carry_is_refused(time: dict[str, int]) -> None:
-    assert "epoch" in refusal(OPERATOR_CMD_VEL, msgpack.packb(an_example(m.DriveCommand) | {"tick": time}))
-    assert "epoch" in refusal(TICK, msgpack.packb(an_example(m.Tick) | time))
+    assert "epoch" in refusal(OPERATOR_CMD_VEL, packed(an_example(m.DriveCommand) | {"tick": time}))
+    assert "epoch" in refusal(TICK, packed(an_example(m.Tick) | time))
 
 
 def test_a_tick_of_nobodys_epoch_is_refused() -> None:
-    assert "epoch" in refusal(TICK, msgpack.packb(an_example(m.Tick) | {"epoch": 0}))
+    assert "epoch" in refusal(TICK, packed(an_example(m.Tick) | {"epoch": 0}))
 
 
 def test_stamping_fills_in_what_every_sample_starts_with_and_nothing_else() -> None:

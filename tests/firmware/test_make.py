@@ -1,0 +1,42 @@
+"""What make says when something is missing."""
+
+import subprocess
+
+import pytest
+
+from tests.firmware.board import FIRMWARE
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["AVR_CC=no-such-compiler"], "there is no no-such-compiler; on Debian: apt install gcc-avr avr-libc"),
+        (["check", "CPPCHECK=no-such-checker"], "there is no no-such-checker; on Debian: apt install cppcheck"),
+        (["flash"], "BOARD= one of base joystick ranger"),
+        (["flash", "BOARD=base", "AVRDUDE=no-such-tool"], "there is no no-such-tool; on Debian: apt install avrdude"),
+        (["flash", "BOARD=base", "AVRDUDE=true"], "PORT= the programmer's port"),
+    ],
+)
+def test_what_is_missing_is_named(arguments: list[str], complaint: str) -> None:
+    command = ["make", "--silent", "-C", str(FIRMWARE), *arguments]
+    made = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert made.returncode != 0
+    assert complaint in made.stderr
+
+
+@pytest.mark.parametrize(
+    ("board", "part"),
+    [("base", "-p m644 -c usbasp"), ("joystick", "-p m328p -c arduino"), ("ranger", "-p m2560 -c wiring")],
+)
+def test_each_board_is_flashed_with_its_own_part_and_programmer(board: str, part: str) -> None:
+    command = ["make", "--silent", "--dry-run", "-C", str(FIRMWARE), "flash", f"BOARD={board}", "PORT=/dev/port"]
+    made = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert f"avrdude {part}" in made.stdout
+    assert f"-P /dev/port -U flash:w:../build/firmware/{board}.elf:e" in made.stdout
+
+
+def test_another_programmer_may_be_chosen() -> None:
+    settings = ["flash", "BOARD=base", "PORT=usb", "PROGRAMMER=-c avrisp2"]
+    command = ["make", "--silent", "--dry-run", "-C", str(FIRMWARE), *settings]
+    made = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert "avrdude -p m644 -c avrisp2 -P usb" in made.stdout
