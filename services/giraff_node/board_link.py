@@ -72,6 +72,10 @@ class BoardLink:
         """Send `frame`; a newer one replaces it until the kernel has begun to take it."""
         self._serial.send(encode(frame.pack()))
 
+    def close(self) -> None:
+        """Let go of the port."""
+        self._serial.close(f"{self._serial.path}: closed")
+
     def _accept(self, frame: Frame) -> bool:
         if isinstance(frame, HelloFrame):
             self._mismatch = self._judge(frame)

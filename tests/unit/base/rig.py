@@ -1,0 +1,288 @@
+"""Base's policy on a small board, in simulated robot time: the rig of these tests."""
+
+from __future__ import annotations
+
+import msgspec
+
+from giraff_base.config import BaseConfig
+from giraff_base.policy import BasePolicy
+from giraff_node.robot import RobotConfig, SensorPose
+from giraff_schemas.messages import BaseState, GuardedCommand, RobotTime, Source, Wheels
+from giraff_schemas.wire import (
+    COMMAND_TIMEOUT_MS,
+    ECHO_MAX_AGE_MS,
+    PROTOCOL_HASH,
+    WHEELS_PERIOD_MS,
+    ConfigureFrame,
+    DriveFrame,
+    DriveState,
+    Frame,
+    Refusal,
+    WheelsFrame,
+)
+
+ROBOT = RobotConfig(
+    name="sim-test",
+    track_width=0.47,
+    ticks_per_metre=2000.0,
+    max_wheel_speed=0.6,
+    max_level=70,
+    max_angular_speed=1.57,
+    footprint_radius=0.3,
+    battery_volts_per_count=0.03,
+    swap_motors=False,
+    swap_encoders=False,
+    invert_left_motor=False,
+    invert_right_motor=False,
+    invert_left_encoder=False,
+    invert_right_encoder=False,
+    sensors={"front": SensorPose(index=0, x=0.25, y=0.0, yaw=0.0)},
+)
+CONFIG = BaseConfig(port="unused")
+EPOCH = 7
+STEP_NS = WHEELS_PERIOD_MS * 1_000_000
+COMMAND_STEPS = 2
+"""The guard speaks at 50 Hz, the board at 100 Hz."""
+
+_TIME_CONSTANT = 0.15  # s
+_STICTION = 0.01  # m/s
+
+
+class Board:
+    """What firmware/base does with frames, and wheels that follow their levels with inertia."""
+
+    def __init__(self, board_us: int = 0) -> None:
+        self.boot_id = 1
+        self.board_us = board_us
+        self.ignores_configure = False
+        self.is_deaf = False
+        self.protocol_hash = PROTOCOL_HASH
+        self.session = 0
+        self.configured: list[ConfigureFrame] = []
+        self.drive_state = DriveState.NOT_CONFIGURED
+        self.refusal = Refusal.NONE
+        self.levels = (0, 0)
+        self.speeds = [0.0, 0.0]
+        self._ticks = [0.0, 0.0]
+        self._last_seq: int | None = None
+        self._time_left_ms = 0
+        self._counts = {"accepted": 0, "refused": 0}
+        self._sent = 0
+
+    @property
+    def board_ms(self) -> int:
+        return self.board_us // 1000 & 0xFFFFFFFF
+
+    def reset(self) -> None:
+        """As after its watchdog: another boot, all forgotten."""
+        self.boot_id += 1
+        self.board_us = 0
+        self.session = 0
+        self.drive_state, self.refusal = DriveState.NOT_CONFIGURED, Refusal.NONE
+        self.levels = (0, 0)
+        self._ticks = [0.0, 0.0]
+        self._last_seq = None
+        self._counts = {"accepted": 0, "refused": 0}
+
+    def report(self) -> WheelsFrame:
+        """Go on for one period; the report at its end."""
+        self.board_us += WHEELS_PERIOD_MS * 1000
+        if self.drive_state == DriveState.ACTIVE:
+            self._time_left_ms -= WHEELS_PERIOD_MS
+            if self._time_left_ms <= 0:
+                self.drive_state, self.levels = DriveState.COMMAND_TIMEOUT, (0, 0)
+        for wheel, level in enumerate(self.levels):
+            wanted = level * ROBOT.max_wheel_speed / ROBOT.max_level
+            self.speeds[wheel] += (wanted - self.speeds[wheel]) * WHEELS_PERIOD_MS / 1000 / _TIME_CONSTANT
+            if abs(self.speeds[wheel]) < _STICTION:
+                self.speeds[wheel] = 0.0
+            self._ticks[wheel] += self.speeds[wheel] * WHEELS_PERIOD_MS / 1000 * ROBOT.ticks_per_metre
+        self._sent += 1
+        return WheelsFrame(
+            seq=self._sent & 0xFFFF,
+            board_us=self.board_us & 0xFFFFFFFF,
+            board_ms=self.board_ms,
+            boot_id=self.boot_id,
+            session=self.session,
+            left_ticks=round(self._ticks[0]),
+            right_ticks=round(self._ticks[1]),
+            left_pwm_counts=self.levels[0],
+            right_pwm_counts=self.levels[1],
+            drive_state=self.drive_state,
+            last_refusal=self.refusal,
+            accepted=self._counts["accepted"],
+            refused=self._counts["refused"],
+            line_errors=0,
+            battery_adc_counts=800,
+        )
+
+    def receive(self, frame: Frame) -> None:
+        if self.is_deaf:
+            return
+        if isinstance(frame, ConfigureFrame) and not self.ignores_configure:
+            self.configured.append(frame)
+            self._judge(self._configure(frame))
+        elif isinstance(frame, DriveFrame):
+            self._judge(self._drive(frame))
+
+    def _judge(self, refusal: Refusal) -> None:
+        self._counts["accepted" if refusal == Refusal.NONE else "refused"] += 1
+        if refusal != Refusal.NONE:
+            self.refusal = refusal
+
+    def _configure(self, frame: ConfigureFrame) -> Refusal:
+        if frame.protocol_hash != self.protocol_hash or not frame.session or not frame.level_max:
+            return Refusal.PROTOCOL
+        if frame.boot_id != self.boot_id:
+            return Refusal.BOOT_ID
+        self.session, self._last_seq = frame.session, None
+        self.drive_state, self.levels = DriveState.AWAITING_ZERO, (0, 0)
+        return Refusal.NONE
+
+    def _drive(self, frame: DriveFrame) -> Refusal:
+        levels = (frame.left_level, frame.right_level)
+        if frame.boot_id != self.boot_id:
+            return Refusal.BOOT_ID
+        if (self.board_ms - frame.board_ms) & 0xFFFFFFFF > ECHO_MAX_AGE_MS:
+            return Refusal.STALE
+        if not self.session:
+            return Refusal.NOT_CONFIGURED
+        if self._last_seq is not None and not 0 < (frame.seq - self._last_seq) & 0xFFFF < 0x8000:
+            return Refusal.SEQUENCE
+        if max(map(abs, levels)) > ROBOT.max_level:
+            return Refusal.LEVEL
+        if levels != (0, 0) and self.drive_state != DriveState.ACTIVE:
+            return Refusal.AWAITING_ZERO
+        self.drive_state, self.levels, self._last_seq = DriveState.ACTIVE, levels, frame.seq
+        self._time_left_ms = COMMAND_TIMEOUT_MS
+        return Refusal.NONE
+
+
+class Sent(msgspec.Struct, frozen=True):
+    """A drive frame with what base went by."""
+
+    robot_ns: int
+    report: WheelsFrame
+    frame: DriveFrame
+    state: BaseState
+
+    @property
+    def levels(self) -> tuple[int, int]:
+        return self.frame.left_level, self.frame.right_level
+
+    @property
+    def moves(self) -> bool:
+        return self.levels != (0, 0)
+
+
+class Rig:
+    """Base, its board, a guard and the hand behind it. The attributes are what the next commands say."""
+
+    def __init__(self, config: BaseConfig = CONFIG, robot: RobotConfig = ROBOT) -> None:
+        self.base = BasePolicy(config, robot)
+        self.board = Board(board_us=0xFFFFFFFF - 2_000_000)  # its clock wraps in the course of a test
+        self.robot_ns = 1_000_000_000_000
+        self.sent: list[Sent] = []
+        self.samples: list[Wheels] = []
+        self.connected = True
+        """The board's frames arrive, and base's arrive there."""
+        self.guard = "guard-1"
+        self.guard_speaks = True
+        self.guard_age = 0.005
+        self.operator = "operator-1"
+        self.operator_age = 0.03
+        self.operator_tick: RobotTime | None = None
+        """When given, the hand's newest moment, however old it gets."""
+        self.range_age: float | None = 0.1
+        self.epoch = EPOCH
+        self.linear = self.angular = 0.0
+        self.source: Source = "hand"
+        self.hand_neutral: bool | None = None
+        """None: as the twist says."""
+        self.reason = ""
+        self._seqs: dict[str, int] = {}
+        self._steps = 0
+        self.base.on_link_opened(session=99)
+
+    @property
+    def now(self) -> RobotTime:
+        return RobotTime(epoch=EPOCH, robot_ns=self.robot_ns)
+
+    def ago(self, seconds: float | None) -> RobotTime | None:
+        """The moment this long ago, in the hand's epoch."""
+        if seconds is None:
+            return None
+        return RobotTime(epoch=self.epoch, robot_ns=self.robot_ns - round(seconds * 1e9))
+
+    def command(self) -> GuardedCommand:
+        """What the guard says now."""
+        self._seqs[self.guard] = self._seqs.get(self.guard, -1) + 1
+        neutral = self.linear == 0.0 and self.angular == 0.0 and self.source == "hand"
+        return GuardedCommand(
+            seq=self._seqs[self.guard],
+            instance=self.guard,
+            linear_x=self.linear,
+            angular_z=self.angular,
+            guard_tick=self.ago(self.guard_age),
+            operator=self.operator,
+            operator_tick=self.operator_tick or self.ago(self.operator_age),
+            range_tick=self.ago(self.range_age) if self.linear else None,
+            source=self.source,
+            hand_neutral=neutral if self.hand_neutral is None else self.hand_neutral,
+            reason=self.reason,
+        )
+
+    def say(self, command: GuardedCommand) -> None:
+        self.base.on_command(command, self.now)
+
+    def step(self) -> Frame | None:
+        """10 ms: a command of the guard when it is time, a report of the board, base's answer."""
+        self.robot_ns += STEP_NS
+        self._steps += 1
+        report = self.board.report()
+        if self.guard_speaks and self._steps % COMMAND_STEPS == 0:
+            self.say(self.command())
+        if not self.connected:
+            return None
+        self.samples += self.base.on_frames([report], self.now)
+        frame = self.base.next_frame(self.now)
+        if frame is not None:
+            self.board.receive(frame)
+        if isinstance(frame, DriveFrame):
+            self.sent.append(Sent(self.robot_ns, report, frame, self.base.state()))
+        return frame
+
+    def run(self, seconds: float) -> list[Sent]:
+        """Go on for a while; the drive frames of it."""
+        before = len(self.sent)
+        for _ in range(round(seconds * 1e9) // STEP_NS):
+            self.step()
+        return self.sent[before:]
+
+    def tilt(self, linear: float, angular: float = 0.0) -> None:
+        self.linear, self.angular = linear, angular
+
+    def freeze(self, seconds: float) -> list[Sent]:
+        """Go on while the hand's newest command is repeated: its tick gets no younger."""
+        self.operator_tick = self.ago(self.operator_age)
+        sent = self.run(seconds)
+        self.operator_tick = None
+        return sent
+
+    def arm(self) -> None:
+        """Hold the hand level until the robot is armed."""
+        self.tilt(0.0)
+        self.run(0.6)
+        assert self.base.state().armed, self.base.state().reason
+
+    def drive(self, linear: float = 0.6, angular: float = 0.0) -> list[Sent]:
+        """Arm, and drive until the speed is reached."""
+        self.arm()
+        self.tilt(linear, angular)
+        sent = self.run(1.5)
+        assert sent[-1].moves, sent[-1].state.reason
+        return sent
+
+
+def moving(sent: list[Sent]) -> list[Sent]:
+    return [each for each in sent if each.moves]

@@ -1,0 +1,283 @@
+"""When the robot may move: only after a held neutral hand, and never again by itself after a reset of any kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import msgspec
+import pytest
+
+from tests.unit.base.rig import EPOCH, Rig, moving
+
+
+def test_a_neutral_hand_arms_and_then_the_robot_drives() -> None:
+    rig = Rig()
+    rig.run(1.0)
+    assert rig.base.state().armed
+    rig.tilt(0.3)
+    assert rig.run(1.5)[-1].levels == (35, 35)
+
+
+def test_nothing_moves_before_a_neutral_hand() -> None:
+    rig = Rig()
+    rig.tilt(0.6, 0.5)
+    sent = rig.run(5.0)
+    assert len(sent) > 400
+    assert moving(sent) == []
+    assert all("hold the hand level" in each.state.reason for each in sent[10:])
+
+
+def test_arming_takes_0_2_s_of_the_hands_own_time() -> None:
+    rig = Rig()
+    rig.run(0.02)
+    first_neutral = rig.robot_ns
+    while not rig.base.state().armed:
+        rig.step()
+    assert rig.robot_ns - first_neutral == 200_000_000
+
+
+def test_one_old_neutral_command_repeated_for_ages_never_arms() -> None:
+    rig = Rig()
+    rig.freeze(5.0)
+    assert not rig.base.state().armed
+
+
+@pytest.mark.parametrize("age", [0.03, 0.2, 0.39])
+def test_many_copies_of_one_neutral_measurement_are_one(age: float) -> None:
+    rig = Rig()
+    still = rig.ago(age)
+    for _ in range(100):
+        rig.say(msgspec.structs.replace(rig.command(), operator_tick=still))
+    assert not rig.base.state().armed
+
+
+def test_two_neutral_moments_with_silence_between_them_are_not_a_held_hand() -> None:
+    rig = Rig()
+    for _ in range(10):
+        rig.guard_speaks = True
+        rig.run(0.02)
+        rig.guard_speaks = False
+        rig.run(0.6)
+    assert not rig.base.state().armed
+
+
+def test_a_tilt_in_between_starts_the_time_again() -> None:
+    rig = Rig()
+    for _ in range(10):
+        rig.tilt(0.0)
+        rig.run(0.18)
+        rig.tilt(0.3)
+        rig.run(0.02)
+    assert not rig.base.state().armed
+    assert moving(rig.sent) == []
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda rig: setattr(rig, "source", "fault"),
+        lambda rig: setattr(rig, "hand_neutral", False),
+        lambda rig: setattr(rig, "operator_age", 0.41),
+        lambda rig: setattr(rig, "operator_age", -0.01),
+        lambda rig: setattr(rig, "guard_age", 0.21),
+        lambda rig: setattr(rig, "guard_age", -0.01),
+        lambda rig: setattr(rig, "epoch", EPOCH + 1),
+    ],
+    ids=["fault", "not the hand's", "stale hand", "hand ahead", "stale guard", "guard ahead", "other epoch"],
+)
+def test_a_neutral_that_proves_nothing_does_not_arm(spoil: Callable[[Rig], None]) -> None:
+    rig = Rig()
+    spoil(rig)
+    rig.run(3.0)
+    assert not rig.base.state().armed
+    assert rig.base.state().reason
+
+
+def test_a_guard_that_says_neutral_hand_and_drives_does_not_arm() -> None:
+    rig = Rig()
+    rig.hand_neutral = True
+    rig.tilt(0.3)
+    rig.run(3.0)
+    assert moving(rig.sent) == []
+
+
+def reopen(rig: Rig) -> None:
+    rig.base.on_link_opened(session=100)
+
+
+def lose(rig: Rig) -> None:
+    rig.base.on_link_lost("unplugged")
+    rig.connected = False
+    rig.run(0.1)
+    rig.connected = True
+    reopen(rig)
+
+
+def reset_board(rig: Rig) -> None:
+    rig.board.reset()
+
+
+def other_operator(rig: Rig) -> None:
+    rig.operator = "operator-2"
+
+
+def operator_for_a_moment(rig: Rig) -> None:
+    rig.operator = "operator-2"
+    rig.run(0.02)
+    rig.operator = "operator-1"
+
+
+def other_guard(rig: Rig) -> None:
+    rig.guard_speaks = False
+    rig.run(0.6)
+    rig.guard_speaks, rig.guard = True, "guard-2"
+
+
+def second_guard(rig: Rig) -> None:
+    rig.guard = "guard-2"
+    rig.run(0.02)
+    rig.guard = "guard-1"
+
+
+def fault(rig: Rig) -> None:
+    rig.source = "fault"
+    rig.run(0.02)
+    rig.source = "hand"
+
+
+def stale_operator(rig: Rig) -> None:
+    rig.freeze(1.0)
+
+
+def stale_operator_while_the_board_is_silent(rig: Rig) -> None:
+    rig.operator_tick = rig.ago(rig.operator_age)
+    rig.run(0.5)
+    rig.connected = False
+    rig.run(0.9)
+    rig.operator_tick = None
+    rig.run(0.02)
+    rig.connected = True
+
+
+def silent_guard(rig: Rig) -> None:
+    rig.guard_speaks = False
+    rig.run(1.02)
+    rig.guard_speaks = True
+
+
+def stale_range(rig: Rig) -> None:
+    rig.range_age = 1.01
+    rig.run(0.02)
+    rig.range_age = 0.1
+
+
+def no_operator_tick(rig: Rig) -> None:
+    usual, rig.operator_age = rig.operator_age, -1.0
+    rig.run(0.02)
+    rig.operator_age = usual
+
+
+DISARMING: list[tuple[Callable[[Rig], None], str]] = [
+    (reopen, "opened anew"),
+    (lose, "link was lost"),
+    (reset_board, "board was reset"),
+    (other_operator, "another operator"),
+    (operator_for_a_moment, "another operator"),
+    (other_guard, "guard-2"),
+    (second_guard, "guard-2"),
+    (fault, "fault"),
+    (stale_operator, "stale"),
+    (stale_operator_while_the_board_is_silent, "stale"),
+    (silent_guard, "stale"),
+    (stale_range, "stale"),
+    (no_operator_tick, "stale"),
+]
+
+
+@pytest.mark.parametrize(("happen", "why"), DISARMING, ids=lambda part: getattr(part, "__name__", None))
+def test_what_disarms_while_driving(happen: Callable[[Rig], None], why: str) -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    happen(rig)
+    before = len(rig.sent)
+    rig.run(3.0)
+    after = rig.sent[before:]
+    assert not rig.base.state().armed
+    assert moving(after[2:]) == []
+    assert after[-1].state.reason.startswith("not armed since")
+    assert why in after[-1].state.reason
+    assert "hold the hand level for 0.2 s" in after[-1].state.reason
+    rig.arm()
+    rig.tilt(0.6)
+    again = rig.run(1.5)
+    assert again[-1].levels == (70, 70)
+    assert max(each.levels[0] for each in again[:5]) < 10
+
+
+@pytest.mark.parametrize(("happen", "why"), DISARMING, ids=lambda part: getattr(part, "__name__", None))
+def test_what_disarms_a_robot_that_stands(happen: Callable[[Rig], None], why: str) -> None:
+    rig = Rig()
+    rig.arm()
+    # A range counts for what is driven; everything else is refused for what it is.
+    rig.tilt(0.6 if happen is stale_range else 0.0)
+    happen(rig)
+    rig.tilt(0.6)
+    sent = rig.run(3.0)
+    assert moving(sent) == []
+    assert why in sent[-1].state.reason
+
+
+@pytest.mark.parametrize(
+    ("stop", "resume"),
+    [
+        (
+            lambda rig: setattr(rig, "operator_tick", rig.ago(rig.operator_age)),
+            lambda rig: setattr(rig, "operator_tick", None),
+        ),
+        (lambda rig: setattr(rig, "guard_speaks", False), lambda rig: setattr(rig, "guard_speaks", True)),
+        (lambda rig: setattr(rig, "range_age", 0.9), lambda rig: setattr(rig, "range_age", 0.1)),
+    ],
+    ids=["operator", "guard", "range"],
+)
+def test_shorter_staleness_stops_and_the_ramp_starts_again(
+    stop: Callable[[Rig], None], resume: Callable[[Rig], None]
+) -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    stop(rig)
+    rig.run(0.8)
+    assert not rig.sent[-1].moves
+    assert rig.sent[-1].state.reason
+    resume(rig)
+    again = rig.run(1.5)
+    assert rig.base.state().armed
+    starts = [each.levels[0] for each in moving(again)]
+    assert starts[0] <= 1
+    assert all(after - before <= 1 for before, after in pairwise(starts))
+    assert starts[-1] == 70
+
+
+def test_a_dead_range_leaves_turning() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.range_age = None
+    rig.tilt(0.0, 1.0)
+    assert rig.run(1.5)[-1].levels == (-27, 27)
+
+
+def test_the_reason_to_be_unarmed_is_the_first_one_since_it_was_armed() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    reopen(rig)
+    rig.run(0.1)
+    fault(rig)
+    rig.run(1.0)
+    assert "opened anew" in rig.base.state().reason
+
+
+def test_starting_is_a_reason_too() -> None:
+    rig = Rig()
+    rig.tilt(0.1)
+    rig.run(1.0)
+    assert "base has just started" in rig.base.state().reason

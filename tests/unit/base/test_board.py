@@ -1,0 +1,294 @@
+"""Base and its board: configuration, echoes, and what base says about it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_base.policy import BasePolicy
+from giraff_schemas.wire import (
+    PROTOCOL_HASH,
+    ConfigureFrame,
+    DriveFrame,
+    DriveState,
+    Frame,
+    HelloFrame,
+    Refusal,
+    Wiring,
+)
+from tests.unit.base.rig import CONFIG, ROBOT, Board, Rig, moving
+
+
+def frames_until(rig: Rig, seconds: float) -> list[Frame]:
+    return [frame for _ in range(round(seconds * 100)) if (frame := rig.step()) is not None]
+
+
+def test_a_board_without_our_session_is_configured_until_it_has_it() -> None:
+    rig = Rig(robot=msgspec.structs.replace(ROBOT, swap_motors=True, invert_right_encoder=True, max_level=50))
+    rig.board.ignores_configure = True
+    frames = frames_until(rig, 1.0)
+    assert all(isinstance(frame, ConfigureFrame) for frame in frames)
+    assert 18 <= len(frames) <= 21  # each 50 ms
+    assert "configured" in rig.base.state().reason
+    rig.board.ignores_configure = False
+    rig.run(0.2)
+    assert len(rig.board.configured) == 1
+    asked = rig.board.configured[0]
+    assert asked.protocol_hash == PROTOCOL_HASH
+    assert asked.session == 99
+    assert asked.boot_id == 1
+    assert Wiring(asked.wiring) == Wiring.SWAP_MOTORS | Wiring.INVERT_RIGHT_ENCODER
+    assert asked.level_max == 50
+    assert rig.board.drive_state == DriveState.ACTIVE
+
+
+def test_each_configure_frame_echoes_the_newest_board_time() -> None:
+    rig = Rig()
+    rig.board.ignores_configure = True
+    for _ in range(20):
+        frame = rig.step()
+        if isinstance(frame, ConfigureFrame):
+            assert frame.board_ms == rig.board.board_ms
+
+
+def test_a_board_that_refuses_our_protocol_is_named_with_the_way_out() -> None:
+    rig = Rig()
+    rig.board.protocol_hash = PROTOCOL_HASH ^ 1
+    rig.tilt(0.6)
+    assert rig.run(2.0) == []
+    assert "reflash" in rig.base.state().reason
+    assert rig.board.levels == (0, 0)
+
+
+def test_a_reset_board_is_configured_again_with_the_same_session() -> None:
+    rig = Rig()
+    rig.drive(0.3)
+    rig.board.reset()
+    rig.run(0.1)
+    assert [frame.session for frame in rig.board.configured] == [99, 99]
+    assert [frame.boot_id for frame in rig.board.configured] == [1, 2]
+    assert rig.base.state().board.boot_id == 2
+
+
+def test_a_link_that_was_opened_again_has_a_session_of_its_own() -> None:
+    rig = Rig()
+    rig.drive(0.3)
+    rig.base.on_link_opened(session=100)
+    assert rig.base.state().reason
+    assert not rig.base.state().driving
+    rig.run(0.1)
+    assert rig.board.session == 100
+
+
+@pytest.mark.parametrize("state", [DriveState.NOT_CONFIGURED, DriveState.AWAITING_ZERO, DriveState.COMMAND_TIMEOUT])
+def test_a_latched_board_gets_zero_frames_until_it_is_active_and_then_a_ramp(state: DriveState) -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.board.is_deaf = True
+    rig.board.drive_state, rig.board.levels = state, (0, 0)
+    sent = rig.run(0.5)
+    assert len(sent) == 50
+    assert moving(sent) == []
+    assert state.name.lower() in sent[-1].state.reason
+    assert not sent[-1].state.driving
+    rig.board.is_deaf = False
+    again = rig.run(1.5)
+    speeds = [each.levels[0] for each in again]
+    assert speeds[0] == 0
+    assert max(after - before for before, after in pairwise(speeds)) <= 1
+    assert speeds[-1] == 70
+
+
+def test_a_board_that_timed_out_is_driven_again_from_rest_without_arming() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.connected = False
+    rig.run(0.4)
+    assert rig.board.drive_state == DriveState.COMMAND_TIMEOUT
+    rig.connected = True
+    again = rig.run(1.5)
+    assert [each.moves for each in again[:2]] == [False, True]
+    assert again[1].levels == (1, 1)
+    assert again[-1].levels == (70, 70)
+
+
+def test_each_report_is_answered_once_with_its_own_echo() -> None:
+    rig = Rig()
+    for each in rig.drive(0.6, 0.5):
+        assert each.frame.board_ms == each.report.board_ms
+        assert each.frame.boot_id == each.report.boot_id
+    assert rig.base.next_frame(rig.now) is None
+
+
+def test_of_many_reports_at_once_only_the_newest_is_answered() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    reports = [rig.board.report() for _ in range(80)]
+    samples = rig.base.on_frames(reports, rig.now)
+    assert [sample.board_us for sample in samples] == [report.board_us for report in reports]
+    frame = rig.base.next_frame(rig.now)
+    assert isinstance(frame, DriveFrame)
+    assert frame.board_ms == reports[-1].board_ms
+    assert rig.base.next_frame(rig.now) is None
+
+
+def test_without_a_report_there_is_nothing_to_send() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    for _ in range(10):
+        rig.robot_ns += 10_000_000
+        rig.say(rig.command())
+        assert rig.base.next_frame(rig.now) is None
+    rig.base.on_link_lost("unplugged")
+    assert rig.base.next_frame(rig.now) is None
+
+
+def test_sequence_goes_on_across_its_wrap_and_the_board_takes_every_frame() -> None:
+    rig = Rig()
+    rig.base._seq = 0xFF80
+    sent = rig.drive(0.3)
+    seqs = [each.frame.seq for each in sent]
+    assert 0xFFFF in seqs
+    assert 0 in seqs
+    assert all((after - before) & 0xFFFF == 1 for before, after in pairwise(seqs))
+    assert rig.base.state().board.refused == 0
+    assert rig.board.drive_state == DriveState.ACTIVE
+
+
+def test_the_boards_clock_wraps_without_a_trace() -> None:
+    rig = Rig()
+    sent = rig.drive(0.3) + rig.run(2.0)
+    assert any(before.report.board_us > after.report.board_us for before, after in pairwise(sent))
+    steady = sent[200:]
+    assert {each.levels for each in steady} == {(35, 35)}
+    assert all(sample.left_velocity == pytest.approx(0.3, abs=0.02) for sample in rig.samples[-100:])
+
+
+def test_starts_are_ramped_and_stops_are_not() -> None:
+    rig = Rig()
+    rig.arm()
+    rig.tilt(0.6)
+    speeds = [each.levels[0] for each in rig.run(1.2)]
+    assert speeds.index(70) == pytest.approx(100, abs=4)  # 0.6 m/s at 0.6 m/s²
+    rig.tilt(0.0)
+    assert rig.run(0.03)[-1].levels == (0, 0)
+    rig.tilt(0.0, 1.0)
+    turns = [each.levels[1] for each in rig.run(1.0)]
+    assert turns.index(27) == pytest.approx(40, abs=4)  # 1 rad/s at 2.5 rad/s²
+
+
+def test_a_reversal_starts_from_zero() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.tilt(-0.6)
+    speeds = [each.levels[0] for each in rig.run(1.2)]
+    turn = next(n for n, speed in enumerate(speeds) if speed <= 0)
+    assert all(speed == 70 for speed in speeds[:turn])
+    assert speeds[turn] >= -1
+    assert all(after - before >= -1 for before, after in pairwise(speeds[turn:]))
+    assert speeds[-1] == -70
+
+
+@pytest.mark.parametrize("pause", [0.1, 0.25, 0.9])
+def test_a_ramp_does_not_jump_after_a_pause(pause: float) -> None:
+    rig = Rig()
+    rig.arm()
+    rig.tilt(0.6)
+    rig.run(0.1)
+    rig.connected = False
+    rig.run(pause)
+    rig.connected = True
+    rig.run(0.01)
+    assert rig.sent[-1].levels[0] <= 6 + 4
+
+
+def test_only_reports_of_this_session_become_samples() -> None:
+    rig = Rig()
+    rig.board.session = 55
+    rig.board.ignores_configure = True
+    rig.run(0.5)
+    assert rig.samples == []
+    rig.board.ignores_configure = False
+    rig.run(0.5)
+    assert rig.samples
+    assert rig.samples[0].tick.epoch == 7
+
+
+def test_frames_of_other_kinds_change_nothing() -> None:
+    rig = Rig()
+    rig.drive(0.3)
+    state = rig.base.state()
+    hello = HelloFrame(seq=0, board_us=0, board=1, protocol_hash=PROTOCOL_HASH, boot_id=77, reset_cause=0)
+    assert rig.base.on_frames([hello], rig.now) == []
+    assert rig.base.next_frame(rig.now) is None
+    assert rig.base.state() == state
+
+
+def test_state_is_the_newest_frame_and_report() -> None:
+    rig = Rig()
+    assert rig.base.state().reason == "no report from the base board yet"
+    assert not rig.base.state().board.connected
+    rig.drive(0.3)
+    state = rig.base.state()
+    assert (state.armed, state.driving, state.reason, state.guard) == (True, True, "", "guard-1")
+    assert state.round_trip == pytest.approx(0.03, abs=0.021)
+    assert state.budget_left == pytest.approx(0.19, abs=0.021)
+    assert state.board.connected
+    assert state.board.drive_state == "active"
+    assert state.board.last_refusal == "none"
+    assert state.board.accepted > 100
+    rig.board.refusal = Refusal.STALE
+    rig.run(0.02)
+    assert rig.base.state().board.last_refusal == "stale"
+    rig.base.on_link_lost("the port is gone; plug it in")
+    state = rig.base.state()
+    assert (state.armed, state.driving, state.reason) == (False, False, "the port is gone; plug it in")
+    assert (state.round_trip, state.budget_left) == (None, None)
+    assert not state.board.connected
+
+
+def test_what_the_guard_gives_as_reason_is_passed_on() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.reason = "forward blocked: front sees something at 0.30 m; turn, or back up"
+    rig.tilt(0.0)
+    rig.run(0.1)
+    assert rig.base.state().reason == rig.reason
+
+
+def test_without_a_guard_that_is_the_reason() -> None:
+    rig = Rig()
+    rig.guard_speaks = False
+    rig.run(0.5)
+    assert "guard" in rig.base.state().reason
+    rig = Rig()
+    rig.drive(0.6)
+    rig.guard_speaks = False
+    rig.run(0.5)
+    assert "start giraff_guard" in rig.base.state().reason
+
+
+def test_battery_is_published_where_its_divider_is_known() -> None:
+    rig = Rig()
+    assert rig.base.battery() is None
+    rig.run(0.1)
+    battery = rig.base.battery()
+    assert battery is not None
+    assert battery.voltage == pytest.approx(24.0)
+    unknown = BasePolicy(CONFIG, msgspec.structs.replace(ROBOT, battery_volts_per_count=0.0))
+    unknown.on_link_opened(session=1)
+    unknown.on_frames([Board().report()], rig.now)
+    assert unknown.battery() is None
+
+
+@given(state=st.sampled_from(DriveState), refusal=st.sampled_from(Refusal))
+def test_every_state_and_refusal_of_the_board_has_a_word(state: DriveState, refusal: Refusal) -> None:
+    rig = Rig()
+    rig.base.on_frames([msgspec.structs.replace(rig.board.report(), drive_state=state, last_refusal=refusal)], rig.now)
+    rig.base.next_frame(rig.now)
+    assert rig.base.state().board.drive_state == state.name.lower()
+    assert rig.base.state().board.last_refusal == refusal.name.lower()

@@ -1,0 +1,94 @@
+"""From a twist to PWM levels."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_base.drive import ramped, wheel_levels
+from tests.unit.base.rig import ROBOT
+
+LINEAR = st.floats(-3.0, 3.0)
+ANGULAR = st.floats(-10.0, 10.0)
+HALF_TRACK = ROBOT.track_width / 2
+
+
+@pytest.mark.parametrize(
+    ("linear_x", "angular_z", "levels"),
+    [
+        (0.0, 0.0, (0, 0)),
+        (0.3, 0.0, (35, 35)),
+        (0.6, 0.0, (70, 70)),
+        (-0.3, 0.0, (-35, -35)),
+        (1.2, 0.0, (70, 70)),
+        (0.0, 0.3 / HALF_TRACK, (-35, 35)),
+        (0.0, -0.3 / HALF_TRACK, (35, -35)),
+        (0.3, 0.3 / HALF_TRACK, (0, 70)),
+        (0.6, 0.6 / HALF_TRACK, (0, 70)),
+        (0.6, 0.3 / HALF_TRACK, (23, 70)),
+        (-0.6, 0.3 / HALF_TRACK, (-70, -23)),
+    ],
+)
+def test_table_of_twists(linear_x: float, angular_z: float, levels: tuple[int, int]) -> None:
+    assert wheel_levels(linear_x, angular_z, ROBOT) == levels
+
+
+@given(linear_x=LINEAR, angular_z=ANGULAR, max_level=st.integers(1, 255))
+def test_no_wheel_gets_more_than_the_largest_level(linear_x: float, angular_z: float, max_level: int) -> None:
+    robot = msgspec.structs.replace(ROBOT, max_level=max_level)
+    assert max(map(abs, wheel_levels(linear_x, angular_z, robot))) <= max_level
+
+
+@given(linear_x=LINEAR, angular_z=ANGULAR)
+def test_scaling_keeps_the_curvature(linear_x: float, angular_z: float) -> None:
+    robot = msgspec.structs.replace(ROBOT, max_level=255)
+    left, right = wheel_levels(linear_x, angular_z, robot)
+    wanted = (linear_x - angular_z * HALF_TRACK, linear_x + angular_z * HALF_TRACK)
+    share = min(1.0, robot.max_wheel_speed / max(*map(abs, wanted), robot.max_wheel_speed))
+    for level, speed in zip((left, right), wanted, strict=True):
+        assert abs(level - speed * share * 255 / robot.max_wheel_speed) <= 0.5 + 1e-9
+
+
+@given(linear_x=LINEAR, angular_z=ANGULAR)
+def test_the_mirrored_twist_gives_the_mirrored_levels(linear_x: float, angular_z: float) -> None:
+    left, right = wheel_levels(linear_x, angular_z, ROBOT)
+    assert wheel_levels(linear_x, -angular_z, ROBOT) == (right, left)
+    assert wheel_levels(-linear_x, -angular_z, ROBOT) == (-left, -right)
+
+
+@pytest.mark.parametrize(
+    ("now_at", "target", "step", "expected"),
+    [
+        (0.6, 0.0, 0.01, 0.0),
+        (0.6, 0.2, 0.01, 0.2),
+        (-0.6, -0.2, 0.01, -0.2),
+        (0.0, 0.6, 0.01, 0.01),
+        (0.3, 0.6, 0.01, 0.31),
+        (-0.3, -0.6, 0.01, -0.31),
+        (0.595, 0.6, 0.01, 0.6),
+        (0.6, -0.6, 0.01, -0.01),
+        (-0.6, 0.6, 0.01, 0.01),
+        (-0.6, 0.0, 0.01, 0.0),
+        (0.3, 0.6, 0.0, 0.3),
+        (0.0, -0.005, 0.01, -0.005),
+    ],
+)
+def test_table_of_ramps(now_at: float, target: float, step: float, expected: float) -> None:
+    assert ramped(now_at, target, step) == pytest.approx(expected)
+
+
+@given(now_at=st.floats(-1, 1), target=st.floats(-1, 1), step=st.floats(0, 1))
+def test_a_ramp_never_exceeds_what_is_asked_and_only_starts_take_time(
+    now_at: float, target: float, step: float
+) -> None:
+    value = ramped(now_at, target, step)
+    assert abs(value) <= abs(target)
+    assert value == 0.0 or math.copysign(1, value) == math.copysign(1, target)
+    start = abs(now_at) if math.copysign(1, now_at) == math.copysign(1, target) else 0.0
+    assert abs(value) <= start + step
+    if abs(target) <= start + step:
+        assert value == target

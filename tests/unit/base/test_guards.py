@@ -1,0 +1,143 @@
+"""One guard at a time: base is bound to it, and no copy, replay or double moves the robot."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+
+from tests.unit.base.rig import Rig, moving
+
+
+def test_a_second_guard_while_the_first_lives_disarms_and_is_named() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    double = msgspec.structs.replace(rig.command(), instance="guard-2", seq=10_000)
+    rig.say(double)
+    assert not rig.base.state().armed
+    assert "guard-2" in rig.base.intruder
+    assert "end one of the two" in rig.base.intruder
+    assert moving(rig.run(2.0)) == []
+    assert rig.base.state().guard == "guard-1"
+
+
+def test_two_guards_that_both_speak_never_drive() -> None:
+    rig = Rig()
+    rig.arm()
+    for _ in range(100):
+        rig.guard = "guard-2"
+        rig.run(0.02)
+        rig.guard = "guard-1"
+        rig.run(0.02)
+    rig.tilt(0.3)
+    assert moving(rig.run(1.0)) == []
+
+
+def test_a_second_guard_that_has_ended_is_no_longer_named() -> None:
+    rig = Rig()
+    rig.arm()
+    rig.say(msgspec.structs.replace(rig.command(), instance="guard-2"))
+    assert rig.base.intruder
+    rig.run(0.4)
+    assert rig.base.intruder
+    rig.run(0.2)
+    assert rig.base.intruder == ""
+    rig.drive(0.3)
+
+
+def test_a_restarted_guard_is_bound_after_half_a_second_of_silence() -> None:
+    rig = Rig()
+    rig.arm()
+    rig.run(0.02)
+    last_heard = rig.robot_ns
+    rig.guard = "guard-2"
+    while rig.base.state().guard == "guard-1":
+        rig.step()
+        assert rig.robot_ns - last_heard < 1_000_000_000
+    assert rig.robot_ns - last_heard == 500_000_000
+    assert rig.base.intruder == ""
+
+
+def test_a_restarted_guard_is_bound_only_at_rest() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.guard_speaks = False
+    rig.run(0.2)
+    rig.board.speeds = [0.3, 0.3]
+    rig.guard_speaks, rig.guard = True, "guard-2"
+    for _ in range(100):
+        rig.board.speeds = [0.3, 0.3]  # a slope, or somebody pushes
+        rig.step()
+    assert rig.base.state().guard == "guard-1"
+    assert "at rest" in rig.base.state().reason
+    rig.run(2.0)
+    assert rig.base.state().guard == "guard-2"
+    assert moving(rig.sent[-100:]) == []
+    rig.drive(0.6)
+
+
+def test_a_guard_that_does_not_hear_base_is_not_bound() -> None:
+    rig = Rig()
+    rig.arm()
+    rig.guard_speaks = False
+    rig.run(0.6)
+    rig.guard_speaks, rig.guard, rig.guard_age = True, "guard-2", 5.0
+    rig.run(1.0)
+    assert rig.base.state().guard == "guard-1"
+    rig.guard, rig.guard_age = "guard-3", 0.005
+    rig.run(0.1)
+    assert rig.base.state().guard == "guard-3"
+
+
+def test_no_guard_is_bound_before_it_hears_base() -> None:
+    rig = Rig()
+    rig.guard_age = 5.0
+    rig.run(1.0)
+    assert rig.base.state().guard == ""
+    assert "too old" in rig.base.state().reason
+
+
+@pytest.mark.parametrize("behind", [0, 1, 5, 50])
+def test_a_replayed_command_counts_for_nothing(behind: int) -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.tilt(0.0)
+    rig.run(0.1)
+    now = rig.command()
+    rig.say(now)
+    replay = msgspec.structs.replace(now, seq=now.seq - behind, linear_x=0.6, hand_neutral=False)
+    for _ in range(5):
+        rig.say(replay)
+        rig.guard_speaks = False
+        assert moving(rig.run(0.01)) == []
+
+
+def test_a_late_copy_does_not_stop_the_robot() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    late = msgspec.structs.replace(rig.command(), seq=0, linear_x=0.0)
+    for _ in range(20):
+        rig.say(late)
+        assert rig.run(0.02)[-1].levels == (70, 70)
+
+
+def test_commands_that_overtake_each_other_count_in_their_order() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    older, newer = rig.command(), rig.command()
+    rig.say(msgspec.structs.replace(newer, linear_x=0.3))
+    rig.say(msgspec.structs.replace(older, linear_x=0.6))
+    rig.guard_speaks = False
+    assert rig.run(0.01)[-1].levels == (35, 35)
+
+
+def test_a_replay_of_the_whole_past_does_not_arm() -> None:
+    rig = Rig()
+    past = []
+    for _ in range(50):
+        rig.run(0.02)
+        past.append(rig.command())
+    rig.base.on_link_opened(session=100)
+    rig.guard_speaks = False
+    for command in past:
+        rig.say(command)
+    assert not rig.base.state().armed

@@ -1,0 +1,45 @@
+"""A little service for test_node: says ticks, counts those it hears, and does as its role asks."""
+
+from __future__ import annotations
+
+import sys
+
+import msgspec
+
+from giraff_node import Node, Pacer
+from giraff_schemas.messages import Battery, Tick
+from giraff_schemas.topics import BATTERY, TICK
+
+
+class Config(msgspec.Struct, frozen=True):
+    """Takes whatever the table holds."""
+
+
+def main(role: str) -> None:
+    with Node("base" if role == "talker" else "guard", Config) as node:
+        pace = Pacer(100.0)
+        out = node.publisher(TICK)
+        inbox, newest = node.inbox(TICK), node.newest(TICK)
+        if role == "fragile":
+            node.subscribe(BATTERY, break_down)
+        said = 0
+        sequences: list[int] = []
+        for now in node.turns(pace):
+            if role == "talker" and pace.due(now):
+                out.put(Tick(epoch=1, robot_ns=said))
+                said += 1
+            sequences += [tick.seq for tick in inbox.take() if tick.instance != node.instance]
+            if role == "listener" and len(sequences) >= 50:
+                assert newest.value is not None
+                gapless = sequences == list(range(sequences[0], sequences[0] + len(sequences)))
+                # The inbox's subscriber is called before the other one, and this may run in between.
+                print(f"heard gapless={gapless} newest={newest.value.seq >= sequences[-1] - 1}", flush=True)
+                sequences.clear()
+
+
+def break_down(battery: Battery) -> None:
+    raise RuntimeError(f"{battery.voltage} V is too much for this test")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

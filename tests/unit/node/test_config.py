@@ -1,0 +1,105 @@
+"""The robot file and the environment: strict, and every refusal says where and what instead."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from giraff_node.config import ConfigError, load, robot_file
+from giraff_node.robot import RobotConfig
+from giraff_node.session import NetworkConfig
+from giraff_sim.board import ROOT
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    port: str
+    operator_budget: float = 0.4
+    retries: int = 3
+
+    def __post_init__(self) -> None:
+        if self.operator_budget <= 0.0:
+            raise ValueError(f"operator_budget is {self.operator_budget}: it must be a positive number")
+
+
+def environment(directory: Path, text: str, **variables: str) -> dict[str, str]:
+    path = directory / "robot.toml"
+    path.write_text(text)
+    return {"GIRAFF_CONFIG": str(path), "HOME": "/", **variables}
+
+
+def refusal(given: dict[str, str]) -> str:
+    with pytest.raises(ConfigError) as refused:
+        load("base", Settings, given)
+    return str(refused.value)
+
+
+def test_defaults_stand_for_what_is_left_out(tmp_path: Path) -> None:
+    settings = load("base", Settings, environment(tmp_path, '[base]\nport = "/dev/x"'))
+    assert settings == Settings(port="/dev/x", operator_budget=0.4, retries=3)
+
+
+def test_the_environment_overrides_the_file(tmp_path: Path) -> None:
+    given = environment(
+        tmp_path, '[base]\nport = "/dev/x"', GIRAFF_BASE_PORT="/dev/y", GIRAFF_BASE_OPERATOR_BUDGET="0.3"
+    )
+    assert load("base", Settings, given) == Settings(port="/dev/y", operator_budget=0.3)
+
+
+@pytest.mark.parametrize(
+    ("text", "variables", "says"),
+    [
+        ('[base]\nport = "x"\noperator_budgt = 1', {}, "did you mean 'operator_budget'?"),
+        ('[bas]\nport = "x"', {}, "unknown table [bas]; did you mean 'base'?"),
+        ('base = "x"', {}, "base is a value where the table [base] belongs"),
+        ("[base", {}, "not TOML"),
+        ("[base]\nport = 3", {}, "$.port"),
+        ('[base]\nport = "x"\nretries = "many"', {}, "$.retries"),
+        ('[base]\nport = "x"\noperator_budget = 0', {}, "it must be a positive number"),
+        ("[base]", {}, "missing required field `port`"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_PRT": "y"}, "did you mean 'port'?"),
+        ('[base]\nport = "x"', {"GIRAFF_BAES_PORT": "y"}, "GIRAFF_BAES_PORT: names no field"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE": "y"}, "GIRAFF_BASE: names no field"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_RETRIES": "lots"}, "$.retries"),
+    ],
+)
+def test_what_cannot_be_used_is_refused(tmp_path: Path, text: str, variables: dict[str, str], says: str) -> None:
+    assert says in refusal(environment(tmp_path, text, **variables))
+
+
+def test_a_missing_file_is_named_with_the_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ConfigError, match="unless GIRAFF_CONFIG names another"):
+        robot_file({})
+    with pytest.raises(ConfigError, match=r"nowhere\.toml"):
+        robot_file({"GIRAFF_CONFIG": "nowhere.toml"})
+
+
+@pytest.mark.parametrize("content", [b"\xff\xfe", b"\x00"])
+def test_a_file_that_is_no_text_is_refused(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_bytes(content)
+    assert "not TOML" in refusal({"GIRAFF_CONFIG": str(path)})
+
+
+def test_the_robot_file_of_the_tree_is_sound() -> None:
+    given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")}
+    robot = load("robot", RobotConfig, given)
+    assert set(robot.sensors) == {"front_left", "front_right", "rear"}
+    assert load("network", NetworkConfig, given).rendezvous == "127.0.0.1:7447"
+
+
+@pytest.mark.parametrize(
+    ("variable", "value", "says"),
+    [
+        ("GIRAFF_ROBOT_TRACK_WIDTH", "-1", "track_width is -1"),
+        ("GIRAFF_ROBOT_TRACK_WIDTH", "nan", "track_width is nan"),
+        ("GIRAFF_ROBOT_MAX_LEVEL", "300", "max_level is 300"),
+        ("GIRAFF_ROBOT_NAME", "a/b", "cannot be part of a key"),
+    ],
+)
+def test_a_robot_that_cannot_be_is_refused(variable: str, value: str, says: str) -> None:
+    given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), variable: value}
+    with pytest.raises(ConfigError, match=says):
+        load("robot", RobotConfig, given)

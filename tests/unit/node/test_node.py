@@ -1,0 +1,177 @@
+"""A node as a process: peers meet on the loopback alone, end cleanly, and hide nothing."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+import zenoh
+
+from giraff_cli.watcher import free_port
+from giraff_node.session import NetworkConfig, open_session, session_config
+from giraff_schemas.codec import encode
+from giraff_schemas.messages import Battery, Health
+from giraff_schemas.topics import BATTERY, TICK, Topic, alive_key, health_key, key_of
+from giraff_sim.board import ROOT
+
+ROBOT = "sim-node"
+SERVICE = Path(__file__).with_name("service_under_test.py")
+
+
+class Peers:
+    """Processes of service_under_test and a session of the test's own, on one loopback."""
+
+    def __init__(self, directory: Path) -> None:
+        self.network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
+        self._stack = ExitStack()
+        self.session = self._stack.enter_context(open_session(self.network))
+        self._directory = directory
+        self._started: list[subprocess.Popen[bytes]] = []
+
+    def start(self, role: str) -> subprocess.Popen[bytes]:
+        variables = {
+            "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
+            "GIRAFF_ROBOT_NAME": ROBOT,
+            "GIRAFF_NETWORK_LOCAL": "true",
+            "GIRAFF_NETWORK_RENDEZVOUS": self.network.rendezvous,
+        }
+        with self.log(role).open("wb") as log, self.output(role).open("wb") as output:
+            process = subprocess.Popen(
+                [sys.executable, str(SERVICE), role], env=os.environ | variables, stdout=output, stderr=log
+            )
+        self._started.append(process)
+        wait(lambda: f"robot {ROBOT}" in self.log(role).read_text())
+        return process
+
+    def log(self, role: str) -> Path:
+        return self._directory / f"{role}.log"
+
+    def output(self, role: str) -> Path:
+        return self._directory / f"{role}.out"
+
+    def alive(self) -> list[str]:
+        replies = self.session.liveliness().get(alive_key(ROBOT), timeout=1.0)
+        return sorted(str(reply.ok.key_expr).split("/")[-2] for reply in replies if reply.ok is not None)
+
+    def health(self, service: str) -> Health:
+        for reply in self.session.get(health_key(ROBOT, service), timeout=2.0):
+            if reply.ok is not None:
+                return msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)
+        raise AssertionError(f"{service} does not answer")
+
+    def close(self) -> None:
+        for process in self._started:
+            process.kill()
+            process.wait()
+        self._stack.close()
+
+    def put_until(self, topic: Topic[Any], payload: bytes, holds: Callable[[], bool]) -> None:
+        """Publish again and again: the first ones may come before the subscriber is known."""
+
+        def put_and_look() -> bool:
+            self.session.put(key_of(ROBOT, topic), payload)
+            return holds()
+
+        wait(put_and_look)
+
+
+@pytest.fixture
+def peers(tmp_path: Path) -> Iterator[Peers]:
+    started = Peers(tmp_path)
+    yield started
+    started.close()
+
+
+def wait(holds: Callable[[], bool], seconds: float = 10.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not holds():
+        assert time.monotonic() < deadline, "it did not come about in time"
+        time.sleep(0.02)
+
+
+def test_two_processes_meet_on_the_loopback_alone(peers: Peers) -> None:
+    peers.start("talker")
+    peers.start("listener")
+    wait(lambda: peers.output("listener").read_text().count("\n") >= 2)
+    assert set(peers.output("listener").read_text().splitlines()) == {"heard gapless=True newest=True"}
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_it_soon_and_cleanly(peers: Peers, number: signal.Signals) -> None:
+    process = peers.start("talker")
+    wait(lambda: peers.alive() == ["base"])
+    process.send_signal(number)
+    assert process.wait(timeout=3.0) == 0
+    wait(lambda: peers.alive() == [])
+    assert '"message":"ended"' in peers.log("talker").read_text()
+
+
+def test_an_exception_in_a_callback_ends_it_with_a_traceback(peers: Peers) -> None:
+    process = peers.start("fragile")
+    payload = encode(Battery(instance="test", voltage=99.0))
+    peers.put_until(BATTERY, payload, lambda: process.poll() is not None)
+    assert process.returncode == 1
+    log = peers.log("fragile").read_text()
+    assert "99.0 V is too much for this test" in log
+    assert "break_down" in log
+
+
+def test_a_payload_that_is_no_sample_is_named_and_survived(peers: Peers) -> None:
+    process = peers.start("listener")
+    assert peers.health("guard").ok
+    peers.put_until(TICK, b"\xc1 not MessagePack", lambda: not peers.health("guard").ok)
+    (fault,) = peers.health("guard").faults
+    assert key_of(ROBOT, TICK) in fault
+    assert "not MessagePack" in fault
+    assert process.poll() is None
+
+
+def test_health_says_who_answers(peers: Peers) -> None:
+    process = peers.start("talker")
+    health = peers.health("base")
+    assert (health.service, health.pid, health.ok, health.faults) == ("base", process.pid, True, ())
+    assert health.uptime > 0.0
+
+
+def test_logs_are_one_json_object_a_line(peers: Peers) -> None:
+    peers.start("talker")
+    for line in peers.log("talker").read_text().splitlines():
+        entry = json.loads(line)
+        assert {"time", "level", "service", "message"} <= set(entry)
+
+
+def test_a_bad_configuration_ends_it_with_one_line(tmp_path: Path) -> None:
+    given = os.environ | {"GIRAFF_CONFIG": str(tmp_path / "absent.toml")}
+    ended = subprocess.run(
+        [sys.executable, str(SERVICE), "talker"], env=given, capture_output=True, text=True, check=False, timeout=20
+    )
+    assert ended.returncode == 2
+    assert "absent.toml" in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+def test_a_local_session_stays_on_the_loopback() -> None:
+    config = session_config(NetworkConfig(local=True, connect=("tcp/192.0.2.1:7447",)))
+    endpoints = config["listen"]["endpoints"] + config["connect"]["endpoints"]
+    assert all(endpoint.startswith("tcp/127.0.0.1:") for endpoint in endpoints)
+    assert config["scouting"]["multicast"]["enabled"] is False
+
+
+def test_a_session_on_the_network_scouts_and_connects() -> None:
+    config = session_config(NetworkConfig(connect=("tcp/192.0.2.1:7447",)))
+    assert config["connect"]["endpoints"] == ["tcp/127.0.0.1:7447", "tcp/192.0.2.1:7447"]
+    assert config["scouting"]["multicast"]["enabled"] is True
+
+
+def test_the_configuration_is_one_that_zenoh_takes() -> None:
+    zenoh.Config.from_json5(json.dumps(session_config(NetworkConfig())))

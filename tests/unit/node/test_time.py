@@ -1,0 +1,65 @@
+"""Pacing and freshness."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_node.freshness import age, fade
+from giraff_node.pacing import Pacer
+from giraff_schemas.messages import RobotTime
+
+NOW = RobotTime(epoch=7, robot_ns=5_000_000_000)
+
+
+def test_a_rate_is_kept_in_the_long_run() -> None:
+    pace = Pacer(50.0)
+    turns = sum(pace.due(100.0 + step * 0.0007) for step in range(100_000))
+    assert turns == pytest.approx(70.0 * 50.0, abs=2)
+
+
+def test_missed_turns_are_not_made_up_for() -> None:
+    pace = Pacer(50.0)
+    assert pace.due(0.0)
+    assert pace.due(10.0)
+    assert not pace.due(10.001)
+    assert pace.wait(10.001) == pytest.approx(0.019)
+    assert pace.due(10.02)
+
+
+def test_age_is_what_the_ticks_prove() -> None:
+    assert age(RobotTime(epoch=7, robot_ns=4_900_000_000), NOW) == pytest.approx(0.1)
+    assert age(NOW, NOW) == 0.0
+
+
+@pytest.mark.parametrize(
+    "tick",
+    [
+        None,
+        RobotTime(epoch=8, robot_ns=NOW.robot_ns),
+        RobotTime(epoch=0, robot_ns=NOW.robot_ns),
+        RobotTime(epoch=7, robot_ns=NOW.robot_ns + 1),
+    ],
+    ids=["none", "another epoch's", "nobody's", "of the future"],
+)
+def test_what_proves_nothing_is_infinitely_old(tick: RobotTime | None) -> None:
+    assert age(tick, NOW) == math.inf
+
+
+def test_nobodys_clock_proves_nothing() -> None:
+    nobody = RobotTime(epoch=0, robot_ns=NOW.robot_ns)
+    assert age(nobody, nobody) == math.inf
+
+
+@given(st.floats(0.0, math.inf), st.floats(0.01, 10.0))
+def test_speed_fades_from_half_the_budget_to_nothing_at_it(age_s: float, budget: float) -> None:
+    share = fade(age_s, budget)
+    assert 0.0 <= share <= 1.0
+    if age_s <= budget / 2:
+        assert share == 1.0
+    if age_s >= budget:
+        assert share == 0.0
+    assert fade(0.75 * budget, budget) == pytest.approx(0.5)
