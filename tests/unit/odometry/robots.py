@@ -35,7 +35,7 @@ def wheels(
     instance: str = "base-1",
     robot_s: float | None = None,
 ) -> Wheels:
-    """A report of counters that may have wrapped; `robot_s`: s of base's clock since BOOTED_S, the board's when left out."""
+    """A report of counters that may have wrapped. `robot_s`: base's clock since BOOTED_S, the board's when left out."""
     since_s = board_us / 1e6 if robot_s is None else robot_s
     return Wheels(
         instance=instance,
