@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Mapping
 from typing import Literal
 
@@ -31,9 +32,13 @@ class Direction:
         sign = 1.0 if way == "forward" else -1.0
         self.sensors = {name: pose for name, pose in robot.sensors.items() if sign * math.cos(pose.yaw) > 0.7}
         self._blocked = False
+        self._speeds: deque[tuple[int, float]] = deque()  # (robot_ns, m/s), as far back as a reading may lie
 
     def judge(self, ranges: Mapping[str, Range], speed: float, now: RobotTime) -> Verdict:
         """The verdict for now. `speed`: what the robot does this way already, m/s, never negative."""
+        self._speeds.append((now.robot_ns, speed))
+        while (now.robot_ns - self._speeds[0][0]) * 1e-9 > self._config.range_budget:
+            self._speeds.popleft()
         if not self.sensors:
             return Verdict(
                 allowed=self._config.creep_linear,
@@ -73,14 +78,19 @@ class Direction:
     def _judge_sensor(self, name: str, reading: Range, speed: float, now: RobotTime) -> Verdict:
         config = self._config
         distance = reading.range if reading.range is not None else config.reach
-        reaction = config.reaction_time + age(reading.tick, now)
+        old = age(reading.tick, now)
         room = self._clearance(self.sensors[name], distance) - config.margin
-        allowed = fastest(room, reaction, config.deceleration)
+        # Since the reading the robot came nearer, by what it was fastest at: it may have been faster then than now.
+        came = old * max(then for at, then in self._speeds if at >= now.robot_ns - old * 1e9)
+        allowed = min(
+            fastest(room, config.reaction_time + old, config.deceleration),
+            fastest(room - came, config.reaction_time, config.deceleration),
+        )
         seen = f"{name} sees something at {distance:.2f} m"
         too_close = room < config.release if self._blocked else room <= 0.0
         if too_close or allowed < config.slowest:
             return Verdict(allowed=0.0, freedom="blocked", sensor=name, reason=seen, way_out=_OTHER[self.way])
-        if stopping_distance(speed, reaction, config.deceleration) > room:
+        if came + stopping_distance(speed, config.reaction_time, config.deceleration) > room:
             # The robot is faster than it may be: power off brakes harder than a lower level does.
             return Verdict(
                 allowed=0.0,
@@ -101,5 +111,6 @@ class Direction:
         a surface that is nearer on the other side is nearer to the sensor there.
         """
         incidence, half_cone = self._config.incidence, self._config.half_cone
-        along = distance * math.cos(max(0.0, incidence - half_cone)) + abs(pose.x) * math.cos(incidence)
-        return along - self._robot.footprint_radius
+        ahead = pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)  # of base_link, along the sensor's axis
+        ahead = min(ahead, ahead * math.cos(incidence))
+        return distance * math.cos(max(0.0, incidence - half_cone)) + ahead - self._robot.footprint_radius

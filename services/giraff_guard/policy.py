@@ -130,8 +130,10 @@ class GuardPolicy:
         linear, angular = asked.linear_x, asked.angular_z
         limit = ""
         largest = self._robot.max_angular_speed
-        if abs(angular) > largest and linear == 0.0:
-            angular = math.copysign(largest, angular)
+        if abs(angular) > largest:
+            share = largest / abs(angular)
+            linear, angular = linear * share, math.copysign(largest, angular)
+            limit = f"slowed: this robot turns at {largest:g} rad/s at most"
         if linear != 0.0:
             way, verdict = ("forward", forward) if linear > 0.0 else ("backward", backward)
             if verdict.allowed == 0.0:
@@ -142,7 +144,7 @@ class GuardPolicy:
             elif verdict.allowed < abs(linear):
                 share = verdict.allowed / abs(linear)  # of both: the curvature is the operator's
                 linear, angular = linear * share, angular * share
-                limit = f"{way} slowed: {verdict.reason}"
+                limit = f"{way} slowed: {verdict.reason or f'this robot drives at {verdict.allowed:g} m/s at most'}"
         return linear, angular, limit
 
     def _turn(self, asked: DriveCommand | None, forward: Verdict, backward: Verdict) -> Verdict:

@@ -1,0 +1,140 @@
+"""The guard's policy with hands, sensors and wheels, in simulated robot time: the rig of these tests."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+from giraff_guard.config import GuardConfig
+from giraff_guard.policy import GuardPolicy
+from giraff_node.robot import RobotConfig, SensorPose
+from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, Range, RobotTime, Source, Tick, Wheels
+
+FRONT = ("front_left", "front_right")
+ROBOT = RobotConfig(
+    name="sim-test",
+    track_width=0.47,
+    ticks_per_metre=2000.0,
+    max_wheel_speed=0.6,
+    max_level=70,
+    max_angular_speed=1.57,
+    footprint_radius=0.3,
+    battery_volts_per_count=0.0,
+    swap_motors=False,
+    swap_encoders=False,
+    invert_left_motor=False,
+    invert_right_motor=False,
+    invert_left_encoder=False,
+    invert_right_encoder=False,
+    sensors={
+        "front_left": SensorPose(index=0, x=0.25, y=0.15, yaw=0.0),
+        "front_right": SensorPose(index=1, x=0.25, y=-0.15, yaw=0.0),
+        "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=math.pi),
+    },
+)
+CONFIG = GuardConfig()
+EPOCH = 7
+FAR, NEAR = 3.0, 0.3  # m: free, and well inside the margin
+
+
+def robot_with(*sensors: str) -> RobotConfig:
+    """The robot with these of its sensors only."""
+    return msgspec.structs.replace(ROBOT, sensors={name: ROBOT.sensors[name] for name in sensors})
+
+
+class Rig:
+    """A guard that has heard base; `decide` is what it does now."""
+
+    def __init__(self, robot: RobotConfig = ROBOT, config: GuardConfig = CONFIG, ticking: bool = True) -> None:
+        self.robot = robot
+        self.guard = GuardPolicy(config, robot)
+        self.robot_ns = 1_000_000_000_000
+        self._seq = 0
+        if ticking:
+            self.tick()
+
+    def ago(self, seconds: float, epoch: int = EPOCH) -> RobotTime:
+        return RobotTime(epoch=epoch, robot_ns=self.robot_ns - round(seconds * 1e9))
+
+    def wait(self, seconds: float) -> None:
+        self.robot_ns += round(seconds * 1e9)
+
+    def tick(self, epoch: int = EPOCH) -> None:
+        self.guard.on_tick(Tick(instance="base", epoch=epoch, robot_ns=self.robot_ns))
+
+    def hear(
+        self,
+        distance: float | None = FAR,
+        sensor: str = "",
+        age: float = 0.05,
+        fault: str = "",
+        tick: RobotTime | None = None,
+        seq: int | None = None,
+    ) -> None:
+        """A reading of one sensor, or of all; None: nothing within reach."""
+        self._seq += 1
+        for name in [sensor] if sensor else self.robot.sensors:
+            measured = None if fault else distance
+            self.guard.on_range(
+                Range(
+                    seq=self._seq if seq is None else seq,
+                    instance="ranger",
+                    sensor=name,
+                    state="fault" if fault else "clear" if measured is None else "echo",
+                    range=measured,
+                    echo_us=round((measured or 0.0) * 5800),
+                    reason=fault,
+                    tick=self.ago(age) if tick is None else tick,
+                )
+            )
+
+    def ask(
+        self,
+        linear: float,
+        angular: float = 0.0,
+        age: float = 0.03,
+        operator: str = "operator-1",
+        source: Source = "hand",
+        reason: str = "",
+        tick: RobotTime | None = None,
+        seq: int | None = None,
+    ) -> DriveCommand:
+        """A command of an operator."""
+        self._seq += 1
+        command = DriveCommand(
+            seq=self._seq if seq is None else seq,
+            instance=operator,
+            linear_x=linear,
+            angular_z=angular,
+            source=source,
+            reason=reason,
+            tick=self.ago(age) if tick is None else tick,
+        )
+        self.guard.on_command(command, self.robot_ns)
+        return command
+
+    def move(self, velocity: float, age: float = 0.0, turning: float = 0.0) -> None:
+        """The wheels' newest report."""
+        self.guard.on_wheels(
+            Wheels(
+                left_ticks=0,
+                right_ticks=0,
+                left_velocity=velocity - turning,
+                right_velocity=velocity + turning,
+                left_pwm_counts=0,
+                right_pwm_counts=0,
+                board_us=0,
+                boot_id=1,
+                tick=self.ago(age),
+            )
+        )
+
+    def decide(self) -> tuple[GuardedCommand, GuardState]:
+        return self.guard.decide(self.robot_ns)
+
+    def passes(self, linear: float, angular: float = 0.0) -> tuple[float, float]:
+        """What comes out of asking for this now."""
+        self.ask(linear, angular)
+        command, _ = self.decide()
+        return command.linear_x, command.angular_z
