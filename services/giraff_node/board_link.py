@@ -22,6 +22,7 @@ class BoardLink:
         self._heard = 0.0
         self._next_request = 0.0
         self._mismatch = ""
+        self._silence = ""  # why the port was closed last, until a board answers
         self._reporting = False  # the board has said more than hello since the port was opened
 
     def descriptor(self) -> int | None:
@@ -39,7 +40,7 @@ class BoardLink:
             return self._serial.fault or self._mismatch
         if self._reporting:
             return ""
-        return f"{self._serial.path}: no reports from a {self.kind.name.lower()} board yet"
+        return self._silence or f"{self._serial.path}: no reports from a {self.kind.name.lower()} board yet"
 
     @property
     def line_errors(self) -> int:
@@ -51,6 +52,7 @@ class BoardLink:
         if self._serial.keep_open(now):
             self._decoder = Decoder()
             self.hello = None
+            self._mismatch = ""  # another board may be there now
             self._reporting = False
             self._heard = now
             self._next_request = now
@@ -58,10 +60,12 @@ class BoardLink:
         arrived = self._decoder.feed(self._serial.read())
         if arrived:
             self._heard = now
+            self._silence = ""
         frames = [frame for frame in arrived if self._accept(frame)]
         if self.descriptor() is not None:
             if now - self._heard > SILENCE:
-                self._serial.close(f"{self._serial.path}: silent for {SILENCE:g} s; check the board's power and cable")
+                self._silence = f"{self._serial.path}: silent for {SILENCE:g} s; check the board's power and cable"
+                self._serial.close(self._silence)
             elif self.hello is None and now >= self._next_request:
                 self._next_request = now + HELLO_PERIOD
                 self._seq = (self._seq + 1) & 0xFFFF

@@ -63,6 +63,7 @@ def read_tables(environment: Mapping[str, str] = os.environ) -> dict[str, dict[s
 def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.environ) -> ConfigT:
     """The checked table `table` as a `config`. Its fields' defaults stand for what the file leaves out."""
     values = read_tables(environment).get(table, {})
+    given = [name for name in environment if name.upper().startswith(f"GIRAFF_{table.upper()}_")]
     try:
         # Not strict, because the environment's values are text: "70" is a number, "true" a truth.
         return msgspec.convert(values, config, strict=False)
@@ -70,7 +71,8 @@ def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.
         fields = [field.name for field in msgspec.structs.fields(config)]
         unknown = [name for name in values if name not in fields]
         hint = _suggestion(unknown[0], fields) if unknown else ""
-        raise ConfigError(f"{robot_file(environment)}: table [{table}]: {error}{hint}") from error
+        variables = f" (with {', '.join(sorted(given))} of the environment)" if given else ""
+        raise ConfigError(f"{robot_file(environment)}: table [{table}]{variables}: {error}{hint}") from error
 
 
 def _suggestion(word: str, known: list[str] | tuple[str, ...]) -> str:

@@ -37,6 +37,7 @@ from giraff_schemas.messages import Health
 from giraff_schemas.topics import SampleT, Topic, alive_key, health_key, key_of
 
 _LONGEST_WAIT = 0.1  # s; bounds how late a turn notices what has no descriptor
+_MENDED_AFTER = 2.0  # s without a bad payload until a key counts as sound again
 _CLOSE_TIMEOUT = 1.0  # s; Zenoh's close can hang, the process must not
 
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
@@ -173,14 +174,19 @@ class Node(Generic[ConfigT]):
 
     def subscribe(self, topic: Topic[SampleT], callback: Callable[[SampleT], None]) -> None:
         """Call `callback` with each sample, in Zenoh's thread: it must be quick. If it raises, the process ends."""
+        bad: dict[str, float] = {}  # keys on which a payload could not be read, and when it last happened
 
         def on_sample(received: zenoh.Sample) -> None:
             key = str(received.key_expr)
             try:
                 sample = decode(topic, key, bytes(received.payload), str(received.encoding))
             except DecodeError as error:
+                bad[key] = time.monotonic()
                 self.set_fault(f"decode {key}", str(error))
                 return
+            if key in bad and time.monotonic() - bad[key] > _MENDED_AFTER:
+                del bad[key]
+                self.set_fault(f"decode {key}", "")
             try:
                 callback(sample)
             except Exception as error:  # noqa: BLE001  Zenoh would print and forget it; here it ends the process

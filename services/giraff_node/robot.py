@@ -19,6 +19,11 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     y: float
     yaw: float
 
+    def __post_init__(self) -> None:
+        for name in ("x", "y", "yaw"):
+            if not math.isfinite(getattr(self, name)):
+                raise ValueError(f"{name} is {getattr(self, name)}: it must be a number")
+
 
 class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Geometry, limits and wiring of one robot. SI units unless the name says otherwise."""
@@ -58,6 +63,8 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             value = getattr(self, name)
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"{name} is {value}: it must be a positive number")
+        if not (math.isfinite(self.battery_volts_per_count) and self.battery_volts_per_count >= 0.0):
+            raise ValueError(f"battery_volts_per_count is {self.battery_volts_per_count}: it must be 0 or positive")
         if not 1 <= self.max_level <= 255:
             raise ValueError(f"max_level is {self.max_level}: it must be in 1..255")
         for sensor, pose in self.sensors.items():

@@ -76,9 +76,13 @@ class SerialLink:
         return data
 
     def send(self, frame: bytes) -> None:
-        """Send `frame` as soon as the kernel takes it; a newer one replaces it until then."""
-        self._waiting = frame
-        self.flush()
+        """Send `frame` as soon as the kernel takes it; a newer one replaces it until then.
+
+        While the port is closed nothing is kept: it would be sent in another life of the port.
+        """
+        if self._port is not None:
+            self._waiting = frame
+            self.flush()
 
     def flush(self) -> None:
         """Go on with what could not be sent at once."""
@@ -86,10 +90,11 @@ class SerialLink:
             return
         try:
             while self._unsent or self._waiting:
+                frame = self._unsent or self._waiting
+                taken = os.write(self._port.fileno(), frame)
                 if not self._unsent:
-                    self._unsent, self._waiting = self._waiting, b""
-                taken = os.write(self._port.fileno(), self._unsent)
-                self._unsent = self._unsent[taken:]
+                    self._waiting = b""
+                self._unsent = frame[taken:]
                 if self._unsent:
                     return
         except BlockingIOError:

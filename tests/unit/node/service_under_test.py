@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+import time
+from typing import Any, cast
 
 import msgspec
 
@@ -35,6 +37,20 @@ def main(role: str) -> None:
                 # The inbox's subscriber is called before the other one, and this may run in between.
                 print(f"heard gapless={gapless} newest={newest.value.seq >= sequences[-1] - 1}", flush=True)
                 sequences.clear()
+            if role == "broken":
+                raise RuntimeError("the loop itself broke down")
+        if role == "hanging":
+            node.session = cast(Any, HangingSession(node.session))
+
+
+class HangingSession:
+    """A session whose end never comes, as Zenoh's own does now and then."""
+
+    def __init__(self, session: object) -> None:
+        self._session = session  # its own end, too, is left to the process's
+
+    def close(self) -> None:
+        time.sleep(60.0)
 
 
 def break_down(battery: Battery) -> None:

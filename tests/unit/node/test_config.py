@@ -59,6 +59,11 @@ def test_the_environment_overrides_the_file(tmp_path: Path) -> None:
         ('[base]\nport = "x"\noperator_budget = 0', {}, "it must be a positive number"),
         ("[base]", {}, "missing required field `port`"),
         ('[base]\nport = "x"', {"GIRAFF_BASE_PRT": "y"}, "did you mean 'port'?"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_PRT": "y"}, "with GIRAFF_BASE_PRT of the environment"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_OPERATOR_BUDGET": "nan-ish"}, "with GIRAFF_BASE_OPERATOR_BUDGET of"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_": "y"}, "GIRAFF_BASE_: names no field"),
+        ('[base]\nport = "x"', {"GIRAFF_HOME": "y"}, "GIRAFF_HOME: names no field"),
+        ('[base]\nport = "x"\n[base.deeper]\na = 1', {}, "unknown field `deeper`"),
         ('[base]\nport = "x"', {"GIRAFF_BAES_PORT": "y"}, "GIRAFF_BAES_PORT: names no field"),
         ('[base]\nport = "x"', {"GIRAFF_BASE": "y"}, "GIRAFF_BASE: names no field"),
         ('[base]\nport = "x"', {"GIRAFF_BASE_RETRIES": "lots"}, "$.retries"),
@@ -66,6 +71,23 @@ def test_the_environment_overrides_the_file(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_used_is_refused(tmp_path: Path, text: str, variables: dict[str, str], says: str) -> None:
     assert says in refusal(environment(tmp_path, text, **variables))
+
+
+def test_an_error_of_the_file_is_not_blamed_on_the_environment(tmp_path: Path) -> None:
+    given = environment(tmp_path, '[base]\nport = "x"\nretries = "many"', GIRAFF_ROBOT_NAME="r", PATH="/bin")
+    assert "environment" not in refusal(given)
+
+
+def test_a_table_that_is_missing_is_one_of_defaults_only(tmp_path: Path) -> None:
+    given = environment(tmp_path, "")
+    assert load("network", NetworkConfig, given) == NetworkConfig()
+    assert "missing required field `port`" in refusal(given)
+
+
+def test_truths_and_numbers_of_the_environment_are_read_from_their_text(tmp_path: Path) -> None:
+    for text, truth in (("true", True), ("false", False), ("1", True), ("0", False)):
+        given = environment(tmp_path, "[network]", GIRAFF_NETWORK_LOCAL=text)
+        assert load("network", NetworkConfig, given).local is truth
 
 
 def test_a_missing_file_is_named_with_the_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -96,10 +118,35 @@ def test_the_robot_file_of_the_tree_is_sound() -> None:
         ("GIRAFF_ROBOT_TRACK_WIDTH", "-1", "track_width is -1"),
         ("GIRAFF_ROBOT_TRACK_WIDTH", "nan", "track_width is nan"),
         ("GIRAFF_ROBOT_MAX_LEVEL", "300", "max_level is 300"),
+        ("GIRAFF_ROBOT_MAX_LEVEL", "0", "max_level is 0"),
+        ("GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT", "nan", "battery_volts_per_count is nan"),
+        ("GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT", "-0.1", "battery_volts_per_count is -0.1"),
+        ("GIRAFF_ROBOT_SWAP_MOTORS", "perhaps", "swap_motors"),
         ("GIRAFF_ROBOT_NAME", "a/b", "cannot be part of a key"),
+        ("GIRAFF_ROBOT_NAME", "", "cannot be part of a key"),
     ],
 )
 def test_a_robot_that_cannot_be_is_refused(variable: str, value: str, says: str) -> None:
     given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), variable: value}
     with pytest.raises(ConfigError, match=says):
         load("robot", RobotConfig, given)
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "says"),
+    [
+        ("index = 1", "index = 0", "sensors share an index"),
+        ("index = 1", "index = 3", "the ranger board has 0..2"),
+        ("index = 1", "index = -1", "the ranger board has 0..2"),
+        ("index = 1", "indx = 1", "unknown field `indx`"),
+        ("x = 0.25", "x = nan", "x is nan"),
+        ("yaw = 0.0", "yaw = inf", "yaw is inf"),
+        ("[robot.sensors.rear]", '[robot.sensors."re ar"]', "cannot be part of a key"),
+    ],
+)
+def test_a_sensor_that_cannot_be_is_refused(tmp_path: Path, was: str, becomes: str, says: str) -> None:
+    text = (ROOT / "deploy" / "robot.toml").read_text()
+    assert was in text
+    with pytest.raises(ConfigError) as refused:
+        load("robot", RobotConfig, environment(tmp_path, text.replace(was, becomes, 1)))
+    assert says in str(refused.value)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
 import random
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -77,7 +80,7 @@ def test_an_unplugged_port_is_named_and_reopened_by_path(port: FakePort, link: S
     port.unplug()
     assert link.read() == b""
     assert "unplugged" in link.fault
-    link.send(b"into nothing")
+    assert link.descriptor() is None
     assert not link.keep_open(1.0)
     assert "no such port" in link.fault
     port.plug()
@@ -87,15 +90,100 @@ def test_an_unplugged_port_is_named_and_reopened_by_path(port: FakePort, link: S
     assert link.opened == 2
 
 
+def test_nothing_of_an_earlier_life_is_sent_in_the_next(port: FakePort, link: SerialLink) -> None:
+    while not link._unsent:
+        link.send(b"x" * 100)
+    link.send(b"begun late")
+    port.unplug()
+    link.read()
+    link.send(b"into nothing")
+    port.plug()
+    assert link.keep_open(1.0)
+    link.flush()
+    assert port.heard() == b""
+    link.send(b"now")
+    assert port.heard() == b"now"
+
+
+def test_what_the_path_names_now_is_opened_and_not_what_it_named_before(port: FakePort, link: SerialLink) -> None:
+    before = FakePort(port.link.with_name("kept"))
+    before.master, port.master = port.master, before.master
+    before._slave, port._slave = port._slave, before._slave
+    port.link.unlink()
+    port.link.symlink_to(before.link.readlink())
+    # The old device still answers, and is used until it fails.
+    os.write(before.master, b"old")
+    assert link.read() == b"old"
+    link.close("the board was silent")
+    port.say(b"dropped, as it came before the opening")
+    assert link.keep_open(1.0)
+    port.say(b"new")
+    assert link.read() == b"new"
+    before.close()
+
+
+def test_a_dead_port_is_noticed_by_writing_too(port: FakePort, link: SerialLink) -> None:
+    port.unplug()
+    link.send(b"into nothing")
+    assert "unplugged" in link.fault
+    assert link.descriptor() is None
+
+
+@pytest.mark.parametrize("size", [1, 7, 64])
+def test_a_frame_that_was_begun_is_finished_before_the_newest_one(port: FakePort, link: SerialLink, size: int) -> None:
+    frames = [encode(TickFrame(seq, 1, 5 << 40 | seq).pack()) for seq in range(1, 3000)]
+    decoder, heard = Decoder(), []
+    for n, frame in enumerate(frames):
+        link.send(frame)
+        if n % 3 == 0:
+            with contextlib.suppress(BlockingIOError):
+                heard += decoder.feed(os.read(port.master, size))
+    newest = frames[-1]
+    assert link._waiting in (b"", newest)
+    assert link._unsent == b"" or any(each.endswith(link._unsent) for each in frames)
+    heard += decoder.feed(drained(port, link))
+    sent = [frame.seq for frame in heard]
+    assert sent == sorted(set(sent))
+    assert sent[-1] == 2999
+    assert (decoder.crc_errors, decoder.shape_errors) == (0, 0)
+
+
+def drained(port: FakePort, link: SerialLink) -> bytes:
+    """All that comes out of the port when it is read again. The kernel passes it on in its own time."""
+    data = b""
+    quiet = 0
+    while quiet < 10:
+        link.flush()
+        some = port.heard()
+        data += some
+        quiet = 0 if some else quiet + 1
+        time.sleep(0.002)
+    return data
+
+
+def test_a_frame_that_was_not_begun_gives_way_to_a_newer_one(port: FakePort, link: SerialLink) -> None:
+    descriptor = link.descriptor()
+    assert descriptor is not None
+    full = 0
+    while full < 10:  # to the last byte, so that not even a part of a frame is taken
+        try:
+            os.write(descriptor, b"\0")
+            full = 0
+        except BlockingIOError:
+            full += 1
+            time.sleep(0.002)
+    for seq in (1, 2, 3):
+        link.send(encode(TickFrame(seq, 1, seq).pack()))
+    assert [frame.seq for frame in Decoder().feed(drained(port, link))] == [3]
+
+
 def test_a_reader_that_does_not_read_costs_no_time_and_no_frame_is_torn(port: FakePort, link: SerialLink) -> None:
     frames = [encode(TickFrame(seq, 1, seq).pack()) for seq in range(3000)]
     for frame in frames:
         link.send(frame)  # more than the pty holds: this would block for ever if it could
+        assert len(link._unsent) + len(link._waiting) < 2 * len(frame), "more than one frame waits"
     decoder = Decoder()
-    heard = decoder.feed(port.heard())
-    link.flush()
-    heard += decoder.feed(port.heard())
-    sent = [frame.seq for frame in heard]
+    sent = [frame.seq for frame in decoder.feed(drained(port, link))]
     assert sent == sorted(set(sent))
     assert sent[-1] == 2999, "the newest one was not sent"
     assert len(sent) < 3000
@@ -144,6 +232,92 @@ def test_the_wrong_board_is_refused_and_named(port: FakePort, hello: HelloFrame,
     assert PING not in link.poll(0.1)
     assert says in link.fault
     assert str(port.link) in link.fault
+    link.close()
+
+
+def test_a_board_that_changes_is_judged_anew(port: FakePort) -> None:
+    link = ranger_link(port)
+    port.say(encode(HELLO.pack()) + encode(PING.pack()))
+    assert PING in link.poll(0.1)
+    port.say(encode(msgspec.structs.replace(HELLO, protocol_hash=1).pack()) + encode(PING.pack()))
+    assert link.poll(0.2) == []
+    assert "reflash" in link.fault
+    assert link.hello is None
+    port.say(encode(HELLO.pack()) + encode(PING.pack()))
+    assert link.poll(0.3) == [HELLO, PING]
+    assert link.fault == ""
+    link.close()
+
+
+def test_what_was_said_of_a_board_ends_when_the_port_is_opened_again(port: FakePort) -> None:
+    link = ranger_link(port)
+    port.say(encode(msgspec.structs.replace(HELLO, board=BoardKind.BASE).pack()))
+    link.poll(0.1)
+    assert "a base board is there" in link.fault
+    port.unplug()
+    link.poll(0.2)
+    assert "unplugged" in link.fault
+    port.plug()
+    link.poll(0.4)
+    assert "no reports from a ranger board yet" in link.fault
+    assert link.hello is None
+    link.close()
+
+
+def test_the_next_device_on_a_port_has_to_prove_itself_again(port: FakePort) -> None:
+    link = ranger_link(port)
+    port.say(encode(HELLO.pack()) + encode(PING.pack()))
+    assert PING in link.poll(0.1)
+    port.unplug()
+    link.poll(0.2)
+    port.plug()
+    link.poll(0.4)
+    port.say(encode(PING.pack()))
+    assert link.poll(0.5) == []
+    assert "no reports" in link.fault
+    link.close()
+
+
+def test_a_port_that_stays_silent_is_named_once_and_for_all(port: FakePort) -> None:
+    """Else each opening would be two lines of log."""
+    link = ranger_link(port)
+    said = []
+    for step in range(1, 100):
+        link.poll(step * 0.05)
+        said.append(link.fault)
+    assert link.opened >= 4
+    assert len(dict.fromkeys(said)) == 2
+    assert "no reports" in said[0]
+    assert "silent for 1 s" in said[-1]
+    port.say(encode(HELLO.pack()) + encode(PING.pack()))
+    link.poll(5.0)
+    assert link.fault == ""
+    link.close()
+
+
+@pytest.mark.parametrize("noise", [b"\0", b"\xff" * 60, encode(PING.pack())[:-4] + b"\0"])
+def test_a_port_that_says_no_frame_is_silent(port: FakePort, noise: bytes) -> None:
+    link = ranger_link(port)
+    for step in range(1, 30):
+        if link.descriptor() is not None:
+            port.say(noise)
+        link.poll(step * 0.05)
+    assert "silent" in link.fault
+    assert link.opened == 2
+    link.close()
+
+
+def test_half_a_frame_of_the_earlier_life_does_not_spoil_the_first_of_the_next(port: FakePort) -> None:
+    link = ranger_link(port)
+    port.say(encode(HELLO.pack()) + encode(PING.pack())[:-5])
+    link.poll(0.1)
+    port.unplug()
+    link.poll(0.2)
+    port.plug()
+    link.poll(0.4)
+    port.say(encode(HELLO.pack()) + encode(PING.pack()))
+    assert link.poll(0.5) == [HELLO, PING]
+    assert link.line_errors == 0
     link.close()
 
 

@@ -20,7 +20,7 @@ import zenoh
 from giraff_cli.watcher import free_port
 from giraff_node.session import NetworkConfig, open_session, session_config
 from giraff_schemas.codec import encode
-from giraff_schemas.messages import Battery, Health
+from giraff_schemas.messages import Battery, Health, Tick
 from giraff_schemas.topics import BATTERY, TICK, Topic, alive_key, health_key, key_of
 from giraff_sim.board import ROOT
 
@@ -111,9 +111,25 @@ def test_a_signal_ends_it_soon_and_cleanly(peers: Peers, number: signal.Signals)
     process = peers.start("talker")
     wait(lambda: peers.alive() == ["base"])
     process.send_signal(number)
-    assert process.wait(timeout=3.0) == 0
+    assert process.wait(timeout=2.0) == 0
     wait(lambda: peers.alive() == [])
     assert '"message":"ended"' in peers.log("talker").read_text()
+
+
+def test_a_session_that_hangs_at_its_end_does_not_keep_the_process(peers: Peers) -> None:
+    process = peers.start("hanging")
+    wait(lambda: peers.alive() == ["guard"])
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(timeout=2.0) == 0
+
+
+def test_an_exception_in_the_loop_ends_it_with_a_traceback(peers: Peers) -> None:
+    process = peers.start("broken")
+    assert process.wait(timeout=5.0) == 1
+    entries = [json.loads(line) for line in peers.log("broken").read_text().splitlines()]
+    (error,) = [entry for entry in entries if entry["level"] == "error"]
+    assert "the loop itself broke down" in error["message"]
+    assert "service_under_test.py" in error["traceback"]
 
 
 def test_an_exception_in_a_callback_ends_it_with_a_traceback(peers: Peers) -> None:
@@ -134,11 +150,53 @@ def test_a_payload_that_is_no_sample_is_named_and_survived(peers: Peers) -> None
     assert key_of(ROBOT, TICK) in fault
     assert "not MessagePack" in fault
     assert process.poll() is None
+    # Good ones mend it, once no bad one has come for a while.
+    payload = encode(Tick(instance="test", epoch=1, robot_ns=1))
+    peers.put_until(TICK, payload, lambda: peers.health("guard").ok)
+    log = peers.log("listener").read_text()
+    assert log.count("not MessagePack") == 1
+    assert log.count("recovered") == 1
+
+
+@pytest.mark.parametrize(
+    "payload", [b"\x87\xa8instance\xa1\xff", b"\x81\xa1z" + b"\x91" * 100_000], ids=["not UTF-8", "nested deeply"]
+)
+def test_no_payload_slips_by_unnamed(peers: Peers, payload: bytes) -> None:
+    process = peers.start("listener")
+    peers.put_until(TICK, payload, lambda: not peers.health("guard").ok)
+    assert process.poll() is None
+
+
+def test_another_schema_on_a_key_is_named(peers: Peers) -> None:
+    peers.start("listener")
+    key = key_of(ROBOT, TICK)
+    payload = encode(Tick(instance="test", epoch=1, robot_ns=1))
+
+    def put_and_look() -> bool:
+        peers.session.put(key, payload, encoding="application/msgpack;giraff.Battery")
+        return not peers.health("guard").ok
+
+    wait(put_and_look)
+    assert "giraff.Battery" in peers.health("guard").faults[0]
+
+
+def test_any_encoding_that_claims_no_schema_is_read(peers: Peers) -> None:
+    process = peers.start("fragile")
+    payload = encode(Battery(instance="test", voltage=99.0))
+
+    def put_and_look() -> bool:
+        peers.session.put(key_of(ROBOT, BATTERY), payload, encoding="application/msgpack")
+        return process.poll() is not None
+
+    wait(put_and_look)
+    assert process.returncode == 1
 
 
 def test_health_says_who_answers(peers: Peers) -> None:
     process = peers.start("talker")
     health = peers.health("base")
+    (token,) = [str(reply.ok.key_expr) for reply in peers.session.liveliness().get(alive_key(ROBOT)) if reply.ok]
+    assert token == alive_key(ROBOT, "base", health.instance)
     assert (health.service, health.pid, health.ok, health.faults) == ("base", process.pid, True, ())
     assert health.uptime > 0.0
 
