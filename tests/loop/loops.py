@@ -15,7 +15,8 @@ from giraff_sim.hand import StillHand
 from giraff_sim.room import Room
 from giraff_sim.simulation import simulation
 from giraff_sim.world import World
-from tests.sim.robots import EXACT, ROBOT
+from tests.robots import ROBOT
+from tests.sim.robots import EXACT
 
 SETTINGS = Settings(robot=ROBOT)
 SOURCE_CURVE = msgspec.structs.replace(SETTINGS, joystick=JoystickConfig(port="joystick", curve="source"))

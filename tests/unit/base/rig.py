@@ -6,7 +6,7 @@ import msgspec
 
 from giraff_base.config import BaseConfig
 from giraff_base.policy import BasePolicy
-from giraff_node.robot import RobotConfig, SensorPose
+from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import BaseState, GuardedCommand, RobotTime, Source, Wheels
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,
@@ -20,24 +20,9 @@ from giraff_schemas.wire import (
     Refusal,
     WheelsFrame,
 )
+from tests import robots
 
-ROBOT = RobotConfig(
-    name="sim-test",
-    track_width=0.47,
-    ticks_per_metre=2000.0,
-    max_wheel_speed=0.6,
-    max_level=70,
-    max_angular_speed=1.57,
-    footprint_radius=0.3,
-    battery_volts_per_count=0.03,
-    swap_motors=False,
-    swap_encoders=False,
-    invert_left_motor=False,
-    invert_right_motor=False,
-    invert_left_encoder=False,
-    invert_right_encoder=False,
-    sensors={"front": SensorPose(index=0, x=0.25, y=0.0, yaw=0.0)},
-)
+ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
 CONFIG = BaseConfig(port="unused")
 EPOCH = 7
 STEP_NS = WHEELS_PERIOD_MS * 1_000_000

@@ -2,37 +2,16 @@
 
 from __future__ import annotations
 
-import math
-
 import msgspec
 
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
-from giraff_node.robot import RobotConfig, SensorPose
+from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, Range, RobotTime, Source, Tick, Wheels
+from tests import robots
 
 FRONT = ("front_left", "front_right")
-ROBOT = RobotConfig(
-    name="sim-test",
-    track_width=0.47,
-    ticks_per_metre=2000.0,
-    max_wheel_speed=0.6,
-    max_level=70,
-    max_angular_speed=1.57,
-    footprint_radius=0.3,
-    battery_volts_per_count=0.0,
-    swap_motors=False,
-    swap_encoders=False,
-    invert_left_motor=False,
-    invert_right_motor=False,
-    invert_left_encoder=False,
-    invert_right_encoder=False,
-    sensors={
-        "front_left": SensorPose(index=0, x=0.25, y=0.15, yaw=0.0),
-        "front_right": SensorPose(index=1, x=0.25, y=-0.15, yaw=0.0),
-        "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=math.pi),
-    },
-)
+ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
 CONFIG = GuardConfig()
 EPOCH = 7
 FAR, NEAR = 3.0, 0.3  # m: free, and well inside the margin

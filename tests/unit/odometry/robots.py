@@ -1,18 +1,11 @@
 """The robot and the wheels of these tests."""
 
-from pathlib import Path
-
 import msgspec
 
-from giraff_node.config import load
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
+from tests import robots
 
-ROBOT = msgspec.structs.replace(
-    load("robot", RobotConfig, {"GIRAFF_CONFIG": str(Path(__file__).parents[3] / "deploy" / "robot.toml")}),
-    track_width=0.47,
-    ticks_per_metre=2000.0,
-)
+ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
 
 PERIOD_US = 10_000
 

@@ -1,0 +1,27 @@
+"""The robot that most tests are of: a stock Giraff's geometry, nothing soldered the other way round."""
+
+import math
+
+from giraff_node.robot import RobotConfig, SensorPose
+
+ROBOT = RobotConfig(
+    name="sim-test",
+    track_width=0.47,
+    ticks_per_metre=2002.0594,
+    max_wheel_speed=0.6,
+    max_level=70,
+    max_angular_speed=1.57,
+    footprint_radius=0.3,
+    battery_volts_per_count=0.03,
+    swap_motors=False,
+    swap_encoders=False,
+    invert_left_motor=False,
+    invert_right_motor=False,
+    invert_left_encoder=False,
+    invert_right_encoder=False,
+    sensors={
+        "front_left": SensorPose(index=0, x=0.25, y=0.15, yaw=0.0),
+        "front_right": SensorPose(index=1, x=0.25, y=-0.15, yaw=0.0),
+        "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=math.pi),
+    },
+)
