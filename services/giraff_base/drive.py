@@ -26,6 +26,4 @@ def ramped(now_at: float, target: float, largest_step: float) -> float:
     """
     if math.copysign(1.0, now_at) != math.copysign(1.0, target):
         now_at = 0.0
-    if abs(target) <= abs(now_at):
-        return target
     return math.copysign(min(abs(target), abs(now_at) + largest_step), target)

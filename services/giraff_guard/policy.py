@@ -38,6 +38,7 @@ class GuardPolicy:
         self._heard_ns = 0
         self._ranges: dict[str, Range] = {}
         self._wheels: Wheels | None = None
+        self._passed = 0.0  # m/s, forward positive
 
     def on_tick(self, tick: Tick) -> None:
         self._tick = tick
@@ -74,6 +75,7 @@ class GuardPolicy:
         backward = self._backward.judge(self._ranges, max(0.0, -speed), now)
         asked, refusal = self._asked(now)
         linear, angular, limit = self._limit(asked, forward, backward)
+        self._passed = linear
         turn = self._turn(asked, forward, backward)
         relied_on = None
         if asked is not None and asked.linear_x != 0.0:
@@ -102,10 +104,10 @@ class GuardPolicy:
         return command, state
 
     def _speed(self, now: RobotTime) -> float:
-        """m/s the robot does, forward positive; 0 when the wheels are not heard (base does not drive then either)."""
+        """m/s the robot does, forward positive; what was passed on last where the wheels are not heard."""
         wheels = self._wheels
         if wheels is None or age(wheels.tick, now) > self._config.range_budget:
-            return 0.0
+            return self._passed
         return (wheels.left_velocity + wheels.right_velocity) / 2.0
 
     def _asked(self, now: RobotTime) -> tuple[DriveCommand | None, str]:

@@ -370,3 +370,16 @@ def test_whatever_comes_in_no_more_comes_out_than_was_asked(
         check_verdicts(state)
         if not 0 <= command_age_ms <= 400:
             assert command.neutral
+
+
+def test_where_the_wheels_are_not_heard_it_reckons_with_what_it_passed_on() -> None:
+    rig = Rig()
+    rig.hear(FAR)
+    rig.ask(0.6)
+    assert rig.decide()[0].linear_x == 0.6
+    rig.wait(0.02)
+    rig.hear(0.5)  # room to go on slowly, and not to stop in from 0.6 m/s
+    rig.ask(0.6)
+    command, state = rig.decide()
+    assert command.linear_x == 0.0
+    assert "braking" in state.forward.reason
