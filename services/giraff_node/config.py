@@ -56,7 +56,7 @@ def read_tables(environment: Mapping[str, str] = os.environ) -> dict[str, dict[s
         if table_name not in TABLES or not field:
             tables_there = [f"GIRAFF_{table.upper()}_…" for table in TABLES]
             raise ConfigError(f"{variable}: names no field; there are {', '.join(tables_there)} and GIRAFF_CONFIG")
-        tables.setdefault(table_name, {})[field] = value
+        tables.setdefault(table_name, {})[field] = _value(variable, value)
     return tables
 
 
@@ -73,6 +73,16 @@ def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.
         hint = _suggestion(unknown[0], fields) if unknown else ""
         variables = f" (with {', '.join(sorted(given))} of the environment)" if given else ""
         raise ConfigError(f"{robot_file(environment)}: table [{table}]{variables}: {error}{hint}") from error
+
+
+def _value(variable: str, text: str) -> Any:
+    """What a variable holds: text, or a list written as in the file, like ["a", "b"]."""
+    if not text.startswith("["):
+        return text
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError as error:
+        raise ConfigError(f"{variable}: not a list as TOML has it: {error}") from error
 
 
 def _suggestion(word: str, known: list[str] | tuple[str, ...]) -> str:

@@ -90,6 +90,13 @@ def test_truths_and_numbers_of_the_environment_are_read_from_their_text(tmp_path
         assert load("network", NetworkConfig, given).local is truth
 
 
+def test_a_list_from_the_environment(tmp_path: Path) -> None:
+    given = environment(tmp_path, "", GIRAFF_NETWORK_CONNECT='["tcp/192.0.2.1:7447", "tcp/192.0.2.2:7447"]')
+    assert load("network", NetworkConfig, given).connect == ("tcp/192.0.2.1:7447", "tcp/192.0.2.2:7447")
+    with pytest.raises(ConfigError, match="GIRAFF_NETWORK_CONNECT: not a list"):
+        load("network", NetworkConfig, {**given, "GIRAFF_NETWORK_CONNECT": "[tcp"})
+
+
 def test_a_missing_file_is_named_with_the_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ConfigError, match="unless GIRAFF_CONFIG names another"):
