@@ -5,7 +5,8 @@
 #include <avr/wdt.h>
 #include "hal.h"
 
-static uint32_t boot_count EEMEM;
+/* The ELF file holds this, too, for who writes it: as erased. */
+static struct kept kept EEMEM = { .boot_count = UINT32_MAX, .latch = { UINT8_MAX, UINT8_MAX } };
 
 uint8_t hal_take_reset_cause(void)
 {
@@ -17,13 +18,28 @@ uint8_t hal_take_reset_cause(void)
 
 uint32_t hal_boot_count(void)
 {
-    return eeprom_read_dword(&boot_count);
+    return eeprom_read_dword(&kept.boot_count);
 }
 
 void hal_set_boot_count(uint32_t count)
 {
-    eeprom_update_dword(&boot_count, count);
+    eeprom_update_dword(&kept.boot_count, count);
     eeprom_busy_wait();
+}
+
+uint8_t hal_kept_latch(uint8_t cell)
+{
+    return eeprom_read_byte(&kept.latch[cell]);
+}
+
+bool hal_eeprom_is_ready(void)
+{
+    return eeprom_is_ready();
+}
+
+void hal_keep_latch(uint8_t cell, uint8_t value)
+{
+    eeprom_write_byte(&kept.latch[cell], value);    /* would wait for a write before it, not for its own */
 }
 
 void hal_start_watchdog(void)

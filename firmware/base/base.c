@@ -23,10 +23,16 @@ static void on_drive(const void *body)
     drive_on_command(body, boot_id(), clock_ms());
 }
 
+static void on_estop(const void *body)
+{
+    drive_on_estop(body, boot_id(), clock_ms());
+}
+
 static const struct link_handler handlers[] = {
     { FRAME_HELLO_REQUEST, sizeof(struct hello_request), hello_on_request },
     { FRAME_CONFIGURE, sizeof(struct configure), on_configure },
     { FRAME_DRIVE, sizeof(struct drive), on_drive },
+    { FRAME_ESTOP, sizeof(struct estop), on_estop },
 };
 
 static int16_t wheel_pwm(uint8_t wiring, enum wheel wheel)
@@ -51,6 +57,7 @@ static void send_wheels(void)
         .left_pwm_counts = wheel_pwm(wiring, LEFT),
         .right_pwm_counts = wheel_pwm(wiring, RIGHT),
         .drive_state = report.drive_state,
+        .latch = report.latch,
         .last_refusal = report.last_refusal,
         .accepted = report.accepted,
         .refused = report.refused,
@@ -64,6 +71,7 @@ void firmware_setup(void)
 {
     motors_start();
     boot_start();
+    drive_start();
     clock_start();
     link_start();
     encoders_start();
@@ -86,7 +94,8 @@ void firmware_on_millisecond(void)
 {
     clock_on_millisecond();
     hal_enable_interrupts();        /* the encoders' edges do not wait for the rest; the next millisecond is far */
-    drive_on_millisecond();
+    const uint16_t ticks[2] = { encoders_low(0), encoders_low(1) };
+    drive_on_millisecond(ticks);
     motors_on_millisecond(0, drive_level(0));
     motors_on_millisecond(1, drive_level(1));
 }

@@ -1,6 +1,8 @@
 #include <stdbool.h>
 #include "drive.h"
 #include "hal.h"
+#include "latch.h"
+#include "turning.h"
 
 enum { MOTORS = 2, WIRING_BITS = 2 * WIRING_INVERT_RIGHT_ENCODER - 1 };
 
@@ -8,10 +10,11 @@ enum { MOTORS = 2, WIRING_BITS = 2 * WIRING_INVERT_RIGHT_ENCODER - 1 };
 static volatile uint8_t state = DRIVE_NOT_CONFIGURED;
 static volatile uint16_t time_left_ms;          /* until the command time-out, while active */
 static volatile int16_t level[MOTORS];
+static uint8_t wiring;                          /* of the session, as is the next */
+static uint8_t stall_level;
 
 /* Of the session. */
 static uint32_t session;                        /* 0 = none since the boot */
-static uint8_t wiring;
 static uint8_t level_max;
 static bool has_accepted;
 static uint16_t last_seq;
@@ -38,9 +41,10 @@ static bool is_within(int16_t asked, uint8_t max)
     return asked >= -(int16_t)max && asked <= (int16_t)max;
 }
 
+/* A latch outlasts every other reason not to drive. */
 static void stop(enum drive_state why)
 {
-    state = why;
+    state = latch_cause() == LATCH_NONE ? why : DRIVE_LATCHED;
     for (uint8_t motor = 0; motor < MOTORS; motor++)
         level[motor] = 0;
 }
@@ -49,7 +53,7 @@ static enum refusal judge_configure(const struct configure *asked, uint32_t boot
 {
     if (asked->protocol_hash != PROTOCOL_HASH)
         return REFUSAL_PROTOCOL;
-    if (!asked->session || !asked->level_max || asked->wiring & ~WIRING_BITS)
+    if (!asked->session || !asked->level_max || !asked->stall_level || asked->wiring & ~WIRING_BITS)
         return REFUSAL_PROTOCOL;
     if (asked->boot_id != boot_id)
         return REFUSAL_BOOT_ID;
@@ -73,10 +77,28 @@ static enum refusal judge_drive(const struct drive *asked, uint32_t boot_id, uin
     return REFUSAL_NONE;
 }
 
+/* Besides, it must be younger than the latch: one made before it releases something else. */
+static enum refusal judge_release(const struct estop *asked, uint32_t boot_id, uint32_t now_ms)
+{
+    if (asked->boot_id != boot_id)
+        return REFUSAL_BOOT_ID;
+    if (is_stale(asked->board_ms, now_ms) || now_ms - asked->board_ms >= latch_age_ms())
+        return REFUSAL_STALE;
+    if (!session || asked->session != session)
+        return REFUSAL_NOT_CONFIGURED;
+    return REFUSAL_NONE;
+}
+
 static void refuse(enum refusal why)
 {
     last_refusal = (uint8_t)why;
     refused++;
+}
+
+void drive_start(void)
+{
+    latch_start();
+    stop(DRIVE_NOT_CONFIGURED);
 }
 
 void drive_on_configure(const struct configure *asked, uint32_t boot_id, uint32_t now_ms)
@@ -88,9 +110,10 @@ void drive_on_configure(const struct configure *asked, uint32_t boot_id, uint32_
     }
     ATOMICALLY {
         stop(DRIVE_AWAITING_ZERO);
+        wiring = asked->wiring;
+        stall_level = asked->stall_level;
     }
     session = asked->session;
-    wiring = asked->wiring;
     level_max = asked->level_max;
     has_accepted = false;
 }
@@ -105,18 +128,20 @@ void drive_on_command(const struct drive *asked, uint32_t boot_id, uint32_t now_
     int16_t left = wiring_level(wiring, LEFT, asked->left_level);
     int16_t right = wiring_level(wiring, RIGHT, asked->right_level);
     bool opens = !left && !right;
-    bool done = false;
-    ATOMICALLY {        /* the time-out may latch up to here, and is looked at here */
-        if (opens || state == DRIVE_ACTIVE) {
+    ATOMICALLY {        /* the interrupt may stop the motors up to here, and is looked at here */
+        if (state == DRIVE_LATCHED) {
+            refusal = REFUSAL_LATCHED;
+        } else if (!opens && state != DRIVE_ACTIVE) {
+            refusal = REFUSAL_AWAITING_ZERO;
+        } else {
             state = DRIVE_ACTIVE;
             time_left_ms = COMMAND_TIMEOUT_MS;
             level[wiring_motor(wiring, LEFT)] = left;
             level[wiring_motor(wiring, RIGHT)] = right;
-            done = true;
         }
     }
-    if (!done) {
-        refuse(REFUSAL_AWAITING_ZERO);
+    if (refusal != REFUSAL_NONE) {
+        refuse(refusal);
         return;
     }
     has_accepted = true;
@@ -124,10 +149,50 @@ void drive_on_command(const struct drive *asked, uint32_t boot_id, uint32_t now_
     accepted++;
 }
 
-void drive_on_millisecond(void)
+void drive_on_estop(const struct estop *asked, uint32_t boot_id, uint32_t now_ms)
 {
+    enum refusal refusal = REFUSAL_NONE;
+    ATOMICALLY {        /* what latches now is not what the host wants released */
+        if (asked->engage) {
+            latch_engage(LATCH_ESTOP);
+            stop(DRIVE_LATCHED);
+        } else {
+            refusal = judge_release(asked, boot_id, now_ms);
+            if (refusal == REFUSAL_NONE && state == DRIVE_LATCHED) {
+                latch_release();
+                stop(DRIVE_AWAITING_ZERO);
+            }
+        }
+    }
+    if (refusal != REFUSAL_NONE)
+        refuse(refusal);
+}
+
+static void judge_wheel(enum wheel wheel, const uint16_t ticks[2])
+{
+    static struct turning turning[MOTORS];
+    int16_t given = wiring_level(wiring, wheel, level[wiring_motor(wiring, wheel)]);
+    uint16_t turned = (uint16_t)wiring_ticks(wiring, wheel, ticks[wiring_encoder(wiring, wheel)]);
+    switch (turning_judge(&turning[wheel], given, stall_level, turned)) {
+    case TURNS_STUCK:
+        latch_engage(wheel == LEFT ? LATCH_LEFT_STUCK : LATCH_RIGHT_STUCK);
+        break;
+    case TURNS_OPPOSITE:
+        latch_engage(wheel == LEFT ? LATCH_LEFT_OPPOSITE : LATCH_RIGHT_OPPOSITE);
+        break;
+    default:
+        return;
+    }
+    stop(DRIVE_LATCHED);
+}
+
+void drive_on_millisecond(const uint16_t ticks[2])
+{
+    latch_on_millisecond();
     if (state == DRIVE_ACTIVE && --time_left_ms == 0)
         stop(DRIVE_COMMAND_TIMEOUT);
+    judge_wheel(LEFT, ticks);
+    judge_wheel(RIGHT, ticks);
 }
 
 int16_t drive_level(uint8_t motor)
@@ -137,13 +202,17 @@ int16_t drive_level(uint8_t motor)
 
 struct drive_report drive_report(void)
 {
-    return (struct drive_report){
+    struct drive_report report = {
         .session = session,
-        .drive_state = state,
         .last_refusal = last_refusal,
         .accepted = accepted,
         .refused = refused,
     };
+    ATOMICALLY {
+        report.drive_state = state;
+        report.latch = (uint8_t)latch_cause();
+    }
+    return report;
 }
 
 uint8_t drive_wiring(void)

@@ -28,6 +28,15 @@ void encoders_on_edge_1(bool a, bool b)
         counts[1]--;
 }
 
+uint16_t encoders_low(uint8_t encoder)
+{
+    uint16_t low;
+    ATOMICALLY {
+        low = (uint16_t)counts[encoder];
+    }
+    return low;
+}
+
 struct encoders_reading encoders_read(void)
 {
     struct encoders_reading read;

@@ -11,6 +11,7 @@ struct encoders_reading {       /* of one instant */
 
 void encoders_start(void);
 struct encoders_reading encoders_read(void);
+uint16_t encoders_low(uint8_t encoder);         /* the low half of its count: enough for what turns in a second */
 
 /* From the interrupt at each edge of the encoder's channel A, with the channels' levels just after it. */
 void encoders_on_edge_0(bool a, bool b);

@@ -5,6 +5,7 @@
  */
 #ifndef GIRAFF_HAL_H
 #define GIRAFF_HAL_H
+#include <stdbool.h>
 #include <stdint.h>
 
 /* A statement that no interrupt splits. Simulated interrupts come between two polls, never inside one. */
@@ -17,9 +18,18 @@
 
 enum { WATCHDOG_MS = 250 };
 
+/* What is in EEPROM, from its first byte on; all ones where never written. */
+struct kept {
+    uint32_t boot_count;
+    uint8_t latch[2];                       /* of the base board; latch.c knows what they mean */
+};
+
 uint8_t hal_take_reset_cause(void);         /* enum reset_cause; 0 = a boot loader has cleared it */
-uint32_t hal_boot_count(void);              /* from EEPROM; all ones when never written */
+uint32_t hal_boot_count(void);
 void hal_set_boot_count(uint32_t count);
+uint8_t hal_kept_latch(uint8_t cell);
+bool hal_eeprom_is_ready(void);             /* a write takes 3.4 ms; the next one only begins after it */
+void hal_keep_latch(uint8_t cell, uint8_t value);   /* begins to write; only when it is ready */
 void hal_start_watchdog(void);              /* resets the processor when not fed for WATCHDOG_MS */
 void hal_feed_watchdog(void);
 void hal_enable_interrupts(void);

@@ -24,7 +24,8 @@ enum frame_type {
     FRAME_HELLO_REQUEST = 0x11, /* any board */
     FRAME_CONFIGURE = 0x12,     /* base */
     FRAME_DRIVE = 0x13,         /* base */
-    FRAME_TICK = 0x14           /* joystick, ranger */
+    FRAME_TICK = 0x14,          /* joystick, ranger */
+    FRAME_ESTOP = 0x15          /* base */
 };
 
 /* Why the base board drives, or does not. */
@@ -32,19 +33,32 @@ enum drive_state {
     DRIVE_ACTIVE = 0,           /* accepted drive frames set the motors */
     DRIVE_NOT_CONFIGURED = 1,   /* no host has proved protocol and configuration since the boot */
     DRIVE_AWAITING_ZERO = 2,    /* configured; waits for a first zero drive frame */
-    DRIVE_COMMAND_TIMEOUT = 3   /* no accepted drive frame for COMMAND_TIMEOUT_MS; waits for a zero one */
+    DRIVE_COMMAND_TIMEOUT = 3,  /* no accepted drive frame for COMMAND_TIMEOUT_MS; waits for a zero one */
+    DRIVE_LATCHED = 4           /* `latch` says why; waits for a release, then for a zero drive frame */
 };
 
-/* Why the base board refused the last drive or configure frame it refused. */
+/* What holds the base board's motors at zero until an estop frame releases it. Kept in EEPROM, over every reset and
+ * without power. The first cause stays until the release. */
+enum latch {
+    LATCH_NONE = 0,
+    LATCH_ESTOP = 1,            /* a host engaged it */
+    LATCH_LEFT_STUCK = 2,       /* |level| >= stall_level for STUCK_MS, and never STUCK_EDGES ticks away from where it was */
+    LATCH_RIGHT_STUCK = 3,
+    LATCH_LEFT_OPPOSITE = 4,    /* turned against its level for OPPOSITE_MS and not ever slower: wired the other way */
+    LATCH_RIGHT_OPPOSITE = 5
+};
+
+/* Why the base board refused the last drive, configure or release frame it refused. */
 enum refusal {
     REFUSAL_NONE = 0,
     REFUSAL_PROTOCOL = 1,       /* another protocol hash, or values no robot can have */
     REFUSAL_BOOT_ID = 2,        /* made for an earlier boot of this board */
-    REFUSAL_STALE = 3,          /* its board_ms is more than ECHO_MAX_AGE_MS ago, or ahead */
+    REFUSAL_STALE = 3,          /* its board_ms is more than ECHO_MAX_AGE_MS ago, or ahead, or before the latch */
     REFUSAL_SEQUENCE = 4,       /* not newer than the last one accepted */
-    REFUSAL_NOT_CONFIGURED = 5,
+    REFUSAL_NOT_CONFIGURED = 5, /* no session; to a release, another one than it names */
     REFUSAL_AWAITING_ZERO = 6,  /* fresh, but the latch opens for a zero frame only */
-    REFUSAL_LEVEL = 7           /* a level beyond the configured maximum */
+    REFUSAL_LEVEL = 7,          /* a level beyond the configured maximum */
+    REFUSAL_LATCHED = 8         /* fresh, but latched: nothing drives before a release */
 };
 
 /* State of the BNO055, as the joystick board knows it. */
@@ -85,6 +99,9 @@ enum {
     RANGER_BAUD = 500000,
     COMMAND_TIMEOUT_MS = 300,
     ECHO_MAX_AGE_MS = 150,
+    STUCK_MS = 500,
+    STUCK_EDGES = 10,
+    OPPOSITE_MS = 200,
     WHEELS_PERIOD_MS = 10,
     TILT_PERIOD_MS = 20,
     RANGE_SLOT_MS = 60,             /* between two pings, of whichever sensor: echoes have died down by then */
@@ -117,9 +134,10 @@ struct PACKED wheels {
     int16_t left_pwm_counts;        /* what the motor gets now, of 255, forward positive */
     int16_t right_pwm_counts;
     uint8_t drive_state;            /* enum drive_state */
+    uint8_t latch;                  /* enum latch */
     uint8_t last_refusal;           /* enum refusal */
     uint16_t accepted;              /* drive frames accepted since the boot; wraps */
-    uint16_t refused;               /* drive and configure frames refused since the boot; wraps */
+    uint16_t refused;               /* drive, configure and release frames refused since the boot; wraps */
     uint16_t line_errors;           /* frames with a wrong CRC or shape, bytes lost; wraps */
     uint16_t battery_adc_counts;    /* 10 bit, of AVCC */
 };
@@ -170,6 +188,7 @@ struct PACKED configure {
     uint32_t session;               /* random, not 0 */
     uint8_t wiring;                 /* enum wiring */
     uint8_t level_max;              /* largest |level| a drive frame may ask for, 1..255 */
+    uint8_t stall_level;            /* |level| from which a wheel that stands still is stuck, 1..255 */
 };
 
 struct PACKED drive {
@@ -179,6 +198,18 @@ struct PACKED drive {
     uint32_t board_ms;              /* newest one read from `wheels` */
     int16_t left_level;             /* PWM counts of 255, forward positive */
     int16_t right_level;
+};
+
+/* Latches or releases. Latching is obeyed whatever boot, time and session it names: an old one can only stop. A
+ * release must be of this boot and session, as fresh as a drive frame, and made after the latch was told of; it
+ * permits motion and never causes it: DRIVE_AWAITING_ZERO follows. */
+struct PACKED estop {
+    uint8_t type;
+    uint16_t seq;
+    uint32_t boot_id;
+    uint32_t board_ms;              /* newest one read from `wheels` */
+    uint32_t session;
+    uint8_t engage;                 /* 0 = release whatever is latched, any other value = latch as LATCH_ESTOP */
 };
 
 /* A moment of the robot's clock, sent down so that a measurement can carry the one it was made after. */

@@ -1,4 +1,5 @@
 /* What each processor has: clock, watchdog, EEPROM, UART. */
+#include <stddef.h>
 #include <string.h>
 #include "board.h"
 #include "firmware.h"
@@ -110,7 +111,9 @@ uint8_t hal_take_reset_cause(void)
     return (uint8_t)machine_reset_cause;
 }
 
-/* As the AVR's compiler lays it out: the only variable in EEPROM, low byte first. */
+/* As the AVR's compiler lays it out: low byte first, and no gaps. */
+_Static_assert(offsetof(struct kept, boot_count) == 0 && offsetof(struct kept, latch) == 4, "as on the AVR");
+
 uint32_t hal_boot_count(void)
 {
     const uint8_t *e = machine_eeprom;
@@ -121,6 +124,21 @@ void hal_set_boot_count(uint32_t count)
 {
     for (int i = 0; i < 4; i++)
         machine_eeprom[i] = (uint8_t)(count >> 8 * i);
+}
+
+uint8_t hal_kept_latch(uint8_t cell)
+{
+    return machine_eeprom[offsetof(struct kept, latch) + cell];
+}
+
+bool hal_eeprom_is_ready(void)
+{
+    return true;
+}
+
+void hal_keep_latch(uint8_t cell, uint8_t value)
+{
+    machine_eeprom[offsetof(struct kept, latch) + cell] = value;
 }
 
 void hal_start_watchdog(void)

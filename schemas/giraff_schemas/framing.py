@@ -26,15 +26,13 @@ def encode(body: bytes) -> bytes:
 
 def _decode_cobs(encoded: bytes) -> bytes | None:
     """The bytes that were encoded (without the 0x00 at the end), or None when no encoder wrote this."""
-    parts = []
+    data = bytearray(encoded)
     at = 0
-    while at < len(encoded):
+    while at < len(data):
         code = encoded[at]  # never 0: that ends a frame
-        if at + code > len(encoded):
-            return None
-        parts.append(encoded[at + 1 : at + code])
+        data[at] = 0  # what each code byte stands for, but the first
         at += code
-    return b"\0".join(parts)
+    return bytes(data[1:]) if at == len(data) else None
 
 
 class Decoder:

@@ -78,6 +78,10 @@ Source = Literal["hand", "fault"]
 class DriveCommand(Sample, frozen=True, kw_only=True):
     """What an operator asks of the robot."""
 
+    operator: str
+    """Name of the operator, as in the key."""
+    lease_counter: int
+    """Of the lease that the command is given under (`Lease.counter`); 0 asks for the lease."""
     linear_x: float
     """m/s, forward positive."""
     angular_z: float
@@ -105,7 +109,9 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     guard_tick: RobotTime | None
     """Newest moment the guard held when it decided."""
     operator: str
-    """Instance whose command this is; empty: nobody's."""
+    """Instance whose command this is, the holder of the lease; empty: nobody's."""
+    lease_counter: int
+    """Of the lease in force; another one than before disarms. 0: nobody holds it."""
     operator_tick: RobotTime | None
     range_tick: RobotTime | None
     """Oldest moment among the ranges that what the operator asks relies on; one that never came counts as robot_ns 0.
@@ -122,6 +128,57 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     @property
     def neutral(self) -> bool:
         return self.linear_x == 0.0 and self.angular_z == 0.0
+
+
+class Lease(Sample, frozen=True, kw_only=True):
+    """Whom the guard obeys: (operator instance, guard instance, counter). The guard's is the sample's `instance`."""
+
+    holder: str
+    """Instance of the operator; empty: it is free to the first who asks."""
+    operator: str
+    """Name of the holder; empty: none."""
+    counter: int
+    """Another one for each grant, never 0; what the holder's commands must carry. 0: free."""
+    reason: str
+    """Why the newest grant, refusal or end, and what an operator who wants to drive does now."""
+
+
+class EStop(Sample, frozen=True, kw_only=True):
+    """The emergency stop: base's state, and only base's."""
+
+    engaged: bool
+    id: int
+    """Names this latch: a reset that names another clears nothing."""
+    by: str
+    """Who engaged it, or reset it."""
+    reason: str
+
+
+class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
+    """Asks base to stop at once and stay so."""
+
+    by: str
+    reason: str
+
+
+class EStopReset(msgspec.Struct, frozen=True, kw_only=True):
+    """Asks base to clear one latch. It permits motion and never causes it."""
+
+    by: str
+    id: int
+    tick: RobotTime | None
+    """Of the human's wish: an old reset clears nothing newer."""
+
+
+class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """What base did with either."""
+
+    done: bool
+    """The state is as asked, and on disk."""
+    engaged: bool
+    id: int
+    reason: str
+    """Why not, with the way out; empty when done."""
 
 
 RangeState = Literal["echo", "clear", "fault"]
@@ -199,6 +256,7 @@ class BoardState(msgspec.Struct, frozen=True, kw_only=True):
     connected: bool
     boot_id: int
     drive_state: str
+    latch: str
     last_refusal: str
     accepted: int
     refused: int
@@ -260,9 +318,11 @@ class GuardState(Sample, frozen=True, kw_only=True):
     turn_left: Verdict
     turn_right: Verdict
     operator: str
-    """Instance the guard listens to; empty: none."""
+    """Instance the guard listens to, the holder of the lease; empty: none."""
     reason: str
     """Why the newest command was cut; empty when it was not."""
+    sensors: dict[str, str]
+    """By sensor: why it is not trusted; empty when it is."""
 
 
 class Health(msgspec.Struct, frozen=True, kw_only=True):

@@ -18,6 +18,9 @@ Qos = Literal["control", "state"]
 
 ROOT = "giraff"
 
+RequestT = TypeVar("RequestT", bound=msgspec.Struct)
+AnswerT = TypeVar("AnswerT", bound=msgspec.Struct)
+
 
 class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
     """One row of the table. `rate_hz` is the nominal rate; 0 = on change only."""
@@ -33,9 +36,18 @@ class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
         return msgspec.structs.replace(self, key=self.key.replace("*", name))
 
 
+class Query(msgspec.Struct, Generic[RequestT, AnswerT], frozen=True):
+    """One row of the table of queries: a request that one service answers."""
+
+    key: str
+    request: type[RequestT]
+    answer: type[AnswerT]
+
+
 TICK = Topic("tick", m.Tick, 50, "control")
 TILT = Topic("tilt", m.Tilt, 50, "state")
 OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 30, "control")
+LEASE = Topic("lease", m.Lease, 10, "control")
 RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control")
 CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control")
 WHEELS = Topic("wheels", m.Wheels, 100, "control")
@@ -43,11 +55,13 @@ ODOM = Topic("odom", m.Odometry, 100, "state")
 BASE = Topic("base", m.BaseState, 10, "state")
 BATTERY = Topic("battery", m.Battery, 2, "state")
 GUARD = Topic("guard", m.GuardState, 10, "state")
+ESTOP = Topic("estop", m.EStop, 2, "control")
 
 TOPICS: tuple[Topic[Any], ...] = (
     TICK,
     TILT,
     OPERATOR_CMD_VEL,
+    LEASE,
     RANGE,
     CMD_VEL,
     WHEELS,
@@ -55,11 +69,17 @@ TOPICS: tuple[Topic[Any], ...] = (
     BASE,
     BATTERY,
     GUARD,
+    ESTOP,
 )
 
+ESTOP_ENGAGE = Query("estop/engage", m.EStopEngage, m.EStopAnswer)
+ESTOP_RESET = Query("estop/reset", m.EStopReset, m.EStopAnswer)
 
-def key_of(robot: str, topic: Topic[Any]) -> str:
-    """The whole key of a topic: a key expression while it still has a `*`."""
+QUERIES: tuple[Query[Any, Any], ...] = (ESTOP_ENGAGE, ESTOP_RESET)
+
+
+def key_of(robot: str, topic: Topic[Any] | Query[Any, Any]) -> str:
+    """The whole key of a topic or query: a key expression while it still has a `*`."""
     return f"{ROOT}/{require_chunk(robot)}/{topic.key}"
 
 

@@ -8,13 +8,16 @@ from typing import ClassVar, Final, Self
 
 import msgspec
 
-PROTOCOL_HASH: Final = 0xC3613082
+PROTOCOL_HASH: Final = 0x2ACB542E
 
 BASE_BAUD: Final = 115200
 JOYSTICK_BAUD: Final = 500000
 RANGER_BAUD: Final = 500000
 COMMAND_TIMEOUT_MS: Final = 300
 ECHO_MAX_AGE_MS: Final = 150
+STUCK_MS: Final = 500
+STUCK_EDGES: Final = 10
+OPPOSITE_MS: Final = 200
 WHEELS_PERIOD_MS: Final = 10
 TILT_PERIOD_MS: Final = 20
 RANGE_SLOT_MS: Final = 60
@@ -42,6 +45,7 @@ class FrameType(IntEnum):
     CONFIGURE = 18
     DRIVE = 19
     TICK = 20
+    ESTOP = 21
 
 
 class DriveState(IntEnum):
@@ -51,6 +55,18 @@ class DriveState(IntEnum):
     NOT_CONFIGURED = 1
     AWAITING_ZERO = 2
     COMMAND_TIMEOUT = 3
+    LATCHED = 4
+
+
+class Latch(IntEnum):
+    """enum latch"""
+
+    NONE = 0
+    ESTOP = 1
+    LEFT_STUCK = 2
+    RIGHT_STUCK = 3
+    LEFT_OPPOSITE = 4
+    RIGHT_OPPOSITE = 5
 
 
 class Refusal(IntEnum):
@@ -64,6 +80,7 @@ class Refusal(IntEnum):
     NOT_CONFIGURED = 5
     AWAITING_ZERO = 6
     LEVEL = 7
+    LATCHED = 8
 
 
 class TiltStatus(IntEnum):
@@ -149,7 +166,7 @@ class WheelsFrame(Frame, frozen=True):
     """struct wheels"""
 
     type: ClassVar[FrameType] = FrameType.WHEELS
-    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIiihhBBHHHH")
+    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIiihhBBBHHHH")
 
     board_us: int
     board_ms: int
@@ -160,6 +177,7 @@ class WheelsFrame(Frame, frozen=True):
     left_pwm_counts: int
     right_pwm_counts: int
     drive_state: int
+    latch: int
     last_refusal: int
     accepted: int
     refused: int
@@ -215,7 +233,7 @@ class ConfigureFrame(Frame, frozen=True):
     """struct configure"""
 
     type: ClassVar[FrameType] = FrameType.CONFIGURE
-    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIBB")
+    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIBBB")
 
     protocol_hash: int
     boot_id: int
@@ -223,6 +241,7 @@ class ConfigureFrame(Frame, frozen=True):
     session: int
     wiring: int
     level_max: int
+    stall_level: int
 
 
 class DriveFrame(Frame, frozen=True):
@@ -235,6 +254,18 @@ class DriveFrame(Frame, frozen=True):
     board_ms: int
     left_level: int
     right_level: int
+
+
+class EstopFrame(Frame, frozen=True):
+    """struct estop"""
+
+    type: ClassVar[FrameType] = FrameType.ESTOP
+    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIB")
+
+    boot_id: int
+    board_ms: int
+    session: int
+    engage: int
 
 
 class TickFrame(Frame, frozen=True):
@@ -255,5 +286,6 @@ FRAME_CLASSES: Final[dict[int, type[Frame]]] = {
     FrameType.HELLO_REQUEST: HelloRequestFrame,
     FrameType.CONFIGURE: ConfigureFrame,
     FrameType.DRIVE: DriveFrame,
+    FrameType.ESTOP: EstopFrame,
     FrameType.TICK: TickFrame,
 }

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, DriveFrame, Frame, WheelsFrame
+from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, DriveFrame, EstopFrame, Frame, WheelsFrame
 from tests.firmware.board import Board
 
 FrameT = TypeVar("FrameT", bound=Frame)
@@ -92,6 +92,7 @@ class BaseBench(Bench):
             session=7,
             wiring=0,
             level_max=70,
+            stall_level=255,  # no test's level: wheels here only turn when a test turns them
         )
         return msgspec.structs.replace(good, **changes)
 
@@ -108,6 +109,12 @@ class BaseBench(Bench):
         )
         return msgspec.structs.replace(good, **changes)
 
+    def estop_frame(self, **changes: int) -> EstopFrame:
+        """A healthy host's that engages, made from the newest telemetry, but for `changes`."""
+        wheels = self.wheels()
+        good = EstopFrame(seq=0, boot_id=wheels.boot_id, board_ms=wheels.board_ms, session=wheels.session, engage=1)
+        return msgspec.structs.replace(good, **changes)
+
     def configure(self, **changes: int) -> None:
         """Open a session and wait until telemetry tells of it."""
         self.send(self.configure_frame(**changes))
@@ -118,6 +125,15 @@ class BaseBench(Bench):
         for _ in range(milliseconds // 20):
             self.send(self.drive_frame(left, right))
             self.run(20)
+
+    def stopped_after_ms(self, each_ms: Callable[[], None] = lambda: None) -> int:
+        """How long from now the motors still get something, while the host does `each_ms`."""
+        began = self.now_ms
+        while self.duties() != (0, 0):
+            assert self.now_ms - began < 2000, "the motors are still driven"
+            each_ms()
+            self.run(1)
+        return self.now_ms - began
 
     def start(self, left: int = 0, right: int = 0) -> None:
         """From power-on to driving."""

@@ -16,6 +16,7 @@ from giraff_schemas.wire import (
     BoardKind,
     ConfigureFrame,
     DriveFrame,
+    EstopFrame,
     Frame,
     HelloRequestFrame,
     RangeFrame,
@@ -25,7 +26,7 @@ from giraff_schemas.wire import (
 )
 from tests.firmware.board import Board
 
-HOST_FRAMES: tuple[type[Frame], ...] = (HelloRequestFrame, ConfigureFrame, DriveFrame, TickFrame)
+HOST_FRAMES: tuple[type[Frame], ...] = (HelloRequestFrame, ConfigureFrame, DriveFrame, EstopFrame, TickFrame)
 
 
 def noise(chance: random.Random) -> bytes:

@@ -98,10 +98,7 @@ def test_a_main_loop_that_hangs_is_reset_and_drives_nothing(fragile: BaseBench) 
     fragile.run(5)
     fragile.forget()
     fragile.model.battery_volts = LOOP_HANGS
-    hung_at = fragile.now_ms
-    while fragile.duties() != (0, 0):
-        fragile.run(1)
-    assert fragile.now_ms - hung_at == pytest.approx(WATCHDOG_MS, abs=2)
+    assert fragile.stopped_after_ms() == pytest.approx(WATCHDOG_MS, abs=2)
     assert fragile.model.resets == 1
     fragile.model.battery_volts = NOTHING_STOPS
     fragile.run(30)
@@ -113,11 +110,8 @@ def test_a_clock_that_stands_is_a_reason_to_reset_too(fragile: BaseBench) -> Non
     """Time-outs need it. The main loop goes on: each byte that comes in wakes it."""
     fragile.start(60, 60)
     fragile.model.battery_volts = CLOCK_STANDS
-    stood_at = fragile.now_ms
-    while fragile.duties() != (0, 0):
-        fragile.send_bytes(b"\x01\x00")
-        fragile.run(1)
-    assert fragile.now_ms - stood_at == pytest.approx(WATCHDOG_MS, abs=2)
+    stopped_ms = fragile.stopped_after_ms(lambda: fragile.send_bytes(b"\x01\x00"))
+    assert stopped_ms == pytest.approx(WATCHDOG_MS, abs=2)
     assert fragile.model.resets == 1
 
 
@@ -126,10 +120,7 @@ def test_the_command_time_out_needs_no_main_loop(fragile: BaseBench) -> None:
     fragile.send(fragile.drive_frame(60, 60))
     fragile.run(3)
     fragile.model.battery_volts = LOOP_HANGS_UNWATCHED
-    hung_at = fragile.now_ms
-    while fragile.duties() != (0, 0):
-        fragile.run(1)
-    assert fragile.now_ms - hung_at == pytest.approx(COMMAND_TIMEOUT_MS, abs=3)
+    assert fragile.stopped_after_ms() == pytest.approx(COMMAND_TIMEOUT_MS, abs=3)
     assert fragile.model.resets == 0
 
 

@@ -51,6 +51,7 @@ def test_a_fresh_board_drives_only_after_a_handshake_and_a_zero(base: BaseBench)
         ({"protocol_hash": PROTOCOL_HASH ^ 1}, Refusal.PROTOCOL),
         ({"session": 0}, Refusal.PROTOCOL),
         ({"level_max": 0}, Refusal.PROTOCOL),
+        ({"stall_level": 0}, Refusal.PROTOCOL),
         ({"wiring": 64}, Refusal.PROTOCOL),
         ({"boot_id": 2}, Refusal.BOOT_ID),
         ({"boot_id": 0}, Refusal.BOOT_ID),
@@ -129,6 +130,7 @@ def test_every_refusal_a_drive_frame_can_meet_is_in_the_table(base: BaseBench) -
         Refusal.PROTOCOL,
         Refusal.NOT_CONFIGURED,
         Refusal.AWAITING_ZERO,
+        Refusal.LATCHED,
     }
 
 
@@ -179,19 +181,11 @@ def test_sequence_numbers_may_skip_and_wrap(base: BaseBench) -> None:
         assert base.wheels().accepted == accepted + 1, hex(seq)
 
 
-def stopped_after_ms(base: BaseBench) -> int:
-    """How long from now the motors still get something."""
-    began = base.now_ms
-    while base.duties() != (0, 0):
-        base.run(1)
-    return base.now_ms - began
-
-
 def test_without_accepted_frames_pwm_is_zero_after_300_ms_and_latched(base: BaseBench) -> None:
     base.start(40, 40)
     base.send(base.drive_frame(50, 50))
     base.run(FRAME_MS)
-    assert stopped_after_ms(base) == pytest.approx(COMMAND_TIMEOUT_MS, abs=2)
+    assert base.stopped_after_ms() == pytest.approx(COMMAND_TIMEOUT_MS, abs=2)
     base.run(TELEMETRY_MS)
     assert base.wheels().drive_state == DriveState.COMMAND_TIMEOUT
     assert (base.wheels().left_pwm_counts, base.wheels().right_pwm_counts) == (0, 0)
@@ -213,25 +207,23 @@ def test_refused_frames_do_not_put_the_time_out_off(base: BaseBench) -> None:
     base.drive(40, 40, 200)
     base.send(base.drive_frame(50, 50))
     base.run(FRAME_MS)
-    began = base.now_ms
-    while base.duties() != (0, 0):
-        base.send(base.drive_frame(50, 50, board_ms=stale))
-        base.send(base.drive_frame(50, 50, boot_id=99))
-        base.send(base.drive_frame(99, 99))
-        base.send(base.configure_frame(session=0))
-        base.run(10)
-    assert base.now_ms - began <= COMMAND_TIMEOUT_MS + 10
+
+    def send_refused() -> None:
+        if base.now_ms % 10 == 0:
+            base.send(base.drive_frame(50, 50, board_ms=stale))
+            base.send(base.drive_frame(50, 50, boot_id=99))
+            base.send(base.drive_frame(99, 99))
+            base.send(base.configure_frame(session=0))
+
+    assert base.stopped_after_ms(send_refused) == pytest.approx(COMMAND_TIMEOUT_MS, abs=2)
 
 
 def test_noise_on_the_line_does_not_put_the_time_out_off(base: BaseBench) -> None:
     base.start(40, 40)
     base.send(base.drive_frame(50, 50))
     base.run(FRAME_MS)
-    began = base.now_ms
-    while base.duties() != (0, 0):
-        base.send_bytes(bytes(range(1, 12)))
-        base.run(1)
-    assert base.now_ms - began == pytest.approx(COMMAND_TIMEOUT_MS, abs=2)
+    stopped_ms = base.stopped_after_ms(lambda: base.send_bytes(bytes(range(1, 12))))
+    assert stopped_ms == pytest.approx(COMMAND_TIMEOUT_MS, abs=2)
 
 
 def test_zero_frames_keep_the_board_active(base: BaseBench) -> None:
@@ -245,7 +237,7 @@ def test_zero_frames_keep_the_board_active(base: BaseBench) -> None:
 def test_a_stop_takes_the_time_of_its_frame_and_no_more(base: BaseBench) -> None:
     base.start(70, 70)
     base.send(base.drive_frame(0, 0))
-    assert stopped_after_ms(base) <= FRAME_MS + 2
+    assert base.stopped_after_ms() <= FRAME_MS + 2
 
 
 def test_a_new_session_stops_forgets_numbers_and_wants_a_zero(base: BaseBench) -> None:
@@ -296,3 +288,18 @@ def test_damaged_and_unknown_frames_are_counted_and_do_nothing(base: BaseBench) 
     assert base.wheels().line_errors == 4
     assert (base.wheels().accepted, base.wheels().refused) == (told.accepted, told.refused)
     assert base.duties() == (40, 40)
+
+
+def test_a_frame_with_any_one_bit_changed_is_none(base: BaseBench) -> None:
+    base.start(40, 40)
+    for bit in range(8):
+        for at in range(1, len(encode(base.drive_frame(40, 40).pack())) - 1):
+            base.drive(40, 40)
+            before = base.wheels()
+            good = encode(base.drive_frame(60, 60).pack())
+            base.send_bytes(good[:at] + bytes([good[at] ^ (1 << bit)]) + good[at + 1 :])
+            base.run(TELEMETRY_MS)
+            told = base.wheels()
+            assert (told.accepted, told.refused) == (before.accepted, before.refused), (at, bit)
+            assert told.line_errors > before.line_errors, (at, bit)
+            assert base.duties() == (40, 40)

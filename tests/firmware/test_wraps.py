@@ -11,6 +11,7 @@ from giraff_schemas.wire import (
     TILT_PERIOD_MS,
     BoardKind,
     DriveState,
+    Latch,
     RangeFrame,
     RangeState,
     Refusal,
@@ -91,11 +92,9 @@ def test_the_time_out_keeps_its_length_across_the_wrap(base: BaseBench) -> None:
     drive_until(base, MS_WRAPS_AT - 150)
     base.send(base.drive_frame(50, 50))
     base.run(2)
-    began = base.now_ms
-    while base.duties() != (0, 0):
-        base.run(1)
+    stopped_ms = base.stopped_after_ms()
     assert base.now_ms > MS_WRAPS_AT
-    assert base.now_ms - began == pytest.approx(300, abs=2)
+    assert stopped_ms == pytest.approx(300, abs=2)
     base.run(15)
     assert base.wheels().drive_state == DriveState.COMMAND_TIMEOUT
 
@@ -116,6 +115,28 @@ def test_ticks_wrap_and_lose_none(base: BaseBench, wiring: int) -> None:
         steps = [(later - earlier + (1 << 31)) % U32 - (1 << 31) for earlier, later in itertools.pairwise(ticks)]
         assert abs(sum(steps)) == 2000
         assert max(abs(step) for step in steps) <= 200
+
+
+@pytest.mark.parametrize(
+    ("ticks_a_second", "cause"), [(300, Latch.NONE), (18, Latch.LEFT_STUCK), (-300, Latch.LEFT_OPPOSITE)]
+)
+def test_a_wheel_whose_ticks_wrap_is_judged_as_any_other(base: BaseBench, ticks_a_second: int, cause: Latch) -> None:
+    base.configure(stall_level=25)
+    ticks_to_wrap = 95 if ticks_a_second > 0 else 130  # of the low half, before it wraps forward or backward
+    for motor in base.model.motor:
+        motor.position = 2 * ticks_to_wrap
+    base.run(20)
+    base.drive(0, 0)
+
+    def turn() -> None:
+        for motor, speed in zip(base.model.motor, (ticks_a_second, 300), strict=True):
+            motor.position += 2 * speed / 1000
+
+    base.before_each_ms = turn
+    base.drive(40, 40, 1000)
+    told = [(frame.left_ticks & 0xFFFF) for frame in base.all(WheelsFrame)]
+    assert any(abs(later - earlier) > 0x8000 for earlier, later in itertools.pairwise(told))
+    assert base.wheels().latch == cause
 
 
 def test_an_echo_across_the_wrap_of_board_us_is_as_long_as_it_is() -> None:

@@ -34,6 +34,8 @@ def _values(type_: Any) -> st.SearchStrategy[Any]:
     arguments = get_args(type_)
     if get_origin(type_) is Literal:
         return st.sampled_from(arguments)
+    if get_origin(type_) is dict:
+        return st.dictionaries(_TEXTS, _values(arguments[1]), max_size=3)
     if get_origin(type_) is tuple:
         if arguments[-1] is Ellipsis:
             return st.lists(_values(arguments[0]), max_size=3).map(tuple)
@@ -67,6 +69,7 @@ _BOARD = {
     "connected": True,
     "boot_id": 4,
     "drive_state": "active",
+    "latch": "none",
     "last_refusal": "none",
     "accepted": 10,
     "refused": 0,
@@ -77,12 +80,17 @@ _TWIST = {"linear_x": 0.3, "angular_z": -0.2}
 _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     m.Tick: _START | _TIME,
     m.Tilt: _START | {"x": 0.0, "y": 0.0, "z": 9.8, "status": "running", "tick": _TIME},
-    m.DriveCommand: _START | _TWIST | {"source": "hand", "reason": "", "tick": _TIME},
+    m.DriveCommand: _START
+    | _TWIST
+    | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": "", "tick": _TIME},
+    m.Lease: _START | {"holder": "b2", "operator": "joystick", "counter": 9, "reason": ""},
+    m.EStop: _START | {"engaged": True, "id": 5, "by": "operator", "reason": "space bar"},
     m.GuardedCommand: _START
     | _TWIST
     | {
         "guard_tick": _TIME,
         "operator": "b2",
+        "lease_counter": 9,
         "operator_tick": _TIME,
         "range_tick": None,
         "source": "hand",
@@ -133,5 +141,6 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "turn_right": _VERDICT,
         "operator": "b2",
         "reason": "",
+        "sensors": {"rear": ""},
     },
 }

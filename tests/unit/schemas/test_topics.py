@@ -73,5 +73,7 @@ def test_motion_and_what_it_is_judged_by_go_before_all_else() -> None:
         "cmd_vel",
         "range/*",
         "wheels",
+        "lease",
+        "estop",
     }
     assert all(topic.rate_hz >= 0.0 for topic in TOPICS)
