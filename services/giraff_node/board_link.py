@@ -13,10 +13,11 @@ SILENCE = 1.0  # s without a frame after which the port is opened again: a stale
 class BoardLink:
     """Frames from and to the board of `kind`. None is passed on before a matching `hello`."""
 
-    def __init__(self, path: str, baud: int, kind: BoardKind) -> None:
+    def __init__(self, path: str, baud: int, kind: BoardKind, serial: SerialLink | None = None) -> None:
+        """`serial`: instead of a port of this machine."""
         self.kind = kind
         self.hello: HelloFrame | None = None
-        self._serial = SerialLink(path, baud)
+        self._serial = serial or SerialLink(path, baud)
         self._decoder = Decoder()
         self._seq = 0
         self._heard = 0.0

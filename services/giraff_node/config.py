@@ -7,6 +7,7 @@ The file is $GIRAFF_CONFIG, else `deploy/robot.toml` below the working directory
 from __future__ import annotations
 
 import difflib
+import math
 import os
 import tomllib
 from collections.abc import Mapping
@@ -17,8 +18,10 @@ import msgspec
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
-TABLES = ("robot", "network", "joystick", "base", "ranger", "odometry", "guard", "sim")
+TABLES = ("robot", "network", "joystick", "keyboard", "base", "ranger", "odometry", "guard", "sim")
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
+DEFAULT_FILE = Path("deploy/robot.toml")
+"""The robot file below the working directory, where GIRAFF_CONFIG names no other."""
 
 
 class ConfigError(Exception):
@@ -28,7 +31,7 @@ class ConfigError(Exception):
 def robot_file(environment: Mapping[str, str] = os.environ) -> Path:
     """Path of the robot file."""
     given = environment.get("GIRAFF_CONFIG")
-    path = Path(given) if given else Path("deploy/robot.toml")
+    path = Path(given) if given else DEFAULT_FILE
     if not path.is_file():
         wanted = "GIRAFF_CONFIG names it" if given else "it is looked for there unless GIRAFF_CONFIG names another"
         raise ConfigError(f"no robot file at {path.absolute()} ({wanted})")
@@ -49,6 +52,14 @@ def read_tables(environment: Mapping[str, str] = os.environ) -> dict[str, dict[s
             raise ConfigError(f"{path}: unknown table [{name}]{_suggestion(name, TABLES)}")
         if not isinstance(table, dict):
             raise ConfigError(f"{path}: {name} is a value where the table [{name}] belongs")
+    for name, table in overrides(environment).items():
+        tables.setdefault(name, {}).update(table)
+    return tables
+
+
+def overrides(environment: Mapping[str, str] = os.environ) -> dict[str, dict[str, Any]]:
+    """What the environment alone says, by table; values are not yet checked."""
+    tables: dict[str, dict[str, Any]] = {}
     for variable, value in environment.items():
         if not variable.startswith("GIRAFF_") or variable in _NOT_FIELDS:
             continue
@@ -73,6 +84,22 @@ def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.
         hint = _suggestion(unknown[0], fields) if unknown else ""
         variables = f" (with {', '.join(sorted(given))} of the environment)" if given else ""
         raise ConfigError(f"{robot_file(environment)}: table [{table}]{variables}: {error}{hint}") from error
+
+
+def require_positive(config: msgspec.Struct, *names: str) -> None:
+    """ValueError unless each of these fields is a finite number above 0."""
+    for name in names:
+        value = getattr(config, name)
+        if not (math.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} is {value}: it must be a positive number")
+
+
+def require_not_negative(config: msgspec.Struct, *names: str) -> None:
+    """ValueError unless each of these fields is a finite number, 0 or above."""
+    for name in names:
+        value = getattr(config, name)
+        if not (math.isfinite(value) and value >= 0.0):
+            raise ValueError(f"{name} is {value}: it must be zero or a positive number")
 
 
 def _value(variable: str, text: str) -> Any:

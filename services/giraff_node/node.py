@@ -17,30 +17,33 @@ import selectors
 import signal
 import socket
 import sys
-import threading
 import time
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
 from types import FrameType, TracebackType
-from typing import Any, Generic, Protocol, Self
+from typing import Any, Generic, Protocol, Self, TypeVar
 
+import msgspec
 import zenoh
 
+from giraff_node.bad_keys import BadKeys
 from giraff_node.config import ConfigError, ConfigT, load
 from giraff_node.logs import service_logger
 from giraff_node.pacing import Pacer
 from giraff_node.robot import RobotConfig
-from giraff_node.session import NetworkConfig, open_session
+from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.messages import Health
-from giraff_schemas.topics import SampleT, Topic, alive_key, health_key, key_of
+from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic, alive_key, health_key, key_of
 
 _LONGEST_WAIT = 0.1  # s; bounds how late a turn notices what has no descriptor
-_MENDED_AFTER = 2.0  # s without a bad payload until a key counts as sound again
-_CLOSE_TIMEOUT = 1.0  # s; Zenoh's close can hang, the process must not
+_MOST_REQUESTS = 20  # that wait for their answers; the oldest goes without
 
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
+
+
+ItemT = TypeVar("ItemT")
 
 
 class Selectable(Protocol):
@@ -78,19 +81,30 @@ class Newest(Generic[SampleT]):
         self.value = sample
 
 
-class Inbox(Generic[SampleT]):
-    """Every sample of a topic since the last `take`, oldest first; a reader that falls behind loses the oldest."""
+class Inbox(Generic[ItemT]):
+    """All that has come since the last `take`, oldest first; a reader that falls behind loses the oldest."""
 
     def __init__(self, limit: int) -> None:
-        self._samples: deque[SampleT] = deque(maxlen=limit)
+        self._samples: deque[ItemT] = deque(maxlen=limit)
 
-    def accept(self, sample: SampleT) -> None:
+    def accept(self, sample: ItemT) -> None:
         self._samples.append(sample)
 
-    def take(self) -> Iterator[SampleT]:
-        with contextlib.suppress(IndexError):  # another thread fills it, so emptiness cannot be asked first
-            while True:
-                yield self._samples.popleft()
+    def take(self) -> Iterator[ItemT]:
+        for _ in range(len(self._samples)):  # what comes meanwhile waits: a flood must not hold the loop
+            yield self._samples.popleft()
+
+
+class Asked(Generic[RequestT, AnswerT]):
+    """One request of somebody, waiting for its answer."""
+
+    def __init__(self, query: zenoh.Query, request: RequestT) -> None:
+        self._query = query
+        self.request = request
+
+    def answer(self, answer: AnswerT) -> None:
+        with self._query as query:
+            query.reply(query.key_expr, encode(answer), encoding=encoding_of(type(answer)))
 
 
 class Node(Generic[ConfigT]):
@@ -116,6 +130,9 @@ class Node(Generic[ConfigT]):
         self._waker, self._wake_end = socket.socketpair()
         self._waker.setblocking(False)
         self._wake_end.setblocking(False)
+        for number in (signal.SIGTERM, signal.SIGINT):  # before the session: opening it takes a moment
+            signal.signal(number, self._on_signal)
+        signal.set_wakeup_fd(self._wake_end.fileno(), warn_on_full_buffer=False)
         try:
             self.session = open_session(network)
         except zenoh.ZError as error:
@@ -124,9 +141,6 @@ class Node(Generic[ConfigT]):
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
     def __enter__(self) -> Self:
-        for number in (signal.SIGTERM, signal.SIGINT):
-            signal.signal(number, self._on_signal)
-        signal.set_wakeup_fd(self._wake_end.fileno(), warn_on_full_buffer=False)
         self._declared.append(
             self.session.declare_queryable(health_key(self.robot.name, self.service), self._on_health_query)
         )
@@ -142,12 +156,10 @@ class Node(Generic[ConfigT]):
         if kind is not None:
             self.log.error("ended by %s: %s", kind.__name__, error, exc_info=(kind, error, trace) if error else None)
         signal.set_wakeup_fd(-1)
-        closing = threading.Thread(target=self.session.close, daemon=True)
-        closing.start()
-        closing.join(_CLOSE_TIMEOUT)
+        closed = close_session(self.session)
         self.log.info("ended")
         status = 1 if kind is not None or self._failure is not None else 0
-        if closing.is_alive():
+        if not closed:
             sys.stderr.flush()
             os._exit(status)
         if status:
@@ -174,25 +186,41 @@ class Node(Generic[ConfigT]):
 
     def subscribe(self, topic: Topic[SampleT], callback: Callable[[SampleT], None]) -> None:
         """Call `callback` with each sample, in Zenoh's thread: it must be quick. If it raises, the process ends."""
-        bad: dict[str, float] = {}  # keys on which a payload could not be read, and when it last happened
+        pattern = key_of(self.robot.name, topic)
+        bad_keys = BadKeys(pattern, self.set_fault)
 
         def on_sample(received: zenoh.Sample) -> None:
             key = str(received.key_expr)
             try:
                 sample = decode(topic, key, bytes(received.payload), str(received.encoding))
             except DecodeError as error:
-                bad[key] = time.monotonic()
-                self.set_fault(f"decode {key}", str(error))
+                bad_keys.bad(key, str(error), time.monotonic())
                 return
-            if key in bad and time.monotonic() - bad[key] > _MENDED_AFTER:
-                del bad[key]
-                self.set_fault(f"decode {key}", "")
+            bad_keys.good(key, time.monotonic())
             try:
                 callback(sample)
             except Exception as error:  # noqa: BLE001  Zenoh would print and forget it; here it ends the process
                 self.fail(error)
 
-        self._declared.append(self.session.declare_subscriber(key_of(self.robot.name, topic), on_sample))
+        self._declared.append(self.session.declare_subscriber(pattern, on_sample))
+
+    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
+        """What is asked of this service, for its loop to answer; its arrival wakes the loop."""
+        inbox: Inbox[Asked[RequestT, AnswerT]] = Inbox(_MOST_REQUESTS)
+        decoder = msgspec.msgpack.Decoder(query.request)
+
+        def on_query(asked: zenoh.Query) -> None:
+            try:
+                request = decoder.decode(bytes(asked.payload or b""))
+            except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+                with asked:
+                    asked.reply_err(f"not a {query.request.__name__}: {error}")
+                return
+            inbox.accept(Asked(asked, request))
+            self._wake()
+
+        self._declared.append(self.session.declare_queryable(key_of(self.robot.name, query), on_query))
+        return inbox
 
     def turns(self, *pacers: Pacer, link: Selectable | None = None) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a pacer may be due, the link is readable or an inbox was filled.
@@ -230,7 +258,7 @@ class Node(Generic[ConfigT]):
             self._faults[name] = message
             self.log.warning("%s", message)
         else:
-            del self._faults[name]
+            self._faults.pop(name, None)  # another subscriber's thread may have done so just now
             self.log.info("recovered: %s", name)
 
     def fail(self, error: BaseException) -> None:

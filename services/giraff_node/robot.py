@@ -6,6 +6,7 @@ import math
 
 import msgspec
 
+from giraff_node.config import require_not_negative, require_positive
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS, Wiring
 
@@ -43,30 +44,26 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """m: a disc about `base_link` that holds the whole robot."""
     battery_volts_per_count: float
     """V per ADC count of the base board; 0 = not calibrated, no battery is published."""
-    swap_motors: bool
-    swap_encoders: bool
-    invert_left_motor: bool
-    invert_right_motor: bool
-    invert_left_encoder: bool
-    invert_right_encoder: bool
+    stall_level: int = 25
+    """Level from which a wheel that does not turn is stuck: one at which each wheel turns for certain, of 255."""
+    # How motors and encoders are soldered. None: nobody has checked, and base does not arm.
+    swap_motors: bool | None = None
+    swap_encoders: bool | None = None
+    invert_left_motor: bool | None = None
+    invert_right_motor: bool | None = None
+    invert_left_encoder: bool | None = None
+    invert_right_encoder: bool | None = None
     sensors: dict[str, SensorPose]
 
     def __post_init__(self) -> None:
         require_chunk(self.name)
-        for name in (
-            "track_width",
-            "ticks_per_metre",
-            "max_wheel_speed",
-            "max_angular_speed",
-            "footprint_radius",
-        ):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} is {value}: it must be a positive number")
-        if not (math.isfinite(self.battery_volts_per_count) and self.battery_volts_per_count >= 0.0):
-            raise ValueError(f"battery_volts_per_count is {self.battery_volts_per_count}: it must be 0 or positive")
-        if not 1 <= self.max_level <= 255:
-            raise ValueError(f"max_level is {self.max_level}: it must be in 1..255")
+        require_positive(
+            self, "track_width", "ticks_per_metre", "max_wheel_speed", "max_angular_speed", "footprint_radius"
+        )
+        require_not_negative(self, "battery_volts_per_count")
+        for name in ("max_level", "stall_level"):
+            if not 1 <= getattr(self, name) <= 255:
+                raise ValueError(f"{name} is {getattr(self, name)}: it must be in 1..255")
         for sensor, pose in self.sensors.items():
             require_chunk(sensor)
             if not 0 <= pose.index < RANGE_SENSORS:
@@ -76,8 +73,14 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             raise ValueError(f"sensors share an index: {sorted(indices)}")
 
     @property
+    def wiring_checked(self) -> bool:
+        """Whether the robot file says how motors and encoders are soldered."""
+        known = (self.swap_motors, self.swap_encoders, self.invert_left_motor, self.invert_right_motor)
+        return None not in (*known, self.invert_left_encoder, self.invert_right_encoder)
+
+    @property
     def wiring(self) -> Wiring:
-        """The bits that the base board's `configure` frame carries."""
+        """The bits that the base board's `configure` frame carries; what is not checked counts as not set."""
         bits = (
             (self.swap_motors, Wiring.SWAP_MOTORS),
             (self.swap_encoders, Wiring.SWAP_ENCODERS),

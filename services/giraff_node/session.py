@@ -6,10 +6,13 @@ Each departure from Zenoh's defaults answers a fault that was seen: see docs/net
 from __future__ import annotations
 
 import json
-from typing import Any
+import threading
+from typing import Any, Final
 
 import msgspec
 import zenoh
+
+_CLOSE_TIMEOUT: Final = 1.0  # s
 
 
 class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -25,14 +28,18 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Keep off the network: loopback only."""
 
 
-def session_config(network: NetworkConfig) -> dict[str, Any]:
-    """The Zenoh configuration of a peer, as nested dictionaries."""
+def session_config(network: NetworkConfig, *, visiting: bool = False) -> dict[str, Any]:
+    """The Zenoh configuration of a peer, as nested dictionaries.
+
+    `visiting`: it is gone in a moment, and leaves the rendezvous to those who stay. A session that waits for the
+    rendezvous to become free does not come back from its close, either.
+    """
     own_port = "tcp/127.0.0.1:0" if network.local else "tcp/0.0.0.0:0"
     retried_listen = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
     return {
         "mode": "peer",
         "listen": {
-            "endpoints": [f"tcp/{network.rendezvous}{retried_listen}", own_port],
+            "endpoints": [own_port] if visiting else [f"tcp/{network.rendezvous}{retried_listen}", own_port],
             "timeout_ms": -1,
             "exit_on_failure": False,
         },
@@ -59,8 +66,16 @@ def session_config(network: NetworkConfig) -> dict[str, Any]:
     }
 
 
-def open_session(network: NetworkConfig) -> zenoh.Session:
-    """Join the network. Raises `zenoh.ZError`."""
+def open_session(network: NetworkConfig, *, visiting: bool = False) -> zenoh.Session:
+    """Join the network, or visit it. Raises `zenoh.ZError`."""
     if network.session_file:
         return zenoh.open(zenoh.Config.from_file(network.session_file))
-    return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network))))
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network, visiting=visiting))))
+
+
+def close_session(session: zenoh.Session) -> bool:
+    """Leave the network; False when Zenoh does not come back from it: its close can hang, the process must not."""
+    closing = threading.Thread(target=session.close, daemon=True)
+    closing.start()
+    closing.join(_CLOSE_TIMEOUT)
+    return not closing.is_alive()

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 import msgspec
+
+from giraff_node.config import require_not_negative, require_positive
 
 
 class OdometryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -22,11 +22,5 @@ class OdometryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """rad: the same of the heading."""
 
     def __post_init__(self) -> None:
-        for name in ("max_wheel_speed", "max_gap"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{name} is {value}: it must be a positive number")
-        for name in ("wheel_noise", "lost_position", "lost_yaw"):
-            value = getattr(self, name)
-            if not (math.isfinite(value) and value >= 0.0):
-                raise ValueError(f"{name} is {value}: it must be zero or a positive number")
+        require_positive(self, "max_wheel_speed", "max_gap")
+        require_not_negative(self, "wheel_noise", "lost_position", "lost_yaw")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from giraff_node.counters import signed32
 from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.dead_reckoning import Estimate, advance, less_sure
@@ -60,8 +61,8 @@ class OdometryPolicy:
             return None
         elapsed = elapsed_us / 1e6
         scale = self._robot.ticks_per_metre
-        left = _signed(wheels.left_ticks - last.left_ticks) / scale
-        right = _signed(wheels.right_ticks - last.right_ticks) / scale
+        left = signed32(wheels.left_ticks - last.left_ticks) / scale
+        right = signed32(wheels.right_ticks - last.right_ticks) / scale
         farther = max(abs(left), abs(right))
         if farther > self._config.max_wheel_speed * elapsed + _SLACK_TICKS / scale:
             return self._rebase(wheels, _LEAP)
@@ -107,8 +108,3 @@ def _restart(last: Wheels, wheels: Wheels) -> str:
     if wheels.tick.robot_ns - last.tick.robot_ns >= _HALF_WRAP * 1000:
         return _LONG_GAP
     return ""
-
-
-def _signed(difference: int) -> int:
-    """What a 32-bit counter has gone by when its readings differ by `difference`."""
-    return (difference + _HALF_WRAP) % _WRAP - _HALF_WRAP

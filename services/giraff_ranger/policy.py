@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_node.robot import RobotConfig
-from giraff_schemas.messages import Range, RangeState, RobotTime, Tick
+from giraff_node.tick_down import TickDown, moment_of
+from giraff_schemas.messages import Range, RangeState, Tick
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
 from giraff_schemas.wire import RangeState as WireState
 
@@ -28,14 +29,13 @@ class RangerPolicy:
 
     def __init__(self, robot: RobotConfig) -> None:
         self._names = {pose.index: name for name, pose in robot.sensors.items()}
-        self._tick_seq = 0
+        self._tick_down = TickDown()
         self.faults: dict[str, str] = {}
         """What the newest frame of each sensor complains of; empty when it does not."""
 
     def on_tick(self, tick: Tick) -> TickFrame:
         """The robot's clock as it goes down to the board, which puts the newest one into each frame."""
-        self._tick_seq = (self._tick_seq + 1) & 0xFFFF
-        return TickFrame(seq=self._tick_seq, epoch=tick.epoch, robot_ns=tick.robot_ns)
+        return self._tick_down.frame(tick)
 
     def on_frame(self, frame: RangeFrame) -> Range | None:
         """The reading in `frame`; None when the robot file knows no such sensor."""
@@ -62,7 +62,7 @@ def reading(name: str, frame: RangeFrame) -> Range:
         range=frame.echo_us / ECHO_US_PER_M if state == "echo" else None,
         echo_us=frame.echo_us,
         reason=reason,
-        tick=RobotTime(epoch=frame.tick_epoch, robot_ns=frame.tick_robot_ns) if frame.tick_epoch else None,
+        tick=moment_of(frame),
     )
 
 

@@ -9,8 +9,8 @@ from typing import Any, cast
 import msgspec
 
 from giraff_node import Node, Pacer
-from giraff_schemas.messages import Battery, Tick
-from giraff_schemas.topics import BATTERY, TICK
+from giraff_schemas.messages import Battery, EStopAnswer, Tick
+from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK
 
 
 class Config(msgspec.Struct, frozen=True):
@@ -24,6 +24,7 @@ def main(role: str) -> None:
         inbox, newest = node.inbox(TICK), node.newest(TICK)
         if role == "fragile":
             node.subscribe(BATTERY, break_down)
+        requests = node.requests(ESTOP_ENGAGE)
         said = 0
         sequences: list[int] = []
         for now in node.turns(pace):
@@ -37,6 +38,9 @@ def main(role: str) -> None:
                 # The inbox's subscriber is called before the other one, and this may run in between.
                 print(f"heard gapless={gapless} newest={newest.value.seq >= sequences[-1] - 1}", flush=True)
                 sequences.clear()
+            for asked in requests.take() if role == "talker" else ():
+                reason = asked.request.reason
+                asked.answer(EStopAnswer(done=reason != "refuse", engaged=True, id=said, reason=reason))
             if role == "broken":
                 raise RuntimeError("the loop itself broke down")
         if role == "hanging":

@@ -18,10 +18,11 @@ import pytest
 import zenoh
 
 from giraff_cli.watcher import free_port
+from giraff_node.asking import Asking
 from giraff_node.session import NetworkConfig, open_session, session_config
 from giraff_schemas.codec import encode
-from giraff_schemas.messages import Battery, Health, Tick
-from giraff_schemas.topics import BATTERY, TICK, Topic, alive_key, health_key, key_of
+from giraff_schemas.messages import Battery, EStopAnswer, EStopEngage, Health, Tick
+from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK, Topic, alive_key, health_key, key_of
 from giraff_sim.board import ROOT
 
 ROBOT = "sim-node"
@@ -232,3 +233,41 @@ def test_a_session_on_the_network_scouts_and_connects() -> None:
 
 def test_the_configuration_is_one_that_zenoh_takes() -> None:
     zenoh.Config.from_json5(json.dumps(session_config(NetworkConfig())))
+
+
+def test_a_request_is_answered_by_the_services_own_loop(peers: Peers) -> None:
+    peers.start("talker")
+    asking = Asking(peers.session, ROBOT, ESTOP_ENGAGE, EStopEngage(by="test", reason="refuse"))
+    answers: list[EStopAnswer] = []
+
+    def answered() -> bool:
+        if (answer := asking.poll(time.monotonic())) is not None:
+            answers.append(answer)
+        return bool(answers)
+
+    wait(answered)
+    assert not answers[0].done
+    assert answers[0].reason == "refuse"
+
+
+def test_a_request_that_is_none_is_refused_and_the_service_lives(peers: Peers) -> None:
+    peers.start("talker")
+    for payload in (b"", b"\xc1", encode(Battery(voltage=1.0)), b"\x91" * 5000):
+        wait(lambda: bool(refusal_of(peers, payload)))  # noqa: B023  it is called before the next round
+        assert "not a EStopEngage" in refusal_of(peers, payload)
+    assert peers.health("base").ok
+
+
+def refusal_of(peers: Peers, payload: bytes) -> str:
+    """What the service says to a request of these bytes."""
+    replies = peers.session.get(key_of(ROBOT, ESTOP_ENGAGE), payload=payload, timeout=2.0)
+    return "".join(bytes(reply.err.payload).decode() for reply in replies if reply.err is not None)
+
+
+def test_a_request_to_nobody_is_repeated(peers: Peers) -> None:
+    asking = Asking(peers.session, ROBOT, ESTOP_ENGAGE, EStopEngage(by="test", reason=""))
+    assert asking.poll(0.0) is None
+    assert asking.poll(0.1) is None
+    assert asking.attempts == 1
+    assert asking.poll(0.3) is None
+    assert asking.attempts == 2

@@ -1,0 +1,43 @@
+"""The operator's side of the lease: which counter its commands carry, and why they may be refused."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_schemas.messages import Lease
+
+ASK: Final = 0
+"""The counter of a command that asks for the lease."""
+
+
+class LeaseSeeker:
+    """What one operator process knows of the lease.
+
+    A service asks from its start until it is given the lease once. A lease that was lost is asked for again by each
+    wish of a human, and by nothing else: nobody is to find himself in charge because a hand still lies on a desk.
+    """
+
+    def __init__(self, instance: str) -> None:
+        self._instance = instance
+        self._lease: Lease | None = None
+        self._held = ASK
+        self.refusal = "the guard is not heard; check that giraff_guard runs and that both share a network"
+        """Why this operator does not drive, who does, and the way out; empty when it holds the lease."""
+
+    def on_lease(self, lease: Lease) -> None:
+        """Take what the guard says. Late words of the same guard are not taken."""
+        newest = self._lease
+        if newest is not None and newest.instance == lease.instance and lease.seq < newest.seq:
+            return
+        self._lease = lease
+        if self.holds:
+            self._held = lease.counter
+        self.refusal = "" if self.holds else lease.reason
+
+    @property
+    def holds(self) -> bool:
+        return self._lease is not None and self._lease.holder == self._instance
+
+    def counter(self, *, wishes: bool) -> int:
+        """The counter for the next command; a lost lease's counts for nothing. `wishes`: a human asks to drive now."""
+        return ASK if wishes and not self.holds else self._held

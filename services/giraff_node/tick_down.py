@@ -1,0 +1,34 @@
+"""The robot's clock on its way down to a board, and back up in the board's frames."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from giraff_schemas.messages import RobotTime, Tick
+from giraff_schemas.wire import TickFrame
+
+
+class _Carrier(Protocol):
+    """A frame that carries the newest tick its board held when the measurement began."""
+
+    @property
+    def tick_epoch(self) -> int: ...
+    @property
+    def tick_robot_ns(self) -> int: ...
+
+
+class TickDown:
+    """Numbers the ticks that go down to one board."""
+
+    def __init__(self) -> None:
+        self._seq = 0
+
+    def frame(self, tick: Tick) -> TickFrame:
+        """The robot's clock for the board, which puts the newest one into each of its frames."""
+        self._seq = (self._seq + 1) & 0xFFFF
+        return TickFrame(seq=self._seq, epoch=tick.epoch, robot_ns=tick.robot_ns)
+
+
+def moment_of(frame: _Carrier) -> RobotTime | None:
+    """The tick in a board's frame; None while the board holds none."""
+    return RobotTime(epoch=frame.tick_epoch, robot_ns=frame.tick_robot_ns) if frame.tick_epoch else None

@@ -1,0 +1,44 @@
+"""What services with a board share: ticks on their way down and up, and counters that wrap."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_node.counters import signed32
+from giraff_node.tick_down import TickDown, moment_of
+from giraff_schemas.messages import RobotTime, Tick
+
+
+@dataclass
+class Carrier:
+    """The part of a board's frame that matters here."""
+
+    tick_epoch: int
+    tick_robot_ns: int
+
+
+COUNTERS = st.integers(min_value=0, max_value=(1 << 32) - 1)
+
+
+@given(COUNTERS, st.integers(min_value=-(1 << 31), max_value=(1 << 31) - 1))
+def test_the_way_between_two_counters_survives_their_wrap(counter: int, way: int) -> None:
+    assert signed32((counter + way) % (1 << 32) - counter) == way
+
+
+def test_ticks_are_numbered_and_the_numbers_wrap() -> None:
+    down = TickDown()
+    sequences = [down.frame(Tick(epoch=7, robot_ns=n)).seq for n in range(70_000)]
+    assert sequences[0] == 1
+    assert all((after - before) % (1 << 16) == 1 for before, after in itertools.pairwise(sequences))
+    assert max(sequences) == (1 << 16) - 1
+    sent = down.frame(Tick(epoch=7, robot_ns=123))
+    assert (sent.epoch, sent.robot_ns) == (7, 123)
+
+
+def test_a_board_without_a_tick_proves_no_moment() -> None:
+    assert moment_of(Carrier(tick_epoch=0, tick_robot_ns=99)) is None
+    assert moment_of(Carrier(tick_epoch=7, tick_robot_ns=99)) == RobotTime(epoch=7, robot_ns=99)

@@ -1,0 +1,67 @@
+"""The operator's side of the lease: when it asks, what its commands carry, and what it tells its human."""
+
+from __future__ import annotations
+
+import pytest
+
+from giraff_node.lease import ASK, LeaseSeeker
+from giraff_schemas.messages import Lease
+
+
+def lease(holder: str, counter: int = 0, seq: int = 0, guard: str = "guard-1", reason: str = "as it is") -> Lease:
+    return Lease(seq=seq, instance=guard, holder=holder, operator="joystick", counter=counter, reason=reason)
+
+
+@pytest.fixture
+def seeker() -> LeaseSeeker:
+    return LeaseSeeker("me")
+
+
+@pytest.fixture
+def lost(seeker: LeaseSeeker) -> LeaseSeeker:
+    """One that held the lease 5 and lost it."""
+    seeker.on_lease(lease("me", 5, seq=1))
+    seeker.on_lease(lease("", 0, seq=2, reason="nobody drives"))
+    return seeker
+
+
+@pytest.mark.parametrize("wishes", [False, True])
+def test_it_asks_from_its_start_until_it_is_given_the_lease(seeker: LeaseSeeker, wishes: bool) -> None:
+    assert seeker.counter(wishes=wishes) == ASK
+    assert "check that giraff_guard runs" in seeker.refusal
+    seeker.on_lease(lease("other", 4, seq=1, reason="held by keyboard"))
+    assert seeker.counter(wishes=wishes) == ASK
+    assert seeker.refusal == "held by keyboard"
+    seeker.on_lease(lease("me", 5, seq=2))
+    assert seeker.counter(wishes=wishes) == 5
+    assert (seeker.holds, seeker.refusal) == (True, "")
+
+
+def test_a_lost_lease_is_asked_for_by_each_wish_and_by_nothing_else(lost: LeaseSeeker) -> None:
+    assert lost.refusal == "nobody drives"
+    for _ in range(3):
+        assert lost.counter(wishes=False) == 5
+        assert lost.counter(wishes=True) == ASK
+        lost.on_lease(lease("other", 6, seq=3, reason="held by keyboard"))
+        assert lost.refusal == "held by keyboard"
+    lost.on_lease(lease("", 0, seq=4))
+    assert lost.counter(wishes=False) == 5  # an old wish does not ask for what has become free
+
+
+def test_a_new_lease_of_ones_own_is_taken_up(lost: LeaseSeeker) -> None:
+    lost.on_lease(lease("me", 9, seq=3))
+    assert lost.counter(wishes=True) == lost.counter(wishes=False) == 9
+
+
+def test_a_late_word_of_the_guard_changes_nothing(lost: LeaseSeeker) -> None:
+    lost.on_lease(lease("me", 5, seq=1))
+    assert not lost.holds
+    assert lost.refusal == "nobody drives"
+
+
+def test_another_guards_word_counts_from_its_first_sample(seeker: LeaseSeeker) -> None:
+    seeker.on_lease(lease("me", 5, seq=1000))
+    seeker.on_lease(lease("", 0, seq=0, guard="guard-2"))
+    assert not seeker.holds
+    assert seeker.counter(wishes=False) == 5
+    assert seeker.counter(wishes=True) == ASK

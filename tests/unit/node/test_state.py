@@ -1,0 +1,160 @@
+"""What is kept across restarts: whole or not at all, and stopped where it says nothing."""
+
+from __future__ import annotations
+
+import errno
+import os
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from giraff_node.estop import RELEASED, EStopLatch
+from giraff_node.state import LATCH_FILE, LatchSaver, read_latch, state_directory, write_file_durably, write_latch
+
+ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar")
+WHOLE = b'{"engaged":false,"id":7,"by":"carer","reason":""}'
+
+
+@pytest.mark.parametrize(
+    ("environment", "expected"),
+    [
+        ({"STATE_DIRECTORY": "/var/lib/giraff"}, "/var/lib/giraff"),
+        ({"STATE_DIRECTORY": "/var/lib/giraff:/var/lib/other", "HOME": "/home/g"}, "/var/lib/giraff"),
+        ({"STATE_DIRECTORY": "", "XDG_STATE_HOME": "/x", "HOME": "/home/g"}, "/x/giraff/anna"),
+        ({"XDG_STATE_HOME": "relative", "HOME": "/home/g"}, "/home/g/.local/state/giraff/anna"),
+        ({"HOME": "/home/g"}, "/home/g/.local/state/giraff/anna"),
+        ({}, "/.local/state/giraff/anna"),
+    ],
+)
+def test_where_state_is_kept(environment: dict[str, str], expected: str) -> None:
+    assert state_directory("anna", environment) == Path(expected)
+
+
+@pytest.mark.parametrize("latch", [RELEASED, ENGAGED])
+def test_what_is_written_is_read(tmp_path: Path, latch: EStopLatch) -> None:
+    directory = tmp_path / "not" / "there" / "yet"
+    write_latch(directory, latch)
+    assert read_latch(directory) == latch
+    assert [path.name for path in directory.iterdir()] == [LATCH_FILE]
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (None, "missing, as at a first start"),
+        (b"", "damaged"),
+        (WHOLE[:20], "damaged"),
+        (bytes(len(WHOLE)), "damaged"),
+        (WHOLE + b"}", "damaged"),
+        (b"\xff" + WHOLE, "damaged"),
+        (b"[" * 100_000, "damaged"),
+        (b"null", "damaged"),
+        (b'{"id":7,"by":"carer","reason":""}', "damaged"),
+        (WHOLE.replace(b"false", b'"false"'), "damaged"),
+        (WHOLE.replace(b"false", b"0"), "damaged"),
+        (WHOLE.replace(b"7", b"7.5"), "damaged"),
+        (WHOLE.replace(b"7", b"-7"), "damaged"),
+        (WHOLE.replace(b"7", b"7" * 40), "damaged"),
+        (WHOLE.replace(b"by", b"who"), "damaged"),
+        (WHOLE.replace(b"{", b'{"extra":1,'), "damaged"),
+    ],
+    ids=str,
+)
+def test_a_file_that_says_nothing_clear_is_a_latch(tmp_path: Path, content: bytes | None, words: str) -> None:
+    if content is not None:
+        (tmp_path / LATCH_FILE).write_bytes(content)
+    latch = read_latch(tmp_path)
+    assert latch.engaged
+    assert words in latch.reason
+    assert str(tmp_path / LATCH_FILE) in latch.reason
+    assert latch.reason.endswith("giraff estop reset")
+    assert latch.id != read_latch(tmp_path).id
+
+
+def test_a_file_that_cannot_be_read_is_a_latch(tmp_path: Path) -> None:
+    (tmp_path / LATCH_FILE).mkdir()
+    latch = read_latch(tmp_path)
+    assert latch.engaged
+    assert "cannot be read: Is a directory" in latch.reason
+
+
+@pytest.mark.parametrize(("owner", "fails"), [(os, "fsync"), (Path, "replace")])
+def test_a_write_that_fails_leaves_the_old_file_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, owner: object, fails: str
+) -> None:
+    write_latch(tmp_path, ENGAGED)
+
+    def no_space(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(owner, fails, no_space)
+    with pytest.raises(OSError, match="No space left"):
+        write_latch(tmp_path, RELEASED)
+    assert read_latch(tmp_path) == ENGAGED
+    assert [path.name for path in tmp_path.iterdir()] == [LATCH_FILE]
+
+
+def test_the_file_is_on_disk_before_it_has_its_name_and_the_name_before_it_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[str] = []
+    fsync, replace = os.fsync, Path.replace
+
+    def note_fsync(descriptor: int) -> None:
+        done.append("fsync " + Path(f"/proc/self/fd/{descriptor}").readlink().name)
+        fsync(descriptor)
+
+    def note_replace(self: Path, target: Path) -> Path:
+        done.append(f"replace {target.name}")
+        return replace(self, target)
+
+    monkeypatch.setattr(os, "fsync", note_fsync)
+    monkeypatch.setattr(Path, "replace", note_replace)
+    write_file_durably(tmp_path / "file", b"content")
+    assert done == [f"fsync .file.{os.getpid()}", "replace file", f"fsync {tmp_path.name}"]
+
+
+def outcome_of(saver: LatchSaver) -> tuple[EStopLatch, str]:
+    deadline = time.monotonic() + 10.0
+    while (outcome := saver.outcome()) is None:
+        assert time.monotonic() < deadline
+        time.sleep(0.001)
+    return outcome
+
+
+def test_the_saver_writes_and_tells(tmp_path: Path) -> None:
+    saver = LatchSaver(partial(write_latch, tmp_path))
+    assert saver.outcome() is None
+    saver.save(ENGAGED)
+    assert outcome_of(saver) == (ENGAGED, "")
+    assert read_latch(tmp_path) == ENGAGED
+
+
+def test_the_saver_says_why_and_where_and_works_again(tmp_path: Path) -> None:
+    blocked = tmp_path / "file"
+    blocked.write_text("no directory")
+    saver = LatchSaver(partial(write_latch, blocked))
+    saver.save(ENGAGED)
+    latch, why = outcome_of(saver)
+    assert latch == ENGAGED
+    assert str(blocked) in why
+    blocked.unlink()
+    saver.save(RELEASED)
+    assert outcome_of(saver) == (RELEASED, "")
+
+
+def test_the_saver_does_not_wait_for_the_disk() -> None:
+    released = threading.Event()
+
+    def hang(_: EStopLatch) -> None:
+        assert released.wait(10.0)
+
+    saver = LatchSaver(hang)
+    saver.save(ENGAGED)
+    time.sleep(0.05)
+    assert saver.outcome() is None
+    released.set()
+    assert outcome_of(saver) == (ENGAGED, "")
