@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import msgspec
+
+from giraff_node.config import require_not_negative, require_positive
+
+_MAY_BE_ZERO = ("battery_low", "battery_cutoff")
 
 
 class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -16,19 +18,29 @@ class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """s; largest age of the guard's tick."""
     range_budget: float = 0.4
     """s; largest age of the oldest range that the motion relies on."""
+    reset_budget: float = 1.0
+    """s; largest age of the tick in a reset of the emergency stop: some attempts over a bad link, and far less than
+    the 8 s after which TCP has been seen to hand over what was queued."""
     arm_time: float = 0.2
     """s that a neutral hand must be held to arm the robot."""
+    neutral_gap: float = 0.1
+    """s; longest gap within that time: one lost command of 30 a second, not a hand that was elsewhere."""
     disarm_time: float = 1.0
-    """s of stale command or range after which the robot must be armed again."""
+    """s of stale command or range, or of a silent board, after which the robot must be armed again."""
     guard_silence: float = 0.5
     """s of silence after which another guard may take the place of the one in charge."""
     linear_acceleration: float = 0.6
     """m/s², of starts only: a stop is immediate."""
     angular_acceleration: float = 2.5
     """rad/s², of starts only."""
+    battery_low: float = 22.0
+    """V; held below it for 5 s the robot warns and drives at half speed. 0: never. 1.1 V for each of 20 NiMH cells.
+    Like the next, only where `battery_volts_per_count` is known."""
+    battery_cutoff: float = 20.0
+    """V; held below it for 5 s the robot stops, and drives again above `battery_low`. 0: never. 1 V a cell."""
 
     def __post_init__(self) -> None:
-        for field in self.__struct_fields__:
-            value = getattr(self, field)
-            if field != "port" and not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"{field} is {value}: it must be a positive number")
+        require_not_negative(self, *_MAY_BE_ZERO)
+        require_positive(self, *(name for name in self.__struct_fields__ if name not in ("port", *_MAY_BE_ZERO)))
+        if self.battery_low and self.battery_cutoff > self.battery_low:
+            raise ValueError(f"battery_cutoff is {self.battery_cutoff}: it must not be above battery_low")

@@ -6,6 +6,8 @@ import math
 
 from giraff_node.robot import RobotConfig
 
+_LONGEST_STEP = 0.05  # s; a ramp does not jump after a pause
+
 
 def wheel_levels(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple[int, int]:
     """PWM levels (left, right) for a twist (m/s, rad/s), scaled as one so that no wheel exceeds the largest level.
@@ -27,3 +29,24 @@ def ramped(now_at: float, target: float, largest_step: float) -> float:
     if math.copysign(1.0, now_at) != math.copysign(1.0, target):
         now_at = 0.0
     return math.copysign(min(abs(target), abs(now_at) + largest_step), target)
+
+
+class Ramp:
+    """The twist that is asked of the motors now, on its way to the one that may be driven."""
+
+    def __init__(self, linear_acceleration: float, angular_acceleration: float) -> None:
+        """m/s², rad/s²; of starts only."""
+        self._linear_acceleration = linear_acceleration
+        self._angular_acceleration = angular_acceleration
+        self.linear = self.angular = 0.0
+        self._at_ns = 0
+
+    def stop(self) -> None:
+        self.linear = self.angular = 0.0
+
+    def follow(self, linear: float, angular: float, robot_ns: int) -> None:
+        """Go on to what may be driven at `robot_ns`."""
+        seconds = min(_LONGEST_STEP, max(0.0, (robot_ns - self._at_ns) * 1e-9))
+        self._at_ns = robot_ns
+        self.linear = ramped(self.linear, linear, self._linear_acceleration * seconds)
+        self.angular = ramped(self.angular, angular, self._angular_acceleration * seconds)

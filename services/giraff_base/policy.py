@@ -1,104 +1,131 @@
-"""Base's whole policy: which command reaches the board, and why not. No I/O and no clock: time is an argument."""
+"""Base's whole policy: what goes to the board, and why. No I/O and no clock: time is an argument."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-from giraff_base.arming import HOW_TO_ARM, Arming
+from giraff_base.authority import Authority
+from giraff_base.board import board_state, engaged_by, word
 from giraff_base.config import BaseConfig
-from giraff_base.drive import ramped, wheel_levels
+from giraff_base.drive import Ramp, wheel_levels
+from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.wheels import WheelReports
-from giraff_node.freshness import age, fade
 from giraff_node.robot import RobotConfig
-from giraff_schemas.messages import BaseState, Battery, BoardState, GuardedCommand, RobotTime, Wheels
+from giraff_schemas.messages import (
+    BaseState,
+    Battery,
+    EStop,
+    EStopAnswer,
+    EStopEngage,
+    EStopReset,
+    GuardedCommand,
+    RobotTime,
+    Wheels,
+)
 from giraff_schemas.wire import (
     PROTOCOL_HASH,
     ConfigureFrame,
     DriveFrame,
     DriveState,
+    EstopFrame,
     Frame,
+    Latch,
     Refusal,
     WheelsFrame,
 )
 
-_LONGEST_STEP = 0.05  # s; a ramp does not jump after a pause
 _CONFIGURE_PERIOD_NS = 50_000_000
+_NO_REPORT = "no report from the base board yet"
 
 
 class BasePolicy:
     """The second of the four safety layers.
 
-    Feed it what arrives (`on_link_opened`, `on_link_lost`, `on_frames`, `on_command`) and send what `next_frame`
-    answers: the board's own reports are the clock of the loop, because a frame is only as good as the board time
-    it echoes.
+    Feed it what arrives (`on_…`) and send what `next_frame` answers: the board's reports are the clock of the loop,
+    because a frame is only as good as the board time it echoes.
     """
 
-    def __init__(self, config: BaseConfig, robot: RobotConfig) -> None:
+    def __init__(self, config: BaseConfig, robot: RobotConfig, latch: EStopLatch) -> None:
         self._config = config
         self._robot = robot
-        self._arming = Arming(config)
+        self._estop = EStopControl(latch, config.reset_budget)
+        self._authority = Authority(config, robot, self._estop)
+        self._ramp = Ramp(config.linear_acceleration, config.angular_acceleration)
+        self._levels = (0, 0)  # of the newest drive frame
         self._reports = WheelReports(robot)
         self._report: WheelsFrame | None = None
+        self._reported_ns = 0
         self._answered = False
-        self._command: GuardedCommand | None = None
-        self._refused = "the guard has not been heard yet"
+        self._releasing = False  # a reset has not reached the board yet
         self._link_fault = ""
         self._session = 0
         self._seq = 0
         self._next_configure_ns = 0
-        self._linear = self._angular = 0.0  # what the newest drive frame asked for
-        self._ramped_ns = 0
-        self._round_trip: float | None = None
-        self._budget_left: float | None = None
-        self._reason = "no report from the base board yet"
+        self._reason = _NO_REPORT
 
     @property
-    def intruder(self) -> str:
-        """A fault: a second guard is running; empty when none is."""
-        other = self._arming.intruder
-        return f"a second guard, {other}, is running; end one of the two" if other else ""
+    def latch(self) -> EStopLatch:
+        """The emergency stop in force; what belongs on disk."""
+        return self._estop.latch
+
+    @property
+    def faults(self) -> dict[str, str]:
+        """What is wrong, with the way out; empty where nothing is."""
+        return self._authority.faults
 
     def on_link_opened(self, session: int) -> None:
         """The port was opened, perhaps again. `session`: random, not 0; tells this opening from any other."""
         self._session = session
         self._link_fault = ""
-        self._report = None
-        self._reason = "no report from the base board yet"
         self._reports.forget()
-        self._linear = self._angular = 0.0
-        self._arming.disarm("the serial link was opened anew")
+        self._lose_board("the serial link was opened anew")
 
     def on_link_lost(self, fault: str) -> None:
         """There is no board now. `fault`: why, with the way out."""
-        self._report = None
         self._link_fault = fault
-        self._linear = self._angular = 0.0
-        self._arming.disarm("the serial link was lost")
+        self._lose_board("the serial link was lost")
 
     def on_frames(self, frames: Iterable[Frame], now: RobotTime) -> list[Wheels]:
         """Take what the board sent; the samples to publish, once it works with this session's wiring."""
         samples = []
-        for frame in frames:
-            if not isinstance(frame, WheelsFrame):
+        for report in frames:
+            if not isinstance(report, WheelsFrame):
                 continue
-            if self._report is not None and frame.boot_id != self._report.boot_id:
-                self._arming.disarm("the base board was reset")
+            self._compare(report, now)
             self._link_fault = ""
-            self._report = frame
+            self._report, self._reported_ns = report, now.robot_ns
             self._answered = False
-            if frame.session == self._session:
-                samples.append(self._reports.take(frame, now))
+            self._adopt_latch(report)
+            if (battery := self.battery()) is not None:
+                self._authority.battery.take(battery.voltage, now.robot_ns)
+            if report.session == self._session:
+                samples.append(self._reports.take(report, now))
         return samples
 
     def on_command(self, command: GuardedCommand, now: RobotTime) -> None:
         """Take a command of a guard."""
-        if self._command is not None:
-            self._disarm_if_stale(self._command, now)  # before a fresh one can hide it
-        # A refused one does not end the command in charge: a late copy must not be able to stop the robot.
-        self._refused = self._arming.admit(command, now, self._reports.at_rest)
-        if not self._refused:
-            self._command = command
-            self._arming.consider(command, now)
+        self._authority.on_command(command, now, self._reports.at_rest)
+
+    def on_engage(self, asked: EStopEngage, now: RobotTime) -> EStopAnswer:  # noqa: ARG002  any moment is right
+        """Stop, from the next frame on. Whether it is on disk is not answered here."""
+        self._engage(asked)
+        return self._estop.answer()
+
+    def reset_refusal(self, reset: EStopReset, now: RobotTime) -> str:
+        """Why `on_reset` would clear nothing; empty when it would, or when nothing is left to clear."""
+        return self._estop.refusal(reset, now)
+
+    def released(self, reset: EStopReset) -> EStopLatch:
+        """The latch that `on_reset` would leave: it belongs on disk first."""
+        return self._estop.released(reset)
+
+    def on_reset(self, reset: EStopReset, now: RobotTime) -> EStopAnswer:
+        """Permit motion again, of a robot that must be armed for it."""
+        refusal = self._estop.refusal(reset, now)
+        if not refusal and self._estop.latch.engaged:
+            self._estop.latch = self._estop.released(reset)
+            self._releasing = True
+        return self._estop.answer(refusal)
 
     def next_frame(self, now: RobotTime) -> Frame | None:
         """The answer to the board's newest report; None when it has been answered, or there is none."""
@@ -106,21 +133,85 @@ class BasePolicy:
         if report is None or self._answered:
             return None
         self._answered = True
+        if self._estop.latch.engaged and report.latch == Latch.NONE:
+            return self._estop_frame(report, engage=1)
         if report.session != self._session:
-            self._linear = self._angular = 0.0
-            self._reason = "the base board is being configured"
+            self._stand_still("the base board is being configured")
             if report.last_refusal == Refusal.PROTOCOL:
                 self._reason = "the base board refuses the configuration; check [robot], or reflash the board"
             if now.robot_ns < self._next_configure_ns:
                 return None
             self._next_configure_ns = now.robot_ns + _CONFIGURE_PERIOD_NS
-            return self._configure(report)
-        self._advance(now)
+            return self._configure_frame(report)
+        if self._releasing:
+            self._stand_still("the base board is being released")
+            return self._estop_frame(report, engage=0)
+        return self._drive_frame(report, now)
+
+    def state(self) -> BaseState:
+        """Of the newest drive frame."""
+        report, authority = self._report, self._authority
+        return BaseState(
+            armed=authority.arming.armed,
+            driving=self._levels != (0, 0),
+            reason=self._estop.stops or self._link_fault or self._reason,
+            guard=authority.binding.guard,
+            round_trip=authority.round_trip if report else None,
+            budget_left=authority.budget_left if report else None,
+            board=board_state(report),
+        )
+
+    def estop(self) -> EStop:
+        """The emergency stop as it is now."""
+        return self._estop.sample()
+
+    def battery(self) -> Battery | None:
+        """The battery, where its divider is known."""
+        if self._report is None or self._robot.battery_volts_per_count == 0.0:
+            return None
+        return Battery(voltage=self._report.battery_adc_counts * self._robot.battery_volts_per_count)
+
+    def _engage(self, asked: EStopEngage) -> None:
+        self._estop.engage(asked)
+        self._authority.arming.disarm("the emergency stop")
+        self._releasing = False
+        self._stand_still("")
+        self._answered = False  # the board hears of it at once, whatever it was told last
+
+    def _lose_board(self, why: str) -> None:
+        self._report = None
+        self._releasing = False
+        self._stand_still(_NO_REPORT)
+        self._authority.battery.forget()
+        self._authority.arming.disarm(why)
+
+    def _compare(self, report: WheelsFrame, now: RobotTime) -> None:
+        """Disarm if this is not the board of the last report, at work without a break since."""
+        last, arming = self._report, self._authority.arming
+        if last is None:
+            return
+        if report.boot_id != last.boot_id:
+            self._releasing = False
+            arming.disarm("the base board was reset")
+        elif last.session == self._session and report.session != self._session:
+            arming.disarm("another program took over the base board")
+        if (now.robot_ns - self._reported_ns) * 1e-9 > self._config.disarm_time:
+            arming.disarm("the base board was silent for too long")
+
+    def _adopt_latch(self, report: WheelsFrame) -> None:
+        """Make a latch of the board that base did not order base's own."""
+        if report.latch == Latch.NONE:
+            self._releasing = False
+        elif not self._estop.latch.engaged and not self._releasing:
+            self._engage(engaged_by(report.latch))
+
+    def _drive_frame(self, report: WheelsFrame, now: RobotTime) -> DriveFrame:
+        linear, angular, self._reason = self._authority.wanted(now)
+        self._ramp.follow(linear, angular, now.robot_ns)
         if report.drive_state != DriveState.ACTIVE:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
-            self._linear = self._angular = 0.0
-            self._reason = self._reason or f"the base board is in state {DriveState(report.drive_state).name.lower()}"
-        left, right = wheel_levels(self._linear, self._angular, self._robot)
+            self._stand_still(self._reason or f"the base board is in state {word(DriveState, report.drive_state)}")
+        self._levels = left, right = wheel_levels(self._ramp.linear, self._ramp.angular, self._robot)
         return DriveFrame(
             seq=self._next_seq(),
             boot_id=report.boot_id,
@@ -129,78 +220,12 @@ class BasePolicy:
             right_level=right,
         )
 
-    def state(self) -> BaseState:
-        """Of the newest drive frame."""
-        report = self._report
-        return BaseState(
-            armed=self._arming.armed,
-            driving=self._linear != 0.0 or self._angular != 0.0,
-            reason=self._link_fault or self._reason,
-            guard=self._arming.guard,
-            round_trip=self._round_trip if report else None,
-            budget_left=self._budget_left if report else None,
-            board=BoardState(
-                connected=report is not None,
-                boot_id=report.boot_id if report else 0,
-                drive_state=DriveState(report.drive_state).name.lower() if report else "",
-                last_refusal=Refusal(report.last_refusal).name.lower() if report else "",
-                accepted=report.accepted if report else 0,
-                refused=report.refused if report else 0,
-                line_errors=report.line_errors if report else 0,
-            ),
-        )
+    def _stand_still(self, reason: str) -> None:
+        self._reason = reason
+        self._ramp.stop()
+        self._levels = (0, 0)
 
-    def battery(self) -> Battery | None:
-        """The battery, where its divider is known."""
-        if self._report is None or self._robot.battery_volts_per_count == 0.0:
-            return None
-        return Battery(voltage=self._report.battery_adc_counts * self._robot.battery_volts_per_count)
-
-    def _advance(self, now: RobotTime) -> None:
-        """Let `_linear` and `_angular` follow the command in charge, as far as it is fresh and the robot is armed."""
-        linear, angular, self._reason = self._wanted(now)
-        seconds = min(_LONGEST_STEP, (now.robot_ns - self._ramped_ns) * 1e-9)
-        self._ramped_ns = now.robot_ns
-        self._linear = ramped(self._linear, linear, self._config.linear_acceleration * seconds)
-        self._angular = ramped(self._angular, angular, self._config.angular_acceleration * seconds)
-
-    def _wanted(self, now: RobotTime) -> tuple[float, float, str]:
-        """The twist that may be driven now, and why it is less than the command."""
-        command, config = self._command, self._config
-        if command is None:
-            return 0.0, 0.0, self._refused
-        operator_age, guard_age, range_age = _ages(command, now)
-        self._round_trip = operator_age if operator_age < config.disarm_time else None
-        left = min(
-            config.operator_budget - operator_age,
-            config.guard_budget - guard_age,
-            config.range_budget - range_age,
-        )
-        self._budget_left = max(left, -config.disarm_time)
-        self._disarm_if_stale(command, now)
-        if guard_age > config.guard_budget:
-            return 0.0, 0.0, self._refused or "the guard is not heard; start giraff_guard on this machine"
-        if operator_age > config.operator_budget:
-            return 0.0, 0.0, command.reason or "no fresh command of an operator"
-        if range_age > config.range_budget:
-            return 0.0, 0.0, command.reason or "a range that this motion relies on is too old"
-        if command.source == "fault":
-            return 0.0, 0.0, command.reason or "the operator's side reports a fault"
-        if not self._arming.armed:
-            return 0.0, 0.0, f"not armed since {self._arming.why}; {HOW_TO_ARM} for {config.arm_time:g} s"
-        by_operator, by_guard = fade(operator_age, config.operator_budget), fade(guard_age, config.guard_budget)
-        share, late = by_operator, "slowed: the operator's commands come late; check its link"
-        if by_guard < by_operator:
-            share, late = by_guard, "slowed: the guard's commands come late; relieve this machine"
-        reason = command.reason or ("" if share == 1.0 or command.neutral else late)
-        return command.linear_x * share, command.angular_z * share, reason
-
-    def _disarm_if_stale(self, command: GuardedCommand, now: RobotTime) -> None:
-        """Disarm when a part of the command in charge has been stale for too long."""
-        if max(_ages(command, now)) > self._config.disarm_time:
-            self._arming.disarm("a command or a range was stale for too long")
-
-    def _configure(self, report: WheelsFrame) -> ConfigureFrame:
+    def _configure_frame(self, report: WheelsFrame) -> ConfigureFrame:
         return ConfigureFrame(
             seq=self._next_seq(),
             protocol_hash=PROTOCOL_HASH,
@@ -209,14 +234,18 @@ class BasePolicy:
             session=self._session,
             wiring=self._robot.wiring,
             level_max=self._robot.max_level,
+            stall_level=self._robot.stall_level,
+        )
+
+    def _estop_frame(self, report: WheelsFrame, engage: int) -> EstopFrame:
+        return EstopFrame(
+            seq=self._next_seq(),
+            boot_id=report.boot_id,
+            board_ms=report.board_ms,
+            session=self._session,
+            engage=engage,
         )
 
     def _next_seq(self) -> int:
         self._seq = (self._seq + 1) & 0xFFFF
         return self._seq
-
-
-def _ages(command: GuardedCommand, now: RobotTime) -> tuple[float, float, float]:
-    """s, of the operator's, the guard's and the range's tick; a command that relies on no range has a new one."""
-    range_age = age(command.range_tick, now) if command.range_tick is not None else 0.0
-    return age(command.operator_tick, now), age(command.guard_tick, now), range_age

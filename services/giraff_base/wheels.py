@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
+from giraff_node.counters import signed32
 from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import WheelsFrame
@@ -48,8 +49,8 @@ class WheelReports:
         seconds = ((report.board_us - oldest.board_us) & 0xFFFFFFFF) * 1e-6
         if seconds > 0.0:
             scale = self._metres_per_tick / seconds
-            self.left_velocity = _signed32(report.left_ticks - oldest.left_ticks) * scale
-            self.right_velocity = _signed32(report.right_ticks - oldest.right_ticks) * scale
+            self.left_velocity = signed32(report.left_ticks - oldest.left_ticks) * scale
+            self.right_velocity = signed32(report.right_ticks - oldest.right_ticks) * scale
         return Wheels(
             left_ticks=report.left_ticks,
             right_ticks=report.right_ticks,
@@ -61,8 +62,3 @@ class WheelReports:
             boot_id=report.boot_id,
             tick=tick,
         )
-
-
-def _signed32(difference: int) -> int:
-    """A difference of two wrapping 32-bit counters."""
-    return (difference + 0x80000000 & 0xFFFFFFFF) - 0x80000000

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from giraff_base.config import BaseConfig
+from giraff_base.estop import RELEASED, EStopLatch
 from giraff_base.policy import BasePolicy
 from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import BaseState, GuardedCommand, RobotTime, Source, Wheels
@@ -16,7 +17,9 @@ from giraff_schemas.wire import (
     ConfigureFrame,
     DriveFrame,
     DriveState,
+    EstopFrame,
     Frame,
+    Latch,
     Refusal,
     WheelsFrame,
 )
@@ -45,6 +48,8 @@ class Board:
         self.session = 0
         self.configured: list[ConfigureFrame] = []
         self.drive_state = DriveState.NOT_CONFIGURED
+        self.latch = Latch.NONE
+        self.battery_adc_counts = 800
         self.refusal = Refusal.NONE
         self.levels = (0, 0)
         self.speeds = [0.0, 0.0]
@@ -59,15 +64,20 @@ class Board:
         return self.board_us // 1000 & 0xFFFFFFFF
 
     def reset(self) -> None:
-        """As after its watchdog: another boot, all forgotten."""
+        """As after its watchdog: another boot, all forgotten but the latch."""
         self.boot_id += 1
         self.board_us = 0
         self.session = 0
-        self.drive_state, self.refusal = DriveState.NOT_CONFIGURED, Refusal.NONE
+        self.drive_state = DriveState.LATCHED if self.latch else DriveState.NOT_CONFIGURED
+        self.refusal = Refusal.NONE
         self.levels = (0, 0)
         self._ticks = [0.0, 0.0]
         self._last_seq = None
         self._counts = {"accepted": 0, "refused": 0}
+
+    def engage(self, latch: Latch) -> None:
+        """Latch, by itself or by order."""
+        self.latch, self.drive_state, self.levels = latch, DriveState.LATCHED, (0, 0)
 
     def report(self) -> WheelsFrame:
         """Go on for one period; the report at its end."""
@@ -94,11 +104,12 @@ class Board:
             left_pwm_counts=self.levels[0],
             right_pwm_counts=self.levels[1],
             drive_state=self.drive_state,
+            latch=self.latch,
             last_refusal=self.refusal,
             accepted=self._counts["accepted"],
             refused=self._counts["refused"],
             line_errors=0,
-            battery_adc_counts=800,
+            battery_adc_counts=self.battery_adc_counts,
         )
 
     def receive(self, frame: Frame) -> None:
@@ -109,6 +120,18 @@ class Board:
             self._judge(self._configure(frame))
         elif isinstance(frame, DriveFrame):
             self._judge(self._drive(frame))
+        elif isinstance(frame, EstopFrame):
+            self._estop(frame)
+
+    def _estop(self, frame: EstopFrame) -> None:
+        if frame.engage:
+            self.engage(self.latch or Latch.ESTOP)
+        elif (
+            (frame.boot_id, frame.session) == (self.boot_id, self.session)
+            and (self.board_ms - frame.board_ms) & 0xFFFFFFFF <= ECHO_MAX_AGE_MS
+            and self.latch
+        ):
+            self.latch, self.drive_state = Latch.NONE, DriveState.AWAITING_ZERO
 
     def _judge(self, refusal: Refusal) -> None:
         self._counts["accepted" if refusal == Refusal.NONE else "refused"] += 1
@@ -121,7 +144,7 @@ class Board:
         if frame.boot_id != self.boot_id:
             return Refusal.BOOT_ID
         self.session, self._last_seq = frame.session, None
-        self.drive_state, self.levels = DriveState.AWAITING_ZERO, (0, 0)
+        self.drive_state, self.levels = DriveState.LATCHED if self.latch else DriveState.AWAITING_ZERO, (0, 0)
         return Refusal.NONE
 
     def _drive(self, frame: DriveFrame) -> Refusal:
@@ -136,6 +159,8 @@ class Board:
             return Refusal.SEQUENCE
         if max(map(abs, levels)) > ROBOT.max_level:
             return Refusal.LEVEL
+        if self.latch:
+            return Refusal.LATCHED
         if levels != (0, 0) and self.drive_state != DriveState.ACTIVE:
             return Refusal.AWAITING_ZERO
         self.drive_state, self.levels, self._last_seq = DriveState.ACTIVE, levels, frame.seq
@@ -163,8 +188,8 @@ class Sent(msgspec.Struct, frozen=True):
 class Rig:
     """Base, its board, a guard and the hand behind it. The attributes are what the next commands say."""
 
-    def __init__(self, config: BaseConfig = CONFIG, robot: RobotConfig = ROBOT) -> None:
-        self.base = BasePolicy(config, robot)
+    def __init__(self, config: BaseConfig = CONFIG, robot: RobotConfig = ROBOT, latch: EStopLatch = RELEASED) -> None:
+        self.base = BasePolicy(config, robot, latch)
         self.board = Board(board_us=0xFFFFFFFF - 2_000_000)  # its clock wraps in the course of a test
         self.robot_ns = 1_000_000_000_000
         self.sent: list[Sent] = []
@@ -175,6 +200,7 @@ class Rig:
         self.guard_speaks = True
         self.guard_age = 0.005
         self.operator = "operator-1"
+        self.lease_counter = 5
         self.operator_age = 0.03
         self.operator_tick: RobotTime | None = None
         """When given, the hand's newest moment, however old it gets."""
@@ -210,6 +236,7 @@ class Rig:
             angular_z=self.angular,
             guard_tick=self.ago(self.guard_age),
             operator=self.operator,
+            lease_counter=self.lease_counter,
             operator_tick=self.operator_tick or self.ago(self.operator_age),
             range_tick=self.ago(self.range_age) if self.linear else None,
             source=self.source,

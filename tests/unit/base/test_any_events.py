@@ -8,11 +8,15 @@ import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from giraff_schemas.messages import GuardedCommand, RobotTime
-from giraff_schemas.wire import DriveState
+from giraff_base.estop import EStopLatch
+from giraff_schemas.messages import EStopEngage, EStopReset, GuardedCommand, RobotTime
+from giraff_schemas.wire import DriveState, Latch
 from tests.unit.base.rig import EPOCH, ROBOT, Rig, Sent
 
 NS = 1_000_000_000
+FULL, EMPTY = 800, 600
+"""ADC counts of a battery at 24 and at 18 V."""
+UNCHECKED = msgspec.structs.replace(ROBOT, invert_left_motor=None)
 
 
 class Judge:
@@ -22,19 +26,41 @@ class Judge:
         self.heard: list[tuple[int, GuardedCommand]] = []
         self.reset_ns = 0
         """The last moment after which the robot must be armed anew."""
-        self.operator = ""
+        self.holder = ("", 0)
+        self.latched = False
+        self.releasing = False
+        """The latch was reset, and the board has not said yet that it has heard."""
+        self.clock_ns = 0
+        """The moment from which the robot's clock can be trusted."""
+        self._drained_ns: int | None = None
+        self.empty = False
 
     def hear(self, command: GuardedCommand, now_ns: int, bound: str) -> None:
         """A new command, and whom base obeyed when it came."""
-        if bound not in ("", command.instance):
-            self.reset_ns = now_ns + 1  # whatever it says, it arms nothing with what came before
-        elif self.age_ns(command.guard_tick, now_ns) <= 200_000_000:
-            if command.operator != self.operator:
+        if self.age_ns(command.guard_tick, now_ns) <= 200_000_000:
+            if bound not in ("", command.instance):
+                self.reset_ns = now_ns + 1  # whatever it says, it arms nothing with what came before
+            elif (command.operator, command.lease_counter) != self.holder:
                 self.reset_ns = now_ns
-            if command.source == "fault":
+                self.holder = (command.operator, command.lease_counter)
+            if command.source == "fault" or command.lease_counter == 0:
                 self.reset_ns = now_ns + 1
-            self.operator = command.operator
         self.heard.append((now_ns, command))
+
+    def see(self, latch: Latch, counts: int, now_ns: int) -> None:
+        """What a report says."""
+        if latch == Latch.NONE:
+            self.releasing = False
+        elif not self.releasing:
+            self.latched = True
+        if counts == FULL:
+            self._drained_ns = None
+            if self.empty:
+                self.empty, self.reset_ns = False, now_ns
+        elif self._drained_ns is None:
+            self._drained_ns = now_ns
+        elif now_ns - self._drained_ns >= 5 * NS:
+            self.empty = True
 
     def age_ns(self, tick: RobotTime | None, now_ns: int) -> int:
         if tick is None or tick.epoch != EPOCH or tick.robot_ns > now_ns:
@@ -42,37 +68,50 @@ class Judge:
         return now_ns - tick.robot_ns
 
     def may_drive(self, now_ns: int) -> bool:
-        """Whether some command that was heard is fresh in all its parts and asks for motion."""
+        """Whether some command that was heard is fresh in all its parts and asks for motion, and nothing forbids it."""
+        if self.latched or self.empty or now_ns < self.clock_ns:
+            return False
         return any(self._fresh(command, now_ns) for heard_ns, command in self.heard if now_ns - heard_ns <= NS)
 
     def _fresh(self, command: GuardedCommand, now_ns: int) -> bool:
         return (
             command.source == "hand"
+            and command.lease_counter != 0
+            and (command.operator, command.lease_counter) == self.holder
             and not command.neutral
             and self.age_ns(command.operator_tick, now_ns) < 400_000_000
             and self.age_ns(command.guard_tick, now_ns) < 200_000_000
-            and (command.range_tick is None or self.age_ns(command.range_tick, now_ns) <= 400_000_000)
+            and (
+                command.range_tick is None
+                or command.linear_x == 0.0
+                or self.age_ns(command.range_tick, now_ns) <= 400_000_000
+            )
         )
 
     def was_armed(self) -> bool:
-        """Whether a hand was neutral for 0.2 s of its own time since the last reset."""
-        neutral = [
-            command.operator_tick.robot_ns
-            for heard_ns, command in self.heard
-            if heard_ns >= self.reset_ns
-            and command.hand_neutral
-            and command.operator_tick is not None
-            and self.age_ns(command.operator_tick, heard_ns) <= 400_000_000
-            and self.age_ns(command.guard_tick, heard_ns) <= 200_000_000
-        ]
-        return any(later - earlier >= 200_000_000 for n, earlier in enumerate(neutral) for later in neutral[n + 1 :])
+        """Whether a hand was held neutral for 0.2 s of its own time, without a gap, since the last reset."""
+        began = last = None
+        for heard_ns, command in self.heard:
+            if heard_ns < max(self.reset_ns, self.clock_ns) or self.age_ns(command.guard_tick, heard_ns) > 200_000_000:
+                continue
+            tick = command.operator_tick
+            if tick is None or not command.hand_neutral or self.age_ns(tick, heard_ns) > 400_000_000:
+                last = None
+                continue
+            if last is None or not 0 <= tick.robot_ns - last <= 100_000_000:
+                began = tick.robot_ns
+            last = tick.robot_ns
+            if began is not None and last - began >= 200_000_000:
+                return True
+        return False
 
 
 class Events:
     """Anything at all happens to base, and each frame is judged."""
 
-    def __init__(self) -> None:
-        self.rig = Rig()
+    def __init__(self, checked: bool = True) -> None:
+        self.checked = checked
+        self.rig = Rig(robot=ROBOT if checked else UNCHECKED)
         self.judge = Judge()
         self.session = 99
 
@@ -80,6 +119,8 @@ class Events:
         for n in range(steps):
             speaks, self.rig.guard_speaks = self.rig.guard_speaks, False
             before = len(self.rig.sent)
+            if self.rig.connected:
+                self.judge.see(self.rig.board.latch, self.rig.board.battery_adc_counts, self.rig.robot_ns + 10_000_000)
             self.rig.step()
             self.rig.guard_speaks = speaks
             for each in self.rig.sent[before:]:
@@ -93,16 +134,21 @@ class Events:
         self.judge.hear(command, self.rig.robot_ns, bound)
 
     def recover(self) -> None:
-        """All is well again: the hand is level, then it drives."""
+        """All is well again: nothing is latched, the hand is level, then it drives."""
         rig = self.rig
-        rig.source, rig.epoch, rig.guard_speaks, rig.connected = "hand", EPOCH, True, True
+        rig.source, rig.epoch, rig.guard_speaks, rig.connected, rig.lease_counter = "hand", EPOCH, True, True, 5
         rig.operator_age, rig.guard_age, rig.range_age, rig.operator_tick = 0.03, 0.005, 0.1, None
         rig.tilt(0.0)
+        if rig.board.battery_adc_counts == EMPTY:
+            rig.board.battery_adc_counts = FULL
+            self.pass_time(510)
+        self.pass_time(110 + max(0, self.judge.clock_ns - rig.robot_ns) // 10_000_000)
+        self.reset(0, 0.0)
         self.pass_time(100)
-        assert rig.base.state().armed, rig.base.state().reason
+        assert rig.base.state().armed == self.checked, rig.base.state().reason
         rig.tilt(0.6, 0.5)
         self.pass_time(30)
-        assert rig.sent[-1].moves, rig.sent[-1].state.reason
+        assert rig.sent[-1].moves == self.checked, rig.sent[-1].state.reason
 
     def change(self, attribute: str, value: object) -> None:
         setattr(self.rig, attribute, value)
@@ -114,26 +160,62 @@ class Events:
         self.session += 1
         self.rig.base.on_link_opened(self.session)
         self.judge.reset_ns = self.rig.robot_ns + 1
+        self.judge.releasing = False
 
     def lose(self) -> None:
         self.rig.base.on_link_lost("unplugged")
         self.judge.reset_ns = self.rig.robot_ns + 1
+        self.judge.releasing = False
 
     def reset_board(self) -> None:
         self.rig.board.reset()
         if self.rig.connected:
             self.judge.reset_ns = self.rig.robot_ns + 1
+            self.judge.releasing = False
+
+    def engage(self) -> None:
+        self.rig.base.on_engage(EStopEngage(by="somebody", reason="a shout"), self.rig.now)
+        self.judge.latched, self.judge.releasing = True, False
+
+    def latch_board(self, latch: Latch) -> None:
+        self.rig.board.engage(latch)
+
+    def reset(self, id_error: int, age: float) -> None:
+        """Somebody asks for a reset, of the right latch or not, now or long ago."""
+        base = self.rig.base
+        there: EStopLatch = base.latch
+        tick = RobotTime(epoch=EPOCH, robot_ns=self.rig.robot_ns - round(age * NS))
+        answer = base.on_reset(EStopReset(by="somebody", id=there.id + id_error, tick=tick), self.rig.now)
+        if there.engaged and id_error == 0 and 0.0 <= age <= 1.0:
+            assert answer.done
+            self.judge.latched, self.judge.releasing = False, True
+            self.judge.reset_ns = self.rig.robot_ns
+        assert base.latch.engaged == self.judge.latched == answer.engaged
+
+    def drain(self) -> None:
+        self.rig.board.battery_adc_counts = EMPTY
+        self.pass_time(520)
+
+    def jump(self, seconds: float) -> None:
+        """The robot's clock is somewhere else at once."""
+        if seconds < 0.0:
+            self.judge.clock_ns = max(self.judge.clock_ns, self.rig.robot_ns + NS)
+        self.rig.robot_ns += round(seconds * NS)
+        self.say(self.rig.command())
 
     def replay(self, back: int, forged: bool) -> None:
         """Something that was heard comes again: it must count for nothing, so the judge does not hear it."""
         _, command = self.judge.heard[-min(back, len(self.judge.heard))]
-        if command.instance != self.rig.base.state().guard:
+        fresh = self.judge.age_ns(command.guard_tick, self.rig.robot_ns) <= 200_000_000
+        if fresh and command.instance != self.rig.base.state().guard:
             self.judge.reset_ns = self.rig.robot_ns + 1
         self.rig.say(msgspec.structs.replace(command, linear_x=0.6, hand_neutral=False) if forged else command)
 
     def check(self, sent: Sent) -> None:
-        asked = self.rig.base._command
+        asked = self.rig.base._authority._command
+        assert sent.state.driving == sent.moves
         if sent.moves:
+            assert self.checked
             assert sent.state.armed
             assert sent.state.reason == "" or "slowed" in sent.state.reason
             assert self.judge.may_drive(sent.robot_ns)
@@ -160,6 +242,7 @@ EVENTS = st.one_of(
     changes("guard_speaks", False, True),
     changes("source", "fault", "hand"),
     changes("operator", "operator-1", "operator-2"),
+    changes("lease_counter", 0, 5, 6),
     changes("guard", "guard-1", "guard-2"),
     changes("connected", False, True),
     st.sampled_from(
@@ -168,19 +251,27 @@ EVENTS = st.one_of(
             (Events.open_again, ()),
             (Events.lose, ()),
             (Events.reset_board, ()),
+            (Events.engage, ()),
+            (Events.drain, ()),
             (Events.change, ("operator_tick", None)),
         ]
     ),
+    st.tuples(st.just(Events.latch_board), st.tuples(st.sampled_from([each for each in Latch if each]))),
+    st.tuples(st.just(Events.reset), st.tuples(st.sampled_from([0, 1, -1]), st.sampled_from([0.0, 1.0, 1.01, 8.0]))),
+    st.tuples(st.just(Events.jump), st.tuples(st.sampled_from([-2.0, -0.3, -0.01, 0.3, 3.0, 3600.0]))),
     st.tuples(st.just(Events.replay), st.tuples(st.integers(1, 300), st.booleans())),
 )
 
 
 @settings(max_examples=100, deadline=None)
-@given(episodes=st.lists(st.lists(st.tuples(EVENTS, st.integers(1, 120)), min_size=1, max_size=5), max_size=4))
+@given(
+    episodes=st.lists(st.lists(st.tuples(EVENTS, st.integers(1, 120)), min_size=1, max_size=5), max_size=4),
+    checked=st.sampled_from([True, True, True, False]),
+)
 def test_whatever_happens_only_an_armed_robot_with_fresh_commands_moves(
-    episodes: list[list[tuple[tuple[Callable[..., None], tuple[object, ...]], int]]],
+    episodes: list[list[tuple[tuple[Callable[..., None], tuple[object, ...]], int]]], checked: bool
 ) -> None:
-    events = Events()
+    events = Events(checked)
     for episode in episodes:
         events.recover()
         for (happen, arguments), steps in episode:

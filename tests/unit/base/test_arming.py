@@ -30,11 +30,26 @@ def test_nothing_moves_before_a_neutral_hand() -> None:
 
 def test_arming_takes_0_2_s_of_the_hands_own_time() -> None:
     rig = Rig()
+    rig.operator_age = 0.0
     rig.run(0.02)
     first_neutral = rig.robot_ns
     while not rig.base.state().armed:
         rig.step()
     assert rig.robot_ns - first_neutral == 200_000_000
+
+
+def test_a_hand_that_was_level_before_the_disarming_does_not_arm_after_it() -> None:
+    rig = Rig()
+    rig.operator_age = 0.3
+    rig.run(1.0)
+    assert rig.base.state().armed
+    rig.board.reset()
+    rig.run(0.3)  # what is on its way is still of the level hand, which tilts at the reset
+    rig.tilt(0.3)
+    assert moving(rig.run(1.0)) == []
+    rig.tilt(0.0)
+    rig.run(0.6)
+    assert rig.base.state().armed
 
 
 def test_one_old_neutral_command_repeated_for_ages_never_arms() -> None:
@@ -128,6 +143,20 @@ def operator_for_a_moment(rig: Rig) -> None:
     rig.operator = "operator-1"
 
 
+def other_lease(rig: Rig) -> None:
+    rig.lease_counter = 6
+
+
+def another_program(rig: Rig) -> None:
+    rig.board.session = 55
+
+
+def silent_board(rig: Rig) -> None:
+    rig.connected = False
+    rig.run(1.05)
+    rig.connected = True
+
+
 def other_guard(rig: Rig) -> None:
     rig.guard_speaks = False
     rig.run(0.6)
@@ -184,6 +213,9 @@ DISARMING: list[tuple[Callable[[Rig], None], str]] = [
     (reset_board, "board was reset"),
     (other_operator, "another operator"),
     (operator_for_a_moment, "another operator"),
+    (other_lease, "a new lease"),
+    (another_program, "another program"),
+    (silent_board, "silent"),
     (other_guard, "guard-2"),
     (second_guard, "guard-2"),
     (fault, "fault"),

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_base.estop import RELEASED
 from giraff_base.policy import BasePolicy
 from giraff_schemas.wire import (
     PROTOCOL_HASH,
@@ -279,7 +280,7 @@ def test_battery_is_published_where_its_divider_is_known() -> None:
     battery = rig.base.battery()
     assert battery is not None
     assert battery.voltage == pytest.approx(24.0)
-    unknown = BasePolicy(CONFIG, msgspec.structs.replace(ROBOT, battery_volts_per_count=0.0))
+    unknown = BasePolicy(CONFIG, msgspec.structs.replace(ROBOT, battery_volts_per_count=0.0), RELEASED)
     unknown.on_link_opened(session=1)
     unknown.on_frames([Board().report()], rig.now)
     assert unknown.battery() is None

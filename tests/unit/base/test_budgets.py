@@ -111,6 +111,15 @@ def test_nothing_is_asked_of_a_range_that_nothing_relies_on() -> None:
     assert driven_by(rig, range_tick=None) == ((-27, 27), "")
 
 
+def test_a_rotation_that_the_guard_lets_pass_needs_no_fresh_range_but_a_dead_one_disarms() -> None:
+    rig = Rig()
+    rig.drive(0.0, 1.0)
+    assert driven_by(rig, range_tick=aged(rig, 900_000_000)) == ((-27, 27), "")
+    levels, reason = driven_by(rig, range_tick=aged(rig, 1_100_000_000))
+    assert levels == (0, 0)
+    assert "stale for too long" in reason
+
+
 @pytest.mark.parametrize("silent", ["operator", "guard"])
 def test_speed_falls_from_half_the_budget_to_zero_at_its_end(silent: str) -> None:
     budget = {"operator": CONFIG.operator_budget, "guard": CONFIG.guard_budget}[silent]
@@ -194,9 +203,15 @@ def test_whatever_the_ages_only_fresh_ones_drive(
         assert levels != (0, 0)
 
 
+OFF_AT_ZERO = ("battery_low", "battery_cutoff")
+
+
 @pytest.mark.parametrize("field", [name for name in BaseConfig.__struct_fields__ if name != "port"])
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_budget_that_is_none_is_refused_by_name(field: str, value: float) -> None:
+    if value == 0.0 and field in OFF_AT_ZERO:
+        assert BaseConfig(port="unused", **dict.fromkeys(OFF_AT_ZERO, 0.0)).battery_low == 0.0
+        return
     with pytest.raises(ValueError, match=field):
         BaseConfig(port="unused", **{field: value})
 

@@ -31,6 +31,7 @@ def report(board_us: int, left: int, right: int, boot_id: int = 1, session: int 
         left_pwm_counts=pwm,
         right_pwm_counts=-pwm,
         drive_state=0,
+        latch=0,
         last_refusal=0,
         accepted=0,
         refused=0,

@@ -1,0 +1,119 @@
+"""What may be driven now: the command in charge, as far as nothing forbids it. Else why not, the first cause first."""
+
+from __future__ import annotations
+
+from giraff_base.ages import Ages, ages_of
+from giraff_base.arming import Arming
+from giraff_base.battery import BatteryWatch
+from giraff_base.binding import Binding
+from giraff_base.config import BaseConfig
+from giraff_base.estop import EStopControl
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import GuardedCommand, RobotTime
+
+_NO_GUARD = "the guard is not heard; start giraff_guard on this machine"
+
+
+class Authority:
+    """Whose command counts, whether the robot is armed, and what stands against it."""
+
+    def __init__(self, config: BaseConfig, robot: RobotConfig, estop: EStopControl) -> None:
+        self._config = config
+        self._estop = estop
+        self._unchecked = (
+            "" if robot.wiring_checked else "the wiring is not checked: lift the wheels and run giraff check wheels"
+        )
+        self.arming = Arming(config)
+        self.binding = Binding(config, self.arming)
+        self.battery = BatteryWatch(config)
+        self.round_trip: float | None = None
+        """s; age of the operator's tick when it was used last."""
+        self.budget_left: float | None = None
+        """s until the first of the ticks in use is too old."""
+        self._command: GuardedCommand | None = None
+        self._refused = ""  # why the newest command of any guard did not count
+        self._refused_ns = 0
+        self._newest_ns = 0
+        self._clock_trusted_ns = 0
+
+    @property
+    def faults(self) -> dict[str, str]:
+        """What is wrong, with the way out; empty where nothing is."""
+        return {"guard": self.binding.intruder, "battery": self.battery.warning, "wiring": self._unchecked}
+
+    def on_command(self, command: GuardedCommand, now: RobotTime, at_rest: bool) -> None:
+        """Take a command of a guard. `at_rest`: the wheels stand still."""
+        self._watch(now)
+        if self._command is not None:
+            self._disarm_if_stale(self._command, now)  # before a fresh one can hide it
+        # A refused one does not end the command in charge: a late copy must not be able to stop the robot.
+        self._refused = self.binding.admit(command, now, at_rest)
+        if self._refused:
+            self._refused_ns = now.robot_ns
+            return
+        self._command = command
+        if not self._forbid(now):
+            self.arming.consider(command, now)
+
+    def wanted(self, now: RobotTime) -> tuple[float, float, str]:
+        """The twist that may be driven now, and why it is less than the command."""
+        self._watch(now)
+        command = self._command
+        if command is None:
+            return 0.0, 0.0, self._forbid(now) or self._refused or _NO_GUARD
+        ages = ages_of(command, now)
+        self.round_trip = ages.operator if ages.operator < self._config.disarm_time else None
+        self.budget_left = max(ages.left(self._config), -self._config.disarm_time)
+        self._disarm_if_stale(command, now)
+        if stopped := self._forbid(now) or self._unfounded(command, ages) or self.arming.refusal:
+            return 0.0, 0.0, stopped
+        share, late = ages.share(self._config)
+        if self.battery.share < share:
+            share, late = self.battery.share, self.battery.warning
+        slowed = f"slowed: {late}" if share < 1.0 and not command.neutral else ""
+        return command.linear_x * share, command.angular_z * share, command.reason or slowed
+
+    def _forbid(self, now: RobotTime) -> str:
+        """Why nothing may move, whatever is commanded, and disarm if so; empty when nothing forbids it."""
+        clock_went_back = now.robot_ns < self._clock_trusted_ns
+        forbidden = (
+            self._estop.stops
+            or ("the robot's clock went back; restart giraff_base" if clock_went_back else "")
+            or self._unchecked
+            or self.battery.stops
+            or self.binding.intruder
+        )
+        if forbidden:
+            self.arming.disarm(forbidden.partition(";")[0])
+        return forbidden
+
+    def _unfounded(self, command: GuardedCommand, ages: Ages) -> str:
+        """Why the command in charge moves nothing: it is stale, of a hand that was lost, or nobody's."""
+        if ages.guard > self._config.guard_budget:
+            return self._refused or _NO_GUARD
+        if ages.operator > self._config.operator_budget:
+            return command.reason or "no fresh command of an operator; check its link"
+        if ages.ranged > self._config.range_budget and command.linear_x != 0.0:
+            return command.reason or "a range that this motion relies on is too old; check giraff_ranger and its board"
+        if command.source == "fault":
+            return command.reason or "the operator's side reports a fault"
+        if command.lease_counter == 0:
+            return command.reason or "nobody holds the lease; an operator asks for it by driving"
+        return ""
+
+    def _disarm_if_stale(self, command: GuardedCommand, now: RobotTime) -> None:
+        """Disarm when a part of the command in charge has been stale for too long."""
+        if max(ages_of(command, now)) > self._config.disarm_time:
+            self.arming.disarm("a command or a range was stale for too long")
+
+    def _watch(self, now: RobotTime) -> None:
+        """Forget what is no longer so, and look at the clock.
+
+        One that goes back makes old moments look new: nothing counts until it is well past all that it has shown.
+        """
+        self.binding.forget(now)
+        if (now.robot_ns - self._refused_ns) * 1e-9 >= self._config.guard_silence:
+            self._refused = ""
+        if now.robot_ns < self._newest_ns:
+            self._clock_trusted_ns = self._newest_ns + round(self._config.disarm_time * 1e9)
+        self._newest_ns = max(self._newest_ns, now.robot_ns)

@@ -1,0 +1,73 @@
+"""What a battery that runs down means: slower first, then nothing."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_base.config import BaseConfig
+
+_HELD_NS: Final = 5_000_000_000  # motors that start pull any battery down; what lasts is not that
+_RISE: Final = 0.5  # V above the limit: what a battery regains by mere rest is no charge
+_LOW_SHARE: Final = 0.5
+
+
+class _Held:
+    """A condition that comes and goes only after it has been so without a break for 5 s."""
+
+    def __init__(self) -> None:
+        self.holds = False
+        self._since_ns: int | None = None
+
+    def judge(self, comes: bool, goes: bool, robot_ns: int) -> None:
+        if not (goes if self.holds else comes):
+            self._since_ns = None
+        elif self._since_ns is None:
+            self._since_ns = robot_ns
+        elif robot_ns - self._since_ns >= _HELD_NS:
+            self.holds, self._since_ns = not self.holds, None
+
+    def forget(self) -> None:
+        """Nothing was measured for a while."""
+        self._since_ns = None
+
+
+class BatteryWatch:
+    """Judges each reading of a battery whose divider is known."""
+
+    def __init__(self, config: BaseConfig) -> None:
+        self._config = config
+        self._volts = 0.0
+        self._low, self._empty = _Held(), _Held()
+
+    @property
+    def share(self) -> float:
+        """Of the speed."""
+        return _LOW_SHARE if self._low.holds else 1.0
+
+    @property
+    def stops(self) -> str:
+        """Why nothing may move; empty when it may."""
+        if not self._empty.holds:
+            return ""
+        return f"the battery is empty at {self._volts:.1f} V; charge it to {self._recharged:g} V"
+
+    @property
+    def warning(self) -> str:
+        """What is wrong with the battery, with the way out; empty when nothing is."""
+        return self.stops or (f"the battery is low at {self._volts:.1f} V; charge it" if self._low.holds else "")
+
+    def take(self, volts: float, robot_ns: int) -> None:
+        low, cutoff = self._config.battery_low, self._config.battery_cutoff  # 0: off, no battery is below it
+        self._volts = volts
+        self._low.judge(volts < low, volts >= low + _RISE, robot_ns)
+        self._empty.judge(volts < cutoff, volts >= self._recharged, robot_ns)
+
+    def forget(self) -> None:
+        """The readings stopped: what comes next is not a continuation."""
+        self._low.forget()
+        self._empty.forget()
+
+    @property
+    def _recharged(self) -> float:
+        """V from which an empty battery drives again."""
+        return max(self._config.battery_low, self._config.battery_cutoff + _RISE)

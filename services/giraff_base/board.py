@@ -1,0 +1,56 @@
+"""What the base board says of itself, in words."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Final
+
+from giraff_node.estop import RESET_COMMAND
+from giraff_schemas.messages import BoardState, EStopEngage
+from giraff_schemas.wire import DriveState, Latch, Refusal, WheelsFrame
+
+_STUCK: Final = "wheel stuck: free it, check its motor and its encoder's cable"
+_OPPOSITE: Final = "wheel turned against its motor: lift the wheels and run giraff check wheels"
+_LATCHED_BY: Final[dict[int, str]] = {
+    Latch.ESTOP: "the board kept an emergency stop from before: see that the robot may move",
+    Latch.LEFT_STUCK: f"left {_STUCK}",
+    Latch.RIGHT_STUCK: f"right {_STUCK}",
+    Latch.LEFT_OPPOSITE: f"left {_OPPOSITE}",
+    Latch.RIGHT_OPPOSITE: f"right {_OPPOSITE}",
+}
+
+
+def word(kind: type[IntEnum], value: int) -> str:
+    """The name of what a board reported, whatever it was."""
+    return kind(value).name.lower() if value in list(kind) else f"unknown {value}"
+
+
+def engaged_by(latch: int) -> EStopEngage:
+    """What a latch of the board that base did not order means to base."""
+    why = _LATCHED_BY.get(latch, f"latched for an unknown cause, {latch}: reflash the board")
+    return EStopEngage(by="the base board", reason=f"{why}, then {RESET_COMMAND}")
+
+
+def board_state(report: WheelsFrame | None) -> BoardState:
+    """None: there is no board."""
+    if report is None:
+        return BoardState(
+            connected=False,
+            boot_id=0,
+            drive_state="",
+            latch="",
+            last_refusal="",
+            accepted=0,
+            refused=0,
+            line_errors=0,
+        )
+    return BoardState(
+        connected=True,
+        boot_id=report.boot_id,
+        drive_state=word(DriveState, report.drive_state),
+        latch=word(Latch, report.latch),
+        last_refusal=word(Refusal, report.last_refusal),
+        accepted=report.accepted,
+        refused=report.refused,
+        line_errors=report.line_errors,
+    )

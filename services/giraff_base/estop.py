@@ -1,0 +1,59 @@
+"""The emergency stop: who may engage it (anyone, at once), and what a reset must prove."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_node.estop import RELEASED, RESET_COMMAND, EStopLatch
+from giraff_node.freshness import age
+from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime
+
+__all__ = ["RELEASED", "EStopControl", "EStopLatch"]
+
+_LONGEST_TEXT: Final = 200  # characters that others may put into the latch
+_IDS: Final = 1 << 31
+
+
+class EStopControl:
+    """Holds the latch in force."""
+
+    def __init__(self, latch: EStopLatch, reset_budget: float) -> None:
+        self.latch = latch
+        self._reset_budget = reset_budget
+
+    @property
+    def stops(self) -> str:
+        """Why nothing may move, with the way out; empty when released."""
+        latch = self.latch
+        return f"emergency stop by {latch.by}: {latch.reason}" if latch.engaged else ""
+
+    def engage(self, asked: EStopEngage) -> None:
+        """Engage. Repeating is harmless; another cause makes another latch, which a reset of the first leaves."""
+        by, reason = asked.by[:_LONGEST_TEXT], asked.reason[:_LONGEST_TEXT]
+        if RESET_COMMAND not in reason:
+            reason = f"{reason}; to go on: {RESET_COMMAND}"
+        if self.latch.engaged and (self.latch.by, self.latch.reason) == (by, reason):
+            return
+        self.latch = EStopLatch(engaged=True, id=self.latch.id % _IDS + 1, by=by, reason=reason)
+
+    def refusal(self, reset: EStopReset, now: RobotTime) -> str:
+        """Why this reset clears nothing; empty when it may, or when this very latch is cleared already."""
+        latch = self.latch
+        if reset.id != latch.id:
+            there = f"latch {latch.id} by {latch.by}: {latch.reason}" if latch.engaged else "none, it is released"
+            return f"latch {reset.id} is not the one engaged, which is {there}"
+        if latch.engaged and age(reset.tick, now) > self._reset_budget:
+            return f"the reset is not from within the last {self._reset_budget:g} s; ask again, with base heard"
+        return ""
+
+    def released(self, reset: EStopReset) -> EStopLatch:
+        """The latch as `reset` leaves it."""
+        return EStopLatch(engaged=False, id=self.latch.id, by=reset.by[:_LONGEST_TEXT], reason="")
+
+    def answer(self, why_not: str = "") -> EStopAnswer:
+        """`why_not`: what was asked is not done, and why."""
+        return EStopAnswer(done=not why_not, engaged=self.latch.engaged, id=self.latch.id, reason=why_not)
+
+    def sample(self) -> EStop:
+        latch = self.latch
+        return EStop(engaged=latch.engaged, id=latch.id, by=latch.by, reason=latch.reason)

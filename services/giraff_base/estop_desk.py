@@ -1,0 +1,131 @@
+"""Answers what is asked of the emergency stop, in the one order that is safe with a disk between asking and answer.
+
+Engaging takes effect first and is written then: a disk that is full or hangs delays the answer, never the stop. A
+reset is written first and takes effect then: a robot that may move is one that may also after a restart. No I/O and
+no clock here: what became of a write comes in as an outcome.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Final, Protocol, TypeVar
+
+from giraff_base.estop import EStopLatch
+from giraff_base.policy import BasePolicy
+from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
+
+_PATIENCE_NS: Final = 1_000_000_000  # for the disk, before the answer is no; a reset is then given up
+_RETRY_NS: Final = 1_000_000_000
+
+RequestT_co = TypeVar("RequestT_co", covariant=True)
+
+
+class Asked(Protocol[RequestT_co]):
+    """One request of somebody, waiting for its answer."""
+
+    @property
+    def request(self) -> RequestT_co: ...
+
+    def answer(self, answer: EStopAnswer, /) -> None: ...
+
+
+class Saver(Protocol):
+    """Writes one latch at a time, elsewhere: neither call waits."""
+
+    def save(self, latch: EStopLatch) -> None: ...
+
+    def outcome(self) -> tuple[EStopLatch, str] | None:
+        """What was written, and why it is not on disk, empty when it is; None: no news."""
+
+
+class EStopDesk:
+    """Stands between those who ask, the policy and the disk. Each turn of the loop: `take`, the frames, `turn`."""
+
+    def __init__(self, policy: BasePolicy, saver: Saver) -> None:
+        self._policy = policy
+        self._saver = saver
+        self._waiting: list[Asked[EStopEngage] | Asked[EStopReset]] = []  # all for the same
+        self._waiting_ns = 0  # since when the first of them has
+        self._reset: tuple[EStopReset, RobotTime] | None = None  # what they wait for; None: for the latch in force
+        self._on_disk: EStopLatch | None = None  # None: nobody knows, and it is written anew
+        self._writing: EStopLatch | None = None
+        self._writing_ns = 0  # since when
+        self._retry_ns = 0
+        self._failure = ""
+        self.fault = ""
+        """Why the latch in force is not on disk, with the way out; empty when it is, or is about to be."""
+
+    def take(self, engages: Iterable[Asked[EStopEngage]], resets: Iterable[Asked[EStopReset]], now: RobotTime) -> None:
+        """Take what is asked. Nothing here waits for the disk."""
+        for reset in resets:
+            self.reset(reset, now)
+        for engage in engages:  # after the resets: of two who ask at once, who stops wins
+            self.engage(engage, now)
+
+    def engage(self, asked: Asked[EStopEngage], now: RobotTime) -> None:
+        """Stop, then write."""
+        self._policy.on_engage(asked.request, now)
+        if self._reset is not None:
+            self._refuse("the emergency stop was engaged anew meanwhile")
+        self._wait(asked, now)
+
+    def reset(self, asked: Asked[EStopReset], now: RobotTime) -> None:
+        """Write, then permit."""
+        if self._policy.reset_refusal(asked.request, now) or not self._policy.latch.engaged:
+            asked.answer(self._policy.on_reset(asked.request, now))
+            return
+        if self._reset is None:
+            self._refuse("it was reset meanwhile")
+            self._reset = asked.request, now
+        self._wait(asked, now)
+
+    def turn(self, now: RobotTime) -> None:
+        """Note what became of a write, answer, and begin the next one."""
+        if (outcome := self._saver.outcome()) is not None:
+            self._note(*outcome, now)
+        if self._on_disk == self._wanted():
+            self._confirm()
+        elif self._waiting and now.robot_ns - self._waiting_ns > _PATIENCE_NS:
+            self._refuse("the disk hangs; while it does, the robot is stopped and a restart may not know")
+        wanted = self._wanted()
+        if self._writing is None and self._on_disk != wanted and now.robot_ns >= self._retry_ns:
+            self._writing, self._writing_ns = wanted, now.robot_ns
+            self._saver.save(wanted)
+        hangs = self._writing is not None and now.robot_ns - self._writing_ns > _PATIENCE_NS
+        self.fault = self._failure or ("the emergency stop is not on disk: the disk hangs; mend it" if hangs else "")
+
+    def _wanted(self) -> EStopLatch:
+        """What belongs on disk: the latch in force, or what the reset under way would make of it."""
+        return self._policy.latch if self._reset is None else self._policy.released(self._reset[0])
+
+    def _wait(self, asked: Asked[EStopEngage] | Asked[EStopReset], now: RobotTime) -> None:
+        if not self._waiting:
+            self._waiting_ns = self._retry_ns = now.robot_ns
+        self._waiting.append(asked)
+
+    def _note(self, latch: EStopLatch, why: str, now: RobotTime) -> None:
+        self._writing = None
+        self._on_disk = None if why else latch
+        self._failure = (
+            f"the emergency stop cannot be kept: {why}; free the disk or mend its permissions" if why else ""
+        )
+        if why:
+            self._retry_ns = now.robot_ns + _RETRY_NS
+            self._refuse(f"the robot is stopped, and a restart may not know: {self._failure}")
+
+    def _confirm(self) -> None:
+        """What they wait for is on disk."""
+        if self._reset is not None:
+            self._policy.on_reset(*self._reset)
+        self._answer("")
+
+    def _refuse(self, why: str) -> None:
+        """Give up what they wait for. A reset then never was; an engaged stop stays, and is written when it can be."""
+        self._answer(why)
+
+    def _answer(self, why_not: str) -> None:
+        latch = self._policy.latch
+        for asked in self._waiting:
+            asked.answer(EStopAnswer(done=not why_not, engaged=latch.engaged, id=latch.id, reason=why_not))
+        self._waiting.clear()
+        self._reset = None

@@ -1,0 +1,313 @@
+"""The emergency stop in base: it stops with the next frame, and only a fresh reset of this very latch permits again."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+
+from giraff_base.estop import RELEASED, EStopLatch
+from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
+from giraff_schemas.wire import ConfigureFrame, DriveFrame, DriveState, EstopFrame, Latch
+from tests.unit.base.rig import EPOCH, ROBOT, Rig, moving
+
+ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar; to go on: giraff estop reset")
+
+
+def engage(rig: Rig, by: str = "keyboard", reason: str = "space bar") -> EStopAnswer:
+    return rig.base.on_engage(EStopEngage(by=by, reason=reason), rig.now)
+
+
+def reset(rig: Rig, age: float = 0.1, id_error: int = 0) -> EStopAnswer:
+    tick = rig.ago(age)
+    return rig.base.on_reset(EStopReset(by="carer", id=rig.base.latch.id + id_error, tick=tick), rig.now)
+
+
+def test_engaging_stops_with_the_next_frame_and_latches_the_board() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    answer = engage(rig)
+    assert (answer.done, answer.engaged, answer.id) == (True, True, rig.base.latch.id)
+    assert not rig.base.state().armed
+    assert not rig.base.state().driving
+    # At once, though the newest report of the board has been answered with motion.
+    frame = rig.base.next_frame(rig.now)
+    assert isinstance(frame, EstopFrame)
+    assert frame.engage == 1
+    rig.board.receive(frame)
+    assert rig.board.levels == (0, 0)
+    assert moving(rig.run(3.0)) == []
+    assert rig.base.state().board.latch == "estop"
+
+
+def test_all_frames_of_an_engaged_base_are_zero_whatever_the_board_says() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    engage(rig)
+    for latch, state in ((Latch.ESTOP, DriveState.LATCHED), (Latch.ESTOP, DriveState.ACTIVE)):
+        rig.board.latch, rig.board.drive_state = latch, state
+        rig.base.on_frames([rig.board.report()], rig.now)
+        frame = rig.base.next_frame(rig.now)
+        assert isinstance(frame, DriveFrame)
+        assert (frame.left_level, frame.right_level) == (0, 0)
+
+
+def test_the_order_to_latch_is_repeated_until_the_board_has_it() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.board.is_deaf = True
+    engage(rig)
+    assert all(isinstance(frame, EstopFrame) and frame.engage for frame in (rig.step() for _ in range(50)))
+    rig.board.is_deaf = False
+    rig.run(0.05)
+    assert rig.board.latch == Latch.ESTOP
+
+
+@pytest.mark.parametrize("ignores", [True, False])
+def test_a_board_is_latched_before_it_is_configured(ignores: bool) -> None:
+    rig = Rig(latch=ENGAGED)
+    rig.board.ignores_configure = ignores
+    first = rig.step()
+    assert isinstance(first, EstopFrame)
+    assert rig.board.latch == Latch.ESTOP
+    assert isinstance(rig.step(), ConfigureFrame)
+
+
+def test_base_that_starts_engaged_stays_so_and_says_by_whom() -> None:
+    rig = Rig(latch=ENGAGED)
+    rig.tilt(0.0)
+    rig.run(1.0)
+    rig.tilt(0.6)
+    assert moving(rig.run(2.0)) == []
+    assert rig.base.state().reason == "emergency stop by keyboard: space bar; to go on: giraff estop reset"
+    sample = rig.base.estop()
+    assert (sample.engaged, sample.id, sample.by) == (True, 7, "keyboard")
+
+
+def test_a_reset_permits_motion_and_never_causes_it() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    engage(rig)
+    rig.run(0.5)
+    answer = reset(rig)
+    assert (answer.done, answer.engaged, answer.reason) == (True, False, "")
+    assert moving(rig.run(2.0)) == []
+    assert rig.board.latch == Latch.NONE
+    assert rig.base.state().reason == "not armed since the emergency stop; hold the hand level for 0.2 s"
+    rig.drive(0.6)
+
+
+def test_neutral_held_while_engaged_arms_nothing() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    engage(rig)
+    rig.tilt(0.0)
+    rig.run(2.0)
+    assert not rig.base.state().armed
+    reset(rig)
+    rig.tilt(0.6)
+    assert moving(rig.run(2.0)) == []
+
+
+@pytest.mark.parametrize(
+    ("age", "is_done"), [(0.0, True), (0.999, True), (1.0, True), (1.001, False), (8.0, False), (-0.1, False)]
+)
+def test_a_reset_counts_only_while_it_is_fresh(age: float, is_done: bool) -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    engage(rig)
+    rig.run(0.5)
+    answer = reset(rig, age)
+    assert (answer.done, rig.base.latch.engaged, answer.engaged) == (is_done, not is_done, not is_done)
+    assert ("1 s" in answer.reason) != is_done
+
+
+@pytest.mark.parametrize("tick", [None, RobotTime(epoch=EPOCH + 1, robot_ns=0), RobotTime(epoch=0, robot_ns=0)])
+def test_a_reset_that_has_not_heard_base_clears_nothing(tick: RobotTime | None) -> None:
+    rig = Rig()
+    engage(rig)
+    if tick is not None:
+        tick = msgspec.structs.replace(tick, robot_ns=rig.robot_ns)
+    answer = rig.base.on_reset(EStopReset(by="carer", id=rig.base.latch.id, tick=tick), rig.now)
+    assert not answer.done
+    assert rig.base.latch.engaged
+
+
+@pytest.mark.parametrize("error", [-1, 1, 1000])
+def test_a_reset_of_another_latch_clears_nothing_and_is_told_of_the_one_there(error: int) -> None:
+    rig = Rig()
+    engage(rig)
+    answer = reset(rig, id_error=error)
+    assert (answer.done, answer.engaged, answer.id) == (False, True, rig.base.latch.id)
+    assert f"latch {rig.base.latch.id} by keyboard" in answer.reason
+
+
+def test_a_reset_replayed_8_s_late_clears_nothing_newer_and_nothing_moves() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    engage(rig)
+    rig.run(0.5)
+    replayed = EStopReset(by="carer", id=rig.base.latch.id, tick=rig.ago(0.1))
+    assert rig.base.on_reset(replayed, rig.now).done
+    rig.run(0.5)
+    engage(rig)
+    rig.run(8.0)
+    assert not rig.base.on_reset(replayed, rig.now).done
+    # Not even under the number of the newer one.
+    assert not rig.base.on_reset(msgspec.structs.replace(replayed, id=rig.base.latch.id), rig.now).done
+    assert rig.base.latch.engaged
+    assert moving(rig.run(1.0)) == []
+
+
+def test_repeating_a_reset_or_an_engaging_that_was_done_changes_nothing() -> None:
+    rig = Rig()
+    first, again = engage(rig), engage(rig)
+    assert first == again
+    request = EStopReset(by="carer", id=first.id, tick=rig.ago(0.1))
+    done = rig.base.on_reset(request, rig.now)
+    rig.run(0.1)
+    rig.drive(0.6)
+    assert rig.base.on_reset(request, rig.now) == done
+    assert rig.base.state().armed
+    assert rig.run(0.1)[-1].moves
+
+
+def test_each_cause_is_a_latch_of_its_own_that_a_reset_of_the_one_before_leaves() -> None:
+    rig = Rig()
+    first = engage(rig)
+    assert engage(rig, by="giraff estop").id != first.id
+    answer = rig.base.on_reset(EStopReset(by="carer", id=first.id, tick=rig.ago(0.1)), rig.now)
+    assert not answer.done
+    assert "by giraff estop" in answer.reason
+    assert rig.base.latch.engaged
+    reset(rig)
+    assert engage(rig).id not in (first.id, first.id + 1)
+
+
+def test_what_others_write_into_the_latch_is_cut() -> None:
+    rig = Rig()
+    engage(rig, by="x" * 1_000_000, reason="y" * 1_000_000)
+    assert len(rig.base.latch.by) == 200
+    assert len(rig.base.latch.reason) < 300
+    assert rig.base.latch.reason.endswith("giraff estop reset")
+
+
+@pytest.mark.parametrize(
+    ("latch", "words"),
+    [
+        (Latch.ESTOP, ("kept an emergency stop",)),
+        (Latch.LEFT_STUCK, ("left wheel stuck", "free it", "encoder")),
+        (Latch.RIGHT_STUCK, ("right wheel stuck", "free it", "encoder")),
+        (Latch.LEFT_OPPOSITE, ("left wheel turned against", "giraff check wheels")),
+        (Latch.RIGHT_OPPOSITE, ("right wheel turned against", "giraff check wheels")),
+    ],
+)
+def test_a_latch_of_the_board_becomes_bases_own(latch: Latch, words: tuple[str, ...]) -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.board.engage(latch)
+    assert moving(rig.run(2.0)) == []
+    state = rig.base.state()
+    assert not state.armed
+    assert state.board.latch == latch.name.lower()
+    assert rig.base.latch.engaged
+    assert rig.base.latch.by == "the base board"
+    assert all(word in state.reason for word in words)
+    assert state.reason.endswith("then giraff estop reset")
+    assert rig.board.latch == latch  # base does not paint it over with its own
+    assert reset(rig).done
+    rig.run(0.1)
+    assert rig.board.latch == Latch.NONE
+    rig.drive(0.6)
+
+
+def test_a_latch_that_no_header_knows_stops_too() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.base.on_frames(
+        [msgspec.structs.replace(rig.board.report(), latch=77, drive_state=88, last_refusal=99)], rig.now
+    )
+    assert rig.base.latch.engaged
+    assert rig.base.state().board.latch == "unknown 77"
+    assert rig.base.state().board.last_refusal == "unknown 99"
+
+
+def test_a_board_that_latches_again_after_its_release_stops_again() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    rig.board.engage(Latch.LEFT_STUCK)
+    rig.run(0.1)
+    first = rig.base.latch.id
+    reset(rig)
+    rig.run(0.1)
+    assert rig.board.latch == Latch.NONE
+    rig.board.engage(Latch.LEFT_STUCK)
+    rig.run(0.1)
+    assert rig.base.latch.engaged
+    assert rig.base.latch.id != first
+
+
+def test_a_release_is_repeated_until_the_board_has_it_and_then_never() -> None:
+    rig = Rig()
+    engage(rig)
+    rig.run(0.2)
+    rig.board.is_deaf = True
+    reset(rig)
+    frames = [rig.step() for _ in range(20)]
+    assert all(isinstance(frame, EstopFrame) and not frame.engage for frame in frames)
+    assert "released" in rig.base.state().reason
+    rig.board.is_deaf = False
+    rig.run(0.1)
+    assert rig.board.latch == Latch.NONE
+    assert all(isinstance(rig.step(), DriveFrame) for _ in range(20))
+
+
+@pytest.mark.parametrize("break_off", ["open", "lose", "reboot"])
+def test_a_release_is_of_the_board_there_was_when_it_was_asked_for(break_off: str) -> None:
+    rig = Rig()
+    engage(rig)
+    rig.run(0.2)
+    rig.connected = False
+    reset(rig)
+    if break_off == "reboot":
+        rig.board.reset()
+    elif break_off == "lose":
+        rig.base.on_link_lost("unplugged")
+    else:
+        rig.base.on_link_opened(session=100)
+    rig.board.engage(Latch.LEFT_STUCK)
+    rig.connected = True
+    rig.run(0.5)
+    assert rig.board.latch == Latch.LEFT_STUCK
+    assert rig.base.latch.engaged
+
+
+def test_without_a_board_engaging_and_resetting_work() -> None:
+    rig = Rig()
+    rig.connected = False
+    rig.base.on_link_lost("the port is gone; plug it in")
+    engage(rig)
+    assert rig.base.state().reason.startswith("emergency stop by keyboard")
+    assert rig.base.next_frame(rig.now) is None
+    assert reset(rig).done
+    assert rig.base.state().reason == "the port is gone; plug it in"
+
+
+def test_an_engaging_takes_back_a_release_under_way() -> None:
+    rig = Rig()
+    engage(rig)
+    rig.run(0.2)
+    rig.board.is_deaf = True
+    reset(rig)
+    rig.run(0.05)
+    engage(rig)
+    rig.board.is_deaf = False
+    frames = [rig.step() for _ in range(100)]
+    assert not any(isinstance(frame, EstopFrame) for frame in frames)  # it never was released
+    assert rig.board.latch == Latch.ESTOP
+    assert rig.base.latch.engaged
+
+
+def test_a_released_latch_is_what_a_new_robot_needs() -> None:
+    rig = Rig(robot=ROBOT, latch=RELEASED)
+    rig.drive(0.6)
+    assert rig.base.latch is RELEASED

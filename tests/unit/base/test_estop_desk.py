@@ -1,0 +1,299 @@
+"""Between asking, memory and disk: a stop never waits for the disk, and nothing is permitted that is not on it."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Generic, TypeVar
+
+import pytest
+
+from giraff_base.estop import RELEASED, EStopLatch
+from giraff_base.estop_desk import EStopDesk
+from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.wire import EstopFrame, Latch
+from tests.unit.base.rig import Rig, moving
+
+RequestT = TypeVar("RequestT")
+FULL = "estop.json: No space left on device"
+
+
+class Disk:
+    """Keeps latches when it is told to."""
+
+    def __init__(self) -> None:
+        self.content = RELEASED
+        self.trouble = ""
+        self.hangs = False
+        self.writes = 0
+        self.touched = False
+        """Something was to be written since this was last set."""
+        self._wanted: EStopLatch | None = None
+        self._outcomes: deque[tuple[EStopLatch, str]] = deque()
+
+    def save(self, latch: EStopLatch) -> None:
+        assert self._wanted is None, "one at a time"
+        self._wanted = latch
+        self.touched = True
+
+    def work(self) -> None:
+        """What its thread does meanwhile."""
+        if self._wanted is None or self.hangs:
+            return
+        self.writes += 1
+        if not self.trouble:
+            self.content = self._wanted
+        self._outcomes.append((self._wanted, self.trouble))
+        self._wanted = None
+
+    def outcome(self) -> tuple[EStopLatch, str] | None:
+        return self._outcomes.popleft() if self._outcomes else None
+
+
+class Asked(Generic[RequestT]):
+    """A request whose answers are kept."""
+
+    def __init__(self, request: RequestT) -> None:
+        self.request = request
+        self.answers: list[EStopAnswer] = []
+
+    def answer(self, answer: EStopAnswer) -> None:
+        self.answers.append(answer)
+
+    @property
+    def only(self) -> EStopAnswer:
+        (answer,) = self.answers
+        return answer
+
+
+class Office:
+    """A robot, its disk and the desk in front of both."""
+
+    def __init__(self) -> None:
+        self.rig = Rig()
+        self.disk = Disk()
+        self.desk = EStopDesk(self.rig.base, self.disk)
+        self.go_on()
+
+    def go_on(self, seconds: float = 0.03) -> None:
+        for _ in range(round(seconds * 100)):
+            self.rig.step()
+            self.desk.turn(self.rig.now)
+            self.disk.work()
+            # After the disk, too: here no turn of the loop is lost by waiting for the next.
+            self.desk.turn(self.rig.now)
+
+    def engage(self, by: str = "keyboard") -> Asked[EStopEngage]:
+        asked = Asked(EStopEngage(by=by, reason="space bar"))
+        self.desk.take([asked], [], self.rig.now)
+        return asked
+
+    def reset(self, age: float = 0.1) -> Asked[EStopReset]:
+        asked = Asked(EStopReset(by="carer", id=self.rig.base.latch.id, tick=self.rig.ago(age)))
+        self.desk.take([], [asked], self.rig.now)
+        return asked
+
+
+def test_at_its_start_base_writes_what_is_in_force_and_so_finds_a_bad_disk() -> None:
+    assert Office().disk.writes == 1
+    office = Office()
+    office.disk.trouble = FULL
+    bad = EStopDesk(office.rig.base, office.disk)
+    bad.turn(office.rig.now)
+    office.disk.work()
+    bad.turn(office.rig.now)
+    assert "No space left" in bad.fault
+
+
+def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_on_it() -> None:
+    office = Office()
+    office.rig.drive(0.6)
+    office.disk.hangs, office.disk.touched = True, False
+    asked = office.engage()
+    assert office.rig.base.latch.engaged
+    assert isinstance(office.rig.base.next_frame(office.rig.now), EstopFrame)
+    assert not office.disk.touched
+    office.go_on(0.5)
+    assert asked.answers == []
+    assert office.disk.content == RELEASED
+    office.disk.hangs = False
+    office.go_on()
+    assert (asked.only.done, asked.only.engaged, asked.only.id) == (True, True, office.rig.base.latch.id)
+    assert office.disk.content == office.rig.base.latch
+    assert office.desk.fault == ""
+
+
+def test_a_full_disk_keeps_the_robot_stopped_says_so_and_is_tried_again() -> None:
+    office = Office()
+    office.rig.drive(0.6)
+    office.disk.trouble = FULL
+    asked = office.engage()
+    office.go_on()
+    assert (asked.only.done, asked.only.engaged) == (False, True)
+    assert FULL in asked.only.reason
+    assert "free the disk" in asked.only.reason
+    assert FULL in office.desk.fault
+    assert moving(office.rig.run(1.0)) == []
+    writes = office.disk.writes
+    office.go_on(5.0)
+    assert 4 <= office.disk.writes - writes <= 6
+    office.disk.trouble = ""
+    office.go_on(1.1)
+    assert office.disk.content == office.rig.base.latch
+    assert office.desk.fault == ""
+
+
+def test_asking_again_on_a_mended_disk_is_confirmed_at_once() -> None:
+    office = Office()
+    office.disk.trouble = FULL
+    office.engage()
+    office.go_on()
+    office.disk.trouble = ""
+    again = office.engage()
+    office.go_on()
+    assert again.only.done
+
+
+def test_a_reset_is_on_disk_before_it_permits_anything() -> None:
+    office = Office()
+    office.engage()
+    office.go_on()
+    office.disk.hangs = True
+    asked = office.reset()
+    office.go_on(0.5)
+    assert asked.answers == []
+    assert office.rig.base.latch.engaged
+    assert office.rig.board.latch == Latch.ESTOP
+    office.disk.hangs = False
+    office.go_on()
+    assert (asked.only.done, asked.only.engaged) == (True, False)
+    assert office.disk.content == office.rig.base.latch
+    assert not office.disk.content.engaged
+    office.rig.drive(0.6)
+
+
+def test_a_reset_that_cannot_be_written_leaves_the_robot_stopped_for_good() -> None:
+    office = Office()
+    office.engage()
+    office.go_on()
+    office.disk.trouble = FULL
+    asked = office.reset()
+    office.go_on()
+    assert (asked.only.done, asked.only.engaged) == (False, True)
+    assert FULL in asked.only.reason
+    office.disk.trouble = ""
+    office.go_on(5.0)
+    assert office.rig.base.latch.engaged
+    assert office.disk.content == office.rig.base.latch
+    again = office.reset()
+    office.go_on()
+    assert again.only.done
+
+
+def test_a_reset_that_the_disk_is_too_slow_for_is_given_up() -> None:
+    office = Office()
+    office.engage()
+    office.go_on()
+    office.disk.hangs = True
+    asked = office.reset()
+    office.go_on(1.1)
+    assert not asked.only.done
+    assert "hangs" in asked.only.reason
+    assert "hangs" in office.desk.fault
+    office.disk.hangs = False
+    office.go_on(1.0)
+    assert office.rig.base.latch.engaged
+    assert office.disk.content == office.rig.base.latch
+    assert office.desk.fault == ""
+
+
+def test_a_disk_that_hangs_stops_no_frames_and_is_told_to_who_asked() -> None:
+    office = Office()
+    office.rig.drive(0.6)
+    office.disk.hangs = True
+    asked = office.engage()
+    before = len(office.rig.sent)
+    office.go_on(3.0)
+    frames = office.rig.sent[before:]
+    assert len(frames) >= 298
+    assert moving(frames) == []
+    assert not asked.only.done
+    assert "hangs" in asked.only.reason
+
+
+@pytest.mark.parametrize("order", ["before the disk", "after the disk"])
+def test_an_engaging_takes_back_a_reset_that_is_being_written(order: str) -> None:
+    office = Office()
+    office.engage()
+    office.go_on()
+    office.disk.hangs = True
+    reset = office.reset()
+    office.go_on(0.1)
+    if order == "after the disk":
+        office.disk.hangs = False
+        office.disk.work()
+    engage = office.engage()
+    assert not reset.only.done
+    assert "engaged anew" in reset.only.reason
+    office.disk.hangs = False
+    office.go_on(0.1)
+    assert engage.only.done
+    assert office.rig.base.latch.engaged
+    assert office.disk.content == office.rig.base.latch
+
+
+def test_of_two_who_ask_in_one_turn_who_stops_wins() -> None:
+    office = Office()
+    office.engage()
+    office.go_on()
+    reset = Asked(EStopReset(by="carer", id=office.rig.base.latch.id, tick=office.rig.ago(0.1)))
+    engage = Asked(EStopEngage(by="keyboard", reason="space bar"))
+    office.desk.take([engage], [reset], office.rig.now)
+    office.go_on(0.1)
+    assert not reset.only.done
+    assert engage.only.done
+    assert office.rig.base.latch.engaged
+
+
+def test_repeated_requests_are_all_answered() -> None:
+    office = Office()
+    engages = [office.engage() for _ in range(3)]
+    office.go_on()
+    assert all(each.only.done for each in engages)
+    resets = [office.reset() for _ in range(3)]
+    office.go_on()
+    assert all(each.only.done for each in resets)
+    assert not office.rig.base.latch.engaged
+    late = office.reset(age=8.0)
+    assert late.only.done  # it is released, as asked; nothing was cleared
+
+
+def test_a_reset_that_proves_nothing_is_refused_at_once_and_writes_nothing() -> None:
+    office = Office()
+    office.engage()
+    office.go_on()
+    writes = office.disk.writes
+    late = office.reset(age=8.0)
+    assert not late.only.done
+    office.go_on(0.1)
+    assert office.disk.writes == writes
+
+
+def test_a_reset_ends_the_wait_of_those_who_engaged() -> None:
+    office = Office()
+    office.disk.hangs = True
+    engage = office.engage()
+    office.go_on()
+    reset = office.reset()
+    assert not engage.only.done
+    office.disk.hangs = False
+    office.go_on(0.1)
+    assert reset.only.done
+
+
+def test_a_latch_of_the_board_is_kept_too() -> None:
+    office = Office()
+    office.rig.drive(0.6)
+    office.rig.board.engage(Latch.RIGHT_STUCK)
+    office.go_on()
+    assert office.disk.content == office.rig.base.latch
+    assert "right wheel stuck" in office.disk.content.reason
