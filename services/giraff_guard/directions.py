@@ -1,116 +1,161 @@
-"""What the ultrasonic sensors say about driving forward and backward."""
+"""How fast the robot may drive forward and backward, why not faster, and the way out."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Mapping
-from typing import Literal
+from typing import Final, Literal
+
+import msgspec
 
 from giraff_guard.config import GuardConfig
+from giraff_guard.echoes import Echoes, Obstruction
+from giraff_guard.motion import Motion
+from giraff_guard.sensor import Ping, Sensor
 from giraff_guard.stopping import fastest, stopping_distance
 from giraff_node.freshness import age
-from giraff_node.robot import RobotConfig, SensorPose
-from giraff_schemas.messages import Range, RobotTime, Verdict
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import Freedom, RobotTime, Verdict
 
 Way = Literal["forward", "backward"]
 
-_OTHER: dict[Way, str] = {"forward": "turn, or back up", "backward": "turn, or drive forward"}
+_UNMEASURED: Final = 0.5
+"""m/s² that a robot of unknown deceleration is taken to brake with from creeping."""
+_ASIDE: Final = 0.10
+"""m of difference between left and right from which one side counts as the freer one."""
 
 
 class Direction:
     """One way along x, judged by the sensors that look along it.
 
-    A blocked way opens again only `release` beyond the margin, so that a reading at the margin does not make the
-    robot stutter.
+    A way that was blocked is released to creep, and each further reading of the sensor that blocked it adds speed.
     """
 
-    def __init__(self, way: Way, config: GuardConfig, robot: RobotConfig) -> None:
+    def __init__(self, way: Way, config: GuardConfig, robot: RobotConfig, sensors: list[Sensor]) -> None:
         self.way: Way = way
+        self.sign = 1.0 if way == "forward" else -1.0
         self._config = config
         self._robot = robot
-        sign = 1.0 if way == "forward" else -1.0
-        self.sensors = {name: pose for name, pose in robot.sensors.items() if sign * math.cos(pose.yaw) > 0.7}
-        self._blocked = False
-        self._speeds: deque[tuple[int, float]] = deque()  # (robot_ns, m/s), as far back as a reading may lie
+        self.sensors = [sensor for sensor in sensors if self.sign * math.cos(sensor.pose.yaw) > 0.7]
+        self._blocked = True
+        self._blocker = ""
+        """The sensor that blocked this way last."""
+        self._regained = config.creep_linear
+        """m/s that its readings since then allow."""
 
-    def judge(self, ranges: Mapping[str, Range], speed: float, now: RobotTime) -> Verdict:
-        """The verdict for now. `speed`: what the robot does this way already, m/s, never negative."""
-        self._speeds.append((now.robot_ns, speed))
-        while (now.robot_ns - self._speeds[0][0]) * 1e-9 > self._config.range_budget:
-            self._speeds.popleft()
+    def on_reading(self, sensor: str) -> None:
+        """A sensor was heard."""
+        if not self._blocked and sensor == self._blocker:
+            self._regained += self._config.regain
+
+    def judge(self, motion: Motion, echoes: Echoes, now: RobotTime) -> Verdict:
+        """The verdict for now, without the way out."""
+        verdicts = [self._by_sensor(sensor, motion, now) for sensor in self.sensors]
+        if obstruction := echoes.first_in_the_way(motion.place, self.sign):
+            verdicts.append(self._by_memory(obstruction))
         if not self.sensors:
-            return Verdict(
-                allowed=self._config.creep_linear,
-                freedom="creep",
-                sensor="",
-                reason=f"no sensor looks {self.way}",
-                way_out="",
-            )
-        for name in self.sensors:
-            if blindness := self._blindness(name, ranges.get(name), now):
-                self._blocked = True
-                return Verdict(allowed=0.0, freedom="blocked", sensor=name, reason=blindness, way_out=_OTHER[self.way])
-        verdicts = [self._judge_sensor(name, ranges[name], speed, now) for name in self.sensors]
+            verdicts.append(self._creep("", f"no sensor looks {self.way}"))
+        if self._config.deceleration is None:
+            verdicts.append(self._creep("", "deceleration has not been measured; measure it, and set it in [guard]"))
         verdict = min(verdicts, key=lambda each: each.allowed)
         self._blocked = verdict.freedom == "blocked"
+        if self._blocked:
+            self._blocker, self._regained = verdict.sensor, self._config.creep_linear
+        elif self._regained < verdict.allowed:
+            reason = "this way was blocked until just now; speeding up"
+            return self._verdict(self._regained, verdict.sensor, reason)
         return verdict
 
-    def oldest_tick(self, ranges: Mapping[str, Range], now: RobotTime) -> RobotTime | None:
-        """The oldest moment among the readings this way relies on; the epoch's beginning where one is missing."""
-        ticks = [ranges[name].tick if name in ranges else None for name in self.sensors]
-        beginning = RobotTime(epoch=now.epoch, robot_ns=0)
-        proven = [tick if tick is not None and tick.epoch == now.epoch else beginning for tick in ticks]
-        return min(proven, key=lambda tick: tick.robot_ns, default=None)
+    def relied_on(self) -> RobotTime | None:
+        """The oldest moment among the newest readings of this way's sensors."""
+        ticks = [sensor.tick for sensor in self.sensors if sensor.tick is not None]
+        return min(ticks, key=lambda tick: tick.robot_ns, default=None)
 
-    def _blindness(self, name: str, reading: Range | None, now: RobotTime) -> str:
-        """Why the sensor does not count; empty when it does."""
-        if reading is None:
-            return f"{name} has not been heard yet; start giraff_ranger"
-        if reading.state == "fault":
-            return f"{name} is faulty: {reading.reason}"
-        old = age(reading.tick, now)
-        if old > self._config.range_budget:
-            last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
-            return f"{name} is stale ({last}); check giraff_ranger and its board"
-        return ""
+    def freer_side(self) -> str:
+        """Where the sensors see farther: left, right, or neither."""
+        left = [s.newest.distance for s in self.sensors if s.newest is not None and s.pose.y > 0.0]
+        right = [s.newest.distance for s in self.sensors if s.newest is not None and s.pose.y < 0.0]
+        difference = min(left, default=0.0) - min(right, default=0.0)
+        if not left or not right or abs(difference) < _ASIDE:
+            return ""
+        return "left" if difference > 0.0 else "right"
 
-    def _judge_sensor(self, name: str, reading: Range, speed: float, now: RobotTime) -> Verdict:
+    def speed_before(self, distance: float) -> float:
+        """m/s from which the robot stops within `distance` m."""
+        return fastest(distance, self._config.reaction_time, self._config.deceleration or _UNMEASURED)
+
+    def _by_sensor(self, sensor: Sensor, motion: Motion, now: RobotTime) -> Verdict:
+        if blindness := sensor.blindness(now):
+            return self._block(sensor.name, blindness)
+        if sensor.lost(motion):
+            return self._block(sensor.name, f"{sensor.name} lost something nearer than {self._config.near:g} m")
+        believed = sensor.believed([other for other in self.sensors if other is not sensor])
+        # The newest first, so that of equal ones it is the one named.
+        verdict = min((self._by_ping(sensor, ping, motion, now) for ping in believed), key=lambda each: each.allowed)
+        if verdict.allowed <= self._config.creep_linear:
+            return verdict
+        if doubt := sensor.doubt(motion, now):
+            return self._creep(sensor.name, doubt)
+        return verdict
+
+    def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime) -> Verdict:
         config = self._config
-        distance = reading.range if reading.range is not None else config.reach
-        old = age(reading.tick, now)
-        room = self._clearance(self.sensors[name], distance) - config.margin
-        # Since the reading the robot came nearer, by what it was fastest at: it may have been faster then than now.
-        came = old * max(then for at, then in self._speeds if at >= now.robot_ns - old * 1e9)
-        allowed = min(
-            fastest(room, config.reaction_time + old, config.deceleration),
-            fastest(room - came, config.reaction_time, config.deceleration),
-        )
-        seen = f"{name} sees something at {distance:.2f} m"
-        too_close = room < config.release if self._blocked else room <= 0.0
+        deceleration = config.deceleration or _UNMEASURED
+        room = self._clearance(sensor, ping.distance) - config.margin
+        came = ping.place.ahead(motion.place, sensor.pose.yaw)
+        allowed = fastest(room - came, config.reaction_time, deceleration)
+        if ping is sensor.newest and sensor.tick is not None:
+            # As if it had gone on at that speed since the reading, whatever the wheels say.
+            allowed = min(allowed, fastest(room, config.reaction_time + age(sensor.tick, now), deceleration))
+        seen = f"{sensor.name} sees something at {ping.distance:.2f} m"
+        too_close = room - came < config.release if self._blocked else room <= 0.0
         if too_close or allowed < config.slowest:
-            return Verdict(allowed=0.0, freedom="blocked", sensor=name, reason=seen, way_out=_OTHER[self.way])
-        if came + stopping_distance(speed, config.reaction_time, config.deceleration) > room:
+            return self._block(sensor.name, seen)
+        if came + stopping_distance(motion.speed(self.sign), config.reaction_time, deceleration) > room:
             # The robot is faster than it may be: power off brakes harder than a lower level does.
-            return Verdict(
-                allowed=0.0,
-                freedom="blocked",
-                sensor=name,
-                reason=f"{seen}, braking",
-                way_out=_OTHER[self.way],
-            )
-        if allowed < self._robot.max_wheel_speed:
-            return Verdict(allowed=allowed, freedom="slow", sensor=name, reason=seen, way_out="")
-        return Verdict(allowed=self._robot.max_wheel_speed, freedom="free", sensor="", reason="", way_out="")
+            return self._block(sensor.name, f"{seen}, braking")
+        return self._verdict(allowed, sensor.name, seen)
 
-    def _clearance(self, pose: SensorPose, distance: float) -> float:
+    def _by_memory(self, obstruction: Obstruction) -> Verdict:
+        allowed = self.speed_before(obstruction.distance)
+        side = "left" if obstruction.bearing > 0.0 else "right"
+        reason = f"{obstruction.sensor} has heard something to the {side}, where no sensor looks now"
+        if allowed < self._config.slowest:
+            return self._block(obstruction.sensor, reason)
+        return self._verdict(allowed, obstruction.sensor, reason)
+
+    def _block(self, sensor: str, reason: str) -> Verdict:
+        return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=reason, way_out="")
+
+    def _creep(self, sensor: str, reason: str) -> Verdict:
+        return self._verdict(self._config.creep_linear, sensor, reason)
+
+    def _verdict(self, allowed: float, sensor: str, reason: str) -> Verdict:
+        if allowed >= self._robot.max_wheel_speed:
+            free = self._robot.max_wheel_speed
+            return Verdict(allowed=free, freedom="free", sensor="", reason="", way_out="")
+        freedom: Freedom = "creep" if allowed <= self._config.creep_linear else "slow"
+        return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=reason, way_out="")
+
+    def _clearance(self, sensor: Sensor, distance: float) -> float:
         """m between the footprint and what `distance` told, at the least.
 
         The worst of a flat surface at up to `incidence`: the echo then comes from the cone's near edge, and the
-        surface is nearest beside the sensor's axis. A sensor off the middle is not charged for its offset, because
-        a surface that is nearer on the other side is nearer to the sensor there.
+        surface is nearest beside the sensor's axis. A sensor off the middle is charged for its offset only where no
+        other one sits farther over: a surface that is nearer on that side is nearer to the other sensor there.
         """
         incidence, half_cone = self._config.incidence, self._config.half_cone
-        ahead = pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)  # of base_link, along the sensor's axis
-        ahead = min(ahead, ahead * math.cos(incidence))
-        return distance * math.cos(max(0.0, incidence - half_cone)) + ahead - self._robot.footprint_radius
+        ahead = min(sensor.offset, sensor.offset * math.cos(incidence))
+        aside = abs(sensor.aside)
+        if any(other.aside * sensor.aside < sensor.aside**2 for other in self.sensors):
+            aside = 0.0
+        slanted = distance * math.cos(max(0.0, incidence - half_cone))
+        return slanted + ahead - aside * math.sin(incidence) - self._robot.footprint_radius
+
+
+def with_way_out(verdict: Verdict, way: Direction, *, other_is_free: bool) -> Verdict:
+    """A blocked verdict with what the operator can do instead."""
+    if verdict.freedom != "blocked":
+        return verdict
+    turn = f"turn {way.freer_side()}".strip()
+    back = "back up" if way.way == "forward" else "drive forward"
+    return msgspec.structs.replace(verdict, way_out=f"{turn} or {back}" if other_is_free else turn)

@@ -1,0 +1,140 @@
+"""Who drives: one operator at a time holds the lease, and only its own fresh commands count."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_guard.config import GuardConfig
+from giraff_node.freshness import age
+from giraff_node.lease import ASK
+from giraff_schemas.messages import DriveCommand, RobotTime
+
+_COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1 again
+_HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
+
+
+class Authority:
+    """The lease: (instance of the operator, this guard, counter).
+
+    What does not count changes nothing: a late, repeated or foreign command neither keeps the lease alive nor stands
+    in the way of the holder's next one, whatever its sequence number.
+    """
+
+    def __init__(self, config: GuardConfig, first_lease: int) -> None:
+        self.holder = ""
+        """Instance of the operator that holds the lease; empty: it is free."""
+        self.operator = ""
+        """Its name."""
+        self.counter = 0
+        """What its commands must carry; 0: the lease is free."""
+        self.command: DriveCommand | None = None
+        """The holder's newest command that counted when it came."""
+        self._config = config
+        self._next = (first_lease - 1) % _COUNTERS + 1
+        self._seq = -1
+        # When (robot_ns) the holder last gave a command that counts, one of a hand, and one that asks for motion.
+        self._heard_ns = self._hand_ns = self._wish_ns = 0
+        self._ended = ""
+        self._complaint = ""
+        self._complaint_ns = 0
+
+    def on_command(self, command: DriveCommand, now: RobotTime) -> None:
+        """Take a command of any operator."""
+        self.review(now)
+        theirs = bool(self.holder) and command.instance == self.holder and command.lease_counter == self.counter
+        old = age(command.tick, now)
+        if old > self._config.operator_budget:
+            if theirs or not self.holder:
+                self._complain(command, old, now)
+        elif command.lease_counter == ASK:
+            self._consider(command, now)
+        elif theirs and command.seq > self._seq:
+            self._count(command, now)
+
+    def review(self, now: RobotTime) -> None:
+        """End a lease that nobody makes use of."""
+        if not self.holder:
+            return
+        config = self._config
+        limits = (
+            (self._heard_ns, config.operator_release, "was silent"),
+            (self._hand_ns, config.fault_release, "was at fault"),
+            (self._wish_ns, config.idle_release, "rested"),
+        )
+        for since_ns, limit, what in limits:
+            if (now.robot_ns - since_ns) * 1e-9 > limit:
+                self._ended = f"{self.operator} {what} for {limit:g} s"
+                self.holder = self.operator = ""
+                self.counter = 0
+                self.command = None
+                return
+
+    def asked(self, now: RobotTime) -> tuple[DriveCommand | None, str]:
+        """The command that counts now; else None and why there is none, with the way out."""
+        command = self.command
+        if not self.holder:
+            return None, self.reason(now)
+        if command is not None and command.source == "fault":
+            return None, f"{self.operator}: {command.reason}"
+        if command is None or age(command.tick, now) > self._config.operator_budget:
+            return None, self._recent_complaint(now) or f"no fresh command of {self.operator}; check its link"
+        return command, ""
+
+    def reason(self, now: RobotTime) -> str:
+        """For those who do not hold the lease: who does, or why nobody, and what they do now."""
+        if self.holder:
+            config = self._config
+            return (
+                f"held by {self.operator} ({self.holder[:8]}) until it rests for {config.idle_release:g} s, is silent "
+                f"for {config.operator_release:g} s or at fault for {config.fault_release:g} s; then {_HOW_TO_ASK}"
+            )
+        if complaint := self._recent_complaint(now):
+            return complaint
+        if self._ended:
+            return f"nobody drives, since {self._ended}; {_HOW_TO_ASK}"
+        return "no operator is heard; start giraff_joystick or giraff_keyboard"
+
+    def _consider(self, command: DriveCommand, now: RobotTime) -> None:
+        """Grant the lease to a fresh asker, if it may have it."""
+        if command.source == "fault":
+            if not self.holder:
+                self._complaint, self._complaint_ns = f"{command.operator}: {command.reason}", now.robot_ns
+            return
+        if self.holder:
+            # Only a human's wish takes the robot from another: a program that was merely started does not.
+            priorities = self._config.priorities
+            higher = priorities.get(command.operator, 0) > priorities.get(self.operator, 0)
+            if not higher or command.neutral:
+                return
+        self.holder, self.operator = command.instance, command.operator
+        self.counter = self._next
+        self._next = self._next % _COUNTERS + 1
+        self.command = None
+        self._seq = command.seq
+        self._heard_ns = self._hand_ns = self._wish_ns = now.robot_ns
+        self._complaint = ""
+
+    def _count(self, command: DriveCommand, now: RobotTime) -> None:
+        self.command = command
+        self._seq = command.seq
+        self._complaint = ""
+        self._heard_ns = now.robot_ns
+        if command.source == "hand":
+            self._hand_ns = now.robot_ns
+            if not command.neutral:
+                self._wish_ns = now.robot_ns
+
+    def _complain(self, command: DriveCommand, old: float, now: RobotTime) -> None:
+        """Keep why a command that would matter did not count."""
+        if command.source == "fault":
+            why = command.reason
+        elif math.isfinite(old):
+            why = f"its command is {old:.1f} s old; check its link and its service"
+        else:
+            why = "its command carries no moment of this robot's clock; check that it hears base"
+        self._complaint, self._complaint_ns = f"{command.operator}: {why}", now.robot_ns
+
+    def _recent_complaint(self, now: RobotTime) -> str:
+        recent = (now.robot_ns - self._complaint_ns) * 1e-9 <= self._config.operator_release
+        return self._complaint if recent else ""

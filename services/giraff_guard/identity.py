@@ -1,0 +1,145 @@
+"""Whose samples count: one base, and one ranger for each sensor."""
+
+from __future__ import annotations
+
+from giraff_guard.config import GuardConfig
+from giraff_node.freshness import age
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import Range, RobotTime, Tick, Wheels
+
+
+class Bond:
+    """The one process that is listened to for one thing.
+
+    Only samples with a fresh tick are shown to it: what a dead process once said, arriving late, is nobody's voice.
+    """
+
+    def __init__(self, what: str, silence: float) -> None:
+        self.maker = ""
+        """Instance in charge; empty: none yet."""
+        self._what = what
+        self._silence = silence
+        self._seq = -1
+        self._heard_ns = 0
+        self._fault = ""
+        self._fault_ns = 0
+
+    def admit(self, maker: str, seq: int, robot_ns: int) -> bool:
+        """Whether a fresh sample counts. Another maker takes over once the one in charge is silent."""
+        if maker != self.maker:
+            if self.maker and not self.silent(robot_ns):
+                self._report(
+                    f"a second {self._what}, {maker}, speaks beside {self.maker}; end one of the two", robot_ns
+                )
+                return False
+            if self.maker:
+                self._report(f"another {self._what}, {maker}, took the place of {self.maker}; arm again", robot_ns)
+            self.maker, self._seq = maker, -1
+        if seq <= self._seq:
+            return False
+        self._seq = seq
+        self._heard_ns = robot_ns
+        return True
+
+    def silent(self, robot_ns: int) -> bool:
+        """The maker in charge has not been heard for so long that it may be replaced."""
+        return (robot_ns - self._heard_ns) * 1e-9 > self._silence
+
+    def fault(self, robot_ns: int) -> str:
+        """Why the robot must not move and be armed anew; empty when nothing of the kind was seen lately."""
+        return self._fault if (robot_ns - self._fault_ns) * 1e-9 <= self._silence else ""
+
+    def _report(self, fault: str, robot_ns: int) -> None:
+        self._fault, self._fault_ns = fault, robot_ns
+
+
+class Identity:
+    """Judges each sample by its maker, its sequence number and its tick.
+
+    `robot_ns` is this process's own reading of the clock that base's ticks are made of. A tick only ever makes
+    something as old as it is: one that lies ahead of that clock, or behind one already heard, is not taken.
+    """
+
+    def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
+        self._silence = config.maker_silence
+        self._base = Bond("base", config.maker_silence)
+        self._rangers = {name: Bond(f"ranger for {name}", config.maker_silence) for name in robot.sensors}
+        self._tick: Tick | None = None
+        self._wheels_seq = -1
+        self._foreign_ns: int | None = None
+        self._unproven: dict[str, int] = {}
+
+    @property
+    def tick(self) -> RobotTime | None:
+        """The newest moment that base has told; None before the first."""
+        return self._tick.time if self._tick is not None else None
+
+    def now(self, robot_ns: int) -> RobotTime:
+        """The moment to judge ages by. Before base is heard nothing is fresh: epoch 0 is nobody's."""
+        return RobotTime(epoch=self._tick.epoch if self._tick is not None else 0, robot_ns=robot_ns)
+
+    def on_tick(self, tick: Tick, robot_ns: int) -> bool:
+        """Take a tick. True: it is another base's than before, in whose epoch nothing is known yet."""
+        if not self._fresh(tick.time, RobotTime(epoch=tick.epoch, robot_ns=robot_ns)):
+            self._foreign_ns = robot_ns
+            return False
+        if not self._base.admit(f"{tick.instance}/{tick.epoch}", tick.seq, robot_ns):
+            return False
+        held = self._tick
+        if held is None or (held.instance, held.epoch) != (tick.instance, tick.epoch):
+            self._tick = tick
+            self._wheels_seq = -1
+            return True
+        if tick.robot_ns > held.robot_ns:
+            self._tick = tick
+        return False
+
+    def admits_range(self, reading: Range, robot_ns: int) -> bool:
+        """Whether a reading counts."""
+        bond = self._rangers.get(reading.sensor)
+        if bond is None:
+            return False
+        if not self._fresh(reading.tick, self.now(robot_ns)):
+            self._unproven[reading.sensor] = robot_ns
+            return False
+        return bond.admit(reading.instance, reading.seq, robot_ns)
+
+    def admits_wheels(self, wheels: Wheels, robot_ns: int) -> bool:
+        """Whether a report of the wheels counts: base's own only."""
+        if self._tick is None or wheels.instance != self._tick.instance or wheels.seq <= self._wheels_seq:
+            return False
+        if not self._fresh(wheels.tick, self.now(robot_ns)):
+            return False
+        self._wheels_seq = wheels.seq
+        return True
+
+    def fault(self, robot_ns: int) -> str:
+        """Two of what there may be one of, or one replaced: the robot must be armed anew. Empty when all are bound."""
+        found = (bond.fault(robot_ns) for bond in (self._base, *self._rangers.values()))
+        return "; ".join(fault for fault in found if fault)
+
+    def base_fault(self, robot_ns: int) -> str:
+        """Why base's clock is not known now; empty when it is."""
+        if self._tick is not None and not self._base.silent(robot_ns):
+            return ""
+        if self._foreign_ns is not None and self._lately(self._foreign_ns, robot_ns):
+            return "base's ticks are late or of another machine's clock; run giraff_guard on base's machine, unburdened"
+        return "base is not heard; start giraff_base on this machine"
+
+    def sensor_faults(self, robot_ns: int) -> dict[str, str]:
+        """By sensor: why its readings do not count now, although they come."""
+        faults = {}
+        for name, bond in self._rangers.items():
+            if fault := bond.fault(robot_ns):
+                faults[name] = fault
+            elif bond.silent(robot_ns) and name in self._unproven and self._lately(self._unproven[name], robot_ns):
+                faults[name] = (
+                    f"{name}'s readings carry no fresh moment of this robot's clock; check that it hears base"
+                )
+        return faults
+
+    def _fresh(self, tick: RobotTime | None, now: RobotTime) -> bool:
+        return age(tick, now) <= self._silence
+
+    def _lately(self, at_ns: int, robot_ns: int) -> bool:
+        return (robot_ns - at_ns) * 1e-9 <= self._silence

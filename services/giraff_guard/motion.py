@@ -1,0 +1,134 @@
+"""Where the robot has been in the last moments, from its wheels: how far it came since a reading."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Final, NamedTuple
+
+from giraff_guard.config import GuardConfig
+from giraff_node.counters import signed32
+from giraff_node.freshness import age
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import RobotTime, Wheels
+
+_KEPT_NS: Final = 1_500_000_000
+_SLACK: Final = 0.02
+"""m added to what a wheel may travel between two reports: counts come whole, and the board's time is not exact."""
+
+
+class Place(NamedTuple):
+    """A pose in a frame of the guard's own, which drifts as odometry does: m, m, rad."""
+
+    x: float
+    y: float
+    yaw: float
+
+    def moved(self, distance: float, turn: float) -> Place:
+        """After an arc of `distance` m that turns by `turn` rad."""
+        middle = self.yaw + turn / 2.0
+        return Place(self.x + distance * math.cos(middle), self.y + distance * math.sin(middle), self.yaw + turn)
+
+    def ahead(self, other: Place, axis: float) -> float:
+        """m that `other` lies ahead of here, along a direction that is `axis` rad off this heading."""
+        direction = self.yaw + axis
+        return (other.x - self.x) * math.cos(direction) + (other.y - self.y) * math.sin(direction)
+
+
+class _Moment(NamedTuple):
+    robot_ns: int
+    place: Place
+
+
+class Motion:
+    """Integrates the wheels. Where they are not heard, what was passed on counts as driven."""
+
+    def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
+        self._config = config
+        self._robot = robot
+        self._wheels: Wheels | None = None
+        self._moments: deque[_Moment] = deque()
+        self._passed: deque[tuple[int, float, float]] = deque()  # (robot_ns, m/s, rad/s), newest last
+        self.heard = False
+        """Whether the wheels say where the robot is."""
+        self.place = Place(0.0, 0.0, 0.0)
+        """Now."""
+        self._measured = self.place  # at the newest report
+        self.travel = 0.0
+        """m the centre has made since the beginning, backwards counted too."""
+        self.breaks = 0
+        """How often the wheels' counters could not be followed."""
+
+    def on_wheels(self, wheels: Wheels) -> None:
+        """Follow a report that is newer than the last."""
+        last, self._wheels = self._wheels, wheels
+        distance = turn = 0.0
+        if last is not None:
+            scale = self._robot.ticks_per_metre
+            left = signed32(wheels.left_ticks - last.left_ticks) / scale
+            right = signed32(wheels.right_ticks - last.right_ticks) / scale
+            elapsed = ((wheels.board_us - last.board_us) & 0xFFFFFFFF) * 1e-6
+            most = 2.0 * self._robot.max_wheel_speed * elapsed + _SLACK
+            if (wheels.boot_id, wheels.instance) != (last.boot_id, last.instance) or max(abs(left), abs(right)) > most:
+                self.breaks += 1
+                self._measured = self.place
+            else:
+                distance, turn = (left + right) / 2.0, (right - left) / self._robot.track_width
+        self._measured = self._measured.moved(distance, turn)  # not from where it was reckoned meanwhile
+        self._reach(wheels.tick.robot_ns, self._measured, abs(distance))
+
+    def on_passed(self, linear_x: float, angular_z: float, now: RobotTime) -> None:
+        """What the guard lets through from now on."""
+        self._passed.append((now.robot_ns, linear_x, angular_z))
+        while now.robot_ns - self._passed[0][0] > self._config.reaction_time * 1e9 and len(self._passed) > 1:
+            self._passed.popleft()
+
+    def look(self, now: RobotTime) -> None:
+        """Bring `heard` and `place` up to now."""
+        wheels = self._wheels
+        self.heard = wheels is not None and age(wheels.tick, now) <= self._config.range_budget
+        if not self._moments:
+            self._moments.append(_Moment(now.robot_ns, self.place))
+        seconds = (now.robot_ns - self._moments[-1].robot_ns) * 1e-9
+        if self.heard and wheels is not None:
+            turning = (wheels.right_velocity - wheels.left_velocity) / self._robot.track_width
+            driving = (wheels.left_velocity + wheels.right_velocity) / 2.0
+            self.place = self._moments[-1].place.moved(driving * seconds, turning * seconds)
+            return
+        _, driving, turning = self._passed[-1] if self._passed else (0, 0.0, 0.0)
+        self.place = self._moments[-1].place.moved(driving * seconds, turning * seconds)
+        self._reach(now.robot_ns, self.place, abs(driving * seconds))
+
+    def place_at(self, robot_ns: int) -> Place:
+        """Where the robot was; the oldest place that is known for what lies before it."""
+        later: _Moment | None = None
+        for moment in reversed(self._moments):
+            if moment.robot_ns <= robot_ns:
+                if later is None:
+                    return moment.place
+                share = (robot_ns - moment.robot_ns) / (later.robot_ns - moment.robot_ns)
+                here, there = moment.place, later.place
+                return Place(*(a + (b - a) * share for a, b in zip(here, there, strict=True)))
+            later = moment
+        return later.place if later else self.place
+
+    def speed(self, sign: float) -> float:
+        """m/s the robot does forward (1) or backward (-1), never negative: the larger of measured and commanded.
+
+        What was passed on counts once it has been in force for the reaction time. Where the wheels are not heard, it
+        counts from the beginning, and as long.
+        """
+        passed = [max(0.0, sign * linear) for _, linear, _ in self._passed]
+        if self.heard and self._wheels is not None:
+            measured = sign * (self._wheels.left_velocity + self._wheels.right_velocity) / 2.0
+            return max(measured, min(passed, default=0.0))
+        return max(passed, default=0.0)
+
+    def _reach(self, robot_ns: int, place: Place, distance: float) -> None:
+        self.place = place
+        self.travel += distance
+        if self._moments and robot_ns <= self._moments[-1].robot_ns:
+            robot_ns = self._moments.pop().robot_ns
+        self._moments.append(_Moment(robot_ns, place))
+        while robot_ns - self._moments[0].robot_ns > _KEPT_NS:
+            self._moments.popleft()

@@ -1,0 +1,179 @@
+"""What one ultrasonic sensor is believed to say. docs/obstacles.md has the rules and why they are so."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Final, NamedTuple
+
+from giraff_guard.config import GuardConfig
+from giraff_guard.motion import Motion, Place
+from giraff_guard.self_test import SelfTest
+from giraff_node.freshness import age
+from giraff_node.robot import SensorPose
+from giraff_schemas.messages import Range, RobotTime
+
+_KEPT: Final = 4
+"""Readings: what was heard the time before last is not alone when it is heard again."""
+
+
+class Ping(NamedTuple):
+    """A good reading, and where the robot was when it was taken."""
+
+    robot_ns: int
+    distance: float
+    """m from the sensor; its reach where nothing answered."""
+    echo: bool
+    place: Place
+
+
+class Sensor:
+    """The newest few good readings without a gap or fault between, and what more is known of the sensor."""
+
+    def __init__(self, name: str, pose: SensorPose, config: GuardConfig) -> None:
+        self.name = name
+        self.pose = pose
+        self._config = config
+        self._pings: deque[Ping] = deque(maxlen=_KEPT)
+        self._reading: Range | None = None
+        self._proof: tuple[int, float] | None = None  # robot_ns and travel at the last plausible echo
+        self._lost: tuple[Place, float] | None = None  # where the robot was when a touching echo was lost, m
+        self._self_test = SelfTest(config)
+
+    @property
+    def tick(self) -> RobotTime | None:
+        """Moment of the newest reading."""
+        return self._reading.tick if self._reading else None
+
+    @property
+    def newest(self) -> Ping | None:
+        """The newest good reading, if none but a good one came since."""
+        return self._pings[-1] if self._pings else None
+
+    def on_range(self, reading: Range, motion: Motion, now: RobotTime) -> None:
+        """Take a reading."""
+        self._reading = reading
+        if reading.state == "fault" or reading.tick is None or not math.isfinite(age(reading.tick, now)):
+            self._pings.clear()
+            return
+        ping = Ping(
+            robot_ns=reading.tick.robot_ns,
+            distance=min(self._config.reach, reading.range if reading.range is not None else self._config.reach),
+            echo=reading.state == "echo",
+            place=motion.place_at(reading.tick.robot_ns),
+        )
+        before = self.newest
+        if before is not None and (ping.robot_ns - before.robot_ns) * 1e-9 > self._config.range_budget:
+            self._pings.clear()
+            before = None
+        self._note_loss(ping)
+        self._pings.append(ping)
+        follows = before is not None and self._compare(before, ping) == 0
+        both_echoes = before is not None and before.echo and ping.echo
+        if motion.heard:
+            pulse = reading.echo_us if ping.echo else None
+            self._self_test.on_reading(pulse, ping.place, self.pose.yaw, both_echoes and not follows)
+        if both_echoes and follows:
+            self._proof = (ping.robot_ns, motion.travel)
+
+    def blindness(self, now: RobotTime) -> str:
+        """Why the sensor does not count at all; empty when it does."""
+        reading = self._reading
+        if reading is None:
+            return f"{self.name} has not been heard yet; start giraff_ranger"
+        if reading.state == "fault":
+            return f"{self.name} is faulty: {reading.reason}"
+        old = age(reading.tick, now)
+        if old > self._config.range_budget:
+            last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
+            return f"{self.name} is stale ({last}); check giraff_ranger and its board"
+        if self._self_test.frozen:
+            return f"{self.name} is frozen: it repeats one echo while the robot moves; check it, or look for slip"
+        if len(self._pings) < 2:
+            return f"{self.name} has been heard only once since it was silent; wait for its next reading"
+        return ""
+
+    def doubt(self, motion: Motion, now: RobotTime) -> str:
+        """Why it is worth no more than creeping; empty when it is."""
+        if self._self_test.wild:
+            return f"{self.name} jumps as no surface does; face a wall squarely, else check the sensor"
+        if self._proof is None:
+            return f"{self.name} has not proved that it hears; face a wall within {self._config.reach:g} m"
+        since, travel = (now.robot_ns - self._proof[0]) * 1e-9, motion.travel - self._proof[1]
+        if since <= self._config.proof_time or travel <= self._config.proof_travel:
+            return ""
+        return f"{self.name} has heard nothing for {since:.0f} s and {travel:.0f} m; face a wall to prove that it hears"
+
+    def lost(self, motion: Motion) -> bool:
+        """Whether an echo was lost so near that what gave it may touch the sensor.
+
+        Over when the robot has moved away from it, or has turned away.
+        """
+        if self._lost is None:
+            return False
+        place, distance = self._lost
+        away = distance - place.ahead(motion.place, self.pose.yaw)
+        if away >= 2.0 * self._config.near or abs(motion.place.yaw - place.yaw) >= 4.0 * self._config.half_cone:
+            self._lost = None
+        return self._lost is not None
+
+    def believed(self, others: list[Sensor]) -> list[Ping]:
+        """The readings that count, newest first. `others`: the sensors that look the same way.
+
+        The last two, so that one long reading never hides what the one before has heard; but not one that stands
+        alone: longer readings of its own sensor before and after it, and the newest of each other sensor, outvote it.
+        """
+        *before, doubted, last = self._pings
+        if not before or not others or not self._is_alone(doubted, before, last):
+            return [last, doubted]
+        outvoted = all(self._outvotes(other.newest, doubted, other) for other in others)
+        return [last] if outvoted else [last, doubted]
+
+    def _is_alone(self, doubted: Ping, before: list[Ping], last: Ping) -> bool:
+        """Whether nothing near it, and nothing that could have come there at a walk, was heard around it."""
+        if self._compare(doubted, last) <= 0 or self._compare(doubted, before[-1]) <= 0:
+            return False
+        return all(self._compare(doubted, earlier, walk=False) != 0 for earlier in before[:-1])
+
+    def _outvotes(self, witness: Ping | None, ping: Ping, other: Sensor) -> bool:
+        if witness is None or witness.robot_ns < ping.robot_ns:
+            return False
+        here, there = self.offset + ping.distance, other.offset + witness.distance
+        return there > here + self._config.agreement + self._walked(ping, witness)
+
+    @property
+    def offset(self) -> float:
+        """m the sensor sits ahead of base_link, along its own axis."""
+        return self.pose.x * math.cos(self.pose.yaw) + self.pose.y * math.sin(self.pose.yaw)
+
+    @property
+    def aside(self) -> float:
+        """m it sits to the left of base_link, seen along its axis."""
+        return self.pose.y * math.cos(self.pose.yaw) - self.pose.x * math.sin(self.pose.yaw)
+
+    def _note_loss(self, ping: Ping) -> None:
+        """Before `ping` is taken: whether it loses an echo that was sure and nearly touched."""
+        if len(self._pings) < 2:
+            return
+        before, last = self._pings[-2], self._pings[-1]
+        sure = before.echo and last.echo and self._compare(before, last, walk=False) == 0
+        if sure and last.distance < self._config.near and self._compare(last, ping) > 0:
+            self._lost = (last.place, last.distance)
+        elif ping.echo and ping.distance < self._config.near:
+            self._lost = None  # it is there again
+
+    def _walked(self, one: Ping, other: Ping) -> float:
+        """m that a person may have walked between two readings."""
+        return self._config.person_speed * abs(other.robot_ns - one.robot_ns) * 1e-9
+
+    def _compare(self, one: Ping, other: Ping, *, walk: bool = True) -> int:
+        """Whether `other` shows something nearer (-1) or farther (1) than `one` did, or it may be the same (0).
+
+        The same is what the robot's motion, a person's `walk` and, while it turns, a slanted surface explain.
+        """
+        expected = one.distance - one.place.ahead(other.place, self.pose.yaw)
+        turned = one.distance * abs(other.place.yaw - one.place.yaw)
+        slack = self._config.agreement + turned + (self._walked(one, other) if walk else 0.0)
+        if other.distance > expected + slack:
+            return 1
+        return -1 if other.distance < expected - slack else 0

@@ -1,0 +1,134 @@
+"""Obstacles with sensors and wheels in simulated robot time: the rig of these tests."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Final
+
+from giraff_guard.config import GuardConfig
+from giraff_guard.obstacles import Limited, Obstacles, Verdicts
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import Range, RobotTime, Verdict, Wheels
+from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FRONT, NEAR, ROBOT, robot_with
+
+__all__ = ["CONFIG", "CYCLE", "EPOCH", "FAR", "FRONT", "NEAR", "ROBOT", "SIDES", "Senses", "opened", "robot_with"]
+
+CYCLE: Final = 0.18  # s: each sensor once
+_TURN: Final = 0.02  # s
+SIDES: Final = {"forward": FRONT, "backward": ("rear",)}
+
+
+class Senses:
+    """Feed it, let it drive, and ask what it thinks."""
+
+    def __init__(self, robot: RobotConfig = ROBOT, config: GuardConfig = CONFIG) -> None:
+        self.robot = robot
+        self.config = config
+        self.obstacles = Obstacles(config, robot)
+        self.robot_ns = 1_000_000_000_000
+        self.linear = self.angular = 0.0
+        """What the robot does: m/s, rad/s."""
+        self.asked = (0.0, 0.0)
+        self._left = self._right = 0.0  # m of wheel travel
+        self._seq = 0
+
+    @property
+    def now(self) -> RobotTime:
+        return RobotTime(epoch=EPOCH, robot_ns=self.robot_ns)
+
+    def ago(self, seconds: float, epoch: int = EPOCH) -> RobotTime:
+        return RobotTime(epoch=epoch, robot_ns=self.robot_ns - round(seconds * 1e9))
+
+    def wait(self, seconds: float, *, wheels: bool = True) -> None:
+        """Let time pass in the guard's turns, the robot moving as it does."""
+        for _ in range(round(seconds / _TURN)):
+            self.robot_ns += round(_TURN * 1e9)
+            half = self.angular * self.robot.track_width / 2.0
+            self._left += (self.linear - half) * _TURN
+            self._right += (self.linear + half) * _TURN
+            if wheels:
+                self.report()
+            self.judge()
+            self.limit(*self.asked)
+
+    def report(self, age: float = 0.0, boot_id: int = 1) -> None:
+        """What the wheels say now."""
+        half = self.angular * self.robot.track_width / 2.0
+        report = Wheels(
+            instance="base",
+            left_ticks=math.floor(self._left * self.robot.ticks_per_metre),
+            right_ticks=math.floor(self._right * self.robot.ticks_per_metre),
+            left_velocity=self.linear - half,
+            right_velocity=self.linear + half,
+            left_pwm_counts=0,
+            right_pwm_counts=0,
+            board_us=self.robot_ns // 1000 & 0xFFFFFFFF,
+            boot_id=boot_id,
+            tick=self.ago(age),
+        )
+        self.obstacles.on_wheels(report, self.now)
+
+    def hear(
+        self,
+        distance: float | None,
+        *sensors: str,
+        age: float = 0.0,
+        fault: str = "",
+        tick: RobotTime | None = None,
+        echo_us: int | None = None,
+    ) -> None:
+        """A reading of these sensors, or of all; None: nothing within reach."""
+        for name in sensors or self.robot.sensors:
+            self._seq += 1
+            measured = None if fault else distance
+            pulse = round(measured * 5800) if measured is not None else 38_000
+            reading = Range(
+                seq=self._seq,
+                instance="ranger",
+                sensor=name,
+                state="fault" if fault else "clear" if measured is None else "echo",
+                range=measured,
+                echo_us=pulse if echo_us is None else echo_us,
+                reason=fault,
+                tick=self.ago(age) if tick is None else tick,
+            )
+            self.obstacles.on_range(reading, self.now)
+
+    def cycle(self, distances: Mapping[str, float | None] | float | None = FAR, cycles: int = 1) -> None:
+        """As the ranger board has it: a sensor each 60 ms, in turn."""
+        for _ in range(cycles):
+            for name in self.robot.sensors:
+                self.wait(CYCLE / len(self.robot.sensors))
+                seen = distances.get(name, FAR) if isinstance(distances, Mapping) else distances
+                self.hear(seen, name)
+                self.judge()
+
+    def judge(self) -> Verdicts:
+        return self.obstacles.judge(self.now)
+
+    def limit(self, linear: float, angular: float = 0.0) -> Limited:
+        return self.obstacles.limit(linear, angular, self.now)
+
+    def passes(self, linear: float, angular: float = 0.0) -> tuple[float, float]:
+        """What comes out of asking for this now."""
+        self.judge()
+        limited = self.limit(linear, angular)
+        return limited.linear_x, limited.angular_z
+
+    def verdict(self, way: str = "forward") -> Verdict:
+        judged = getattr(self.judge(), way)
+        assert isinstance(judged, Verdict)
+        return judged
+
+    def allowed(self, way: str = "forward") -> float:
+        return self.verdict(way).allowed
+
+
+def opened(robot: RobotConfig = ROBOT, config: GuardConfig = CONFIG, distance: float = FAR) -> Senses:
+    """At rest, with every sensor proven and nothing held back any more; all have just been heard at `distance`."""
+    senses = Senses(robot, config)
+    senses.cycle(distance, cycles=8)
+    senses.hear(distance)
+    senses.judge()
+    return senses

@@ -1,0 +1,400 @@
+"""Who drives: how the lease is granted, kept, taken and lost, and what a command needs to count."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_guard.authority import Authority
+from giraff_guard.config import GuardConfig
+from giraff_schemas.messages import DriveCommand, RobotTime, Source
+
+EPOCH = 7
+FIRST = 1000
+CONFIG = GuardConfig(priorities={"carer": 2, "child": -1})
+PERIOD = 0.05  # s between two commands
+
+
+class Room:
+    """A guard's authority and those who speak to it, in robot time."""
+
+    def __init__(self, first_lease: int = FIRST) -> None:
+        self.authority = Authority(CONFIG, first_lease)
+        self.robot_ns = 10**12
+        self._seq = 0
+
+    @property
+    def now(self) -> RobotTime:
+        return RobotTime(epoch=EPOCH, robot_ns=self.robot_ns)
+
+    def wait(self, seconds: float) -> None:
+        self.robot_ns += round(seconds * 1e9)
+
+    def ago(self, seconds: float) -> RobotTime:
+        return RobotTime(epoch=EPOCH, robot_ns=self.robot_ns - round(seconds * 1e9))
+
+    def say(
+        self,
+        instance: str,
+        counter: int,
+        linear: float = 0.0,
+        *,
+        name: str = "joystick",
+        source: Source = "hand",
+        age: float = 0.0,
+        seq: int | None = None,
+    ) -> DriveCommand:
+        self._seq += 1
+        command = DriveCommand(
+            seq=self._seq if seq is None else seq,
+            instance=instance,
+            operator=name,
+            lease_counter=counter,
+            linear_x=linear,
+            angular_z=0.0,
+            source=source,
+            reason="the hand is lost" if source == "fault" else "",
+            tick=self.ago(age),
+        )
+        self.authority.on_command(command, self.now)
+        return command
+
+    def drive(self, instance: str, seconds: float, linear: float = 0.0, source: Source = "hand") -> None:
+        """Commands at a steady pace under the lease in force when it begins."""
+        counter = self.authority.counter
+        for _ in range(round(seconds / PERIOD)):
+            self.wait(PERIOD)
+            self.say(instance, counter, linear, source=source)
+
+    @property
+    def holder(self) -> str:
+        self.authority.review(self.now)
+        return self.authority.holder
+
+    @property
+    def passes(self) -> float | None:
+        """What the command that counts now asks for."""
+        self.authority.review(self.now)
+        command, refusal = self.authority.asked(self.now)
+        assert (command is None) is bool(refusal)
+        return command.linear_x if command is not None else None
+
+
+@pytest.fixture
+def room() -> Room:
+    return Room()
+
+
+@pytest.fixture
+def held() -> Room:
+    """A room in which A holds the lease."""
+    room = Room()
+    room.say("A", 0)
+    assert room.holder == "A"
+    return room
+
+
+def test_a_free_lease_goes_to_the_first_who_asks(room: Room) -> None:
+    room.say("A", 0)
+    room.say("B", 0)
+    assert (room.holder, room.authority.operator, room.authority.counter) == ("A", "joystick", FIRST)
+
+
+def test_the_asking_command_itself_moves_nothing(room: Room) -> None:
+    room.say("A", 0, 0.5)
+    assert room.holder == "A"
+    assert room.passes is None
+    room.say("A", 0, 0.5)
+    assert room.passes is None
+    room.say("A", FIRST, 0.5)
+    assert room.passes == 0.5
+
+
+@pytest.mark.parametrize("counter", [1, FIRST - 1, FIRST, FIRST + 1])
+def test_one_who_has_not_asked_moves_nothing(room: Room, counter: int) -> None:
+    for _ in range(5):
+        room.say("A", counter, 0.5)
+        assert (room.holder, room.passes) == ("", None)
+
+
+@pytest.mark.parametrize(
+    ("age", "granted"), [(0.0, True), (0.4, True), (0.4 + 1e-9, False), (8.0, False), (-0.1, False)]
+)
+def test_asking_needs_a_fresh_command(room: Room, age: float, granted: bool) -> None:
+    room.say("A", 0, age=age)
+    assert room.holder == ("A" if granted else "")
+
+
+def test_a_fault_does_not_ask(room: Room) -> None:
+    room.say("A", 0, source="fault")
+    assert room.holder == ""
+    assert room.authority.reason(room.now) == "joystick: the hand is lost"
+
+
+@pytest.mark.parametrize(
+    ("age", "counts"), [(0.0, True), (0.4, True), (0.4 + 1e-9, False), (8.0, False), (-0.1, False)]
+)
+def test_only_fresh_commands_of_the_holder_count(held: Room, age: float, counts: bool) -> None:
+    held.say("A", FIRST, 0.5, age=age)
+    assert held.passes == (0.5 if counts else None)
+
+
+def test_a_command_stops_counting_when_it_gets_old(held: Room) -> None:
+    held.say("A", FIRST, 0.5)
+    held.wait(0.4)
+    assert held.passes
+    held.wait(1e-9)
+    assert not held.passes
+    assert held.holder == "A"
+
+
+def test_another_operators_commands_do_not_count(held: Room) -> None:
+    held.say("A", FIRST, 0.1)
+    for counter in (0, FIRST, FIRST + 1):
+        held.say("B", counter, 0.5)
+        assert (held.holder, held.passes) == ("A", 0.1)
+
+
+def test_two_who_fight_do_not_share_the_robot(held: Room) -> None:
+    for _ in range(100):
+        held.wait(PERIOD)
+        held.say("B", 0, -0.5)
+        held.say("A", FIRST, 0.5)
+        held.say("B", FIRST, -0.5)
+        assert (held.holder, held.passes) == ("A", 0.5)
+    assert held.authority.counter == FIRST
+
+
+def test_a_second_process_of_the_same_name_is_refused_and_told(held: Room) -> None:
+    held.say("A", FIRST, 0.5)
+    held.say("A2", 0, -0.5, name="joystick")
+    assert (held.holder, held.passes) == ("A", 0.5)
+    reason = held.authority.reason(held.now)
+    assert "held by joystick (A)" in reason
+    for way_out in ("rests for 30 s", "silent for 1 s", "at fault for 2 s", "to ask", "to arm"):
+        assert way_out in reason
+
+
+@pytest.mark.parametrize("seq", [9, 10, 0])
+def test_a_repeated_or_reordered_command_does_not_count(held: Room, seq: int) -> None:
+    held.say("A", FIRST, 0.5, seq=10)
+    held.say("A", FIRST, -0.5, seq=seq)
+    assert held.passes == 0.5
+    held.say("A", FIRST, -0.5, seq=11)
+    assert held.passes == -0.5
+
+
+def test_a_stale_command_with_a_high_number_does_not_shut_out_the_holder(held: Room) -> None:
+    held.say("A", FIRST, 0.5, seq=10_000, age=2.0)
+    held.say("B", FIRST, 0.5, seq=20_000)
+    held.say("A", FIRST - 1, 0.5, seq=30_000)
+    held.say("A", FIRST, -0.3, seq=11)
+    assert held.passes == -0.3
+
+
+@pytest.mark.parametrize(("silence", "kept"), [(0.5, True), (1.0, True), (1.0 + 1e-9, False)])
+def test_silence_ends_the_lease(held: Room, silence: float, kept: bool) -> None:
+    held.drive("A", 3.0, 0.5)
+    held.wait(silence)
+    assert held.holder == ("A" if kept else "")
+    if not kept:
+        assert "joystick was silent for 1 s" in held.authority.reason(held.now)
+
+
+@pytest.mark.parametrize("wrong", ["stale", "foreign", "old lease", "repeated", "asking"])
+def test_what_does_not_count_does_not_keep_the_lease(held: Room, wrong: str) -> None:
+    held.say("A", FIRST, 0.5, seq=100)
+    for number in range(21):
+        held.wait(PERIOD)
+        match wrong:
+            case "stale":
+                held.say("A", FIRST, 0.5, seq=101 + number, age=0.5)
+            case "foreign":
+                held.say("B", FIRST, 0.5, seq=101 + number)
+            case "old lease":
+                held.say("A", FIRST - 1, 0.5, seq=101 + number)
+            case "repeated":
+                held.say("A", FIRST, 0.5, seq=100)
+            case _:
+                held.say("A", 0, seq=101 + number) if number < 19 else None
+    assert held.holder == ""
+
+
+@pytest.mark.parametrize(("seconds", "kept"), [(1.9, True), (2.1, False)])
+def test_a_fault_ends_the_lease(held: Room, seconds: float, kept: bool) -> None:
+    held.drive("A", 5.0, 0.5)
+    held.drive("A", seconds, source="fault")
+    assert held.passes is None
+    assert held.holder == ("A" if kept else "")
+    if kept:
+        assert held.authority.asked(held.now)[1] == "joystick: the hand is lost"
+    else:
+        assert "joystick was at fault for 2 s" in held.authority.reason(held.now)
+
+
+@pytest.mark.parametrize(("seconds", "kept"), [(29.9, True), (30.1, False)])
+def test_rest_ends_the_lease(held: Room, seconds: float, kept: bool) -> None:
+    held.drive("A", 5.0, 0.5)
+    held.drive("A", seconds, 0.0)
+    assert held.holder == ("A" if kept else "")
+    if not kept:
+        assert "joystick rested for 30 s" in held.authority.reason(held.now)
+
+
+def test_a_moving_hand_keeps_the_lease_for_good(held: Room) -> None:
+    for _ in range(5):
+        held.drive("A", 28.0, 0.0)
+        held.drive("A", 1.5, source="fault")
+        held.drive("A", 0.1, 0.2)
+    assert (held.holder, held.authority.counter) == ("A", FIRST)
+
+
+def test_each_grant_has_another_counter_and_an_old_one_counts_nothing(held: Room) -> None:
+    for turn in range(1, 5):
+        held.wait(1.1)
+        held.say("A" if turn % 2 == 0 else "B", 0)
+        assert held.authority.counter == FIRST + turn
+        held.say(held.holder, FIRST + turn - 1, 0.5)
+        assert held.passes is None
+        held.say(held.holder, FIRST + turn, 0.5)
+        assert held.passes == 0.5
+
+
+@pytest.mark.parametrize("first", [0, 1, (1 << 32) - 2, (1 << 32) - 1])
+def test_counters_wrap_past_zero(first: int) -> None:
+    room = Room(first)
+    counters = []
+    for _ in range(4):
+        room.say("A", 0)
+        counters.append(room.authority.counter)
+        room.say("A", counters[-1], 0.5)
+        assert room.passes == 0.5
+        room.wait(1.1)
+    assert len(set(counters)) == 4
+    assert all(0 < counter < 1 << 32 for counter in counters)
+
+
+@pytest.mark.parametrize(
+    ("name", "linear", "taken"),
+    [("carer", 0.5, True), ("carer", 0.0, False), ("keyboard", 0.5, False), ("child", 0.5, False)],
+)
+def test_a_higher_priority_takes_the_lease_by_a_wish(held: Room, name: str, linear: float, taken: bool) -> None:
+    held.say("A", FIRST, 0.3)
+    held.say("B", 0, linear, name=name)
+    assert held.holder == ("B" if taken else "A")
+    assert held.passes == (None if taken else 0.3)
+    if taken:
+        held.say("A", FIRST, 0.3)
+        held.say("A", FIRST + 1, 0.3)
+        held.say("A", 0, 0.3)
+        assert (held.holder, held.passes) == ("B", None)
+        held.say("B", FIRST + 1, 0.5, name=name)
+        assert held.passes == 0.5
+
+
+def test_each_process_counts_its_own_commands(held: Room) -> None:
+    held.say("A", FIRST, 0.5, seq=5000)
+    held.say("B", 0, 0.5, name="carer", seq=3)
+    held.say("B", FIRST + 1, 0.3, name="carer", seq=3)
+    assert held.passes is None
+    held.say("B", FIRST + 1, 0.3, name="carer", seq=4)
+    assert held.passes == 0.3
+
+
+def test_a_higher_priority_at_fault_or_late_takes_nothing(held: Room) -> None:
+    held.say("B", 0, 0.5, name="carer", source="fault")
+    held.say("B", 0, 0.5, name="carer", age=0.5)
+    assert held.holder == "A"
+
+
+def test_while_nobody_drives_the_reason_is_the_newest_askers(room: Room) -> None:
+    assert "start giraff_joystick or giraff_keyboard" in room.authority.reason(room.now)
+    room.say("A", 0, age=5.0)
+    assert "joystick: its command is 5.0 s old; check its link" in room.authority.reason(room.now)
+    room.wait(1.1)
+    assert "5.0 s" not in room.authority.reason(room.now)
+
+
+def test_the_holders_late_commands_are_named(held: Room) -> None:
+    held.say("A", FIRST, age=0.6)
+    assert "0.6 s old; check its link" in held.authority.asked(held.now)[1]
+    held.wait(0.9)
+    held.say("A", FIRST, source="fault", age=0.6)
+    assert held.authority.asked(held.now)[1] == "joystick: the hand is lost"
+
+
+@pytest.mark.parametrize("late", range(1, 61))
+def test_a_replayed_stream_counts_nothing(held: Room, late: int) -> None:
+    """All that A said for four seconds, again: beside its own live stream, and then beside another's."""
+    recorded: list[DriveCommand] = []
+    for number in range(80):
+        held.wait(PERIOD)
+        recorded.append(held.say("A", FIRST if number > 1 else 0, 0.5))
+    held.drive("A", late, -0.1)
+    for command in recorded:
+        held.authority.on_command(command, held.now)
+        assert (held.holder, held.passes) == ("A", -0.1)
+    held.say("A", FIRST, -0.2)
+    assert held.passes == -0.2
+    held.wait(1.1)
+    held.say("B", 0)
+    held.say("B", held.authority.counter, 0.2)
+    for number, command in enumerate(recorded):
+        # The same with each counter that there was, and with numbers above the live ones.
+        for counter in (0, FIRST, held.authority.counter):
+            forged = msgspec.structs.replace(command, lease_counter=counter, seq=10_000 + number)
+            held.authority.on_command(forged, held.now)
+            assert (held.holder, held.passes) == ("B", 0.2)
+
+
+@given(
+    story=st.lists(
+        st.tuples(
+            st.sampled_from("ABC"),
+            st.sampled_from([0, FIRST - 1, FIRST, FIRST + 1, FIRST + 2]),
+            st.floats(-1.0, 1.0),
+            st.sampled_from(["hand", "hand", "hand", "fault"]),
+            st.sampled_from([0.0, 0.1, 0.39, 0.41, 5.0, -0.1]),
+            st.integers(0, 40),
+            st.sampled_from(["joystick", "carer"]),
+            st.sampled_from([0.0, 0.02, 0.2, 0.5, 1.2, 2.5]),
+            st.sampled_from([EPOCH, EPOCH, EPOCH, EPOCH + 1, 0]),
+        ),
+        max_size=40,
+    )
+)
+def test_only_what_the_holder_freshly_says_under_its_lease_ever_passes(
+    story: list[tuple[str, int, float, Source, float, int, str, float, int]],
+) -> None:
+    room = Room()
+    for instance, counter, linear, source, age, seq, name, pause, epoch in story:
+        room.wait(pause)
+        before = room.authority.counter
+        command = DriveCommand(
+            seq=seq,
+            instance=instance,
+            operator=name,
+            lease_counter=counter,
+            linear_x=linear,
+            angular_z=0.0,
+            source=source,
+            reason="",
+            tick=msgspec.structs.replace(room.ago(age), epoch=epoch),
+        )
+        room.authority.on_command(command, room.now)
+        fresh = epoch == EPOCH and 0.0 <= age <= 0.4
+        room.authority.review(room.now)
+        if room.authority.counter not in (before, 0):
+            assert counter == 0
+            assert fresh
+            assert source == "hand"
+        passed, _ = room.authority.asked(room.now)
+        if passed is not None:
+            assert passed.instance == room.authority.holder
+            assert passed.lease_counter == room.authority.counter != 0
+            assert passed.source == "hand"
+            assert passed.tick is not None
+            assert passed.tick.epoch == EPOCH
+            assert 0 <= room.robot_ns - passed.tick.robot_ns <= 0.4e9

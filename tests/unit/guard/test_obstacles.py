@@ -1,0 +1,135 @@
+"""What is let through of a twist: never more than asked or allowed, with its curvature, its reason and a way out."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from giraff_guard.obstacles import Limited, Verdicts
+from tests.unit.guard.senses import CYCLE, FAR, NEAR, Senses, opened
+
+
+@pytest.mark.parametrize(
+    ("linear", "angular", "passed"),
+    [
+        (0.0, 3.0, (0.0, 1.57)),
+        (0.0, -3.0, (0.0, -1.57)),
+        (0.4, 3.14, (0.2, 1.57)),
+        (-0.001, 3.14, (-0.0005, 1.57)),
+        (1.2, 0.0, (0.6, 0.0)),
+        (-1.2, 1.0, (-0.6, 0.5)),
+        (0.6, 1.57, (0.6, 1.57)),
+    ],
+)
+def test_what_the_robot_cannot_do_is_scaled_and_named(
+    linear: float, angular: float, passed: tuple[float, float]
+) -> None:
+    senses = opened()
+    assert senses.passes(linear, angular) == pytest.approx(passed)
+    reason = senses.limit(linear, angular).reason
+    assert (reason == "") is ((linear, angular) == passed)
+    assert not reason or "this robot" in reason
+
+
+@pytest.mark.parametrize("angular", [1.5, 0.36, 0.35, 0.2, 0.0, -0.2, -1.5])
+def test_rotation_passes_slowly_where_the_way_ahead_is_blocked(angular: float) -> None:
+    senses = opened()
+    senses.hear(NEAR)
+    linear, passed = senses.passes(0.6, angular)
+    assert linear == 0.0
+    assert passed == pytest.approx(math.copysign(min(abs(angular), 0.35), angular))
+    assert senses.limit(0.6, angular).reason.startswith("forward blocked: front_left sees something at 0.30 m; ")
+
+
+@pytest.mark.parametrize(("linear", "expected"), [(0.6, 0.15), (-0.6, 0.02), (0.01, 0.15), (0.0, None)])
+def test_the_ranges_moment_is_the_oldest_that_the_motion_relies_on(linear: float, expected: float | None) -> None:
+    senses = opened()
+    senses.wait(CYCLE)
+    senses.hear(FAR, "front_left", age=0.05)
+    senses.hear(FAR, "front_right", age=0.15)
+    senses.hear(FAR, "rear", age=0.02)
+    senses.judge()
+    limited = senses.limit(linear, 1.0)
+    assert limited.range_tick == (None if expected is None else senses.ago(expected))
+
+
+def test_before_anything_is_judged_nothing_passes() -> None:
+    senses = Senses()
+    limited = senses.limit(0.5, 0.5)
+    assert (limited.linear_x, limited.angular_z) == (0.0, 0.0)
+    assert limited.reason
+
+
+def test_a_reading_counts_from_the_turn_after_it() -> None:
+    """Each turn of 20 ms judges what has come: a short reading is at zero well within 60 ms."""
+    senses = opened()
+    senses.asked = (0.6, 0.0)
+    senses.wait(0.1)
+    senses.hear(NEAR, "front_right")
+    senses.wait(0.02)
+    assert senses.limit(0.6).linear_x == 0.0
+
+
+def check_verdicts(verdicts: Verdicts) -> None:
+    """That each verdict is whole: none says no without a number, a reason and a way out."""
+    for verdict in verdicts[:4]:
+        assert verdict.allowed >= 0.0
+        assert (verdict.freedom == "blocked") == (verdict.allowed == 0.0)
+        assert (verdict.freedom == "free") == (verdict.reason == "")
+        if verdict.freedom == "blocked":
+            assert verdict.sensor
+            assert "turn" in verdict.way_out
+    assert verdicts.turn_left.allowed >= 0.35, "a trap"
+    assert verdicts.turn_right.allowed >= 0.35, "a trap"
+
+
+def check_passed(limited: Limited, verdicts: Verdicts, linear: float, angular: float) -> None:
+    """That what passed is never more than was asked or allowed, and that the difference is explained."""
+    for passed, asked in ((limited.linear_x, linear), (limited.angular_z, angular)):
+        assert abs(passed) <= abs(asked)
+        assert passed * asked >= 0.0
+    assert abs(limited.linear_x) <= (verdicts.forward if linear > 0.0 else verdicts.backward).allowed + 1e-12
+    assert abs(limited.angular_z) <= 1.57
+    if limited.linear_x != 0.0:
+        assert limited.angular_z / limited.linear_x == pytest.approx(angular / linear)
+    elif linear != 0.0:
+        assert abs(limited.angular_z) <= 0.35
+    assert (limited.range_tick is not None) is (linear != 0.0)
+    if (limited.linear_x, limited.angular_z) != (linear, angular):
+        assert limited.reason
+
+
+DISTANCES = st.one_of(st.none(), st.floats(0.02, 4.0), st.sampled_from([3.0, 0.3]))
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    events=st.lists(
+        st.tuples(
+            st.tuples(DISTANCES, DISTANCES, DISTANCES),
+            st.sampled_from(["", "", "", "front_left", "rear"]),  # faulty
+            st.integers(-100, 600),  # age of the readings, ms
+            st.floats(-0.7, 0.7),  # the robot's speed
+            st.floats(-1.5, 1.5),
+            st.one_of(st.just(0.0), st.floats(-2.0, 2.0).filter(lambda v: abs(v) > 1e-6)),
+            st.floats(-6.0, 6.0),
+            st.integers(0, 30),  # turns until the next
+        ),
+        max_size=12,
+    )
+)
+def test_whatever_comes_in_no_more_comes_out_than_was_asked(
+    events: list[tuple[tuple[float | None, ...], str, int, float, float, float, float, int]],
+) -> None:
+    senses = opened()
+    for distances, faulty, age_ms, speed, turning, linear, angular, turns in events:
+        senses.linear, senses.angular = speed, turning
+        senses.wait(0.02 * turns, wheels=turns % 3 != 0)
+        for sensor, distance in zip(senses.robot.sensors, distances, strict=True):
+            senses.hear(distance, sensor, age=age_ms / 1000, fault="broken" if sensor == faulty else "")
+        verdicts = senses.judge()
+        check_verdicts(verdicts)
+        check_passed(senses.limit(linear, angular), verdicts, linear, angular)

@@ -1,0 +1,206 @@
+"""What echoed lately and lies where no sensor looks now: the footprint does not sweep it."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from giraff_guard.echoes import _until_touch
+from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
+
+POST = 0.5  # m before the left sensor, so at (0.75, 0.15)
+
+
+def passed_by(forward: float = 0.45, seconds: float = 2.0) -> Senses:
+    """A post was heard by the left sensor; the robot then came nearer, and it is between the cones."""
+    senses = opened()
+    senses.cycle({"front_left": POST}, cycles=3)
+    senses.linear = forward / seconds
+    senses.cycle(None, cycles=round(seconds / CYCLE))
+    senses.linear = 0.0
+    senses.cycle(None, cycles=3)
+    return senses
+
+
+def test_it_blocks_the_way_it_lies_in() -> None:
+    senses = passed_by()
+    judged = senses.verdict()
+    assert (judged.freedom, judged.sensor) == ("blocked", "front_left")
+    assert judged.reason == "front_left has heard something to the left, where no sensor looks now"
+    assert "back up" in judged.way_out
+    assert senses.allowed("backward") == 0.6
+
+
+def test_the_speed_towards_it_is_what_stops_before_it() -> None:
+    senses = passed_by(0.36)
+    allowed = senses.allowed()
+    place = senses.obstacles._motion.place
+    radius = senses.robot.footprint_radius + CONFIG.memory_margin
+    way = 0.25 + POST - place.x - math.sqrt(radius**2 - 0.15**2)
+    assert allowed * 0.1 + allowed**2 / 3.0 == pytest.approx(way, abs=0.005)
+    assert senses.verdict().freedom == "slow"
+
+
+def test_turning_in_place_sweeps_nothing_but_what_touches_is_turned_past_slowly() -> None:
+    senses = passed_by(0.3)
+    assert senses.passes(0.0, 1.0) == (0.0, 1.0)
+    senses = passed_by()
+    for way in ("turn_left", "turn_right"):
+        judged = senses.verdict(way)
+        assert (judged.allowed, judged.freedom, judged.sensor) == (CONFIG.creep_angular, "creep", "front_left")
+        assert "touches" in judged.reason
+    assert senses.passes(0.0, 1.0) == (0.0, CONFIG.creep_angular)
+    assert "turning slowed" in senses.limit(0.0, -1.0).reason
+    assert senses.passes(0.0, -0.2) == (0.0, -0.2)
+
+
+def beside() -> Senses:
+    """The post is now to the left of the robot, out of a straight path's way: it has turned away from it."""
+    senses = opened()
+    senses.cycle({"front_left": POST}, cycles=3)
+    senses.angular = -0.5
+    senses.cycle(None, cycles=round(1.0 / 0.5 / CYCLE))
+    senses.angular = 0.0
+    senses.cycle(None, cycles=3)
+    assert senses.verdict().freedom == "free"
+    return senses
+
+
+def test_a_curve_sweeps_what_straight_ahead_does_not() -> None:
+    senses = beside()
+    assert senses.passes(0.5, 0.0) == (0.5, 0.0)
+    senses.linear, senses.angular = 0.5, 1.5
+    senses.cycle(None, cycles=5)
+    linear, angular = senses.passes(0.5, 1.5)
+    assert 0.0 < linear < 0.5
+    assert angular / linear == pytest.approx(3.0)
+    assert "this curve sweeps what front_left has heard to the left" in senses.limit(0.5, 1.5).reason
+    assert senses.passes(0.5, -1.5)[0] > linear
+
+
+def test_a_curve_that_would_touch_is_a_turn_in_place() -> None:
+    senses = beside()
+    senses.linear, senses.angular = 0.3, 0.9
+    while senses.passes(0.3, 0.9)[0] > 0.0:
+        senses.wait(0.02)
+        senses.hear(None)
+        assert senses.robot_ns < 1_100_000_000_000
+    senses.linear = senses.angular = 0.0
+    senses.report()
+    assert senses.passes(0.3, 0.9) == (0.0, CONFIG.creep_angular)
+    assert senses.limit(0.3, 0.9).reason.startswith("forward blocked: ")
+
+
+def test_it_is_forgotten_when_nothing_answers_from_there_any_more() -> None:
+    """From the same place, so that the sensor would hear it wherever in its cone it was."""
+    senses = opened()
+    senses.cycle({"front_left": POST}, cycles=3)
+    assert senses.obstacles._echoes.first_in_the_way(senses.obstacles._motion.place, 1.0) is not None
+    senses.cycle(None)
+    assert senses.obstacles._echoes.first_in_the_way(senses.obstacles._motion.place, 1.0) is not None
+    senses.cycle(None)
+    assert senses.obstacles._echoes.first_in_the_way(senses.obstacles._motion.place, 1.0) is None
+
+
+def test_it_is_forgotten_after_its_time() -> None:
+    senses = passed_by()
+    senses.cycle(None, cycles=round((CONFIG.memory_time - 3.5) / CYCLE))
+    assert senses.allowed() == 0.0
+    senses.cycle(None, cycles=round(3.5 / CYCLE))
+    assert senses.allowed() > 0.0
+
+
+def test_it_is_forgotten_after_its_way() -> None:
+    senses = passed_by()
+    senses.linear = -0.5
+    senses.wait(1.5)
+    senses.linear = 0.5
+    senses.wait(1.5)
+    senses.linear = 0.0
+    senses.cycle(None, cycles=3)
+    assert senses.verdict().sensor == "front_left"
+    for velocity in (-0.5, 0.5):
+        senses.linear = velocity
+        senses.wait(0.8)
+    senses.linear = 0.0
+    senses.cycle(None, cycles=8)
+    assert senses.verdict().freedom == "free"
+
+
+def test_a_new_boot_of_the_wheels_board_forgets_it() -> None:
+    senses = passed_by()
+    senses.robot_ns += 10_000_000
+    senses.report(boot_id=2)
+    senses.cycle(None, cycles=3)
+    assert senses.allowed() > 0.0
+
+
+def test_what_moves_is_not_remembered() -> None:
+    senses = opened()
+    for step in range(6):
+        senses.cycle({"front_left": 1.1 - 0.15 * step})
+    senses.cycle(None, cycles=10)
+    assert senses.verdict().freedom == "free"
+
+
+def test_two_wild_echoes_are_not_remembered() -> None:
+    senses = opened()
+    senses.cycle({"front_left": 0.12}, cycles=2)
+    senses.linear = 0.2
+    senses.cycle(None, cycles=3)
+    senses.linear = 0.0
+    senses.cycle(None, cycles=6)
+    assert senses.verdict().freedom == "free"
+
+
+def stepped(x: float, y: float, curvature: float, radius: float) -> float | None:
+    """The same in small steps of a path of 3 m, and at most once round."""
+    if math.hypot(x, y) < radius:
+        return 0.0 if x > 0.0 else None
+    step = 0.001
+    most = min(3.0, math.tau / abs(curvature)) if abs(curvature) >= 1e-3 else 3.0
+    at_x = at_y = yaw = 0.0
+    for number in range(round(most / step)):
+        if math.hypot(x - at_x, y - at_y) < radius:
+            return number * step
+        at_x += step * math.cos(yaw + curvature * step / 2.0)
+        at_y += step * math.sin(yaw + curvature * step / 2.0)
+        yaw += curvature * step
+    return None
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    x=st.floats(-1.5, 1.5),
+    y=st.floats(-1.5, 1.5),
+    curvature=st.one_of(st.just(0.0), st.floats(-8.0, 8.0).filter(lambda c: abs(c) > 0.05)),
+)
+def test_the_way_until_a_touch_is_the_one_of_small_steps(x: float, y: float, curvature: float) -> None:
+    radius = 0.35
+    assume(abs(math.hypot(x, y) - radius) > 0.006)  # on the rim either answer is right
+    expected = stepped(x, y, curvature, radius)
+    found = _until_touch(x, y, curvature, radius)
+    if expected is None:
+        # A path that only grazes may be told either way.
+        nearer = stepped(x, y, curvature, radius + 0.005)
+        assert found is None or nearer is not None or found > 2.9
+    elif found is None:
+        assert stepped(x, y, curvature, radius - 0.005) is None
+    else:
+        assert found == pytest.approx(expected, abs=0.05)
+
+
+def test_backwards_it_is_the_rear_sensors() -> None:
+    senses = opened()
+    senses.cycle({"rear": 0.5}, cycles=3)
+    senses.linear = -0.225
+    senses.cycle(None, cycles=round(2.0 / CYCLE))
+    senses.linear = 0.0
+    senses.cycle(None, cycles=3)
+    judged = senses.verdict("backward")
+    assert (judged.freedom, judged.sensor) == ("blocked", "rear")
+    assert senses.allowed() > 0.0
+    assert FAR

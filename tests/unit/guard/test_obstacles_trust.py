@@ -1,0 +1,251 @@
+"""What makes a sensor worth believing: proof that it hears, readings that follow the robot's motion."""
+
+from __future__ import annotations
+
+import math
+import random
+
+import msgspec
+import pytest
+
+from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
+
+
+def silent_for(seconds: float, travel: float) -> Senses:
+    """Proven, then hearing nothing all that time and way."""
+    senses = opened()
+    senses.cycle(None, cycles=2)
+    senses.linear = travel / seconds
+    senses.cycle(None, cycles=round(seconds / CYCLE))
+    senses.linear = 0.0
+    senses.cycle(None)
+    return senses
+
+
+def test_silence_of_a_sensor_that_proved_nothing_is_worth_creeping() -> None:
+    senses = Senses()
+    senses.cycle(None, cycles=20)
+    for way, sensor in (("forward", "front_left"), ("backward", "rear")):
+        judged = senses.verdict(way)
+        assert (judged.allowed, judged.freedom, judged.sensor) == (0.1, "creep", sensor)
+        assert "has not proved that it hears" in judged.reason
+        assert "face a wall" in judged.reason
+    assert "has not proved" in senses.judge().sensors["rear"]
+
+
+def test_silence_of_a_proven_sensor_counts_for_its_reach() -> None:
+    senses = opened()
+    senses.cycle(None, cycles=5)
+    assert senses.verdict().freedom == "free"
+    short = opened(config=msgspec.structs.replace(CONFIG, reach=0.5), distance=0.45)
+    short.cycle(None, cycles=5)
+    assert short.verdict().freedom in ("slow", "creep")
+    assert "0.50 m" in short.verdict().reason
+
+
+@pytest.mark.parametrize(
+    ("seconds", "travel", "trusted"),
+    [(25.0, 15.0, True), (35.0, 4.0, True), (35.0, 6.0, False), (60.0, 0.0, True)],
+)
+def test_the_proof_lasts_for_its_time_or_its_way(seconds: float, travel: float, trusted: bool) -> None:
+    senses = silent_for(seconds, travel)
+    assert (senses.verdict().freedom == "free") is trusted
+    if not trusted:
+        assert senses.allowed() == pytest.approx(0.1)
+        assert "has heard nothing for" in senses.verdict().reason
+        senses.cycle(FAR, cycles=2)
+        senses.cycle(None, cycles=8)
+        assert senses.verdict().freedom == "free"
+
+
+def test_echoes_that_do_not_follow_from_each_other_prove_nothing() -> None:
+    senses = Senses()
+    for distance in (3.0, 1.2, None, 2.0, None, 3.5, 2.4, None):
+        senses.cycle(distance)
+    senses.cycle(None, cycles=2)
+    assert senses.allowed() == pytest.approx(0.1)
+
+
+def test_a_new_epoch_voids_it_all() -> None:
+    senses = opened()
+    senses.obstacles.forget()
+    assert senses.verdict().freedom == "blocked"
+    assert "not been heard yet" in senses.verdict().reason
+    senses.cycle(None, cycles=20)
+    assert senses.allowed() == pytest.approx(0.1)
+
+
+def test_the_same_echo_again_and_again_while_the_robot_drives_is_frozen() -> None:
+    senses = opened()
+    senses.linear = 0.3
+    senses.cycle(FAR, cycles=5)
+    judged = senses.verdict()
+    assert judged.freedom == "blocked"
+    assert "frozen" in judged.reason
+    assert judged.way_out
+    assert "frozen" in senses.judge().sensors["front_left"]
+    assert senses.passes(0.0, 1.0) == (0.0, 1.0)
+    # Backward too, by the rear sensor: it repeats itself as well.
+    assert senses.verdict("backward").freedom == "blocked"
+
+
+def test_it_is_trusted_again_when_it_changes() -> None:
+    senses = opened()
+    senses.linear = 0.3
+    senses.cycle(FAR, cycles=5)
+    senses.linear = 0.0
+    senses.cycle(FAR, cycles=5)
+    assert "frozen" in senses.verdict().reason
+    senses.cycle(FAR - 0.1, cycles=8)
+    assert senses.verdict().freedom == "free"
+
+
+def test_at_rest_the_same_echo_is_right() -> None:
+    senses = opened()
+    senses.cycle(FAR, cycles=100)
+    assert senses.verdict().freedom == "free"
+
+
+def test_there_and_back_is_the_same_place() -> None:
+    senses = opened()
+    for velocity in (0.3, -0.3) * 3:
+        senses.linear = velocity
+        senses.cycle(FAR, cycles=2)
+    assert senses.judge().sensors["front_left"] == ""
+
+
+def test_turning_does_not_freeze_it() -> None:
+    senses = opened()
+    senses.angular = 1.0
+    senses.cycle(FAR, cycles=40)
+    assert senses.judge().sensors["front_left"] == ""
+
+
+def test_silence_does_not_freeze_it() -> None:
+    senses = opened()
+    senses.linear = 0.5
+    senses.cycle(None, cycles=20)
+    assert senses.verdict().freedom == "free"
+
+
+def test_a_wall_that_comes_nearer_as_the_robot_does_is_no_frozen_echo() -> None:
+    senses = opened()
+    senses.linear = 0.3
+    distance = FAR
+    for _ in range(30):
+        distance -= 0.3 * CYCLE
+        senses.cycle({"front_left": distance, "front_right": distance, "rear": 6.0 - distance})
+    assert senses.verdict().freedom == "free"
+    assert senses.judge().sensors == {"front_left": "", "front_right": "", "rear": ""}
+
+
+def test_any_range_at_all_is_worth_creeping_at_most() -> None:
+    choose = random.Random(1)
+    senses = opened()
+    most = []
+    for number in range(200):
+        senses.cycle({"front_left": choose.uniform(0.02, 4.0)})
+        if number >= 30:
+            most.append(senses.allowed())
+            assert "jumps as no surface does" in senses.judge().sensors["front_left"]
+    assert max(most) == pytest.approx(0.1)
+    senses.cycle(cycles=25)
+    assert senses.verdict().freedom == "free"
+
+
+def test_some_wild_readings_are_not_held_against_a_sensor() -> None:
+    choose = random.Random(2)
+    senses = opened()
+    for _ in range(1000):
+        wild = choose.random() < 0.05
+        senses.cycle({"front_left": (choose.uniform(0.02, 4.0) if choose.random() < 0.5 else None) if wild else FAR})
+        assert senses.judge().sensors["front_left"] == ""
+
+
+def test_a_wall_so_slanted_that_it_is_heard_now_and_then_is_not_held_against_a_sensor() -> None:
+    choose = random.Random(3)
+    senses = opened()
+    held_against = 0
+    for _ in range(500):
+        heard = choose.random()
+        distance = 1.5 if heard < 0.2 else None if heard < 0.6 else 1.5 * choose.uniform(1.3, 2.6)
+        senses.cycle({"front_left": distance})
+        held_against += senses.judge().sensors["front_left"] != ""
+    assert held_against < 25
+
+
+def test_where_the_wheels_are_not_heard_no_sensor_is_called_frozen() -> None:
+    senses = opened()
+    senses.asked = (0.5, 0.0)
+    for _ in range(20):
+        senses.wait(CYCLE, wheels=False)
+        senses.hear(FAR)
+    assert senses.judge().sensors["front_left"] == ""
+
+
+def test_a_wrapped_counter_is_no_leap() -> None:
+    senses = opened()
+    senses._left = senses._right = (2**31 - 100) / senses.robot.ticks_per_metre
+    senses.report(boot_id=2)
+    breaks = senses.obstacles._motion.breaks
+    at = senses.obstacles._motion.place
+    senses.linear = 0.5
+    for _ in range(50):
+        senses.robot_ns += 20_000_000
+        senses._left += 0.01
+        senses._right += 0.01
+        senses.report(boot_id=2)
+    assert senses.obstacles._motion.breaks == breaks
+    assert senses.obstacles._motion.place.x - at.x == pytest.approx(0.5, abs=0.002)
+
+
+@pytest.mark.parametrize("kind", ["boot", "leap"])
+def test_counters_that_cannot_be_followed_move_nothing(kind: str) -> None:
+    senses = opened()
+    at = senses.obstacles._motion.place
+    senses._left += 30.0
+    senses._right += 30.0
+    senses.robot_ns += 20_000_000
+    senses.report(boot_id=2 if kind == "boot" else 1)
+    assert senses.obstacles._motion.place == at
+    assert senses.obstacles._motion.breaks == 1
+
+
+def test_the_place_at_a_reading_is_found_between_two_reports() -> None:
+    senses = opened()
+    began = senses.robot_ns
+    senses.linear, senses.angular = 0.5, 0.5
+    senses.wait(1.0)
+    motion = senses.obstacles._motion
+    middle = motion.place_at(began + 510_000_000)
+    assert middle.yaw == pytest.approx(0.255, abs=0.003)
+    assert math.hypot(middle.x, middle.y) == pytest.approx(2 * math.sin(0.1275), abs=0.003)
+
+
+def test_wheels_that_are_heard_again_say_where_the_robot_is() -> None:
+    """Meanwhile what was passed on counted as driven."""
+    senses = opened()
+    senses.asked = (0.1, 0.0)
+    senses.wait(1.0, wheels=False)
+    assert not senses.obstacles._motion.heard
+    assert senses.obstacles._motion.place.x > 0.02
+    senses.report()
+    motion = senses.obstacles._motion
+    assert motion.heard is True
+    assert motion.place.x == pytest.approx(0.0, abs=0.001)
+
+
+@pytest.mark.parametrize("age", [-1.0, -1e-6])
+def test_a_report_from_the_future_moves_nothing(age: float) -> None:
+    senses = opened()
+    senses._left = senses._right = 0.01
+    senses.report(age=age)
+    assert senses.obstacles._motion.place.x == pytest.approx(0.0, abs=1e-9)
+
+
+def test_what_is_remembered_has_an_end() -> None:
+    senses = opened()
+    choose = random.Random(4)
+    for _ in range(2000):
+        senses.hear(choose.uniform(0.02, 1.0), "front_left")
+    assert len(senses.obstacles._echoes._echoes) <= 65
