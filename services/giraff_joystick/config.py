@@ -6,6 +6,7 @@ from typing import Literal
 
 import msgspec
 
+from giraff_node.config import require_positive
 from giraff_schemas.topics import require_chunk
 
 Curve = Literal["angle", "source"]
@@ -23,14 +24,18 @@ class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     robot's `max_angular_speed`. `source`: the published curve, exactly: speed grows with the acceleration from
     4.5 to 9.5 m/s², which is 27 to 76 degrees; yaw is limited by the wheels alone."""
     dead_zone_deg: float = 8.0
-    """Degrees from flat within which nothing moves; of the curve `angle`."""
+    """Degrees from the zero within which nothing moves; of the curve `angle`."""
     full_tilt_deg: float = 35.0
-    """Degrees from flat at which full speed is reached; of the curve `angle`."""
+    """Degrees from the zero at which full speed is reached; of the curve `angle`."""
+    stillness: float = 0.045
+    """m/s², rms over 1 s: what moves less while it asks to drive has been laid down. Twice the sensor's own noise
+    (0.021), and below the tremor of most hands (0.07). A steadier hand needs less."""
 
     def __post_init__(self) -> None:
         if not self.port:
             raise ValueError("port is empty: give the path of the joystick board's serial port")
         require_chunk(self.operator)
+        require_positive(self, "stillness")
         if not 0.0 < self.dead_zone_deg < self.full_tilt_deg <= 90.0:
             raise ValueError(
                 f"dead_zone_deg is {self.dead_zone_deg} and full_tilt_deg {self.full_tilt_deg}: "

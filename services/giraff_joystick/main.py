@@ -1,21 +1,22 @@
 """Joystick: tilt in the hand to `cmd_vel/<operator>`.
 
-Reads the joystick board and `tick`, which it hands down to the board; writes `tilt` and `cmd_vel/<operator>`.
+Reads the joystick board, `lease`, and `tick`, which it hands down to the board; writes `tilt` and
+`cmd_vel/<operator>`.
 """
 
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_node import Node, Pacer
 from giraff_node.board_link import BoardLink
-from giraff_schemas.topics import OPERATOR_CMD_VEL, TICK, TILT
+from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, TILT
 from giraff_schemas.wire import JOYSTICK_BAUD, BoardKind, TiltFrame
 
 
 def main() -> None:
     with Node("joystick", JoystickConfig) as node:
         link = BoardLink(node.config.port, JOYSTICK_BAUD, BoardKind.JOYSTICK)
-        policy = JoystickPolicy(node.config, node.robot)
-        ticks = node.inbox(TICK, limit=1)
+        policy = JoystickPolicy(node.config, node.robot, node.instance)
+        ticks, leases = node.inbox(TICK, limit=1), node.inbox(LEASE, limit=10)
         tilts = node.publisher(TILT)
         commands = node.publisher(OPERATOR_CMD_VEL.at(node.config.operator))
         pace = Pacer(OPERATOR_CMD_VEL.rate_hz)
@@ -23,6 +24,8 @@ def main() -> None:
             for frame in link.poll(now):
                 if isinstance(frame, TiltFrame):
                     tilts.put(policy.on_frame(frame, now))
+            for lease in leases.take():
+                policy.on_lease(lease)
             for tick in ticks.take():
                 link.send(policy.on_tick(tick))
             if pace.due(now):
@@ -30,6 +33,6 @@ def main() -> None:
                 commands.put(command)
                 if (lost := policy.lost(now)) is not None:
                     tilts.put(lost)
-                for name, message in (("board", link.fault), ("hand", command.reason)):
+                for name, message in (("board", link.fault), ("hand", command.reason), ("lease", policy.refusal)):
                     node.set_fault(name, message)
         commands.put(policy.farewell())

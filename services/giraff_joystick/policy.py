@@ -1,25 +1,27 @@
-"""What the operator's tilt asks of the robot. Axes of the sensor: x grows when tilted forward, y to the left."""
+"""What the operator's hand asks of the robot, and when it is no hand that asks. No I/O and no clock."""
 
 from __future__ import annotations
 
 import math
 from typing import Final
 
+import msgspec
+
+from giraff_joystick.attention import Attention
+from giraff_joystick.clutch import Clutch
 from giraff_joystick.config import JoystickConfig
+from giraff_joystick.curves import asked
+from giraff_node.lease import LeaseSeeker
 from giraff_node.robot import RobotConfig
-from giraff_schemas.messages import DriveCommand, RobotTime, Tick, Tilt, TiltStatus
+from giraff_node.tick_down import TickDown, moment_of
+from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick, Tilt, TiltStatus
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TickFrame, TiltFrame
 from giraff_schemas.wire import TiltStatus as WireStatus
 
 BOARD_SILENCE: Final = 0.2
 """s without a frame after which the board counts as lost; ten of its frames."""
-
-# The published curve in PWM counts is 14a - 63, 0 at the first of these accelerations and 70 at the second.
-SOURCE_START: Final = 4.5  # m/s²
-SOURCE_FULL: Final = 9.5  # m/s²
-
-FREE_FALL: Final = 2.0
-"""m/s², a fifth of gravity. Whatever is shorter is no gravity, and its direction no tilt."""
+LINK_SILENCE: Final = 0.5
+"""s without a new tick in the frames after which the robot counts as lost."""
 
 _STATUSES: Final[dict[int, TiltStatus]] = {
     WireStatus.RUNNING: "running",
@@ -48,53 +50,115 @@ _REASONS: Final[dict[TiltStatus, str]] = {
 }
 
 
+_NO_TICK: Final = "the joystick has not heard the robot yet; check that base runs and that both share a network"
+_OLD_TICK: Final = (
+    f"no tick of the robot has reached the joystick board for {LINK_SILENCE:g} s; "
+    "check that base runs, the network, and the board's cable"
+)
+
+
 class JoystickPolicy:
     """Turns the board's frames into samples. Times are seconds of any one monotonic clock."""
 
-    def __init__(self, config: JoystickConfig, robot: RobotConfig) -> None:
+    def __init__(self, config: JoystickConfig, robot: RobotConfig, instance: str) -> None:
         self._config = config
         self._robot = robot
+        self._lease = LeaseSeeker(instance)
+        self._attention = Attention(config.stillness)
+        self._clutch = Clutch()
         self._heard = -math.inf
         self._tick: RobotTime | None = None
+        self._tick_came = -math.inf
         self._silence = (
             f"no frame from the joystick board on {config.port} for {BOARD_SILENCE:g} s; check its cable and power"
         )
-        self._command = neutral(self._silence, None)
-        self._tick_seq = 0
+        self._command = self._fault(self._silence)
+        self._tick_down = TickDown()
+
+    @property
+    def refusal(self) -> str:
+        """Why the robot does not obey this joystick; empty when it does."""
+        return self._lease.refusal
 
     def on_tick(self, tick: Tick) -> TickFrame:
         """The robot's clock as it goes down to the board, which puts the newest one into each frame."""
-        self._tick_seq = (self._tick_seq + 1) & 0xFFFF
-        return TickFrame(seq=self._tick_seq, epoch=tick.epoch, robot_ns=tick.robot_ns)
+        return self._tick_down.frame(tick)
+
+    def on_lease(self, lease: Lease) -> None:
+        """Take what the guard says of who drives."""
+        self._lease.on_lease(lease)
 
     def on_frame(self, frame: TiltFrame, now: float) -> Tilt:
         """The reading in `frame`. It is what `command` stands on until the next one."""
         tilt = reading(frame)
-        self._heard = now
-        self._tick = tilt.tick
-        reason = _fault(tilt, frame)
-        self._command = neutral(reason, tilt.tick) if reason else wish(tilt, self._config, self._robot)
+        if self._silent(now) or tilt.status != "running":
+            self._attention.forget()
+            self._clutch.forget()
+        if tilt.tick != self._tick:
+            self._tick_came = now
+        self._heard, self._tick = now, tilt.tick
+        if tilt.status != "running":
+            self._command = self._fault(_REASONS[tilt.status].format(frame=frame))
+        else:
+            self._command = self._wish(tilt, frame, now)
         return tilt
+
+    def command(self, now: float) -> DriveCommand:
+        """What the newest frame asks, with that frame's tick however often it is repeated."""
+        command = self._fault(self._silence) if self._silent(now) else self._command
+        return self._under_the_lease(command, wishes=self._clutch.engaged or not command.neutral)
 
     def lost(self, now: float) -> Tilt | None:
         """What stands for a reading while the board is silent; None while it is not."""
         return Tilt(x=0.0, y=0.0, z=0.0, status="no_board", tick=self._tick) if self._silent(now) else None
 
-    def command(self, now: float) -> DriveCommand:
-        """What the newest frame asks, with that frame's tick however often it is repeated."""
-        return neutral(self._silence, self._tick) if self._silent(now) else self._command
-
     def farewell(self) -> DriveCommand:
         """The last command of a service that ends: the robot need not wait for silence to stop."""
-        return neutral("the joystick service has ended; start it again", self._tick)
+        return self._under_the_lease(self._fault("the joystick service has ended; start it again"), wishes=False)
+
+    def _under_the_lease(self, command: DriveCommand, *, wishes: bool) -> DriveCommand:
+        counter = self._lease.counter(wishes=wishes and command.source == "hand")
+        return msgspec.structs.replace(command, lease_counter=counter)
+
+    def _wish(self, tilt: Tilt, frame: TiltFrame, now: float) -> DriveCommand:
+        """What a reading of a running sensor asks for, if a hand is behind it."""
+        vector = (tilt.x, tilt.y, tilt.z)
+        self._clutch.take(vector, pressed=bool(frame.button))
+        linear, angular = asked(self._clutch.relative(vector), self._config, self._robot)
+        if self._clutch.engaged:
+            linear = angular = 0.0
+        deflected = linear != 0.0 or angular != 0.0
+        if not deflected:
+            self._clutch.dismiss_refusal()
+        reason = (
+            self._attention.judge((frame.x, frame.y, frame.z), deflected=deflected)
+            or self._link_fault(now)
+            or self._clutch.refusal
+        )
+        return self._fault(reason) if reason else self._made(linear, angular, "hand", "")
+
+    def _link_fault(self, now: float) -> str:
+        if self._tick is None:
+            return _NO_TICK
+        return _OLD_TICK if now - self._tick_came > LINK_SILENCE else ""
+
+    def _fault(self, reason: str) -> DriveCommand:
+        """Stop, because the operator's side has lost the hand."""
+        return self._made(0.0, 0.0, "fault", reason)
+
+    def _made(self, linear: float, angular: float, source: Source, reason: str) -> DriveCommand:
+        return DriveCommand(
+            operator=self._config.operator,
+            lease_counter=0,
+            linear_x=linear,
+            angular_z=angular,
+            source=source,
+            reason=reason,
+            tick=self._tick,
+        )
 
     def _silent(self, now: float) -> bool:
         return now - self._heard > BOARD_SILENCE
-
-
-def neutral(reason: str, tick: RobotTime | None) -> DriveCommand:
-    """Stop, because the operator's side has lost the hand."""
-    return DriveCommand(linear_x=0.0, angular_z=0.0, source="fault", reason=reason, tick=tick)
 
 
 def reading(frame: TiltFrame) -> Tilt:
@@ -105,52 +169,4 @@ def reading(frame: TiltFrame) -> Tilt:
     if status == "running" and not (finite and any(raw)):
         status = "bus_fault"
     x, y, z = (value / TILT_LSB_PER_M_S2 if finite else 0.0 for value in raw)
-    tick = RobotTime(epoch=frame.tick_epoch, robot_ns=frame.tick_robot_ns) if frame.tick_epoch else None
-    return Tilt(x=x, y=y, z=z, status=status, tick=tick)
-
-
-def _fault(tilt: Tilt, frame: TiltFrame) -> str:
-    """Why this reading cannot drive, with the way out; empty when it can."""
-    if tilt.status != "running":
-        return _REASONS[tilt.status].format(frame=frame)
-    if math.hypot(tilt.x, tilt.y, tilt.z) < FREE_FALL:
-        return "the joystick is falling; hold it in the hand"
-    if tilt.tick is None:
-        return "the joystick has not heard the robot yet; check that base runs and that both share a network"
-    return ""
-
-
-def wish(tilt: Tilt, config: JoystickConfig, robot: RobotConfig) -> DriveCommand:
-    """What a sound reading asks for."""
-    forward, left = _deflection(tilt, config)
-    fastest_turn = 2.0 * robot.max_wheel_speed / robot.track_width  # wheels at full speed against each other
-    if config.curve == "angle":
-        fastest_turn = min(fastest_turn, robot.max_angular_speed)
-    linear, angular = _within_wheels(forward * robot.max_wheel_speed, left * fastest_turn, robot)
-    return DriveCommand(linear_x=linear, angular_z=angular, source="hand", reason="", tick=tilt.tick)
-
-
-def _deflection(tilt: Tilt, config: JoystickConfig) -> tuple[float, float]:
-    """Forward and left, each as a share of full speed, -1..1."""
-    if config.curve == "source":
-        return _ramp(tilt.x, SOURCE_START, SOURCE_FULL), _ramp(tilt.y, SOURCE_START, SOURCE_FULL)
-    # Each axis against the horizontal: gravity's direction alone counts, not how hard the hand shakes.
-    forward = math.degrees(math.atan2(tilt.x, math.hypot(tilt.y, tilt.z)))
-    left = math.degrees(math.atan2(tilt.y, math.hypot(tilt.x, tilt.z)))
-    start, full = config.dead_zone_deg, config.full_tilt_deg
-    return _ramp(forward, start, full), _ramp(left, start, full)
-
-
-def _ramp(value: float, start: float, full: float) -> float:
-    """0 within ±`start`, then in proportion up to ±1 at ±`full`, and ±1 beyond."""
-    share = min(1.0, max(0.0, (abs(value) - start) / (full - start)))
-    return share if value >= 0.0 else 0.0 - share  # and not -share: a negative zero would show in every log
-
-
-def _within_wheels(linear: float, angular: float, robot: RobotConfig) -> tuple[float, float]:
-    """The same curve, slowed until its faster wheel keeps to `max_wheel_speed`."""
-    faster_wheel = abs(linear) + abs(angular) * robot.track_width / 2.0
-    if faster_wheel <= robot.max_wheel_speed:
-        return linear, angular
-    scale = robot.max_wheel_speed / faster_wheel
-    return linear * scale, angular * scale
+    return Tilt(x=x, y=y, z=z, status=status, tick=moment_of(frame))

@@ -33,6 +33,7 @@ def tilt_frame(
     robot_ns: int = 1_000,
     boot_id: int = 1,
     sys_error: int = 0,
+    button: int = 0,
 ) -> TiltFrame:
     """A frame of the joystick board; x, y, z in m/s²."""
     return TiltFrame(
@@ -47,6 +48,6 @@ def tilt_frame(
         status=status,
         sys_status=0,
         sys_error=sys_error,
-        button=0,
+        button=button,
         line_errors=0,
     )

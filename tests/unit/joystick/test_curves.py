@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_joystick import curves
 from giraff_joystick.config import Curve
-from giraff_joystick.policy import reading, wish
+from giraff_joystick.policy import JoystickPolicy, reading
 from giraff_schemas.messages import DriveCommand
 from tests.unit.joystick.frames import ANGLE, ROBOT, SOURCE, tilt_frame
 
@@ -19,7 +20,12 @@ axis = st.integers(-(2**15), 2**15 - 1)
 
 
 def asked(x: float, y: float, z: float, curve: Curve) -> DriveCommand:
-    return wish(reading(tilt_frame(x, y, z)), CONFIGS[curve], ROBOT)
+    """What the curve makes of a reading; everything else about the command is left out."""
+    tilt = reading(tilt_frame(x, y, z))
+    linear, angular = curves.asked((tilt.x, tilt.y, tilt.z), CONFIGS[curve], ROBOT)
+    return DriveCommand(
+        operator="", lease_counter=0, linear_x=linear, angular_z=angular, source="hand", reason="", tick=None
+    )
 
 
 def levels(command: DriveCommand) -> tuple[float, float]:
@@ -117,3 +123,13 @@ def test_the_opposite_tilt_asks_for_the_opposite(curve: Curve, x: int, y: int, z
 def test_nothing_asked_is_a_plain_zero(curve: Curve) -> None:
     command = asked(-0.01, -0.01, GRAVITY, curve)
     assert (str(command.linear_x), str(command.angular_z)) == ("0.0", "0.0")
+
+
+@pytest.mark.parametrize("curve", ["angle", "source"])
+@given(x=st.integers(-1500, 1500), y=st.integers(-1500, 1500), z=st.integers(400, 1500))
+def test_the_policy_asks_exactly_what_the_curve_does(curve: Curve, x: int, y: int, z: int) -> None:
+    """With the zero flat, to the last bit, dead bands included."""
+    joystick = JoystickPolicy(CONFIGS[curve], ROBOT, "me")
+    joystick.on_frame(tilt_frame(x / 100, y / 100, z / 100), 0.0)
+    command, expected = joystick.command(0.0), asked(x / 100, y / 100, z / 100, curve)
+    assert (command.linear_x, command.angular_z) == (expected.linear_x, expected.angular_z)

@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 
 from giraff_joystick.policy import BOARD_SILENCE, JoystickPolicy
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.messages import DriveCommand, RobotTime, Tick, Tilt
+from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick, Tilt
 from giraff_schemas.wire import FrameType, TickFrame, TiltFrame, TiltStatus
 from tests.unit.joystick.frames import ANGLE, EPOCH, ROBOT, SOURCE, tilt_frame
 
 
 def policy() -> JoystickPolicy:
-    return JoystickPolicy(SOURCE, ROBOT)
+    return JoystickPolicy(SOURCE, ROBOT, "me")
 
 
 def after(frame: TiltFrame) -> tuple[Tilt, DriveCommand]:
@@ -87,7 +87,7 @@ def test_a_value_that_is_no_number_is_a_bus_fault(axis: str, value: float) -> No
 
 
 def test_what_is_too_weak_for_gravity_has_no_direction() -> None:
-    joystick = JoystickPolicy(ANGLE, ROBOT)
+    joystick = JoystickPolicy(ANGLE, ROBOT, "me")
     joystick.on_frame(tilt_frame(0.5, 0.0, 0.1), 0.0)
     assert_fault(joystick.command(0.0), "falling", "hold")
 
@@ -98,6 +98,19 @@ def test_a_board_that_has_not_heard_the_robot_is_a_fault_without_a_tick() -> Non
     assert tilt.tick is None
     assert command.tick is None
     assert_fault(command, "not heard the robot", "check")
+
+
+def test_a_board_whose_ticks_have_ended_has_lost_the_robot() -> None:
+    joystick = policy()
+    sources = []
+    for step in range(27):
+        now = step * 0.02
+        joystick.on_frame(tilt_frame(9.5 + step % 2 / 10, robot_ns=7), now)
+        sources.append(joystick.command(now).source)
+    assert sources == ["hand"] * 26 + ["fault"]  # 0.5 s after the first frame with that tick
+    assert_fault(joystick.command(0.52), "no tick", "base", "network", "cable")
+    joystick.on_frame(tilt_frame(9.5, robot_ns=8), 0.54)
+    assert joystick.command(0.54).source == "hand"
 
 
 def test_before_the_first_frame_there_is_no_board_and_no_tick() -> None:
@@ -118,7 +131,7 @@ def test_a_silent_board_is_a_fault_with_its_last_tick() -> None:
         assert lost is not None
         assert lost.status == "no_board"
         assert command.tick == lost.tick == tilt.tick
-    joystick.on_frame(tilt_frame(9.5), 200.0)
+    joystick.on_frame(tilt_frame(9.5, robot_ns=2_000), 200.0)
     assert joystick.command(200.0).source == "hand"
 
 
@@ -135,6 +148,13 @@ def test_a_service_that_ends_says_stop_with_its_last_tick() -> None:
     joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
     assert_fault(joystick.farewell(), "ended", "start it again")
     assert joystick.farewell().tick == RobotTime(epoch=EPOCH, robot_ns=1)
+
+
+def test_the_last_command_of_whoever_holds_the_lease_counts() -> None:
+    joystick = policy()
+    lease = Lease(seq=1, instance="guard", holder="me", operator="joystick", counter=7, reason="")
+    joystick.on_lease(lease)
+    assert joystick.farewell().lease_counter == 7
 
 
 def test_a_board_reset_passes_through_its_faults_and_drives_again() -> None:

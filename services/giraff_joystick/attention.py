@@ -1,0 +1,134 @@
+"""Whether a hand holds the joystick, told by its accelerometer alone. One reading every TILT_PERIOD_MS.
+
+What the thresholds stand on:
+
+- The sensor's noise is 0.012 m/s² rms an axis (BNO055 datasheet: 150 µg/√Hz, at 62.5 Hz of bandwidth), 0.021 m/s² of
+  the vector. Three axes of it, in steps of 0.01 m/s², repeat by chance in 1 of 80 readings.
+- A hand's postural tremor is 0.015 to 0.35 m/s² peak at its main frequency of 6 to 12 Hz, most often 0.1 (97 people,
+  Arch Neurol 1982;39:358-362), and its slow wandering comes on top.
+- Free fall is below 0.3 to 0.6 g on every axis (ADXL345 datasheet, "free-fall"). Of a tumbling thing less than the
+  whole vector vanishes: the threshold is the lower end, of the vector.
+- A wrist turns at up to 5 rad/s when a driver hurries. That turns gravity by 1 m/s² between two readings.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Final
+
+from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS
+
+Counts = tuple[int, int, int]
+"""A reading as it is on the wire: TILT_LSB_PER_M_S2."""
+
+FREE_FALL: Final = 3.0
+"""m/s². Whatever is shorter is no gravity, and its direction no tilt."""
+JOLT: Final = 2.0
+"""m/s² between two readings: twice what a hurried wrist does."""
+JOLTS: Final = 3
+"""Of the last SHAKE_STEPS steps: a shake. A knock is two, one there and one back."""
+SHAKE_STEPS: Final = 5
+FROZEN_READINGS: Final = 10
+"""Equal ones in a row, 0.2 s. By chance once in 10^17."""
+LAID_DOWN_READINGS: Final = 50
+"""1 s."""
+SOUND_READINGS: Final = 25
+"""0.5 s without any of it, after which a hand counts again."""
+
+_GRAVITY: Final = 9.81
+_QUIET: Final = 4.0  # m/s² from gravity, beyond which a reading is no sign that it is over
+
+FALLING: Final = "the joystick is falling; take it in the hand and hold it level"
+SHAKEN: Final = "the joystick is being shaken; hold it still and level"
+FROZEN: Final = "the tilt sensor repeats one reading; reset the joystick board, or unplug it for a second"
+LAID_DOWN: Final = (
+    "the joystick lies tilted and nobody holds it; take it in the hand and hold it level, or lay it down level"
+)
+
+
+class Attention:
+    """Feed it each reading of a running sensor; `forget` when there was none."""
+
+    def __init__(self, stillness: float) -> None:
+        """`stillness`: m/s² rms over 1 s, below which a thing lies and no hand holds it."""
+        self._still_counts = stillness * TILT_LSB_PER_M_S2
+        self.forget()
+
+    def forget(self) -> None:
+        """Readings were missing: what came before says nothing about what comes now."""
+        self._before: Counts | None = None
+        self._steps: deque[float] = deque(maxlen=SHAKE_STEPS)
+        self._repeats = 0
+        self._alarm = ""
+        self._sound = 0
+        self._window = _Window()
+        self._lies = False
+
+    def judge(self, counts: Counts, *, deflected: bool) -> str:
+        """Why this reading is no hand's, with the way out; empty when it is. `deflected`: it would drive."""
+        step = 0.0 if self._before is None else math.dist(counts, self._before) / TILT_LSB_PER_M_S2
+        self._steps.append(step)
+        self._repeats = self._repeats + 1 if counts == self._before else 0
+        self._before = counts
+        length = math.hypot(*counts) / TILT_LSB_PER_M_S2
+        if alarm := self._found(length):
+            self._alarm, self._sound = alarm, 0
+        elif step > JOLT or abs(length - _GRAVITY) > _QUIET:
+            self._sound = 0
+        else:
+            self._sound += 1
+            if self._sound >= SOUND_READINGS:
+                self._alarm = ""
+        return self._alarm or self._laid_down(counts, deflected=deflected)
+
+    def _found(self, length: float) -> str:
+        if length < FREE_FALL:
+            return FALLING
+        if sum(step > JOLT for step in self._steps) >= JOLTS:
+            return SHAKEN
+        return FROZEN if self._repeats >= FROZEN_READINGS - 1 else ""
+
+    def _laid_down(self, counts: Counts, *, deflected: bool) -> str:
+        """Once it lies it does so until it is level: nothing less would arm the robot anyway."""
+        self._window.take(counts)
+        self._lies = deflected and (self._lies or self._window.spread < self._still_counts)
+        return LAID_DOWN if self._lies else ""
+
+
+class _Window:
+    """How much the last LAID_DOWN_READINGS differ. Sums of integers: exact, however long it runs."""
+
+    def __init__(self) -> None:
+        self._readings: deque[Counts] = deque()
+        self._x = self._y = self._z = self._squares = 0
+
+    def take(self, counts: Counts) -> None:
+        self._readings.append(counts)
+        self._add(counts, 1)
+        if len(self._readings) > LAID_DOWN_READINGS:
+            self._add(self._readings.popleft(), -1)
+
+    @property
+    def spread(self) -> float:
+        """Counts, rms of the vector about its mean; infinite before there is a whole window."""
+        n = len(self._readings)
+        if n < LAID_DOWN_READINGS:
+            return math.inf
+        return math.sqrt(n * self._squares - self._x**2 - self._y**2 - self._z**2) / n
+
+    def _add(self, counts: Counts, sign: int) -> None:
+        x, y, z = counts
+        self._x += sign * x
+        self._y += sign * y
+        self._z += sign * z
+        self._squares += sign * (x * x + y * y + z * z)
+
+
+DETECTION_S: Final = {
+    FALLING: TILT_PERIOD_MS / 1000,
+    SHAKEN: SHAKE_STEPS * TILT_PERIOD_MS / 1000,
+    FROZEN: FROZEN_READINGS * TILT_PERIOD_MS / 1000,
+    LAID_DOWN: LAID_DOWN_READINGS * TILT_PERIOD_MS / 1000,
+}
+"""s from the first such reading to the alarm; of a shake of 4 Hz or more and 12 m/s² or more."""

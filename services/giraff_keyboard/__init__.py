@@ -1,0 +1,1 @@
+"""Operator's laptop: keys pressed in a terminal become a wish to drive."""

@@ -1,0 +1,5 @@
+import sys
+
+from giraff_keyboard.main import main
+
+sys.exit(main())

@@ -1,0 +1,153 @@
+"""What the keys ask of the robot. No I/O and no clock: time is an argument."""
+
+from __future__ import annotations
+
+import math
+from enum import Enum, auto
+from typing import Final
+
+from giraff_keyboard.config import KeyboardConfig
+from giraff_node.freshness import age
+from giraff_node.lease import LeaseSeeker
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick
+
+
+class Key(Enum):
+    """What a press means."""
+
+    FORWARD = auto()
+    BACKWARD = auto()
+    LEFT = auto()
+    RIGHT = auto()
+    CLUTCH = auto()
+    STOP = auto()
+    FASTER = auto()
+    SLOWER = auto()
+    NOTHING = auto()
+    """These were no presses, nor was the one just before them."""
+
+
+KEY_LASTS: Final = 0.4
+"""s that one press asks for. A held key repeats, and each repeat is a press of its own."""
+LINK_SILENCE: Final = 0.5
+"""s without a tick after which the robot counts as lost."""
+ASKS_NOTHING: Final = -1
+"""Counter of a command that neither asks for the lease nor is given under one: real ones are never negative."""
+
+_DIRECTIONS: Final = {Key.FORWARD: (1.0, 0.0), Key.BACKWARD: (-1.0, 0.0), Key.LEFT: (0.0, 1.0), Key.RIGHT: (0.0, -1.0)}
+
+_LOST: Final = (
+    f"no tick of the robot for {LINK_SILENCE:g} s; check that base runs and that both machines share a network"
+)
+_STOPPING: Final = "the space bar was pressed, and base has not yet confirmed the emergency stop"
+
+
+class KeyboardPolicy:
+    """Turns presses into commands. Times are seconds of any one monotonic clock."""
+
+    def __init__(self, config: KeyboardConfig, robot: RobotConfig, instance: str) -> None:
+        self.step = config.first_step
+        """Of `config.steps`."""
+        self._config = config
+        self._robot = robot
+        self._lease = LeaseSeeker(instance)
+        self.driver = ""
+        """Name of the operator that holds the lease; empty: none."""
+        self._tick: RobotTime | None = None
+        self._ticked = False
+        self._heard = -math.inf
+        self._stopping = False
+        # The press in force: what it asks, since when, and the robot's time at that moment, never renewed.
+        self._asks = (0.0, 0.0)
+        self._pressed = -math.inf
+        self._pressed_tick: RobotTime | None = None
+
+    @property
+    def refusal(self) -> str:
+        """Why the robot does not obey this keyboard; empty when it does."""
+        return self._lease.refusal
+
+    @property
+    def speed(self) -> tuple[float, float]:
+        """m/s and rad/s that a key asks for now."""
+        share = self.step / self._config.steps
+        robot = self._robot
+        fastest_turn = min(robot.max_angular_speed, 2.0 * robot.max_wheel_speed / robot.track_width)
+        return share * robot.max_wheel_speed, share * fastest_turn
+
+    def on_tick(self, tick: Tick) -> None:
+        self._tick = tick.time
+        self._ticked = True
+
+    def on_lease(self, lease: Lease) -> None:
+        """Take what the guard says of who drives."""
+        self._lease.on_lease(lease)
+        self.driver = lease.operator
+
+    def on_key(self, key: Key, now: float) -> None:
+        """Take a press at its moment. Whatever it is, the one before it no longer counts."""
+        self._note_tick(now)
+        self._asks = (0.0, 0.0)
+        self._pressed = -math.inf
+        if key is Key.STOP:
+            self._stopping = True
+        elif key is Key.FASTER:
+            self.step = min(self._config.steps, self.step + 1)
+        elif key is Key.SLOWER:
+            self.step = max(1, self.step - 1)
+        elif key in _DIRECTIONS or key is Key.CLUTCH:
+            forward, left = _DIRECTIONS.get(key, (0.0, 0.0))
+            linear, angular = self.speed
+            self._asks = (0.0 + forward * linear, 0.0 + left * angular)  # 0.0 + makes a plain zero of a negative one
+            self._pressed, self._pressed_tick = now, self._tick
+
+    def on_stopped(self) -> None:
+        """Base has confirmed the emergency stop: from here on its latch holds."""
+        self._stopping = False
+
+    def command(self, now: float) -> DriveCommand:
+        """What the keys ask now: after KEY_LASTS without a press nothing, which is a hand's neutral."""
+        if fault := self._fault(now):
+            return self._made((0.0, 0.0), "fault", fault, self._tick, wishes=False)
+        if not self._wishes(now):
+            return self._made((0.0, 0.0), "hand", "", self._tick, wishes=False)
+        tick = self._tick if self._asks == (0.0, 0.0) else self._pressed_tick
+        return self._made(self._asks, "hand", "", tick, wishes=True)
+
+    def farewell(self) -> DriveCommand:
+        """The last command of a service that ends: the robot need not wait for silence to stop."""
+        reason = "the keyboard service has ended; start it again"
+        return self._made((0.0, 0.0), "fault", reason, self._tick, wishes=False)
+
+    def _fault(self, now: float) -> str:
+        self._note_tick(now)
+        if self._stopping:
+            return _STOPPING
+        return _LOST if now - self._heard > LINK_SILENCE else ""
+
+    def _wishes(self, now: float) -> bool:
+        """A press is in force, by this machine's clock and by the robot's."""
+        if now - self._pressed > KEY_LASTS or self._tick is None:
+            return False
+        return age(self._pressed_tick, self._tick) <= KEY_LASTS
+
+    def _note_tick(self, now: float) -> None:
+        if self._ticked:
+            self._heard, self._ticked = now, False
+
+    def _made(
+        self, twist: tuple[float, float], source: Source, reason: str, tick: RobotTime | None, *, wishes: bool
+    ) -> DriveCommand:
+        # Nobody takes the robot by starting a program: without the lease it is asked for by a press alone.
+        asks = wishes or self._lease.holds
+        linear, angular = twist
+        return DriveCommand(
+            operator=self._config.operator,
+            lease_counter=self._lease.counter(wishes=wishes) if asks else ASKS_NOTHING,
+            linear_x=linear,
+            angular_z=angular,
+            source=source,
+            reason=reason,
+            tick=tick,
+        )

@@ -1,0 +1,81 @@
+"""The terminal: keys one by one and unechoed, a few lines of status, and everything as it was at the end."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import shutil
+import signal
+import sys
+import termios
+import tty
+from types import TracebackType
+from typing import Final, Self
+
+_READ: Final = 4096
+_PASTES_MARKED: Final = "\x1b[?2004h"
+_PASTES_PLAIN: Final = "\x1b[?2004l"
+_CLEAR_BELOW: Final = "\r\x1b[J"
+_NO_CHARACTER: Final = b"\0"  # _POSIX_VDISABLE of Linux
+
+
+class Terminal:
+    """Standard input and output, which must be a terminal. A `Selectable`, so that a press wakes the loop."""
+
+    def __init__(self) -> None:
+        self._input = sys.stdin.fileno()
+        self._shown: list[str] = []
+        self.is_gone = False
+        """Its other end was closed: no key can come any more."""
+
+    def __enter__(self) -> Self:
+        self._before = termios.tcgetattr(self._input)
+        tty.setcbreak(self._input, termios.TCSAFLUSH)  # what was typed before now is nobody's wish
+        attributes = termios.tcgetattr(self._input)
+        attributes[0] &= ~(termios.IXON | termios.IXOFF)  # Ctrl-S would stop the program at its next line
+        attributes[3] &= ~termios.IEXTEN
+        for character in (termios.VSUSP, termios.VQUIT):  # Ctrl-Z, Ctrl-\: would leave the terminal as it is now
+            attributes[6][character] = _NO_CHARACTER
+        termios.tcsetattr(self._input, termios.TCSANOW, attributes)
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed window shows as `is_gone`, and is told to the robot
+        self._write(_PASTES_MARKED)
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with contextlib.suppress(OSError, termios.error):  # it may be gone
+            self._write(_PASTES_PLAIN + "\n" * len(self._shown))
+            termios.tcsetattr(self._input, termios.TCSAFLUSH, self._before)
+
+    def descriptor(self) -> int | None:
+        return None if self.is_gone else self._input
+
+    def read(self) -> bytes:
+        """What has been typed since the last call. Never waits."""
+        data = b""
+        try:
+            if select.select((self._input,), (), (), 0.0)[0]:
+                data = os.read(self._input, _READ)
+                self.is_gone = not data
+        except OSError:
+            self.is_gone = True
+        return data
+
+    def show(self, lines: list[str]) -> None:
+        """Replace the lines shown before."""
+        width = shutil.get_terminal_size().columns
+        fitting = [line[: width - 1] for line in lines]  # a line that wraps would scroll all away
+        if fitting == self._shown or self.is_gone:
+            return
+        self._shown = fitting
+        up = f"\x1b[{len(fitting) - 1}A" if len(fitting) > 1 else ""
+        try:
+            self._write(_CLEAR_BELOW + "\n".join(fitting) + up + "\r")
+        except OSError:
+            self.is_gone = True
+
+    def _write(self, text: str) -> None:
+        sys.stdout.write(text)
+        sys.stdout.flush()

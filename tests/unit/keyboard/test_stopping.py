@@ -1,0 +1,95 @@
+"""The space bar's request: repeated until base says that it has stopped."""
+
+from giraff_keyboard.stopping import Stopping
+from giraff_schemas.messages import EStop, EStopAnswer
+
+
+class Line:
+    """Requests to a base that does not answer before it is told to."""
+
+    def __init__(self) -> None:
+        self.requests = 0
+        self.attempts = 0
+        self.fault = ""
+        self.answer: EStopAnswer | None = None
+
+    def ask(self) -> "Line":
+        self.requests += 1
+        self.attempts = 0
+        return self
+
+    def poll(self, now: float) -> EStopAnswer | None:
+        del now
+        self.attempts += 1
+        return self.answer
+
+
+STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="")
+
+
+def test_nothing_is_asked_before_the_space_bar() -> None:
+    line = Line()
+    stopping = Stopping(line.ask)
+    assert not stopping.poll(0.0)
+    assert (line.requests, stopping.asked, stopping.text) == (0, False, "")
+
+
+def test_it_asks_until_base_confirms() -> None:
+    line = Line()
+    stopping = Stopping(line.ask)
+    stopping.engage()
+    assert "NOT CONFIRMED" in stopping.text
+    line.fault = "estop/engage: nobody there"
+    for turn in range(50):
+        assert not stopping.poll(turn * 0.03)
+        assert stopping.asked
+    assert "NOT CONFIRMED after 50 requests: estop/engage: nobody there" in stopping.text
+    assert "battery switch" in stopping.text
+    line.answer = STOPPED
+    assert stopping.poll(2.0)
+    assert not stopping.asked
+    assert "STOPPED" in stopping.text
+    assert "giraff estop reset" in stopping.text
+    assert not stopping.poll(2.1)
+
+
+def test_an_answer_that_does_not_confirm_is_told_and_asked_again() -> None:
+    line = Line()
+    stopping = Stopping(line.ask)
+    stopping.engage()
+    for answer in (
+        EStopAnswer(done=False, engaged=True, id=4, reason="disk full"),
+        EStopAnswer(done=True, engaged=False, id=4, reason="odd"),
+    ):
+        line.answer = answer
+        for turn in range(21):
+            assert not stopping.poll(turn * 0.05 + (10.0 if answer.done else 0.0))
+        assert f"base answers: {answer.reason}" in stopping.text
+        assert stopping.asked
+    assert line.requests >= 8  # and at most five a second
+    assert line.requests <= 12
+
+
+def test_pressed_again_while_asking_it_is_one_request() -> None:
+    line = Line()
+    stopping = Stopping(line.ask)
+    for _ in range(5):
+        stopping.engage()
+        stopping.poll(0.0)
+    assert line.requests == 1
+
+
+def test_it_can_stop_again_after_a_reset() -> None:
+    line = Line()
+    stopping = Stopping(line.ask)
+    line.answer = STOPPED
+    stopping.engage()
+    assert stopping.poll(0.0)
+    stopping.on_sample(EStop(engaged=True, id=4, by="me", reason="space bar"))
+    assert stopping.text
+    stopping.on_sample(EStop(engaged=False, id=4, by="you", reason=""))
+    assert stopping.text == ""
+    stopping.engage()
+    stopping.on_sample(EStop(engaged=False, id=4, by="you", reason=""))
+    assert "NOT CONFIRMED" in stopping.text
+    assert stopping.poll(1.0)

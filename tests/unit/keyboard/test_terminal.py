@@ -1,0 +1,73 @@
+"""The terminal, as another process has it: unechoed keys, and as it was before at every kind of end."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.terminals import Screen, screen
+
+PROGRAM = """
+import os, signal, sys
+from giraff_keyboard.terminal import Terminal
+with Terminal() as terminal:
+    terminal.show(["ready"])
+    while not terminal.is_gone:
+        data = terminal.read()
+        if data:
+            terminal.show([repr(data)])
+        if data == b"q":
+            break
+        if data == b"!":
+            raise RuntimeError("broken")
+sys.exit(7 if terminal.is_gone else 0)
+"""
+
+
+@contextmanager
+def program(log: Path) -> Iterator[Screen]:
+    with screen([sys.executable, "-c", PROGRAM], log) as shown:
+        shown.wait_for("ready")
+        yield shown
+
+
+@pytest.mark.parametrize(("last", "status"), [(b"q", 0), (b"!", 1)], ids=["end", "exception"])
+def test_it_is_restored_at_the_end_of_whatever_kind(last: bytes, status: int, tmp_path: Path) -> None:
+    with program(tmp_path / "log") as shown:
+        assert not shown.is_restored()
+        shown.type(last)
+        assert shown.process.wait(10.0) == status
+        assert shown.is_restored()
+        shown.wait_for("\x1b[?2004l")
+
+
+def test_keys_come_one_by_one_and_unechoed_and_none_suspends_or_stalls(tmp_path: Path) -> None:
+    with program(tmp_path / "log") as shown:
+        for key in (b"w", b"\x1b[A", b"\x1a", b"\x1c", b"\x13", b"\x16", b"\r"):
+            shown.type(key)
+            shown.wait_for(repr(key if key != b"\r" else b"\n"))
+        assert "w" not in shown.text.replace("b'w'", "")
+        shown.type(b"q")
+        assert shown.process.wait(10.0) == 0
+
+
+def test_a_closed_terminal_shows(tmp_path: Path) -> None:
+    with program(tmp_path / "log") as shown:
+        shown.hang_up()
+        assert shown.process.wait(10.0) == 7, (tmp_path / "log").read_text()
+
+
+def test_without_a_terminal_it_says_so() -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "giraff_keyboard"],
+        check=False,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+    )
+    assert run.returncode == 2
+    assert "terminal" in run.stderr
+    assert "Traceback" not in run.stderr
