@@ -1,5 +1,5 @@
 """python -m giraff_cli"""
 
-from giraff_cli.main import main
+from giraff_cli.start import main
 
 main()

@@ -6,7 +6,7 @@ import math
 
 from giraff_cli.motion import Pose
 from giraff_cli.telemetry import Seen, Snapshot
-from giraff_schemas.messages import BaseState, GuardState, Range
+from giraff_schemas.messages import GuardState, Range
 
 
 def line(snapshot: Snapshot, elapsed: float) -> str:
@@ -19,7 +19,7 @@ def line(snapshot: Snapshot, elapsed: float) -> str:
         f"{truth.speed:z5.2f} m/s",
         "ranges " + " ".join(f"{range_text(seen):>6}" for seen in snapshot.ranges.values()),
         f"forward {_forward(snapshot.guard)}",
-        f"base {base_text(snapshot.base)}",
+        f"base {base_text(snapshot)}",
         f"lost {sum(rate.lost for rate in snapshot.rates.values())}",
     ]
     return " | ".join(parts)
@@ -32,13 +32,18 @@ def range_text(seen: Seen[Range] | None) -> str:
     return seen.sample.state if seen.sample.range is None else f"{seen.sample.range:.2f} m"
 
 
-def base_text(seen: Seen[BaseState] | None) -> str:
+def base_text(snapshot: Snapshot) -> str:
     """What base does, in a word or two."""
-    if seen is None or not seen.fresh:
+    base, estop = snapshot.base, snapshot.estop
+    if base is None or not base.fresh:
         return "silent"
-    if not seen.sample.armed:
+    if estop is not None and estop.sample.engaged:
+        return "EMERGENCY STOP"
+    if base.sample.board.latch not in ("", "none"):
+        return f"latched, {base.sample.board.latch.replace('_', ' ')}"
+    if not base.sample.armed:
         return "not armed"
-    return "driving" if seen.sample.driving else "armed, at rest"
+    return "driving" if base.sample.driving else "armed, at rest"
 
 
 def _forward(seen: Seen[GuardState] | None) -> str:

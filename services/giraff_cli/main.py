@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from giraff_cli.estop import Told
+    from giraff_cli.watcher import Watcher
 
 app = typer.Typer(
     name="giraff",
@@ -14,8 +21,28 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+estop = typer.Typer(no_args_is_help=True, help="Stop the robot from any machine, and release it again.")
+check = typer.Typer(no_args_is_help=True, help="Checks that a robot must have passed before it drives.")
+app.add_typer(estop, name="estop")
+app.add_typer(check, name="check")
 
 _REFUSED = 2  # exit code: nothing was started
+
+Robot = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        help="Else GIRAFF_ROBOT_NAME, else the robot file's, else the only one on the network.",
+        show_default=False,
+    ),
+]
+Connect = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="ENDPOINT", help="Like tcp/192.168.1.20:7447, where multicast does not reach.", show_default=False
+    ),
+]
+Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, help="How long to try.")]
 
 
 @app.callback()
@@ -64,6 +91,98 @@ def run(
     raise typer.Exit(drive(plan))
 
 
-def main() -> None:
-    """Entry point."""
-    app()
+@app.command()
+def why(
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.6, help="How long to listen.")] = 1.0,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
+) -> None:
+    """What stops the robot now: the chain from hand to wheel, and its first broken link.
+
+    Exit code: 0 the robot drives, or would if asked to; 1 something stops it; 2 there is no robot to tell of.
+    """
+    from giraff_cli.visit import visit  # noqa: PLC0415
+    from giraff_cli.why import explain  # noqa: PLC0415
+
+    raise typer.Exit(visit(robot, connect or (), 3.0, lambda watcher: explain(watcher, seconds, as_json=as_json)))
+
+
+@estop.command()
+def engage(
+    robot: Robot = None,
+    connect: Connect = None,
+    timeout: Timeout = 5.0,
+    reason: Annotated[str, typer.Option(metavar="TEXT", help="Told to whoever asks why.")] = "stopped by hand",
+) -> None:
+    """Stop the robot now, and keep it stopped, also over restarts.
+
+    Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
+    """
+    from giraff_cli import estop as it  # noqa: PLC0415
+
+    _tell(robot, connect, timeout, lambda watcher: it.engage(watcher, it.who(), reason, timeout))
+
+
+@estop.command()
+def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0) -> None:
+    """Clear the latch that is engaged now. It permits motion and never causes it: a level hand must arm the robot.
+
+    Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
+    """
+    from giraff_cli import estop as it  # noqa: PLC0415
+
+    _tell(robot, connect, timeout, lambda watcher: it.reset(watcher, it.who(), timeout))
+
+
+@estop.command()
+def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0) -> None:
+    """Whether the robot's emergency stop is engaged, by whom and why.
+
+    Exit code: 0 released; 1 engaged; 2 unknown.
+    """
+    from giraff_cli import estop as it  # noqa: PLC0415
+
+    _tell(robot, connect, timeout, lambda watcher: it.status(watcher, timeout))
+
+
+@check.command()
+def wheels(
+    port: Annotated[
+        str | None, typer.Option(metavar="PATH", help="Of the base board; else the robot file's.", show_default=False)
+    ] = None,
+) -> None:
+    """With the wheels lifted: find out how motors and encoders are wired, and write it into the robot file.
+
+    Asks before each step; giraff_base must not run. Exit code: 0 written; 1 in doubt, nothing written; 2 not begun.
+    """
+    from giraff_cli.check_wheels import check_wheels  # noqa: PLC0415
+
+    raise typer.Exit(check_wheels(port))
+
+
+@app.command()
+def dst(
+    seeds: Annotated[int, typer.Option(metavar="N", min=1, help="How many; of a single one the story is told.")] = 100,
+    seed: Annotated[int, typer.Option(metavar="K", min=0, help="The first of them.")] = 0,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the totals as JSON.")] = None,
+    jobs: Annotated[int, typer.Option(metavar="J", min=1, help="Processes.")] = os.cpu_count() or 1,
+) -> None:
+    """Deterministic simulation of the command path, 20 s a seed, with faults drawn from the seed.
+
+    Exit code: 0 no invariant is violated; 1 one is: the story of each such seed is told.
+    """
+    from giraff_cli.dst import explore  # noqa: PLC0415
+
+    raise typer.Exit(explore(seeds, seed, jobs, json))
+
+
+def _tell(robot: str | None, connect: list[str] | None, timeout: float, act: Callable[[Watcher], Told]) -> None:
+    from giraff_cli.visit import UNUSABLE, visit  # noqa: PLC0415
+
+    def tell(watcher: Watcher) -> int:
+        code, text = act(watcher)
+        typer.echo(text, err=code >= UNUSABLE)
+        return code
+
+    raise typer.Exit(visit(robot, connect or (), timeout, tell))

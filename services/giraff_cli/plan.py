@@ -17,7 +17,7 @@ from giraff_node.robot import RobotConfig
 from giraff_node.session import NetworkConfig
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
-from giraff_sim.config import SimConfig
+from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.hand import ScriptError
 from giraff_sim.main import make_hand
 from giraff_sim.room import RoomError, read_room
@@ -138,7 +138,7 @@ def write_file(path: Path, text: str) -> None:
 
 
 def _environment(given: Mapping[str, str], *, local: bool) -> dict[str, str]:
-    environment = dict(given)
+    environment = {**KNOWN, **given}
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")
         environment["GIRAFF_CONFIG"] = str(here if here.is_file() else ROOT / "deploy" / "robot.toml")

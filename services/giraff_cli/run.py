@@ -8,17 +8,15 @@ from __future__ import annotations
 
 import math
 import os
-import shutil
 import sys
-import tempfile
 import time
-from pathlib import Path
 from typing import Final
 
 import msgspec
 import zenoh
 
 from giraff_cli.plan import Plan, write_file
+from giraff_cli.run_directory import RunDirectory
 from giraff_cli.screen import Nobody, Screen, open_screen, picture, say
 from giraff_cli.simulated import SERVICES, SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.stopping import Stopping
@@ -27,6 +25,7 @@ from giraff_cli.telemetry import Telemetry
 from giraff_cli.view import Frame, Standing
 from giraff_cli.watcher import Watcher, claim, free_port
 from giraff_node import robot_now_ns
+from giraff_node.session import open_session
 from giraff_sim.client import SimulatorError
 
 _LOOK_EVERY: Final = 0.2  # s
@@ -34,7 +33,7 @@ _SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten m
 _SERVICES_WITHIN: Final = 20.0  # s
 _REST_WITHIN: Final = 4.0  # s
 _LOOKS_AT_REST: Final = 4  # in a row, by when odometry has caught up
-_NOTICES: Final = 2
+_NOTICES: Final = 1  # more would not fit 24 lines
 
 _DONE: Final = 0
 _FAILED: Final = 1
@@ -51,7 +50,7 @@ def drive(plan: Plan) -> int:
         if held is None and not network.local:
             return _refuse(f"a run of {robot} is going on on this host{_WAY_OUT}")
         try:
-            watcher = Watcher(robot, network)
+            watcher = Watcher(robot, open_session(network))
         except zenoh.ZError as error:
             return _refuse(f"no Zenoh session: {error}; check the table [network] of the robot file")
         try:
@@ -77,15 +76,17 @@ def _refuse(why: str) -> int:
 
 def _with_directory(plan: Plan, rendezvous: str, watcher: Watcher, stopping: Stopping) -> int:
     say(f"starting {plan.robot.name} with {plan.boards} boards" + (f": {plan.why_boards}" if plan.why_boards else ""))
-    directory = Path(tempfile.mkdtemp(prefix="giraff-run-"))
+    say(f"meanwhile, in another terminal: giraff why --robot {plan.robot.name} --connect tcp/{rendezvous}")
+    directory = RunDirectory()
     code = _FAILED
     try:
-        code = Run(plan, SimulatedRobot(plan, rendezvous, directory), watcher, stopping).go()
+        code = Run(plan, SimulatedRobot(plan, rendezvous, directory.path), watcher, stopping).go()
     finally:
         if code == _DONE:
-            shutil.rmtree(directory)
+            directory.remove()
         else:
-            print(f"giraff run: the logs are in {directory}", file=sys.stderr)
+            directory.keep()
+            print(f"giraff run: the logs are in {directory.path}", file=sys.stderr)
     return code
 
 

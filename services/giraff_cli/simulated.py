@@ -14,6 +14,8 @@ from giraff_cli.motion import Pose, Truth
 from giraff_cli.plan import Plan
 from giraff_cli.stopping import Stopping
 from giraff_node import robot_now_ns
+from giraff_node.estop import RELEASED
+from giraff_node.state import write_latch
 from giraff_sim.client import SimulatorClient, SimulatorError
 
 SERVICES: Final = ("joystick", "guard", "base", "ranger", "odometry")
@@ -41,7 +43,7 @@ class SimulatedRobot:
     """Its processes end with the one that made it, however that ends."""
 
     def __init__(self, plan: Plan, rendezvous: str, directory: Path) -> None:
-        """`directory` takes ports, control socket and logs."""
+        """`directory` takes ports, control socket, state and logs."""
         self._plan = plan
         self._rendezvous = rendezvous
         self._directory = directory
@@ -80,6 +82,8 @@ class SimulatedRobot:
     def _start_services(self, ports: dict[str, str]) -> None:
         environment = self._plan.environment | {"GIRAFF_NETWORK_RENDEZVOUS": self._rendezvous}
         environment |= {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
+        environment["STATE_DIRECTORY"] = str(self._directory / "state")
+        write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
         for service in SERVICES:
             self._children.start(service, f"giraff_{service}", [], environment)
 

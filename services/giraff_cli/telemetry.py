@@ -10,14 +10,30 @@ from giraff_cli.motion import Apart, Comparison, Pose, Truth
 from giraff_schemas.messages import (
     BaseState,
     Battery,
+    EStop,
     GuardedCommand,
     GuardState,
+    Lease,
     Odometry,
     Range,
     Sample,
     Tilt,
 )
-from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, GUARD, ODOM, RANGE, TICK, TILT, TOPICS, WHEELS, Topic
+from giraff_schemas.topics import (
+    BASE,
+    BATTERY,
+    CMD_VEL,
+    ESTOP,
+    GUARD,
+    LEASE,
+    ODOM,
+    RANGE,
+    TICK,
+    TILT,
+    TOPICS,
+    WHEELS,
+    Topic,
+)
 
 SampleT = TypeVar("SampleT", bound=Sample)
 
@@ -75,6 +91,8 @@ class Snapshot:
     guard: Seen[GuardState] | None
     base: Seen[BaseState] | None
     battery: Seen[Battery] | None
+    estop: Seen[EStop] | None
+    lease: Seen[Lease] | None
     ranges: dict[str, Seen[Range] | None]
     """By sensor, in the order of the robot file."""
     rates: dict[str, KeyRate]
@@ -204,6 +222,8 @@ class Telemetry:
             guard=self.newest(GUARD, now_ns),
             base=self.newest(BASE, now_ns),
             battery=self.newest(BATTERY, now_ns),
+            estop=self.newest(ESTOP, now_ns),
+            lease=self.newest(LEASE, now_ns),
             ranges={sensor: self.newest(RANGE.at(sensor), now_ns) for sensor in self._sensors},
             rates={name: self._rate(self._keys[name], now_ns) for name in self._names()},
             age_ms=self.age_ms,

@@ -58,7 +58,6 @@ def view(snapshot: Snapshot, frame: Frame) -> RenderableType:
         Text(),
         _guard(snapshot),
         _command(snapshot),
-        Text(),
         _topics(snapshot),
         _services(frame),
     ]
@@ -132,8 +131,8 @@ def _bar(seen: Seen[Range] | None) -> Text:
 def _base(snapshot: Snapshot) -> Table:
     table = _block("BASE", 7, _left("", 0))
     base, battery = snapshot.base, snapshot.battery
-    word = base_text(base)
-    state = Text(word, style={"driving": "green", "silent": "red"}.get(word, "yellow"))
+    word = base_text(snapshot)
+    state = Text(word, style={"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}.get(word, "yellow"))
     if battery is not None:
         state.append(f"  {battery.sample.voltage:.1f} V", style="default")
     table.add_row("state", state)
@@ -161,8 +160,8 @@ def _guard(snapshot: Snapshot) -> Table:
 
 
 def _command(snapshot: Snapshot) -> Table:
-    """What passes the guard now, and why it is less than asked for."""
-    command = snapshot.command
+    """What passes the guard now, of whom, and why it is less than asked for."""
+    command, lease = snapshot.command, snapshot.lease
     table = Table.grid(padding=(0, 1, 0, 0), expand=True)
     table.add_column(width=10, style="dim")
     table.add_column(no_wrap=True, overflow="ellipsis", ratio=1)
@@ -170,7 +169,8 @@ def _command(snapshot: Snapshot) -> Table:
         table.add_row("passes", _NONE)
     else:
         sample = command.sample
-        text = Text(f"{sample.linear_x:z6.2f} m/s {sample.angular_z:z6.2f} rad/s")
+        holder = "" if lease is None or not lease.fresh else lease.sample.operator or "nobody"
+        text = Text(f"{sample.linear_x:z6.2f} m/s {sample.angular_z:z6.2f} rad/s  {holder}")
         table.add_row("passes", text.append(f"  {sample.reason}", style="yellow"))
     return table
 

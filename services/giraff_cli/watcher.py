@@ -5,36 +5,44 @@ from __future__ import annotations
 import contextlib
 import random
 import socket
-import threading
 import time
 from collections import deque
-from collections.abc import Callable
-from typing import Any, Final
+from collections.abc import Callable, Iterable
+from typing import Any, Final, Protocol
 
 import zenoh
 
-from giraff_cli.telemetry import Telemetry
 from giraff_node import robot_now_ns
-from giraff_node.session import NetworkConfig, open_session
+from giraff_node.session import close_session
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
 
-_CLOSE_TIMEOUT: Final = 1.0  # s; a session's close can hang
 _OWN_PORTS: Final = (20_000, 32_000)  # below Linux's range for outgoing connections, 32768 to 60999
 _ASK_AGAIN: Final = 0.1  # s
 
-Report = Callable[[Telemetry], None]
-"""Tells the telemetry of one thing that was heard."""
+
+class Listener(Protocol):
+    """Whoever is told of what a watcher hears."""
+
+    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        """A sample of `key` (below the robot's name), which `topic` is or stands for, heard at `at_ns`."""
+
+    def announce(self, service: str, instance: str, *, present: bool) -> None:
+        """A service's token on the network has come or gone."""
+
+
+Report = Callable[[Listener], None]
+"""Tells a listener of one thing that was heard."""
 
 
 class Watcher:
-    """A session of its own. What Zenoh's threads hear waits in a queue, so that telemetry has one thread."""
+    """What Zenoh's threads hear waits in a queue, so that the listener has one thread."""
 
-    def __init__(self, robot: str, network: NetworkConfig) -> None:
-        """Join the network. Raises `zenoh.ZError`."""
-        self._robot = robot
-        self._session = open_session(network)
+    def __init__(self, robot: str, session: zenoh.Session) -> None:
+        """`session`: of this watcher alone, which closes it."""
+        self.robot = robot
+        self.session = session
         self._heard: deque[Report] = deque()
         self._declared: list[Any] = []  # a subscriber that nobody references ends
         self._complaints: dict[str, str] = {}
@@ -43,25 +51,25 @@ class Watcher:
         """The liveliness token of a base that already runs under this robot's name; looks for `patience` s."""
         deadline = time.monotonic() + patience
         while time.monotonic() < deadline:
-            for reply in self._session.liveliness().get(alive_key(self._robot, "base"), timeout=patience):
+            for reply in self.session.liveliness().get(alive_key(self.robot, "base"), timeout=patience):
                 if reply.ok is not None:
                     return str(reply.ok.key_expr)
             time.sleep(_ASK_AGAIN)
         return None
 
-    def listen(self) -> None:
-        """Hear every topic of the robot, and its services come and go."""
-        for topic in TOPICS:
-            self._declared.append(self._session.declare_subscriber(key_of(self._robot, topic), self._hearer(topic)))
+    def listen(self, topics: Iterable[Topic[Any]] = TOPICS) -> None:
+        """Hear these topics of the robot, and its services come and go."""
+        for topic in topics:
+            self._declared.append(self.session.declare_subscriber(key_of(self.robot, topic), self._hearer(topic)))
         self._declared.append(
-            self._session.liveliness().declare_subscriber(alive_key(self._robot), self._on_token, history=True)
+            self.session.liveliness().declare_subscriber(alive_key(self.robot), self._on_token, history=True)
         )
 
-    def pass_on(self, telemetry: Telemetry) -> None:
-        """Tell `telemetry` what was heard since the last call."""
+    def pass_on(self, listener: Listener) -> None:
+        """Tell `listener` what was heard since the last call."""
         with contextlib.suppress(IndexError):  # Zenoh's threads fill it: emptiness cannot be asked first
             while True:
-                self._heard.popleft()(telemetry)
+                self._heard.popleft()(listener)
 
     @property
     def complaints(self) -> list[str]:
@@ -70,10 +78,7 @@ class Watcher:
 
     def close(self) -> bool:
         """Leave the network; False when Zenoh does not come back from it."""
-        closing = threading.Thread(target=self._session.close, daemon=True)
-        closing.start()
-        closing.join(_CLOSE_TIMEOUT)
-        return not closing.is_alive()
+        return close_session(self.session)
 
     def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
         def on_sample(received: zenoh.Sample) -> None:
@@ -84,15 +89,15 @@ class Watcher:
             except DecodeError as error:
                 self._complaints[key] = str(error)
                 return
-            below = key.removeprefix(f"{ROOT}/{self._robot}/")
-            self._heard.append(lambda telemetry: telemetry.hear(topic, below, sample, now_ns))
+            below = key.removeprefix(f"{ROOT}/{self.robot}/")
+            self._heard.append(lambda listener: listener.hear(topic, below, sample, now_ns))
 
         return on_sample
 
     def _on_token(self, received: zenoh.Sample) -> None:
         *_, service, instance = str(received.key_expr).split("/")
         present = received.kind == zenoh.SampleKind.PUT
-        self._heard.append(lambda telemetry: telemetry.announce(service, instance, present=present))
+        self._heard.append(lambda listener: listener.announce(service, instance, present=present))
 
 
 def free_port() -> int:

@@ -13,9 +13,11 @@ from giraff_schemas.messages import (
     Battery,
     BoardState,
     DriveCommand,
+    EStop,
     Freedom,
     GuardedCommand,
     GuardState,
+    Lease,
     Odometry,
     Range,
     RangeState,
@@ -73,6 +75,7 @@ def command(operator_ns: int | None, *, reason: str = "", epoch: int = EPOCH) ->
         angular_z=-0.2,
         guard_tick=tick,
         operator="hand",
+        lease_counter=1,
         operator_tick=tick,
         range_tick=None,
         source="hand",
@@ -109,14 +112,16 @@ def guard(forward: Verdict) -> GuardState:
         turn_right=verdict(),
         operator="hand",
         reason=forward.reason,
+        sensors=dict.fromkeys(SENSORS, ""),
     )
 
 
-def base(*, armed: bool = True, reason: str = "", line_errors: int = 0) -> BaseState:
+def base(*, armed: bool = True, reason: str = "", line_errors: int = 0, latch: str = "none") -> BaseState:
     board = BoardState(
         connected=True,
         boot_id=1,
         drive_state="active",
+        latch=latch,
         last_refusal="none",
         accepted=1,
         refused=0,
@@ -125,6 +130,14 @@ def base(*, armed: bool = True, reason: str = "", line_errors: int = 0) -> BaseS
     return BaseState(
         armed=armed, driving=armed, reason=reason, guard="guard", round_trip=0.02, budget_left=0.1, board=board
     )
+
+
+def estop(*, engaged: bool = False) -> EStop:
+    return EStop(engaged=engaged, id=3, by="ann@desk" if engaged else "", reason="smoke" if engaged else "")
+
+
+def lease(holder: str = "hand", operator: str = "joystick") -> Lease:
+    return Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason="")
 
 
 def reading(sensor: str, distance: float | None, state: RangeState = "echo", reason: str = "") -> Range:
@@ -163,7 +176,15 @@ def ten_seconds() -> Telemetry:
             network.send(topics.TILT, Tilt(x=2.5, y=-0.4, z=9.4, status="running", tick=at(now)), now)
             network.send(topics.CMD_VEL, command(max(0, now - 31 * MS)), now)
         if ms % 30 == 0:
-            asked = DriveCommand(linear_x=0.4, angular_z=-0.2, source="hand", reason="", tick=at(now))
+            asked = DriveCommand(
+                operator="joystick",
+                lease_counter=1,
+                linear_x=0.4,
+                angular_z=-0.2,
+                source="hand",
+                reason="",
+                tick=at(now),
+            )
             network.send(topics.OPERATOR_CMD_VEL, asked, now, name="joystick")
         if ms % 180 == 0:
             network.send(topics.RANGE, reading("front_left", 1.23), now, name="front_left")
@@ -173,8 +194,10 @@ def ten_seconds() -> Telemetry:
             slow = verdict(0.3, "slow", sensor="front_left", reason="1.23 m ahead", way_out="turn away")
             network.send(topics.GUARD, guard(slow), now)
             network.send(topics.BASE, base(), now)
+            network.send(topics.LEASE, lease(), now)
         if ms % 500 == 0:
             network.send(topics.BATTERY, Battery(voltage=24.3), now)
+            network.send(topics.ESTOP, estop(), now)
         if ms % 200 == 0 and ms:
             telemetry.see(truth(now, x=x, speed=0.4))
     return telemetry

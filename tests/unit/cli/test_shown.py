@@ -16,7 +16,19 @@ from giraff_cli.summary import Summary, summarize, to_json, to_text
 from giraff_cli.telemetry import Snapshot, Telemetry
 from giraff_cli.view import Frame, view
 from giraff_schemas import topics
-from tests.unit.cli.samples import MS, SENSORS, Network, base, guard, reading, ten_seconds, truth, verdict
+from tests.unit.cli.samples import (
+    MS,
+    SENSORS,
+    Network,
+    base,
+    estop,
+    guard,
+    lease,
+    reading,
+    ten_seconds,
+    truth,
+    verdict,
+)
 
 SECOND = 1000 * MS
 FRAME = Frame(
@@ -56,7 +68,7 @@ def test_the_view_tells_all_of_it_on_80_by_24() -> None:
         r"state +driving +24\.3 V",
         r"forward +0\.30 m/s +slow +1\.23 m ahead · turn away",
         r"turn right +1\.00 rad/s +free",
-        r"passes +0\.40 m/s +-0\.20 rad/s",
+        r"passes +0\.40 m/s +-0\.20 rad/s +joystick",
         r"command +31 ms, p99 31, most 31",
         r"TOPICS +0 lost",
         r"cmd_vel/joystick +33\.3",
@@ -108,6 +120,19 @@ def test_a_wider_terminal_shows_more_of_the_reasons() -> None:
     Network(telemetry).send(topics.GUARD, guard(long), 10 * SECOND, maker="n")
     shown = "\n".join(rendered(telemetry.snapshot(10 * SECOND), width=120))
     assert "r" * 60 + " · " + "w" * 20 in shown
+
+
+def test_an_emergency_stop_and_a_latch_show() -> None:
+    telemetry = ten_seconds()
+    network = Network(telemetry)
+    network.send(topics.LEASE, lease("", ""), 10 * SECOND, maker="n")
+    network.send(topics.BASE, base(armed=False, latch="left_stuck"), 10 * SECOND, maker="n")
+    shown = "\n".join(rendered(telemetry.snapshot(10 * SECOND)))
+    assert re.search("state +latched, left stuck", shown)
+    assert re.search("passes .* rad/s +nobody", shown)
+    network.send(topics.ESTOP, estop(engaged=True), 10 * SECOND, maker="n")
+    assert re.search("state +EMERGENCY STOP", "\n".join(rendered(telemetry.snapshot(10 * SECOND))))
+    assert "| base EMERGENCY STOP |" in line(telemetry.snapshot(10 * SECOND), 0.0)
 
 
 def test_the_view_says_so_when_nothing_is_known() -> None:

@@ -12,7 +12,7 @@ import zenoh
 
 from giraff_cli.telemetry import Telemetry
 from giraff_cli.watcher import Watcher, claim, free_port
-from giraff_node.session import NetworkConfig
+from giraff_node.session import NetworkConfig, open_session, session_config
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, alive_key, key_of
@@ -28,7 +28,7 @@ def network() -> NetworkConfig:
 
 @pytest.fixture
 def watcher(network: NetworkConfig) -> Iterator[Watcher]:
-    opened = Watcher(ROBOT, network)
+    opened = Watcher(ROBOT, open_session(network))
     yield opened
     assert opened.close()
 
@@ -91,6 +91,12 @@ def test_a_namesake_is_found_and_others_are_not(watcher: Watcher, other: zenoh.S
         assert watcher.namesake(0.3) is None
         with tokens.declare_token(alive_key(ROBOT, "base", "3")):
             assert watcher.namesake(10.0) == alive_key(ROBOT, "base", "3")
+
+
+def test_a_visitor_leaves_the_rendezvous_to_those_who_stay(network: NetworkConfig) -> None:
+    assert network.rendezvous in str(session_config(network)["listen"])
+    assert network.rendezvous not in str(session_config(network, visiting=True)["listen"])
+    assert network.rendezvous in str(session_config(network, visiting=True)["connect"])
 
 
 def test_a_name_is_held_by_one_run_of_a_host() -> None:

@@ -1,0 +1,55 @@
+"""`giraff dst`: deterministic simulation of the command path, and the story of each seed that fails."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import msgspec
+from rich.console import Console
+
+from giraff_sim.dst.drill import SECONDS, Outcome
+from giraff_sim.dst.many import Totals, run_many
+
+_FAILED = 1  # exit code
+
+
+def explore(seeds: int, first: int, jobs: int, json: Path | None) -> int:
+    """Run `seeds` seeds from `first` on; the exit code."""
+    console = Console(highlight=False)
+    totals = Totals()
+    began = time.monotonic()
+    for outcome in run_many(range(first, first + seeds), jobs):
+        totals.take(outcome, SECONDS)
+        if outcome.violations or seeds == 1:
+            _tell(console, outcome)
+    _sum_up(console, totals, time.monotonic() - began)
+    if json is not None:
+        json.write_bytes(msgspec.json.format(msgspec.json.encode(totals), indent=2) + b"\n")
+    return _FAILED if totals.failures else 0
+
+
+def _tell(console: Console, outcome: Outcome) -> None:
+    console.print(f"\nseed {outcome.seed}: {outcome.path:.2f} m driven, {outcome.contacts} contacts", style="bold")
+    for line in outcome.story:
+        console.print(line, style="red" if "VIOLATION" in line else None, markup=False, soft_wrap=True)
+    console.print(f"digest {outcome.digest}; again with: giraff dst --seeds 1 --seed {outcome.seed}", soft_wrap=True)
+
+
+def _sum_up(console: Console, totals: Totals, seconds: float) -> None:
+    for title, prefix in (("faults", "fault: "), ("stops", "stop: ")):
+        console.print(f"\n{title}", style="bold")
+        for name, count in totals.counts.most_common():
+            if name.startswith(prefix):
+                console.print(f"{count:7d}  {name.removeprefix(prefix)}", markup=False, soft_wrap=True)
+    failed = len(totals.failures)
+    console.print(
+        f"\nseeds: {totals.seeds}, {totals.simulated:g} s simulated in {seconds:.1f} s; the robot drove in "
+        f"{totals.drove} of them, {totals.path:.0f} m, was armed {totals.counts['armed']} times and touched something "
+        f"{totals.contacts} times; digest {totals.digest[:16]}",
+        soft_wrap=True,
+    )
+    console.print(
+        f"seeds that violate an invariant: {failed}" if failed else "no invariant is violated",
+        style="bold red" if failed else "bold green",
+    )

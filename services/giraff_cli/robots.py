@@ -1,0 +1,99 @@
+"""Which robot a command is for, and the network that it is looked for on. Works on machines with no robot file."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import msgspec
+import zenoh
+
+from giraff_node.config import DEFAULT_FILE, ConfigError, overrides, read_tables
+from giraff_node.session import NetworkConfig
+from giraff_schemas.topics import alive_key, require_chunk
+
+_ASK_AGAIN: Final = 0.1  # s
+_SETTLED: Final = 0.5  # s after the first robot was found: the others of a network are met within some ten ms
+_REPLY_WITHIN: Final = 0.5  # s
+
+
+class NoRobotError(Exception):
+    """No robot can be told. The message says why, and the way out."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """What is known before anything is heard."""
+
+    robot: str
+    """Empty: nobody has named one."""
+    network: NetworkConfig
+    warning: str
+    """What of robot file and environment did not count; empty: nothing."""
+
+
+def find_way(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> Way:
+    """From the command line, the environment and the robot file, in this order; NoRobotError for a bad name.
+
+    What cannot be used is told and passed over: a broken file is no reason not to stop a robot.
+    """
+    named, network, warnings = "", NetworkConfig(), []
+    for source in (_tables, overrides):
+        try:
+            tables = source(environment)
+            network = msgspec.convert(tables.get("network", {}), NetworkConfig, strict=False)
+            named = str(tables.get("robot", {}).get("name", ""))
+            break
+        except (ConfigError, msgspec.ValidationError) as error:
+            warnings.append(str(error))
+    name = robot or named
+    try:
+        return Way(
+            robot=require_chunk(name) if name else "",
+            network=msgspec.structs.replace(network, connect=(*network.connect, *connect)),
+            warning="; ".join(dict.fromkeys(warnings)),
+        )
+    except ValueError as error:
+        raise NoRobotError(f"robot: {error}") from error
+
+
+def robots_alive(session: zenoh.Session) -> list[str]:
+    """Names of the robots of which any service is on the network now."""
+    replies = session.liveliness().get(alive_key("*"), timeout=_REPLY_WITHIN)
+    return sorted({str(reply.ok.key_expr).split("/")[1] for reply in replies if reply.ok is not None})
+
+
+def only_robot(session: zenoh.Session, patience: float) -> str:
+    """The one robot on the network, where nobody has named one. Raises NoRobotError."""
+    deadline = time.monotonic() + patience
+    while not (found := robots_alive(session)):
+        if time.monotonic() > deadline:
+            raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {HOW_TO_REACH}")
+        time.sleep(_ASK_AGAIN)
+    time.sleep(_SETTLED)
+    found = sorted({*found, *robots_alive(session)})
+    if len(found) > 1:
+        raise NoRobotError(
+            f"several robots are on the network; name one: {', '.join(f'--robot {name}' for name in found)}"
+        )
+    return found[0]
+
+
+HOW_TO_REACH: Final = (
+    "check that it is on and on this network; where multicast does not reach, give --connect tcp/ROBOT:7447"
+)
+
+
+def others(session: zenoh.Session, robot: str) -> str:
+    """A hint for one who has named a robot that is not there; empty when no other is."""
+    found = [name for name in robots_alive(session) if name != robot]
+    return f"; on the network: {', '.join(f'--robot {name}' for name in found)}" if found else ""
+
+
+def _tables(environment: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """Of the robot file with the environment's overrides; of the environment alone where no file is at hand."""
+    at_hand = environment.get("GIRAFF_CONFIG") or DEFAULT_FILE.is_file()
+    return read_tables(environment) if at_hand else overrides(environment)

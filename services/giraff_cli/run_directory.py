@@ -1,0 +1,52 @@
+"""Where a run keeps its ports, sockets and logs; and what is left behind by runs that were killed."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import os
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Final
+
+_PREFIX: Final = "giraff-run-"
+_LOCK: Final = "running"
+
+
+class RunDirectory:
+    """A fresh directory, held by a lock that ends with this process however that ends."""
+
+    def __init__(self) -> None:
+        """Also removes the directories that are nobody's any more."""
+        _remove_abandoned(Path(tempfile.gettempdir()))
+        self.path = Path(tempfile.mkdtemp(prefix=_PREFIX))
+        made = self.path / f".{_LOCK}"
+        self._lock = made.open("w")
+        fcntl.flock(self._lock, fcntl.LOCK_EX)
+        made.rename(self.path / _LOCK)  # only now can another run see it, and find it held
+
+    def remove(self) -> None:
+        shutil.rmtree(self.path)
+        self._lock.close()
+
+    def keep(self) -> None:
+        """Leave it to who wants to read the logs: no other run removes it."""
+        (self.path / _LOCK).unlink()
+        self._lock.close()
+
+
+def _remove_abandoned(parent: Path) -> None:
+    for lock in parent.glob(f"{_PREFIX}*/{_LOCK}"):
+        with contextlib.suppress(OSError):  # another's, or just gone
+            if lock.parent.lstat().st_uid == os.getuid() and _is_free(lock):
+                shutil.rmtree(lock.parent)
+
+
+def _is_free(path: Path) -> bool:
+    with path.open("r+") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        return True

@@ -1,0 +1,12 @@
+"""Entry point of the `giraff` command: ready for Ctrl-C before anything slow is imported."""
+
+import signal
+
+
+def main() -> None:
+    # Python's own handler would raise in whatever is being imported, and show that. A command that has something to
+    # end first takes the signals over when it begins.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    from giraff_cli.main import app  # noqa: PLC0415
+
+    app()

@@ -1,0 +1,93 @@
+"""Which robot a command is for: with a robot file, with none, with a broken one, and on a network of several."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from giraff_cli.robots import NoRobotError, find_way, only_robot, others
+from giraff_cli.watcher import free_port
+from giraff_node.session import NetworkConfig, close_session, open_session
+from giraff_schemas.topics import alive_key
+
+ONE, OTHER = (f"sim-{secrets.token_hex(4)}" for _ in range(2))
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A directory with no robot file."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def robot_file(directory: Path, text: str) -> dict[str, str]:
+    path = directory / "robot.toml"
+    path.write_text(text)
+    return {"GIRAFF_CONFIG": str(path)}
+
+
+def test_nothing_need_be_at_hand() -> None:
+    way = find_way(None, (), {})
+    assert (way.robot, way.network, way.warning) == ("", NetworkConfig(), "")
+    way = find_way("otto", ["tcp/10.0.0.2:7447"], {"GIRAFF_NETWORK_RENDEZVOUS": "127.0.0.1:9"})
+    assert way.robot == "otto"
+    assert way.network == NetworkConfig(connect=("tcp/10.0.0.2:7447",), rendezvous="127.0.0.1:9")
+
+
+def test_the_command_line_counts_before_the_environment_and_that_before_the_file(elsewhere: Path) -> None:
+    environment = robot_file(elsewhere, '[robot]\nname = "filed"\n[network]\nconnect = ["tcp/a:1"]')
+    assert find_way(None, ["tcp/b:2"], environment).robot == "filed"
+    assert find_way(None, ["tcp/b:2"], environment).network.connect == ("tcp/a:1", "tcp/b:2")
+    environment["GIRAFF_ROBOT_NAME"] = "named"
+    assert find_way(None, (), environment).robot == "named"
+    assert find_way("told", (), environment).robot == "told"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [("[robot", "not TOML"), ("[rowboat]", "unknown table"), ("[network]\nlocal = 'perhaps'", "local")],
+)
+def test_a_broken_robot_file_is_told_and_stops_nobody_from_stopping_a_robot(
+    elsewhere: Path, text: str, told: str
+) -> None:
+    way = find_way(None, (), robot_file(elsewhere, text) | {"GIRAFF_ROBOT_NAME": "named"})
+    assert way.robot == "named"
+    assert told in way.warning
+    assert find_way("told", (), {"GIRAFF_CONFIG": "missing.toml", "GIRAFF_SPEED": "1"}).robot == "told"
+
+
+def test_a_name_that_can_be_none_is_refused() -> None:
+    with pytest.raises(NoRobotError, match=r"robot: 'a/b' cannot be part of a key"):
+        find_way("a/b", (), {})
+
+
+@pytest.fixture
+def sessions() -> Iterator[tuple[zenoh.Session, zenoh.Session]]:
+    network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
+    opened = open_session(network, visiting=True), open_session(network)
+    yield opened
+    assert close_session(opened[0])
+    assert close_session(opened[1])
+
+
+def test_the_only_robot_is_meant_where_nobody_names_one(sessions: tuple[zenoh.Session, zenoh.Session]) -> None:
+    ours, theirs = sessions
+    with pytest.raises(NoRobotError, match=r"no robot is heard on the network after 0\.3 s; check that it is on"):
+        only_robot(ours, 0.3)
+    with theirs.liveliness().declare_token(alive_key(ONE, "guard", "1")):
+        assert only_robot(ours, 10.0) == ONE
+        assert others(ours, ONE) == ""
+        assert others(ours, "giraff") == f"; on the network: --robot {ONE}"
+
+
+def test_of_several_one_must_be_named(sessions: tuple[zenoh.Session, zenoh.Session]) -> None:
+    ours, theirs = sessions
+    tokens = theirs.liveliness()
+    with tokens.declare_token(alive_key(ONE, "base", "1")), tokens.declare_token(alive_key(OTHER, "base", "2")):
+        names = ", ".join(f"--robot {name}" for name in sorted((ONE, OTHER)))
+        with pytest.raises(NoRobotError, match=f"several robots are on the network; name one: {names}"):
+            only_robot(ours, 10.0)
