@@ -10,9 +10,10 @@ from typing import Literal, Self
 
 import msgspec
 
+from giraff_schemas.wire import Wiring
 from giraff_sim import messages
 from giraff_sim.bno055 import Bno055Fault
-from giraff_sim.messages import BoardName, State
+from giraff_sim.messages import BoardName, State, Wheel
 from giraff_sim.record import Verdict
 from giraff_sim.sonar import SonarFault
 
@@ -73,7 +74,7 @@ class SimulatorClient:
         return self._ask(messages.Tilt(x=x, y=y, z=z)).now_us
 
     def hand(self, hand: str) -> int:
-        """Give the joystick to "demo", "still", or a tilt script that starts now."""
+        """Give the joystick to "demo", "still", "laid_down", "shaken", "dropped", or a tilt script, from now on."""
         return self._ask(messages.SetHand(hand=hand)).now_us
 
     def button(self, *, pressed: bool) -> int:
@@ -96,11 +97,19 @@ class SimulatorClient:
         """Break the joystick's sensor, or mend it."""
         return self._ask(messages.FailBno055(fault=fault)).now_us
 
-    def fail_sonar(self, number: int, fault: SonarFault) -> int:
-        """Break a sonar, or mend it."""
-        return self._ask(messages.FailSonar(number=number, fault=fault)).now_us
+    def fail_sonar(self, number: int, fault: SonarFault, wild_share: float = 0.0) -> int:
+        """Break a sonar, or mend it; `wild_share` of its pings, for WILD_SOME."""
+        return self._ask(messages.FailSonar(number=number, fault=fault, wild_share=wild_share)).now_us
 
-    def cut_encoder(self, wheel: Literal["left", "right"], *, cut: bool) -> int:
+    def block_wheel(self, wheel: Wheel, *, blocked: bool) -> int:
+        """Hold a wheel so that it does not turn, or let it go."""
+        return self._ask(messages.BlockWheel(wheel=wheel, blocked=blocked)).now_us
+
+    def solder(self, wiring: Wiring) -> int:
+        """Solder motors and encoders so that `configure.wiring` must be this."""
+        return self._ask(messages.Solder(wiring=int(wiring))).now_us
+
+    def cut_encoder(self, wheel: Wheel, *, cut: bool) -> int:
         """Cut a wheel encoder's wires, or mend them."""
         return self._ask(messages.CutEncoder(wheel=wheel, cut=cut)).now_us
 

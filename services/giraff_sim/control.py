@@ -8,15 +8,16 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_schemas.wire import BoardKind, DriveState, Refusal, ResetCause, WheelsFrame
+from giraff_schemas.wire import BoardKind, DriveState, Latch, Refusal, ResetCause, WheelsFrame, Wiring
 from giraff_sim import messages
 from giraff_sim.hand import Hand, ScriptError, StillHand
 from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
 from giraff_sim.room import Pose, RoomError
 from giraff_sim.simulation import Simulation
+from giraff_sim.soldering import LEFT, RIGHT
 
-_WHEELS: Final = {"left": 0, "right": 1}
+_WHEELS: Final[dict[messages.Wheel, int]] = {"left": LEFT, "right": RIGHT}
 
 HandMaker = Callable[[str, float], Hand]
 """Makes a hand of its name ("demo", "still", a path) and the simulated second at which it begins."""
@@ -49,6 +50,8 @@ class Control:
             messages.FailBno055: self._fail_bno055,
             messages.FailSonar: self._fail_sonar,
             messages.CutEncoder: self._cut_encoder,
+            messages.BlockWheel: self._block_wheel,
+            messages.Solder: self._solder,
             messages.Battery: self._battery,
             messages.Unplug: self._unplug,
             messages.Plug: self._plug,
@@ -137,10 +140,19 @@ class Control:
         sonars = self._simulation.world.sonars
         if request.number not in sonars:
             raise ValueError(f"there is no sonar {request.number}; there are {sorted(sonars)}")
+        if not 0.0 <= request.wild_share <= 1.0:
+            raise ValueError(f"wild_share is {request.wild_share}: it must be in 0..1")
         sonars[request.number].fault = request.fault
+        sonars[request.number].wild_share = request.wild_share
 
     def _cut_encoder(self, request: messages.CutEncoder) -> None:
         self._simulation.cut_encoder(_WHEELS[request.wheel], is_cut=request.cut)
+
+    def _block_wheel(self, request: messages.BlockWheel) -> None:
+        self._simulation.block_wheel(_WHEELS[request.wheel], is_blocked=request.blocked)
+
+    def _solder(self, request: messages.Solder) -> None:
+        self._simulation.solder(Wiring(request.wiring))
 
     def _battery(self, request: messages.Battery) -> None:
         if not (math.isfinite(request.volts) and request.volts >= 0.0):
@@ -170,6 +182,7 @@ def _base_says(frame: WheelsFrame | None) -> messages.BaseSays | None:
         boot_id=frame.boot_id,
         session=frame.session,
         drive_state=DriveState(frame.drive_state).name.lower(),
+        latch=Latch(frame.latch).name.lower(),
         last_refusal=Refusal(frame.last_refusal).name.lower(),
         left_ticks=frame.left_ticks,
         right_ticks=frame.right_ticks,

@@ -10,7 +10,6 @@ import bisect
 import csv
 import math
 import random
-from enum import Enum, auto
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -18,6 +17,17 @@ from giraff_sim.bno055 import GRAVITY, Vector
 from giraff_sim.room import Pose
 
 LEVEL: Final[Vector] = (0.0, 0.0, GRAVITY)
+
+_TILTED: Final[Vector] = (GRAVITY * math.sin(math.radians(40.0)), 0.0, GRAVITY * math.cos(math.radians(40.0)))
+_SHAKE_HZ: Final = 5.0
+_SHAKE: Final = 20.0  # m/s^2, peak: 2 cm each way
+_FALL: Final = 0.45  # s, from a metre
+_TUMBLE: Final = 6.0  # rad/s
+_OFF_CENTRE: Final = 0.03  # m
+_IMPACT: Final[Vector] = (25.0, -15.0, 30.0)
+_BUMP: Final = 0.03  # s
+_WAVES: Final = 3
+_TREMOR_HZ: Final = (6.0, 12.0)
 
 _COLUMNS: Final = ("t", "x", "y", "z")
 
@@ -29,13 +39,20 @@ class ScriptError(Exception):
 class Hand(Protocol):
     """Moves the joystick."""
 
+    @property
+    def trembles(self) -> bool:
+        """A living hand holds it: the world adds its tremor."""
+        ...
+
     def acceleration(self, seconds: float, robot: Pose) -> Vector:
         """What the sensor feels at a simulated time that never goes back, with the robot truly at `robot`."""
         ...
 
 
 class StillHand:
-    """Holds the joystick as it is: flat, unless told otherwise."""
+    """Holds the joystick as it is, as still as a hand can: flat, unless told otherwise."""
+
+    trembles = True
 
     def __init__(self, vector: Vector = LEVEL) -> None:
         if not all(math.isfinite(value) for value in vector):
@@ -47,12 +64,75 @@ class StillHand:
         return self._vector
 
 
+class LaidDown(StillHand):
+    """Nobody's: the joystick lies on something, tilted forward by 40 degrees unless told otherwise."""
+
+    trembles = False
+
+    def __init__(self, vector: Vector = _TILTED) -> None:
+        super().__init__(vector)
+
+
+class Shaken:
+    """Shakes the joystick to and fro, five times a second and by 4 cm."""
+
+    trembles = True
+
+    def __init__(self, begin: float) -> None:
+        """`begin`: simulated s."""
+        self._begin = begin
+
+    def acceleration(self, seconds: float, robot: Pose) -> Vector:
+        del robot
+        swing = _SHAKE * math.sin(math.tau * _SHAKE_HZ * (seconds - self._begin))
+        return swing, 0.0, GRAVITY
+
+
+class Dropped:
+    """Lets the joystick fall from the hand to the floor, tumbling; there it lies on its edge."""
+
+    trembles = False
+
+    def __init__(self, begin: float) -> None:
+        """`begin`: simulated s."""
+        self._begin = begin
+
+    def acceleration(self, seconds: float, robot: Pose) -> Vector:
+        del robot
+        since = seconds - self._begin
+        if since < _FALL:
+            turn = _TUMBLE * since
+            spin = _TUMBLE**2 * _OFF_CENTRE  # the sensor is not where the joystick turns about
+            return spin * math.cos(turn), spin * math.sin(turn), 0.0
+        return _IMPACT if since < _FALL + _BUMP else _TILTED
+
+
+class Tremor:
+    """A hand's tremor, the same for the same seed: three waves an axis, at 6 to 12 Hz as physiology has it."""
+
+    def __init__(self, amplitude: float, seed: int) -> None:
+        """`amplitude`: m/s^2, rms of each axis."""
+        chance = random.Random(f"{seed}/tremor")
+        peak = amplitude * math.sqrt(2.0 / _WAVES)
+        self._axes = [
+            [(peak, math.tau * chance.uniform(*_TREMOR_HZ), chance.uniform(0.0, math.tau)) for _ in range(_WAVES)]
+            for _ in range(3)
+        ]
+
+    def added_to(self, vector: Vector, seconds: float) -> Vector:
+        """`vector` as a trembling hand has it."""
+        x, y, z = (sum(peak * math.sin(rate * seconds + phase) for peak, rate, phase in axis) for axis in self._axes)
+        return vector[0] + x, vector[1] + y, vector[2] + z
+
+
 class ScriptedHand:
     """Repeats a tilt script: each row holds until the next one's time, the last one for ever.
 
     Rows are held and not joined by lines, so that a script is exact about what is asked at which moment, and
-    a recording at the sensor's own rate is replayed as it was.
+    a recording at the sensor's own rate is replayed as it was, given a [sim] whose `hand_tremor` is 0.
     """
+
+    trembles = True
 
     def __init__(self, times: list[float], vectors: list[Vector]) -> None:
         self._times = times
@@ -98,135 +178,3 @@ def _numbers(row: list[str], place: str) -> list[float]:
             raise ScriptError(f"{place}: {name} is {cell.strip()}: it must be finite")
         numbers.append(number)
     return numbers
-
-
-class _Mood(Enum):
-    DRIVING = auto()
-    RESTING = auto()
-    """Flat for a moment: before setting off, and when the robot does not move as asked."""
-    BACKING = auto()
-    TURNING = auto()
-    """Away from what is in the way."""
-
-
-_REACHED: Final = 0.35  # m from a waypoint at which the next one is meant
-_FORWARD: Final = math.radians(31.0)
-_FORWARD_LEAST: Final = math.radians(14.0)  # beyond every curve's dead zone
-_SIDEWAYS: Final = math.radians(24.0)
-_SIDEWAYS_LEAST: Final = math.radians(9.0)
-_BACKWARD: Final = math.radians(-16.0)
-_STRAIGHT: Final = math.radians(4.0)  # heading error that a person lets pass
-_TURN_ON_THE_SPOT: Final = math.radians(60.0)
-_SLOW_DOWN: Final = 0.8  # m before a waypoint, down to half
-_REST: Final = 1.2  # s
-_BACK: Final = 1.6  # s
-_TURN: Final = 1.6  # s
-_PATIENCE: Final = 2.0  # s of asking in vain
-_MOVED: Final = 0.05  # m, or as many radians, that count as getting on
-_MUSCLE: Final = 0.22  # s, time constant of the wrist
-_SWAY_HZ: Final = (1.0, 6.0)
-_TREMOR: Final = math.radians(0.25)
-_RESTS_BEFORE_BACKING: Final = 2
-
-
-class DemoHand:
-    """A person who sees the robot and steers it from waypoint to waypoint.
-
-    Rests a moment first, which is what arms a robot. When the robot does not get on, rests and tries again,
-    then backs off, turns away and goes for the next waypoint.
-    """
-
-    def __init__(self, waypoints: list[tuple[float, float]], seed: int, begin: float = 0.0) -> None:
-        """`begin`: simulated s at which the hand takes the joystick."""
-        if not waypoints:
-            raise ValueError("the demonstration's hand needs a room with waypoints")
-        self._waypoints = waypoints
-        self._random = random.Random(f"{seed}/hand")
-        self._waves = [(self._random.uniform(*_SWAY_HZ), self._random.uniform(0.0, math.tau)) for _ in range(4)]
-        self._vigour = 1.0
-        self._target = 0
-        self._mood = _Mood.RESTING
-        self._until = begin + _REST
-        self._side = 1.0
-        self._rests = 0
-        self._forward = self._left = 0.0  # radians of tilt
-        self._time = begin
-        self._seen: tuple[float, Pose] | None = None
-
-    def acceleration(self, seconds: float, robot: Pose) -> Vector:
-        passed, self._time = max(0.0, seconds - self._time), seconds
-        self._decide(seconds, robot)
-        forward, left = self._intended(robot)
-        share = 1.0 - math.exp(-passed / _MUSCLE)
-        self._forward += (forward - self._forward) * share
-        self._left += (left - self._left) * share
-        sway = [_TREMOR * math.sin(math.tau * rate * seconds + phase) for rate, phase in self._waves]
-        x = GRAVITY * math.sin(self._forward + sway[0] + sway[1])
-        y = GRAVITY * math.sin(self._left + sway[2] + sway[3]) * math.cos(self._forward)
-        return x, y, math.sqrt(max(0.0, GRAVITY**2 - x * x - y * y))
-
-    def _decide(self, seconds: float, robot: Pose) -> None:
-        if self._mood is _Mood.DRIVING:
-            target_x, target_y = self._waypoints[self._target]
-            if math.hypot(target_x - robot.x, target_y - robot.y) < _REACHED:
-                self._next_waypoint()
-                self._rests = 0
-            elif self._is_stuck(seconds, robot):
-                self._give_up(seconds)
-        elif seconds >= self._until:
-            if self._mood is _Mood.BACKING:
-                self._mood, self._until = _Mood.TURNING, seconds + _TURN
-            else:
-                self._mood = _Mood.DRIVING
-                self._seen = None
-
-    def _is_stuck(self, seconds: float, robot: Pose) -> bool:
-        if self._seen is None:
-            self._seen = (seconds, robot)
-        since, before = self._seen
-        moved = math.hypot(robot.x - before.x, robot.y - before.y)
-        if moved > _MOVED or abs(math.remainder(robot.yaw - before.yaw, math.tau)) > _MOVED:
-            self._seen = (seconds, robot)
-            self._rests = 0 if moved > _MOVED else self._rests
-            return False
-        return seconds - since > _PATIENCE
-
-    def _give_up(self, seconds: float) -> None:
-        if self._rests < _RESTS_BEFORE_BACKING:
-            self._rests += 1
-            self._mood, self._until = _Mood.RESTING, seconds + _REST
-            return
-        self._rests = 0
-        self._side = self._random.choice((-1.0, 1.0))
-        self._next_waypoint()
-        self._mood, self._until = _Mood.BACKING, seconds + _BACK
-
-    def _next_waypoint(self) -> None:
-        self._target = (self._target + 1) % len(self._waypoints)
-        self._vigour = self._random.uniform(0.8, 1.0)
-        self._seen = None
-
-    def _intended(self, robot: Pose) -> tuple[float, float]:
-        """Tilt forward and to the left, radians."""
-        match self._mood:
-            case _Mood.RESTING:
-                return 0.0, 0.0
-            case _Mood.BACKING:
-                return _BACKWARD, 0.0
-            case _Mood.TURNING:
-                return 0.0, self._side * _SIDEWAYS
-            case _Mood.DRIVING:
-                return self._steered(robot)
-
-    def _steered(self, robot: Pose) -> tuple[float, float]:
-        target_x, target_y = self._waypoints[self._target]
-        away_x, away_y = target_x - robot.x, target_y - robot.y
-        error = math.remainder(math.atan2(away_y, away_x) - robot.yaw, math.tau)
-        left = 0.0
-        if abs(error) > _STRAIGHT:
-            left = math.copysign(min(_SIDEWAYS, _SIDEWAYS_LEAST + 0.5 * abs(error)), error)
-        if abs(error) > _TURN_ON_THE_SPOT:
-            return 0.0, left
-        near = min(1.0, 0.5 + 0.5 * math.hypot(away_x, away_y) / _SLOW_DOWN)
-        forward = _FORWARD * self._vigour * (1.0 - abs(error) / _TURN_ON_THE_SPOT) * near
-        return max(_FORWARD_LEAST, forward), left

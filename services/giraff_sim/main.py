@@ -23,7 +23,8 @@ from giraff_sim.board import Board, BoardError, Implementation
 from giraff_sim.config import SimConfig
 from giraff_sim.control import Control
 from giraff_sim.control_server import ControlServer
-from giraff_sim.hand import DemoHand, Hand, ScriptError, StillHand, read_script
+from giraff_sim.demo_hand import DemoHand
+from giraff_sim.hand import Dropped, Hand, LaidDown, ScriptError, Shaken, StillHand, read_script
 from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
 from giraff_sim.room import Room, RoomError, read_room
@@ -60,7 +61,12 @@ def parse(arguments: list[str]) -> Options:
     add("--seed", type=int, default=1, metavar="N", help="of everything random (default 1)")
     add("--boards", choices=[*Implementation], default="avr", help="what runs the firmware (default avr)")
     add("--only", default=",".join(known), metavar="NAMES", help="boards, separated by commas")
-    add("--hand", default="demo", metavar="demo|still|FILE", help="who tilts the joystick (default demo)")
+    add(
+        "--hand",
+        default="demo",
+        metavar="demo|still|laid_down|shaken|dropped|FILE",
+        help="who tilts the joystick (default demo)",
+    )
     add("--parent-pid", type=int, metavar="PID", help="end when this process is no longer the parent")
     given = parser.parse_args(arguments)
     names = [name.strip() for name in given.only.split(",")]
@@ -85,6 +91,12 @@ def make_hand(name: str, room: Room, seed: int, begin: float) -> Hand:
             return DemoHand(room.waypoints, seed, begin)
         case "still":
             return StillHand()
+        case "laid_down":
+            return LaidDown()
+        case "shaken":
+            return Shaken(begin)
+        case "dropped":
+            return Dropped(begin)
         case _:
             return read_script(Path(name), begin)
 

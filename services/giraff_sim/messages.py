@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
+from giraff_schemas.wire import Wiring
 from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.board import RunState
 from giraff_sim.record import Verdict
 from giraff_sim.sonar import SonarFault
 
 BoardName = Literal["base", "joystick", "ranger"]
+Wheel = Literal["left", "right"]
 
 
 class Request(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="op"):
@@ -42,10 +44,10 @@ class Tilt(Request, frozen=True, kw_only=True, tag="tilt"):
 
 
 class SetHand(Request, frozen=True, kw_only=True, tag="hand"):
-    """Give the joystick to the demonstration's hand, to none, or to a tilt script that starts now."""
+    """Give the joystick to another hand, from now on."""
 
     hand: str
-    """"demo", "still", or the path of a script."""
+    """"demo", "still", "laid_down", "shaken", "dropped", or the path of a tilt script."""
 
 
 class Button(Request, frozen=True, kw_only=True, tag="button"):
@@ -87,13 +89,29 @@ class FailSonar(Request, frozen=True, kw_only=True, tag="sonar"):
 
     number: int
     fault: SonarFault
+    wild_share: float = 0.0
+    """Of the pings, for the fault `wild_some`."""
 
 
 class CutEncoder(Request, frozen=True, kw_only=True, tag="encoder"):
     """Cut a wheel encoder's wires, or mend them."""
 
-    wheel: Literal["left", "right"]
+    wheel: Wheel
     cut: bool
+
+
+class BlockWheel(Request, frozen=True, kw_only=True, tag="block"):
+    """Hold a wheel so that it does not turn whatever its motor gets, or let it go."""
+
+    wheel: Wheel
+    blocked: bool
+
+
+class Solder(Request, frozen=True, kw_only=True, tag="solder"):
+    """Solder motors and encoders anew."""
+
+    wiring: Annotated[int, msgspec.Meta(ge=0, le=int(~Wiring(0)))]
+    """What `configure.wiring` must then be for the robot to drive well."""
 
 
 class Battery(Request, frozen=True, kw_only=True, tag="battery"):
@@ -134,6 +152,8 @@ AnyRequest = (
     | FailBno055
     | FailSonar
     | CutEncoder
+    | BlockWheel
+    | Solder
     | Battery
     | Unplug
     | Plug
@@ -166,6 +186,7 @@ class BaseSays(msgspec.Struct, frozen=True, kw_only=True):
     boot_id: int
     session: int
     drive_state: str
+    latch: str
     last_refusal: str
     left_ticks: int
     right_ticks: int

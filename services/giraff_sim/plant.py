@@ -26,6 +26,8 @@ class Wheel:
         """m/s, forward positive."""
         self.travel = 0.0
         """m turned so far, forward positive."""
+        self.is_blocked = False
+        """It does not turn, whatever the motor gets."""
         self._lag = sim.motor_time_constant
         self._friction = sim.wheel_friction
         self._dead_zone = sim.dead_zone_counts
@@ -37,6 +39,9 @@ class Wheel:
         The drive that holds a speed is measured with friction in it: level 70 stands for 0.6 m/s of a turning
         wheel, not of a free shaft. So the friction shows where the drive ends.
         """
+        if self.is_blocked:
+            self.speed = 0.0
+            return
         effective = duty * voltage_ratio
         if abs(effective) < self._dead_zone:
             aim = 0.0

@@ -5,22 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Final
 
-from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_schemas.wire import BoardKind, ResetCause, Wiring
 from giraff_sim.bno055 import Bno055
 from giraff_sim.board import BUILD, Board, Implementation, open_board
 from giraff_sim.record import Record
-from giraff_sim.world import STEP_US, World
-
-_LEFT: Final = 0  # motor and encoder A of board_model.h
-_RIGHT: Final = 1
+from giraff_sim.soldering import RIGHT, Soldering
+from giraff_sim.world import World
 
 
 class Simulation:
     """Any set of boards in one world.
 
-    `step()` runs a millisecond. Each board's UART is a pair of byte streams: `write` gives bytes to the
+    `step()` runs the world's step. Each board's UART is a pair of byte streams: `write` gives bytes to the
     board, which takes them at its baud, and `read` returns what it has sent.
     """
 
@@ -30,7 +27,10 @@ class Simulation:
         self.record = Record()
         self.now_us = 0
         """Simulated us since the power-on of all boards."""
+        self.peak_counts = 0
+        """Largest duty of either motor in the last step, of 255."""
         self._sent = {kind: bytearray() for kind in self.boards}
+        self._soldering = Soldering()
         self._base = self.boards.get(BoardKind.BASE)
         self._joystick = self.boards.get(BoardKind.JOYSTICK)
         self.bno055: Bno055 | None = None
@@ -41,8 +41,8 @@ class Simulation:
             ranger.on_ping(world.echo_us)
 
     def step(self) -> None:
-        """Advance everything by STEP_US."""
-        self.now_us += STEP_US
+        """Advance everything by the world's step."""
+        self.now_us += self.world.step_us
         self._move_world()
         for kind, board in self.boards.items():
             board.run(self.now_us)
@@ -53,9 +53,9 @@ class Simulation:
                     self.record.note_sent(self.now_us, sent)
         if self._base is not None:
             motors = self._base.model.motor
-            peak = max(motors[_LEFT].drive_peak, motors[_RIGHT].drive_peak)
-            motors[_LEFT].drive_peak = motors[_RIGHT].drive_peak = 0
-            self.record.note_drive(self.now_us, peak)
+            self.peak_counts = max(motors[0].drive_peak, motors[1].drive_peak)
+            motors[0].drive_peak = motors[1].drive_peak = 0
+            self.record.note_drive(self.now_us, self.peak_counts)
 
     def run(self, seconds: float) -> None:
         """Advance by simulated seconds."""
@@ -85,10 +85,28 @@ class Simulation:
         self.boards[kind].reset(cause)
 
     def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
-        """Cut (or mend) the wires of the left (0) or right (1) encoder, as they are soldered by default."""
+        """Cut (or mend) the wires of a wheel's encoder: `soldering.LEFT` or `RIGHT`."""
+        self._need_base().model.motor[self._soldering.encoder_of(wheel)].encoder_cut = int(is_cut)
+
+    def block_wheel(self, wheel: int, *, is_blocked: bool) -> None:
+        """Hold a wheel so that it does not turn whatever its motor gets, or let it go."""
+        plant = self.world.plant
+        (plant.right if wheel == RIGHT else plant.left).is_blocked = is_blocked
+
+    def solder(self, wiring: Wiring) -> None:
+        """Solder motors and encoders anew, so that `configure.wiring` must be this for the robot to drive well."""
+        self._need_base()
+        self._soldering.solder(wiring, self._wheel_states)
+
+    @property
+    def _wheel_states(self) -> tuple[float, float]:
+        plant = self.world.plant
+        return plant.left_states, plant.right_states
+
+    def _need_base(self) -> Board:
         if self._base is None:
             raise ValueError("there is no base board here")
-        self._base.model.motor[wheel].encoder_cut = int(is_cut)
+        return self._base
 
     def _move_world(self) -> None:
         world = self.world
@@ -96,10 +114,9 @@ class Simulation:
             world.step(0.0, 0.0)
         else:
             model = self._base.model
-            left, right = model.motor[_LEFT], model.motor[_RIGHT]
-            world.step(left.drive, right.drive)
-            left.position = world.plant.left_states
-            right.position = world.plant.right_states
+            motors = model.motor
+            world.step(*self._soldering.duties((motors[0].drive, motors[1].drive)))
+            motors[0].position, motors[1].position = self._soldering.positions(self._wheel_states)
             model.battery_volts = world.battery_pin_volts
         if self._joystick is not None and self.bno055 is not None:
             model = self._joystick.model

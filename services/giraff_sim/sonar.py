@@ -44,6 +44,8 @@ class SonarFault(StrEnum):
     """Every ping measures what the last one before the fault did."""
     WILD = "wild"
     """Any range at all."""
+    WILD_SOME = "wild_some"
+    """Each ping is wild by the chance `wild_share`: half of those find nothing, half any range at all."""
 
 
 class Sonar:
@@ -51,12 +53,15 @@ class Sonar:
 
     def __init__(self, mount: SensorPose, room: Room, sim: SimConfig, seed: str) -> None:
         self.fault = SonarFault.NONE
+        self.wild_share = 0.0
+        """Of the pings, while WILD_SOME."""
         self.pings = 0
         self._mount = mount
         self._room = room
         self._noise = sim.sonar_noise
         self._crosstalk = sim.sonar_crosstalk
         self._random = random.Random(seed)
+        self._wild = random.Random(f"{seed}/wild")
         self._last_us = NO_ECHO_US
 
     def echo_us(self, robot: Pose) -> float:
@@ -69,7 +74,11 @@ class Sonar:
                 return STUCK_US
             case SonarFault.WILD:
                 return self._random.uniform(SHORTEST, RANGE) * ECHO_US_PER_M
-            case SonarFault.NONE:
+            case SonarFault.WILD_SOME if self._wild.random() < self.wild_share:
+                if self._wild.random() < 0.5:
+                    return NO_ECHO_US
+                return self._wild.uniform(SHORTEST, RANGE) * ECHO_US_PER_M
+            case SonarFault.NONE | SonarFault.WILD_SOME:
                 self._last_us = self._pulse_us(self.heard(robot))
             case SonarFault.FROZEN:
                 pass

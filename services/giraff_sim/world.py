@@ -7,14 +7,13 @@ from typing import Final
 from giraff_node.robot import RobotConfig
 from giraff_sim.bno055 import Vector
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import LEVEL, Hand
+from giraff_sim.hand import LEVEL, Hand, Tremor
 from giraff_sim.plant import Plant
 from giraff_sim.room import Room, RoomError
 from giraff_sim.sonar import SILENT_US, sonars
 
 STEP_US: Final = 1000
-_STEP_S: Final = STEP_US * 1e-6
-_HAND_STEPS: Final = 8  # the accelerometer takes no more samples than one in 8 ms
+_HAND_US: Final = 8000  # the accelerometer takes no more samples than one in that time
 _ADC_FULL_SCALE: Final = 1023
 _ADC_VOLTS: Final = 5.0
 _UNCALIBRATED_VOLTS_PER_COUNT: Final = 30.0 / _ADC_FULL_SCALE  # a divider that a 24 V battery fits into
@@ -23,8 +22,10 @@ _UNCALIBRATED_VOLTS_PER_COUNT: Final = 30.0 / _ADC_FULL_SCALE  # a divider that 
 class World:
     """Everything that is not a board. The same seed makes the same world."""
 
-    def __init__(self, room: Room, robot: RobotConfig, sim: SimConfig, hand: Hand, seed: int) -> None:
-        """Set the robot at rest at the room's start."""
+    def __init__(
+        self, room: Room, robot: RobotConfig, sim: SimConfig, hand: Hand, seed: int, step_us: int = STEP_US
+    ) -> None:
+        """Set the robot at rest at the room's start. `step_us`: of simulated time; divides 8000."""
         self.room = room
         self.plant = Plant(robot, sim, room)
         if self.plant.clearance < 0.0:
@@ -32,6 +33,7 @@ class World:
             raise RoomError(f"room {room.name!r}: the robot, a disc of {radius:g} m, does not fit at its start")
         self.sonars = sonars(robot.sensors, room, sim, seed)
         self.hand = hand
+        self._tremor = Tremor(sim.hand_tremor, seed)
         self.acceleration: Vector = LEVEL
         """m/s^2 on the joystick."""
         self.button = False
@@ -40,15 +42,18 @@ class World:
         self.sim = sim
         self.seed = seed
         self._volts_per_count = robot.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
-        self._steps = 0
+        self.step_us = step_us
 
     def step(self, left_duty: float, right_duty: float) -> None:
-        """Advance by STEP_US with each motor's signed duty, of 255."""
-        if self._steps % _HAND_STEPS == 0:
-            self.acceleration = self.hand.acceleration(self.now_us * 1e-6, self.plant.pose)
-        self._steps += 1
-        self.now_us += STEP_US
-        self.plant.step(_STEP_S, left_duty, right_duty)
+        """Advance by `step_us` with each motor's signed duty, of 255."""
+        if self.now_us % _HAND_US == 0:
+            self._feel(self.now_us * 1e-6)
+        self.now_us += self.step_us
+        self.plant.step(self.step_us * 1e-6, left_duty, right_duty)
+
+    def _feel(self, seconds: float) -> None:
+        vector = self.hand.acceleration(seconds, self.plant.pose)
+        self.acceleration = self._tremor.added_to(vector, seconds) if self.hand.trembles else vector
 
     def echo_us(self, number: int) -> float:
         """The echo pulse of the sensor that was just triggered, as board_model.h has it."""

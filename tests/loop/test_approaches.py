@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import random
 
+import pytest
+
 from giraff_sim.closed_loop import ClosedLoop
 from tests.loop.loops import SETTINGS, arm, closed_loop, hold
 from tests.sim.robots import empty_room
@@ -62,6 +64,7 @@ def approach(number: int) -> tuple[float, float]:
         return rest, plant.closest
 
 
+@pytest.mark.timeout(400)
 def test_a_hundred_approaches_stop_outside_the_margin() -> None:
     rests = []
     for number in range(APPROACHES):

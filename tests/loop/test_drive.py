@@ -7,7 +7,7 @@ import pytest
 from giraff_sim.board import Implementation
 from giraff_sim.closed_loop import ClosedLoop
 from tests.loop.loops import FULL_TILT, SOURCE_CURVE, arm, closed_loop, hold
-from tests.sim.robots import empty_room
+from tests.sim.robots import proving_room
 
 
 def pwm_counts(loop: ClosedLoop) -> tuple[int, int]:
@@ -17,7 +17,7 @@ def pwm_counts(loop: ClosedLoop) -> tuple[int, int]:
 
 @pytest.mark.parametrize("implementation", [*Implementation], ids=str)
 def test_seven_forward_is_thirty_five_on_both_wheels(implementation: Implementation) -> None:
-    with closed_loop(empty_room(), SOURCE_CURVE, implementation) as loop:
+    with closed_loop(proving_room(), SOURCE_CURVE, implementation) as loop:
         arm(loop)
         hold(loop, x=7.0)
         loop.run(2.0)
@@ -27,19 +27,21 @@ def test_seven_forward_is_thirty_five_on_both_wheels(implementation: Implementat
 
 @pytest.mark.parametrize(("tilt", "signs"), [(7.0, (-1, 1)), (-7.0, (1, -1))])
 def test_sideways_turns_in_place(tilt: float, signs: tuple[int, int]) -> None:
-    with closed_loop(empty_room(), SOURCE_CURVE) as loop:
+    with closed_loop(proving_room(), SOURCE_CURVE) as loop:
         arm(loop)
         hold(loop, y=tilt)
         loop.run(2.0)
         left, right = pwm_counts(loop)
-        assert (left, right) == (35 * signs[0], 35 * signs[1])
+        # The hand that holds it trembles: a level more or less.
+        assert abs(left - 35 * signs[0]) <= 1
+        assert abs(right - 35 * signs[1]) <= 1
         pose = loop.simulation.world.plant.pose
         assert abs(pose.x) < 0.05
         assert abs(pose.y) < 0.05
 
 
 def test_a_start_is_ramped_and_a_stop_is_immediate() -> None:
-    with closed_loop(empty_room()) as loop:
+    with closed_loop(proving_room()) as loop:
         arm(loop)
         hold(loop, x=FULL_TILT)
         loop.run(0.4)
@@ -55,7 +57,7 @@ def test_a_start_is_ramped_and_a_stop_is_immediate() -> None:
 
 
 def test_nothing_moves_before_a_neutral_hand() -> None:
-    with closed_loop(empty_room()) as loop:
+    with closed_loop(proving_room()) as loop:
         hold(loop, x=FULL_TILT)
         loop.run(5.0)
         assert loop.simulation.record.verdict(0, loop.simulation.now_us).driven_ms == 0

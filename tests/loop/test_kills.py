@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
-from tests.sim.robots import empty_room
+from tests.sim.robots import proving_room
 
 BOUNDS = {"base": 0.35, "guard": 0.35, "joystick": 0.45, "ranger": 0.45}
 """s from the end of the service to PWM zero."""
@@ -18,7 +18,7 @@ DELAYS_MS = range(0, 180, 30)
 def test_pwm_is_zero_within_the_bound(service: str) -> None:
     worst = 0.0
     for delay_ms in DELAYS_MS:
-        with closed_loop(empty_room()) as loop:
+        with closed_loop(proving_room()) as loop:
             arm(loop)
             hold(loop, x=FULL_TILT)
             loop.run(2.0 + delay_ms * 1e-3)
@@ -34,7 +34,7 @@ def test_pwm_is_zero_within_the_bound(service: str) -> None:
 
 @pytest.mark.parametrize("service", BOUNDS)
 def test_a_restarted_service_moves_nothing_before_a_neutral_hand(service: str) -> None:
-    with closed_loop(empty_room()) as loop:
+    with closed_loop(proving_room()) as loop:
         arm(loop)
         hold(loop, x=FULL_TILT)
         loop.run(1.0)
@@ -52,7 +52,7 @@ def test_a_restarted_service_moves_nothing_before_a_neutral_hand(service: str) -
 
 
 def test_without_odometry_driving_goes_on() -> None:
-    with closed_loop(empty_room()) as loop:
+    with closed_loop(proving_room()) as loop:
         arm(loop)
         hold(loop, x=FULL_TILT)
         loop.run(1.0)

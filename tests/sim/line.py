@@ -11,6 +11,7 @@ from giraff_schemas.wire import (
     BoardKind,
     ConfigureFrame,
     DriveFrame,
+    EstopFrame,
     Frame,
     HelloFrame,
     WheelsFrame,
@@ -97,7 +98,7 @@ class BaseLine(Line):
             self.step()
         return self.last(HelloFrame)
 
-    def configure(self, *, wiring: int = 0, level_max: int = 70, session: int = 7) -> None:
+    def configure(self, *, wiring: int = 0, level_max: int = 70, stall_level: int = 25, session: int = 7) -> None:
         """Open a session and wait until the board knows it."""
         self.send(
             ConfigureFrame(
@@ -108,6 +109,7 @@ class BaseLine(Line):
                 session=session,
                 wiring=wiring,
                 level_max=level_max,
+                stall_level=stall_level,
             )
         )
         self.run(0.03)
@@ -132,8 +134,18 @@ class BaseLine(Line):
                 self.send(self.drive_frame(left, right))
             self.step()
 
-    def start(self) -> None:
+    def estop(self, *, engage: bool) -> None:
+        """Latch or release, by a frame made from the newest telemetry, and wait until the board has told of it."""
+        wheels = self.wheels
+        self.send(
+            EstopFrame(
+                seq=0, boot_id=wheels.boot_id, board_ms=wheels.board_ms, session=wheels.session, engage=int(engage)
+            )
+        )
+        self.run(0.03)
+
+    def start(self, *, wiring: int = 0, stall_level: int = 25) -> None:
         """From power-on to a session that drives."""
         self.boot()
-        self.configure()
+        self.configure(wiring=wiring, stall_level=stall_level)
         self.drive(0, 0, 0.1)

@@ -16,6 +16,13 @@ def empty_room(start: Pose = ORIGIN) -> Room:
     return Room("empty", start)
 
 
+def proving_room(start: Pose = ORIGIN, half: float = 4.0) -> Room:
+    """Four walls, `half` m from the middle: near enough for each sensor to prove that it hears, with way to drive."""
+    room = Room("proving", start)
+    room.add_wall("walls", [(half, half), (-half, half), (-half, -half), (half, -half)], closed=True)
+    return room
+
+
 def room_with_wall(x: float, start: Pose = ORIGIN) -> Room:
     """A wall across the x axis, 20 m wide."""
     room = empty_room(start)

@@ -8,7 +8,7 @@ import pytest
 
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import PROTOCOL_HASH as HASH
-from giraff_schemas.wire import BoardKind, DriveState, HelloFrame, Refusal, ResetCause, WheelsFrame
+from giraff_schemas.wire import BoardKind, DriveState, HelloFrame, Refusal, ResetCause, WheelsFrame, Wiring
 from giraff_sim.board import Implementation
 from giraff_sim.room import Pose, Room
 from giraff_sim.simulation import Simulation, simulation
@@ -238,7 +238,7 @@ def test_the_battery_is_measured(base: BaseLine) -> None:
 
 
 def test_a_cut_encoder_stands_still_and_a_mended_one_goes_on_counting(base: BaseLine) -> None:
-    base.start()
+    base.start(stall_level=255)
     base.drive(40, 40, 1.0)
     base.simulation.cut_encoder(0, is_cut=True)
     base.drive(40, 40, 0.1)
@@ -271,3 +271,5 @@ def test_simulation_without_a_base_board_refuses_its_faults() -> None:
     running = Simulation({}, world_in(empty_room()))
     with pytest.raises(ValueError, match="no base board"):
         running.cut_encoder(0, is_cut=True)
+    with pytest.raises(ValueError, match="no base board"):
+        running.solder(Wiring.SWAP_MOTORS)

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from giraff_schemas.wire import Wiring
 from giraff_sim import messages
 from giraff_sim.client import SimulatorClient, SimulatorError
 from giraff_sim.control import Control
@@ -66,10 +67,10 @@ def test_place_and_walls(simulation: Simulation, control: Control) -> None:
 def test_tilt_hand_and_button(simulation: Simulation, control: Control) -> None:
     assert ask(control, op="tilt", x=4.0, y=-1.0, z=8.0).ok
     simulation.run(0.01)
-    assert simulation.world.acceleration == (4.0, -1.0, 8.0)
+    assert simulation.world.acceleration == pytest.approx((4.0, -1.0, 8.0), abs=0.2)  # the hand trembles
     assert ask(control, op="hand", hand="demo").ok
     simulation.run(0.01)
-    assert simulation.world.acceleration == (0.01, 0.0, 0.0)
+    assert simulation.world.acceleration == pytest.approx((0.01, 0.0, 0.0), abs=0.2)
     assert ask(control, op="button", pressed=True).ok
     assert simulation.world.button
 
@@ -77,6 +78,11 @@ def test_tilt_hand_and_button(simulation: Simulation, control: Control) -> None:
 def test_faults(simulation: Simulation, control: Control) -> None:
     assert ask(control, op="sonar", number=2, fault="stuck").ok
     assert simulation.world.sonars[2].fault is SonarFault.STUCK
+    assert ask(control, op="sonar", number=1, fault="wild_some", wild_share=0.05).ok
+    assert simulation.world.sonars[1].fault is SonarFault.WILD_SOME
+    assert simulation.world.sonars[1].wild_share == 0.05
+    assert ask(control, op="block", wheel="right", blocked=True).ok
+    assert (simulation.world.plant.left.is_blocked, simulation.world.plant.right.is_blocked) == (False, True)
     assert ask(control, op="battery", volts=21.5).ok
     simulation.run(0.001)
     assert simulation.world.plant.volts == 21.5
@@ -102,6 +108,10 @@ def test_faults(simulation: Simulation, control: Control) -> None:
         (b'{"op": "battery", "volts": -1}', "cannot have -1"),
         (b'{"op": "bno055", "fault": "dead"}', "no joystick here"),
         (b'{"op": "encoder", "wheel": "left", "cut": true}', "no base board here"),
+        (b'{"op": "sonar", "number": 0, "fault": "wild_some", "wild_share": 1.5}', "must be in 0..1"),
+        (b'{"op": "block", "wheel": "front", "blocked": true}', "Invalid enum value 'front'"),
+        (b'{"op": "solder", "wiring": 64}', "Expected `int` <= 63"),
+        (b'{"op": "solder", "wiring": 63}', "no base board here"),
         (b'{"op": "unplug", "board": "base"}', "no base board here"),
         (b'{"op": "record", "since_us": 5, "until_us": 4}', "before it begins"),
     ],
@@ -151,11 +161,17 @@ def test_a_client_speaks_in_types(socket_path: Path, simulation: Simulation) -> 
         client.tilt(1.0, 2.0)
         client.button(pressed=True)
         client.fail_sonar(1, SonarFault.WILD)
+        client.fail_sonar(2, SonarFault.WILD_SOME, 0.05)
+        client.block_wheel("left", blocked=True)
         client.battery(23.0)
         with pytest.raises(SimulatorError, match="no base board here"):
             client.reset("base")
+        with pytest.raises(SimulatorError, match="no base board here"):
+            client.solder(Wiring.SWAP_MOTORS)
         assert client.now() == 0  # and goes on
     assert simulation.world.sonars[1].fault is SonarFault.WILD
+    assert simulation.world.sonars[2].wild_share == 0.05
+    assert simulation.world.plant.left.is_blocked
     assert simulation.world.plant.pose == (*ORIGIN[:0], 0.5, 0.0, math.pi)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from giraff_schemas.wire import BoardKind, ResetCause, TickFrame
 from giraff_sim.board import Implementation
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import DemoHand
+from giraff_sim.demo_hand import DemoHand
 from giraff_sim.room import read_room
 from giraff_sim.simulation import simulation
 from giraff_sim.sonar import SonarFault

@@ -2,13 +2,17 @@
 
 import itertools
 import math
+import statistics
 from pathlib import Path
 
 import pytest
 
-from giraff_sim.hand import DemoHand, ScriptError, StillHand, read_script
+from giraff_sim.bno055 import Vector
+from giraff_sim.config import SimConfig
+from giraff_sim.demo_hand import DemoHand
+from giraff_sim.hand import Dropped, Hand, LaidDown, ScriptError, Shaken, StillHand, Tremor, read_script
 from giraff_sim.room import Pose, read_room
-from tests.sim.robots import ORIGIN
+from tests.sim.robots import EXACT, ORIGIN, empty_room, world_in
 
 LIVING_ROOM = Path(__file__).parents[2] / "deploy" / "worlds" / "living_room.toml"
 STEP = 0.008
@@ -60,6 +64,60 @@ def test_a_still_hand_holds_what_it_was_told() -> None:
     assert StillHand((1.0, 2.0, 3.0)).acceleration(3.0, ORIGIN) == (1.0, 2.0, 3.0)
     with pytest.raises(ValueError, match="finite"):
         StillHand((math.nan, 0.0, 0.0))
+
+
+def felt(hand: Hand, seconds: float, *, sim: SimConfig = EXACT, seed: int = 1) -> list[Vector]:
+    """What the sensor feels every 8 ms in a world that this hand is in."""
+    world = world_in(empty_room(), sim, seed)
+    world.hand = hand
+    vectors = []
+    for step in range(round(seconds * 1000)):
+        world.step(0.0, 0.0)
+        if step % 8 == 0:
+            vectors.append(world.acceleration)
+    return vectors
+
+
+@pytest.mark.parametrize("hand", [StillHand((1.0, 2.0, 9.0)), LaidDown((1.0, 2.0, 9.0))])
+def test_a_hand_trembles_as_much_as_it_is_told_and_a_thing_that_lies_does_not(hand: Hand) -> None:
+    axes = list(zip(*felt(hand, 20.0), strict=True))
+    for axis, middle in zip(axes, (1.0, 2.0, 9.0), strict=True):
+        assert statistics.fmean(axis) == pytest.approx(middle, abs=0.003)
+        assert statistics.pstdev(axis) == pytest.approx(EXACT.hand_tremor if hand.trembles else 0.0, rel=0.2)
+
+
+def test_a_tremor_is_of_6_to_12_hertz_and_repeats_with_its_seed() -> None:
+    one, same, other = (felt(StillHand(), 10.0, seed=seed) for seed in (1, 1, 2))
+    assert one == same != other
+    for axis in zip(*one, strict=True):
+        middle = statistics.fmean(axis)
+        crossings = sum((a < middle) != (b < middle) for a, b in itertools.pairwise(axis))
+        assert 6.0 <= crossings / 2.0 / 10.0 <= 12.0
+
+
+def test_without_tremor_a_hand_is_what_it_was_told() -> None:
+    assert Tremor(0.0, 1).added_to((1.0, 2.0, 3.0), 0.7) == (1.0, 2.0, 3.0)
+
+
+def test_one_laid_down_lies_tilted() -> None:
+    x, y, z = LaidDown().acceleration(0.0, ORIGIN)
+    assert math.degrees(math.atan2(x, z)) == pytest.approx(40.0)
+    assert y == 0.0
+
+
+def test_one_that_is_shaken_moves_to_and_fro() -> None:
+    swings = [x for x, _, _ in felt(Shaken(0.0), 2.0)]
+    assert max(swings) == pytest.approx(20.0, abs=0.5)
+    assert min(swings) == pytest.approx(-20.0, abs=0.5)
+    assert sum(a < 0.0 <= b for a, b in itertools.pairwise(swings)) == pytest.approx(10, abs=1)
+
+
+def test_one_that_is_dropped_falls_hits_the_floor_and_lies() -> None:
+    lengths = [math.hypot(*vector) for vector in felt(Dropped(0.0), 2.0)]
+    falling = [length for length in lengths if length < 3.0]
+    assert len(falling) * STEP == pytest.approx(0.45, abs=0.02)
+    assert max(lengths) > 30.0
+    assert lengths[100:] == pytest.approx([9.80665] * len(lengths[100:]))
 
 
 def speed_for(acceleration: float, full: float) -> float:

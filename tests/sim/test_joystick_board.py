@@ -8,7 +8,7 @@ import pytest
 from giraff_schemas.wire import BoardKind, HelloFrame, ResetCause, TickFrame, TiltFrame, TiltStatus
 from giraff_sim.bno055 import Bno055, Bno055Fault
 from giraff_sim.board import Implementation
-from giraff_sim.hand import StillHand
+from giraff_sim.hand import LaidDown
 from giraff_sim.simulation import simulation
 from tests.sim.line import Line
 from tests.sim.robots import empty_room, world_in
@@ -38,7 +38,7 @@ def run_until_running(line: Line, at_most: float) -> float:
 
 
 def test_it_brings_the_sensor_up_and_tells_its_tilt_50_times_a_second(joystick: Line) -> None:
-    joystick.simulation.world.hand = StillHand((1.5, -2.5, 9.0))
+    joystick.simulation.world.hand = LaidDown((1.5, -2.5, 9.0))
     seconds = run_until_running(joystick, 3.0)
     assert 0.9 < seconds < 2.0  # reset line, start-up time, mode change
     before = joystick.all(TiltFrame)[:-1]

@@ -62,6 +62,20 @@ def test_a_wheel_comes_to_rest_and_does_not_swing_back() -> None:
     assert plant.left.travel == travel
 
 
+def test_a_blocked_wheel_stands_and_the_robot_turns_about_it() -> None:
+    plant = plant_at_rest()
+    drive(plant, 1.0, 70, 70)
+    plant.right.is_blocked = True
+    travel = plant.right.travel
+    yaw = plant.pose.yaw
+    drive(plant, 1.0, 70, 70)
+    assert (plant.right.travel, plant.right.speed) == (travel, 0.0)
+    assert plant.pose.yaw < yaw - 1.0
+    plant.right.is_blocked = False
+    drive(plant, 1.0, 70, 70)
+    assert plant.right.travel > travel + 0.4
+
+
 def test_the_battery_sags_under_load_and_takes_speed_with_it() -> None:
     plant = plant_at_rest(sim=SimConfig(battery_volts=24.0, battery_sag_volts=8.0))
     drive(plant, 3.0, 128, 128)

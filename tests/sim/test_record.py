@@ -19,6 +19,7 @@ def telemetry(seq: int, accepted: int, refused: int = 0, boot_id: int = 1) -> by
         left_pwm_counts=0,
         right_pwm_counts=0,
         drive_state=0,
+        latch=0,
         last_refusal=0,
         accepted=accepted,
         refused=refused,

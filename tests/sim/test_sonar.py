@@ -119,6 +119,39 @@ def test_crosstalk_is_a_range_that_is_too_short() -> None:
     assert max(ranges) == pytest.approx(2.0)
 
 
+def wild_pings(share: float, count: int) -> list[float]:
+    sonar = sonar_in(room_with_wall(1.0))
+    sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, share
+    return [sonar.echo_us(ORIGIN) / 5800.0 for _ in range(count)]
+
+
+def test_a_share_of_the_pings_can_be_wild_half_of_them_without_an_echo() -> None:
+    pings = wild_pings(0.05, 20_000)
+    wild = [value for value in pings if value != pytest.approx(1.0)]
+    ranges = [value for value in wild if value < 4.0]
+    assert len(wild) / len(pings) == pytest.approx(0.05, abs=0.005)
+    assert len(ranges) / len(wild) == pytest.approx(0.5, abs=0.05)
+    assert set(wild) - set(ranges) == {NO_ECHO_US / 5800.0}
+    assert 0.02 <= min(ranges) < 0.1
+    assert 3.9 < max(ranges) <= 4.0
+    assert sum(ranges) / len(ranges) == pytest.approx(2.01, abs=0.15)
+
+
+def test_wild_pings_are_independent_the_seeds_and_leave_the_others_as_they_were() -> None:
+    pings = wild_pings(0.5, 4000)
+    assert pings == wild_pings(0.5, 4000)
+    is_wild = [value != pytest.approx(1.0) for value in pings]
+    follows = sum(is_wild[at] and is_wild[at - 1] for at in range(1, len(is_wild)))
+    assert follows / len(is_wild) == pytest.approx(0.25, abs=0.03)
+    assert set(wild_pings(0.0, 100)) == {1.0}
+    noisy = SimConfig(sonar_noise=0.003)
+    calm, disturbed = sonar_in(room_with_wall(1.0), noisy), sonar_in(room_with_wall(1.0), noisy)
+    disturbed.fault, disturbed.wild_share = SonarFault.WILD_SOME, 0.5
+    honest = [calm.echo_us(ORIGIN) for _ in range(500)]
+    told = [disturbed.echo_us(ORIGIN) for _ in range(500)]
+    assert [echo for echo in told if echo in honest] == honest[: sum(echo in honest for echo in told)]
+
+
 def test_faults() -> None:
     room = room_with_wall(1.0)
     sonar = sonar_in(room)

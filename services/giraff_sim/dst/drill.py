@@ -1,0 +1,244 @@
+"""One run from one seed: a room, people, faults, and the judge's verdict."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from random import Random
+from typing import Any, Final, NamedTuple
+
+import msgspec
+
+from giraff_node.config import load
+from giraff_sim.board import BUILD, ROOT, Implementation
+from giraff_sim.closed_loop import ClosedLoop, Policies, Settings
+from giraff_sim.config import KNOWN, SimConfig
+from giraff_sim.demo_hand import DemoHand
+from giraff_sim.dst import machine_faults, network_faults, robot_faults
+from giraff_sim.dst.faults import Kind
+from giraff_sim.dst.hands import RestlessHand
+from giraff_sim.dst.judge import Judge, Violation
+from giraff_sim.dst.network import FaultyNetwork, Link
+from giraff_sim.dst.people import Button
+from giraff_sim.dst.rooms import random_room
+from giraff_sim.dst.stops import Stop, Way
+from giraff_sim.dst.story import Story
+from giraff_sim.hand import Hand
+from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.cable import Cable
+from giraff_sim.room import Room
+from giraff_sim.simulation import Simulation, simulation
+from giraff_sim.world import World
+
+SECONDS: Final = 20.0
+KINDS: Final[tuple[Kind, ...]] = (*network_faults.KINDS, *machine_faults.KINDS, *robot_faults.KINDS)
+
+_STEP_US: Final = 4000  # a serial adapter waits longer, and twice as many steps take a third more time
+_FAULTS: Final = (1, 5)
+_RESTS_FROM: Final = 0.9  # s: the demonstration's hand rests until all has started
+_RESTLESS: Final = 0.5  # share of the hands that follow no room
+_FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
+_LAST_FAULT: Final = 1.5  # s before the end
+_HOUR_NS: Final = 3_600_000_000_000
+_RELEASE_US: Final = 500_000
+_FOR_EVER_US: Final = 1 << 62
+_DRIVES: Final = 0.2  # m of path that count as driving
+
+_GIVEN: Final = {
+    "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
+    "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
+    **KNOWN,
+}
+
+
+class Outcome(msgspec.Struct, frozen=True, kw_only=True):
+    """What a run has come to."""
+
+    seed: int
+    digest: str
+    """Of all bytes between base and its board, with their times, of the story, and of where the robot came to rest."""
+    violations: tuple[Violation, ...]
+    story: tuple[str, ...]
+    counts: dict[str, int]
+    path: float
+    """m."""
+    contacts: int
+
+    @property
+    def drove(self) -> bool:
+        return self.path >= _DRIVES
+
+
+def known_settings() -> Settings:
+    """The simulated robot of the robot file."""
+    tables = Settings.__struct_fields__
+    types = {field.name: field.type for field in msgspec.structs.fields(Settings)}
+    return Settings(**{name: load(name, types[name], _GIVEN) for name in tables})
+
+
+class Befall(NamedTuple):
+    """A fault that is to come."""
+
+    kind: Kind
+    at: float
+    """s."""
+    chance: Random
+
+
+class Scenario(NamedTuple):
+    """All that is given of a run."""
+
+    seed: int
+    room: Room
+    hand: Hand
+    seconds: float
+    befalls: tuple[Befall, ...]
+
+
+class Drill:
+    """The robot, its people and its faults, while they run."""
+
+    def __init__(self, running: Simulation, settings: Settings, policies: Policies, scenario: Scenario) -> None:
+        chance = Random(f"{scenario.seed}/drill")
+        agenda = Agenda()
+        self.seconds = scenario.seconds
+        self.story = Story(agenda)
+        self.network = FaultyNetwork(agenda, chance)
+        self.judge = Judge(agenda, running, settings, self.story)
+        self.loop = ClosedLoop(running, settings, policies, self.network, self.judge, agenda)
+        self.loop.kill("odometry")  # not in the chain that drives
+        for host in self.loop.hosts.values():
+            host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
+        button = Button(self.loop, self.loop.hosts["operator"], "button", self.judge)
+        self.button = button
+        self.loop.launch("button", lambda *_: button, button.host)
+        self._names = 0
+        self._disturbances = 0
+        self._claims: list[Any] = []  # of the fault that begins
+        self._claimed: list[Any] = []
+        for befall in scenario.befalls:
+            self._plan(*befall)
+
+    def link(self, sender: str, taker: str) -> Link:
+        """The way from one machine to the other."""
+        return self.network.link(self.loop.hosts[sender], self.loop.hosts[taker])
+
+    def cable(self, service: str) -> Cable:
+        """The cable between a service and its board."""
+        return self.loop.cables[getattr(self.loop.settings, service).port]
+
+    def fresh_name(self, what: str) -> str:
+        self._names += 1
+        return f"{what} {self._names}"
+
+    def drives(self, host: str) -> bool:
+        """Whether the robot obeys an operator on this machine."""
+        holder = self.judge.holder
+        return any(process.instance == holder and process.host.name == host for process in self.loop.processes.values())
+
+    def driven_by(self, service: str) -> Callable[[], bool]:
+        """Whether the robot depends on this service now: on a joystick only while it obeys that one."""
+        if service != "joystick":
+            return lambda: True
+        process = self.loop.processes.get(service)
+        instance = process.instance if process is not None else "joystick"
+        return lambda: self.judge.holder == instance
+
+    def claims(self, *things: Any) -> bool:
+        """Whether a fault may have these to itself until it ends: two that spoil one thing would mend each other."""
+        if any(thing in self._claimed for thing in things):
+            return False
+        self._claims += things
+        return True
+
+    @contextmanager
+    def stops(
+        self, what: str, bound_us: int, way: Way = "any", applies: Callable[[], bool] = lambda: True
+    ) -> Iterator[None]:
+        """Hold the robot to standing still within `bound_us`, as long as the fault lasts."""
+        self.judge.stops.begin(Stop(what, self.loop.agenda.now_us, bound_us, way, applies))
+        yield
+        self.judge.stops.end(what, self.loop.agenda.now_us)
+
+    def release_later(self) -> None:
+        """Have the emergency stop reset, should it be engaged."""
+        self.loop.agenda.at(self.loop.agenda.now_us + _RELEASE_US, self.button.reset)
+
+    def run(self) -> None:
+        """To the end."""
+        end_us = round(self.seconds * 1e6)
+        loop, judge = self.loop, self.judge
+        while loop.agenda.now_us < end_us:
+            loop.step()
+            judge.after_step()
+
+    def _plan(self, kind: Kind, at: float, chance: Random) -> None:
+        """Let a fault happen at that moment."""
+        at_us = round(at * 1e6)
+        lasts_us = round(chance.uniform(*kind.lasts) * 1e6)
+        course = kind.begin(self, chance)
+        freedom = self.judge.freedom
+
+        def begin() -> None:
+            claims: list[Any] = []
+            self._claims = claims
+            told = next(course, "")
+            if not told:
+                return
+            self._claimed += claims
+            self._disturbances += 1
+            freedom.calm_from_us = _FOR_EVER_US
+            self.story.count(f"fault: {kind.name}")
+            self.story.tell(f"{told}, for {lasts_us / 1e6:.2f} s" if lasts_us else told)
+            self.loop.agenda.at(at_us + lasts_us, partial(end, claims))
+
+        def end(claims: list[Any]) -> None:
+            next(course, None)
+            for claim in claims:
+                self._claimed.remove(claim)
+            self.story.tell(f"{kind.name} is over")
+            self._disturbances -= 1
+            if not self._disturbances:
+                freedom.calm_from_us = self.loop.agenda.now_us + round(kind.calm_after * 1e6)
+
+        self.loop.agenda.at(at_us, begin)
+
+
+def draw(seed: int, seconds: float = SECONDS) -> Scenario:
+    """A room, a hand and faults, from the seed."""
+    chance = Random(f"{seed}/scenario")
+    room = random_room(chance)
+    hand: Hand = (
+        RestlessHand(chance, seconds) if chance.random() < _RESTLESS else DemoHand(room.waypoints, seed, _RESTS_FROM)
+    )
+    befalls = tuple(
+        Befall(
+            kind=chance.choices(KINDS, [each.weight for each in KINDS])[0],
+            at=chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT),
+            chance=Random(chance.getrandbits(64)),
+        )
+        for _ in range(chance.randint(*_FAULTS))
+    )
+    return Scenario(seed, room, hand, seconds, befalls)
+
+
+def play(scenario: Scenario, settings: Settings, policies: Policies | None = None) -> Outcome:
+    """Run a scenario to its end."""
+    world = World(scenario.room, settings.robot, SimConfig(), scenario.hand, scenario.seed, _STEP_US)
+    with simulation(world, implementation=Implementation.HOST, build=BUILD) as running:
+        run = Drill(running, settings, policies or Policies(), scenario)
+        run.run()
+        plant = world.plant
+        digest = hashlib.sha256(run.cable("base").digest())
+        digest.update("\n".join(run.story.lines).encode() + repr(plant.pose).encode())
+        return Outcome(
+            seed=scenario.seed,
+            digest=digest.hexdigest(),
+            violations=tuple(run.judge.violations),
+            story=tuple(run.story.lines),
+            counts=dict(run.story.counts),
+            path=plant.path_length,
+            contacts=plant.contacts,
+        )

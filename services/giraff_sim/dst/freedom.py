@@ -1,0 +1,85 @@
+"""Whether a robot that may move, and is asked to where it is free, moves: the guard is no trap."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Final
+
+from giraff_sim.closed_loop import Settings
+from giraff_sim.world import World
+
+if TYPE_CHECKING:
+    from giraff_schemas.messages import BaseState
+    from giraff_sim.dst.ledger import Passed
+
+_PATIENCE_US: Final = 1_000_000
+_LOOK_US: Final = 20_000
+_FRESH_US: Final = 250_000  # of the wish
+_HEARD_US: Final = 400_000  # of the ranges
+_WISH: Final = 0.15  # m/s asked for
+_STRAIGHT: Final = 0.3  # rad/s asked for
+_AHEAD: Final = 1.0  # m free of the body
+_ASIDE: Final = 0.15  # m free beside and behind it
+_FAN: Final = math.radians(50.0)
+_RAYS: Final = 9
+
+
+class Freedom:
+    """Asked while the motors stand still."""
+
+    def __init__(self, world: World, settings: Settings) -> None:
+        self._world = world
+        self._robot = settings.robot
+        self._refused_us: int | None = None
+        self._looked_us = 0
+        self.calm_from_us = 0
+        """When everything is proven again after the last fault; the far future while there is one."""
+
+    def moved(self, now_us: int) -> None:
+        """A motor has power."""
+        self._refused_us = None
+        self._looked_us = now_us
+
+    def refused(self, passed: Passed | None, state: BaseState | None, now_us: int) -> str:
+        """What is refused, once it is for too long. `passed`: the newest that base was handed."""
+        if now_us - self._looked_us < _LOOK_US:
+            return ""
+        self._looked_us = now_us
+        if passed is None or state is None or not self._is_due(passed, state, now_us):
+            self._refused_us = None
+            return ""
+        if self._refused_us is None:
+            self._refused_us = now_us
+        if now_us - self._refused_us <= _PATIENCE_US:
+            return ""
+        self._refused_us = None
+        return f"armed, and asked to where it is free, but still for {_PATIENCE_US / 1e6:g} s: {state.reason}"
+
+    def _is_due(self, passed: Passed, state: BaseState, now_us: int) -> bool:
+        given = passed.given
+        if not state.armed or given is None or now_us < self.calm_from_us or now_us - given.born_us > _FRESH_US:
+            return False
+        command = given.command
+        if abs(command.linear_x) < _WISH or abs(command.angular_z) > _STRAIGHT or not command.lease_counter:
+            return False
+        if given.command.instance != passed.command.operator:
+            return False
+        way = math.copysign(1.0, command.linear_x)
+        return self._is_proven(passed, way, now_us) and self._is_free(way)
+
+    def _is_proven(self, passed: Passed, way: float, now_us: int) -> bool:
+        for name, pose in self._robot.sensors.items():
+            if (abs(pose.yaw) < 1.0) == (way > 0.0):
+                heard = passed.ranges.get(name)
+                if heard is None or heard[0].state != "echo" or now_us - heard[1] > _HEARD_US:
+                    return False
+        return True
+
+    def _is_free(self, way: float) -> bool:
+        room, pose, radius = self._world.room, self._world.plant.pose, self._robot.footprint_radius
+        if self._world.plant.clearance < _ASIDE:
+            return False
+        middle = pose.yaw if way > 0.0 else pose.yaw + math.pi
+        reach = radius + _AHEAD
+        directions = (middle + _FAN * (2.0 * ray / (_RAYS - 1) - 1.0) for ray in range(_RAYS))
+        return all(room.ray(pose.x, pose.y, direction, reach) is None for direction in directions)

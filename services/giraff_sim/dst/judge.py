@@ -1,0 +1,211 @@
+"""The invariants, judged by the boards' pins, the world and the ledger; never by what a policy thinks of itself.
+
+(a) after a fault that stops the robot, its motors are without power within the fault's bound;
+(b) no drive frame stands on a command or a measurement that is too old, and no motor outlives its frames;
+(c) none stands on a command of somebody else than the holder of the lease, or of before arming;
+(d) none is sent, and no motor has power, under an engaged emergency stop;
+(e) none goes towards something that echoed lately and is nearer than the stopping distance;
+(f) a robot that may move, and is asked to where it is free, moves.
+"""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+from giraff_schemas.messages import BaseState, EStopEngage, EStopReset, GuardedCommand, Lease
+from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame
+from giraff_sim.closed_loop import Settings
+from giraff_sim.dst.explain import Explainer, Twist
+from giraff_sim.dst.freedom import Freedom
+from giraff_sim.dst.ledger import Ledger, Passed
+from giraff_sim.dst.obstacles import Obstacles
+from giraff_sim.dst.stops import ROBOT_US, Stops
+from giraff_sim.dst.story import Story, kind_of
+from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.process import Process
+from giraff_sim.simulation import Simulation
+
+BASE: Final = "base"
+"""Name of the base process that has the board; another one is a fault."""
+
+_WIRE_US: Final = 10_000  # a frame's way to the board, and the simulation's steps
+_OUTLIVES_US: Final = (ECHO_MAX_AGE_MS + COMMAND_TIMEOUT_MS) * 1000 + _WIRE_US
+_TICKS_US: Final = 40_000  # a held neutral is measured by ticks: two of them are its error
+
+
+class Violation(NamedTuple):
+    at_us: int
+    rule: str
+    """Its letter."""
+    what: str
+
+
+class Judge(Ledger):
+    """Hears all, and is asked after each step."""
+
+    def __init__(self, agenda: Agenda, simulation: Simulation, settings: Settings, story: Story) -> None:
+        super().__init__(agenda)
+        self.violations: list[Violation] = []
+        self.stops = Stops(simulation)
+        """The faults that must stop the robot now."""
+        self._simulation = simulation
+        self._world = simulation.world
+        self._contacts = 0
+        self._settings = settings
+        self._story = story
+        self._explainer = Explainer(self, settings.robot, settings.base)
+        self._obstacles = Obstacles(simulation.world, settings)
+        self.freedom = Freedom(simulation.world, settings)
+        self._level_us = 0  # when base last sent a level
+        # What disarmed last, and whose held neutral has been found since.
+        self._disarmed_us, self._disarmed_by = 0, "base has just started"
+        self._armed_for = ""
+        self._missed_us, self._missed = 0, ""  # when a sensor that the operator's wish relies on was missed last
+        self._guard = ""
+        self._newest: Passed | None = None
+        self._operator_born_us = 0
+        self._engaged_us: int | None = None
+        self._resets: dict[EStopReset, int] = {}
+        self._state: BaseState | None = None
+
+    @property
+    def holder(self) -> str:
+        """Instance of the operator that the guard base obeys has given the lease to; empty: nobody."""
+        grants = self.leases.get(self._guard)
+        return grants[-1].holder if grants else ""
+
+    def after_step(self) -> None:
+        """Look at the motors."""
+        now_us = self._agenda.now_us
+        self._obstacles.note(now_us)
+        if self._world.plant.contacts != self._contacts:
+            self._contacts = self._world.plant.contacts
+            self._story.tell(f"the body touches something: {self._obstacles.touched(self.readings)}")
+        if self._simulation.peak_counts == 0:
+            if refusal := self.freedom.refused(self._newest, self._state, now_us):
+                self._violated("f", refusal)
+            return
+        self.freedom.moved(now_us)
+        if overdue := self.stops.overdue(now_us):
+            self._violated("a", overdue)
+        if now_us - self._level_us > _OUTLIVES_US:
+            self._violated("b", f"power {(now_us - self._level_us) / 1e6:.3f} s after the last frame with a level")
+        if self._engaged_us is not None and now_us - self._engaged_us > ROBOT_US:
+            self._violated("d", f"power {(now_us - self._engaged_us) / 1e6:.3f} s after the emergency stop")
+
+    def pressed_reset(self, reset: EStopReset) -> None:
+        """A human has asked for this just now."""
+        self._resets[reset] = self._agenda.now_us
+
+    def on_reset(self, kind: BoardKind) -> None:
+        super().on_reset(kind)
+        if kind is BoardKind.BASE:
+            self._disarmed("the base board was reset")
+
+    def opened(self, process: Process) -> None:
+        self._disarmed(f"{process.instance} has opened the base board's port")
+
+    def on_grant(self, lease: Lease) -> None:
+        what = f"{lease.instance} gives the lease {lease.counter} to {lease.holder or 'nobody'}"
+        self._story.tell(what)
+        if lease.instance == self._guard or not self._guard:
+            self._disarmed(what)
+
+    def on_guarded(self, base: Process, command: GuardedCommand) -> None:
+        if base.name != BASE:
+            return
+        now_us = self._agenda.now_us
+        passed = self.passed(command)
+        if command.guard_tick is None or now_us - passed.at_us > round(self._settings.base.guard_budget * 1e6):
+            return  # a guard that knows no moment, or an old copy: nobody's voice
+        self._newest = passed
+        if command.instance != self._guard:
+            self._disarmed(f"{command.instance} guards instead of {self._guard or 'nobody'}")
+            self._guard = command.instance
+        if command.source == "fault":
+            self._disarmed(f"a fault of the operator's side: {command.reason}")
+        if passed.given is not None:
+            self._operator_born_us = max(self._operator_born_us, passed.given.born_us)
+        stale_us = round(self._settings.base.disarm_time * 1e6) + _TICKS_US
+        if now_us - self._operator_born_us > stale_us:
+            self._disarmed("the operator was not heard for too long")
+        if name := self._missed_sensor(passed, now_us - stale_us):
+            self._missed_us, self._missed = now_us, name
+
+    def on_engage(self, asked: EStopEngage) -> None:
+        self._story.tell(f"base is asked for an emergency stop by {asked.by}")
+        if self._engaged_us is None:
+            self._engaged_us = self._agenda.now_us
+
+    def on_reset_asked(self, asked: EStopReset) -> None:
+        now_us, pressed_us = self._agenda.now_us, self._resets[asked]
+        old = (now_us - pressed_us) / 1e6
+        self._story.tell(f"base is asked to release {asked.id}, {old:.2f} s after {asked.by} did so")
+        if self._engaged_us is not None and pressed_us >= self._engaged_us and old <= self._settings.base.reset_budget:
+            self._engaged_us = None
+            self._disarmed("the emergency stop was reset")
+
+    def on_base_state(self, base: Process, state: BaseState) -> None:
+        if base.name != BASE:
+            return
+        before, self._state = self._state, state
+        if before is None:
+            return
+        if state.armed != before.armed:
+            self._story.tell("armed" if state.armed else f"disarmed: {state.reason}")
+            self._story.count("armed" if state.armed else "disarmed")
+        if before.driving and not state.driving:
+            self._story.tell(f"stops: {state.reason or 'the operator wishes so'}")
+            self._story.count(f"stop: {kind_of(state.reason) or 'the operator wishes so'}")
+
+    def on_drive(self, base: Process, frame: DriveFrame) -> None:
+        now_us = self._level_us = self._agenda.now_us
+        if self._engaged_us is not None:
+            self._violated("d", f"{base.instance} sends {frame.left_level}, {frame.right_level} while stopped")
+        twist = Twist(frame, self._settings.robot)
+        wrong, passed = self._explainer.why_not(twist, reversed(self.heard_by_base[base]), now_us)
+        if passed is None:
+            self._violated(wrong[0], f"{frame.left_level}, {frame.right_level} at the board: {wrong[3:]}")
+        else:
+            self._expect_armed(passed.command.operator, twist)
+        if collision := self._obstacles.ahead(twist, self.readings, now_us):
+            self._violated("e", collision)
+
+    def _expect_armed(self, operator: str, twist: Twist) -> None:
+        """A held neutral since the last that disarmed; of travel also since a sensor on its way was missed."""
+        if operator != self._armed_for:
+            if not self._was_neutral(operator, self._disarmed_us, self._disarmed_by):
+                return
+            self._armed_for = operator
+        missed = f"{self._missed} was not heard for too long"
+        if self._missed_us > self._disarmed_us and twist.goes and self._was_neutral(operator, self._missed_us, missed):
+            self._missed_us = 0
+
+    def _was_neutral(self, operator: str, since_us: int, since: str) -> bool:
+        held_us = self.neutral[operator].longest_since(since_us)
+        if held_us >= round(self._settings.base.arm_time * 1e6) - _TICKS_US:
+            return True
+        ago = (self._agenda.now_us - since_us) / 1e6
+        held = f"whose hand was neutral for {held_us / 1e6:.3f} s only"
+        self._violated("c", f"driven for {operator}, {held}, since {ago:.3f} s ago {since}")
+        return False
+
+    def _disarmed(self, by: str) -> None:
+        self._disarmed_us, self._disarmed_by = self._agenda.now_us, by
+        self._armed_for = ""
+
+    def _missed_sensor(self, passed: Passed, before_us: int) -> str:
+        """A sensor on the way that the operator asks for, unheard since then."""
+        if passed.given is None or passed.given.command.linear_x == 0.0:
+            return ""
+        for name, pose in self._settings.robot.sensors.items():
+            looks_there = (abs(pose.yaw) < 1.0) == (passed.given.command.linear_x > 0.0)
+            if looks_there and name in passed.ranges and passed.ranges[name][1] < before_us:
+                return name
+        return ""
+
+    def _violated(self, rule: str, what: str) -> None:
+        """Put a violation down; one that only goes on is told once."""
+        if all((each.rule, kind_of(each.what)) != (rule, kind_of(what)) for each in self.violations):
+            self.violations.append(Violation(self._agenda.now_us, rule, what))
+            self._story.tell(f"VIOLATION ({rule}): {what}")

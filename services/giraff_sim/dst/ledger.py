@@ -1,0 +1,203 @@
+"""The truth about what passes through the processes: when it was measured, by whom, and what it stands on.
+
+Kept beside the samples, by maker and number: no policy sees any of it. All times are simulated us.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from typing import Any, Final, NamedTuple
+
+from giraff_schemas.messages import (
+    BaseState,
+    DriveCommand,
+    EStopEngage,
+    EStopReset,
+    GuardedCommand,
+    Lease,
+    Range,
+)
+from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFrame
+from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.process import Observer, Process
+
+_HEARD: Final = 40  # commands of a guard that base may still stand on
+_LONGEST_GAP_US: Final = 150_000  # between two neutral commands of one held neutral
+
+Made = tuple[str, int]
+"""Maker's instance and the sample's number."""
+
+
+class Given(NamedTuple):
+    """An operator's command."""
+
+    command: DriveCommand
+    born_us: int
+    """Of the measurement, or of the key press."""
+
+
+class Passed(NamedTuple):
+    """A guard's command, and what the guard had heard when it made it."""
+
+    command: GuardedCommand
+    at_us: int
+    given: Given | None
+    """The newest command of the operator it names that the guard had heard."""
+    ranges: dict[str, tuple[Range, int]]
+    """By sensor: the newest reading, and when its ping was sent."""
+
+
+class Heard(NamedTuple):
+    """A reading that a guard was handed."""
+
+    reading: Range
+    at_us: int
+    born_us: int
+
+
+class Grant(NamedTuple):
+    """A lease as a guard gave it; of nobody where it ended."""
+
+    at_us: int
+    holder: str
+    counter: int
+
+
+class Neutral:
+    """For how long an operator's hand was neutral, at its own times."""
+
+    def __init__(self) -> None:
+        self._spans: list[tuple[int, int]] = []
+
+    def note(self, born_us: int, *, is_neutral: bool) -> None:
+        if not is_neutral:
+            self._spans.append((born_us, -1))
+        elif self._spans and self._spans[-1][1] >= 0 and born_us - self._spans[-1][1] <= _LONGEST_GAP_US:
+            self._spans[-1] = (self._spans[-1][0], born_us)
+        else:
+            self._spans.append((born_us, born_us))
+        if len(self._spans) > 1 and self._spans[-1][1] == self._spans[-2][1] == -1:
+            self._spans.pop()
+
+    def longest_since(self, us: int) -> int:
+        """The longest span within what came after `us`."""
+        return max((last - max(first, us) for first, last in reversed(self._spans) if last > us), default=0)
+
+
+class Ledger(Observer):
+    """Keeps what the judge asks for."""
+
+    def __init__(self, agenda: Agenda) -> None:
+        self._agenda = agenda
+        self._boots: dict[BoardKind, list[int]] = {kind: [0] for kind in BoardKind}
+        self._measured: dict[Process, int] = {}
+        self._given: dict[Made, Given] = {}
+        self._born: dict[Made, int] = {}  # of ranges, by maker and sensor
+        self._ranges_of: dict[Process, dict[str, tuple[Range, int]]] = defaultdict(dict)
+        self._newest_of: dict[Process, dict[str, Given]] = defaultdict(dict)
+        self._passed: dict[Made, Passed] = {}
+        self.heard_by_base: dict[Process, deque[Passed]] = defaultdict(lambda: deque(maxlen=_HEARD))
+        self.readings: dict[str, deque[Heard]] = defaultdict(lambda: deque(maxlen=3))
+        """By sensor: the last ones that any guard was handed."""
+        self.neutral: dict[str, Neutral] = defaultdict(Neutral)
+        """By operator's instance."""
+        self.leases: dict[str, list[Grant]] = defaultdict(list)
+        """By guard's instance: what it has granted and ended."""
+
+    def on_reset(self, kind: BoardKind) -> None:
+        """A board begins anew: so does its clock."""
+        self._boots[kind].append(self._agenda.now_us)
+
+    def measured(self, process: Process, born_us: int) -> None:
+        """What `process` says next stands on a human's act of then."""
+        self._measured[process] = born_us
+
+    def read(self, process: Process, frame: Frame) -> None:
+        if isinstance(frame, TiltFrame):
+            self._measured[process] = self._boot_us(BoardKind.JOYSTICK, frame.boot_id) + frame.board_us
+        elif isinstance(frame, RangeFrame):
+            self._measured[process] = self._boot_us(BoardKind.RANGER, frame.boot_id) + frame.board_us
+
+    def said(self, process: Process, sample: Any) -> None:
+        match sample:
+            case DriveCommand():
+                self._on_given(process, sample)
+            case GuardedCommand():
+                self._on_passed(process, sample)
+            case Range():
+                self._born[f"{sample.instance}/{sample.sensor}", sample.seq] = self._measured[process]
+            case Lease():
+                grants = self.leases[sample.instance]
+                if not grants or grants[-1][1:] != (sample.holder, sample.counter):
+                    grants.append(Grant(self._agenda.now_us, sample.holder, sample.counter))
+                    self.on_grant(sample)
+            case BaseState():
+                self.on_base_state(process, sample)
+
+    def heard(self, process: Process, sample: Any) -> None:
+        match sample:
+            case DriveCommand():
+                given = self._given[sample.instance, sample.seq]
+                newest = self._newest_of[process].get(sample.instance)
+                if newest is None or sample.seq > newest.command.seq:
+                    self._newest_of[process][sample.instance] = given
+            case Range():
+                self._on_range(process, sample)
+            case GuardedCommand():
+                self.heard_by_base[process].append(self.passed(sample))
+                self.on_guarded(process, sample)
+            case EStopEngage():
+                self.on_engage(sample)
+            case EStopReset():
+                self.on_reset_asked(sample)
+
+    def wrote(self, process: Process, frame: Frame) -> None:
+        if isinstance(frame, DriveFrame) and (frame.left_level or frame.right_level):
+            self.on_drive(process, frame)
+
+    def passed(self, command: GuardedCommand) -> Passed:
+        """What a guard's command stands on."""
+        return self._passed[command.instance, command.seq]
+
+    # What a judge listens to.
+
+    def on_grant(self, lease: Lease) -> None:
+        """A guard has given the lease to another, or ended it."""
+
+    def on_base_state(self, base: Process, state: BaseState) -> None:
+        """Base tells of itself."""
+
+    def on_guarded(self, base: Process, command: GuardedCommand) -> None:
+        """Base is handed a command of a guard."""
+
+    def on_engage(self, asked: EStopEngage) -> None:
+        """Base is asked to stop."""
+
+    def on_reset_asked(self, asked: EStopReset) -> None:
+        """Base is asked to release."""
+
+    def on_drive(self, base: Process, frame: DriveFrame) -> None:
+        """Base sends a drive frame with a level."""
+
+    def _on_given(self, process: Process, sample: DriveCommand) -> None:
+        born_us = self._measured.get(process, self._agenda.now_us)
+        self._given[sample.instance, sample.seq] = Given(sample, born_us)
+        self.neutral[sample.instance].note(born_us, is_neutral=sample.neutral and sample.source == "hand")
+
+    def _on_passed(self, process: Process, sample: GuardedCommand) -> None:
+        self._passed[sample.instance, sample.seq] = Passed(
+            command=sample,
+            at_us=self._agenda.now_us,
+            given=self._newest_of[process].get(sample.operator),
+            ranges=dict(self._ranges_of[process]),
+        )
+
+    def _on_range(self, process: Process, sample: Range) -> None:
+        born_us = self._born[f"{sample.instance}/{sample.sensor}", sample.seq]
+        known = self._ranges_of[process].get(sample.sensor)
+        if known is None or born_us > known[1]:
+            self._ranges_of[process][sample.sensor] = (sample, born_us)
+            self.readings[sample.sensor].append(Heard(sample, self._agenda.now_us, born_us))
+
+    def _boot_us(self, kind: BoardKind, boot_id: int) -> int:
+        return self._boots[kind][boot_id - 1]

@@ -1,0 +1,141 @@
+"""Faults of machines and processes, and too many of them."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import TYPE_CHECKING, Final
+
+from giraff_sim.closed_loop import SERVICES
+from giraff_sim.dst.faults import Course, Kind, fault
+from giraff_sim.dst.hands import Fingers
+from giraff_sim.dst.people import Double, Keyboard
+from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Way
+
+if TYPE_CHECKING:
+    from giraff_sim.dst.drill import Drill
+
+KINDS: Final[list[Kind]] = []
+
+_HOUR_NS: Final = 3_600_000_000_000
+_IN_THE_CHAIN: Final = ("joystick", "guard", "base", "ranger")
+
+
+_WITH_A_BOARD: Final = {"operator": ("joystick",), "robot": ("base", "ranger")}
+
+
+def _bound(name: str) -> tuple[int, Way]:
+    """Within what a service's end stops the robot, and what motion."""
+    if name == "ranger":
+        return BEYOND_US, "travel"
+    return (BEYOND_US, "any") if name == "joystick" else (ROBOT_US, "any")
+
+
+@fault(KINDS, weight=4.0, lasts=(0.02, 3.0))
+def kill(drill: Drill, chance: Random) -> Course:
+    name = chance.choice(_IN_THE_CHAIN)
+    if not drill.claims(name):
+        return
+    applies = drill.driven_by(name)
+    bound_us, way = _bound(name)
+    drill.loop.kill(name)
+    with drill.stops(f"{name} is killed", bound_us, way, applies):
+        yield f"{name} is killed"
+    drill.loop.start(name)
+
+
+@fault(KINDS, weight=4.0, lasts=(0.02, 4.0))
+def pause(drill: Drill, chance: Random) -> Course:
+    name = chance.choice(_IN_THE_CHAIN)
+    if not drill.claims(name):
+        return
+    process = drill.loop.processes[name]
+    process.paused = True
+    bound_us, way = _bound(name)
+    with drill.stops(f"{name} is paused", bound_us, way, drill.driven_by(name)):
+        yield f"{name} is paused"
+    process.paused = False
+    process.go_on(chance.choice((0, 20_000, 200_000)))
+
+
+@fault(KINDS, weight=2.0, lasts=(0.1, 5.0))
+def suspend(drill: Drill, chance: Random) -> Course:
+    name = chance.choice(("operator", "robot"))
+    host = drill.loop.hosts[name]
+    cables = [drill.cable(service) for service in _WITH_A_BOARD[name]]
+    if not drill.claims(*cables, *(service for service, (on, _) in SERVICES.items() if on == name)):
+        return
+    host.suspend()
+    for cable in cables:
+        cable.holds_to_host = True
+    bound_us = ROBOT_US if name == "robot" else BEYOND_US
+    with drill.stops(
+        f"the {name}'s machine is suspended", bound_us, "any", lambda: name == "robot" or drill.drives(name)
+    ):
+        yield f"the {name}'s machine is suspended"
+    host.resume()
+    for cable in cables:
+        cable.holds_to_host = False
+    spread_us = chance.choice((0, 20_000, 300_000))
+    for process in tuple(drill.loop.processes.values()):
+        if process.host is host:
+            process.go_on(spread_us)
+
+
+@fault(KINDS, weight=1.0, lasts=(0.0, 0.0))
+def wall_clock(drill: Drill, chance: Random) -> Course:
+    name = chance.choice(("operator", "robot"))
+    host = drill.loop.hosts[name]
+    host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
+    host.wall_drift = chance.uniform(-1e-3, 1e-3)
+    yield f"the {name}'s wall clock jumps, to {host.wall_ahead_ns / 1e9:+.0f} s from the truth"
+
+
+@fault(KINDS, weight=1.5, lasts=(0.1, 4.0), calm_after=4.0)
+def second_guard(drill: Drill, chance: Random) -> Course:
+    del chance
+    if not drill.claims("guard"):
+        return
+    name = drill.fresh_name("second guard")
+    drill.loop.launch(name, SERVICES["guard"][1], drill.loop.hosts["robot"])
+    with drill.stops(f"{name} runs", ROBOT_US):
+        yield f"a {name} starts"
+    drill.loop.kill(name)
+
+
+@fault(KINDS, weight=1.5, lasts=(0.1, 4.0), calm_after=4.0)
+def second_base(drill: Drill, chance: Random) -> Course:
+    del chance
+    if not drill.claims("base"):
+        return
+    name = drill.fresh_name("second base")
+    drill.loop.launch(name, SERVICES["base"][1], drill.loop.hosts["robot"])
+    with drill.stops(f"{name} runs", ROBOT_US):
+        yield f"a {name} starts; the board's port is taken"
+    drill.loop.kill(name)
+
+
+@fault(KINDS, weight=1.5, lasts=(2.0, 8.0))
+def second_joystick(drill: Drill, chance: Random) -> Course:
+    name = drill.fresh_name("second joystick")
+    drill.loop.launch(
+        name,
+        lambda loop, host, instance, _: Double(loop, host, instance, chance, drill.seconds),
+        drill.loop.hosts["operator"],
+    )
+    yield f"a {name} of the same name starts"
+    drill.loop.kill(name)
+
+
+@fault(KINDS, weight=2.0, lasts=(3.0, 12.0))
+def keyboard(drill: Drill, chance: Random) -> Course:
+    name = drill.fresh_name("keyboard")
+    begin = drill.loop.agenda.now_us * 1e-6
+    drill.loop.launch(
+        name,
+        lambda loop, host, instance, _: Keyboard(
+            loop, host, instance, drill.judge, Fingers(chance, begin, drill.seconds)
+        ),
+        drill.loop.hosts["operator"],
+    )
+    yield f"somebody types at a {name}"
+    drill.loop.kill(name)

@@ -1,0 +1,179 @@
+"""Faults of cables, boards and sensors, of the battery, and what people and furniture do."""
+
+from __future__ import annotations
+
+import math
+from random import Random
+from typing import TYPE_CHECKING, Final
+
+from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.bno055 import Bno055Fault
+from giraff_sim.dst.faults import Course, Kind, fault
+from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Way
+from giraff_sim.sonar import SonarFault
+
+if TYPE_CHECKING:
+    from giraff_sim.dst.drill import Drill
+
+KINDS: Final[list[Kind]] = []
+
+_SERVED: Final = {BoardKind.BASE: "base", BoardKind.JOYSTICK: "joystick", BoardKind.RANGER: "ranger"}
+_CUTOFF_US: Final = 5_500_000  # 5 s below the cut-off, and a stop
+_FLAT_VOLTS: Final = 19.0
+_LOW_VOLTS: Final = 21.0
+_BODY: Final = 0.3  # m
+_STRIDE_US: Final = 50_000
+_LEGS: Final = 0.15  # m, of a person
+_KEEPS_OFF: Final = 0.35  # m from the body
+
+
+def _bound(kind: BoardKind) -> tuple[int, Way]:
+    if kind is BoardKind.RANGER:
+        return BEYOND_US, "travel"
+    return (ROBOT_US, "any") if kind is BoardKind.BASE else (BEYOND_US, "any")
+
+
+@fault(KINDS, weight=3.0, lasts=(0.05, 4.0))
+def full_buffer(drill: Drill, chance: Random) -> Course:
+    kind = chance.choice((BoardKind.BASE, BoardKind.BASE, BoardKind.JOYSTICK, BoardKind.RANGER))
+    name = _SERVED[kind]
+    cable = drill.cable(name)
+    if not drill.claims(cable):
+        return
+    way = chance.choice(("to the board", "to the host", "both ways"))
+    cable.holds_to_board, cable.holds_to_host = way != "to the host", way != "to the board"
+    bound_us, motion = _bound(kind)
+    with drill.stops(f"the serial buffers of {name} hold all", bound_us, motion, drill.driven_by(name)):
+        yield f"the serial buffers of {name} hold all {way}"
+    cable.holds_to_board = cable.holds_to_host = False
+
+
+@fault(KINDS, weight=3.0, lasts=(0.05, 3.0))
+def unplug(drill: Drill, chance: Random) -> Course:
+    kind = chance.choice(tuple(_SERVED))
+    name = _SERVED[kind]
+    cable = drill.cable(name)
+    if not drill.claims(cable):
+        return
+    cable.unplug()
+    bound_us, motion = _bound(kind)
+    with drill.stops(f"the cable of {name} is unplugged", bound_us, motion, drill.driven_by(name)):
+        yield f"the cable of {name} is unplugged"
+    cable.plug()
+
+
+@fault(KINDS, weight=3.0, lasts=(0.0, 0.6))
+def reset(drill: Drill, chance: Random) -> Course:
+    kind = chance.choice(tuple(_SERVED))
+    cause = chance.choice((ResetCause.POWER_ON, ResetCause.WATCHDOG, ResetCause.EXTERNAL))
+    drill.loop.simulation.reset(kind, cause)
+    drill.judge.on_reset(kind)
+    yield f"the {_SERVED[kind]} board is reset: {cause.name}"
+
+
+@fault(KINDS, weight=3.0, lasts=(0.3, 4.0), calm_after=11.0)
+def sonar(drill: Drill, chance: Random) -> Course:
+    name, pose = chance.choice(tuple(drill.loop.settings.robot.sensors.items()))
+    sensor = drill.loop.simulation.world.sonars[pose.index]
+    if not drill.claims(sensor):
+        return
+    sensor.fault = chance.choice((SonarFault.DEAD, SonarFault.STUCK, SonarFault.FROZEN, SonarFault.WILD))
+    told = f"{name} is {sensor.fault}"
+    way: Way = "forward" if abs(pose.yaw) < 1.0 else "backward"
+    silent = sensor.fault in (SonarFault.DEAD, SonarFault.STUCK)
+    with drill.stops(told, BEYOND_US, way, lambda: silent):
+        yield told
+    sensor.fault = SonarFault.NONE
+
+
+@fault(KINDS, weight=2.0, lasts=(0.2, 3.0))
+def tilt_sensor(drill: Drill, chance: Random) -> Course:
+    sensor = drill.loop.simulation.bno055
+    if sensor is None or not drill.claims(sensor):
+        return
+    sensor.fault = chance.choice(tuple(fault for fault in Bno055Fault if fault is not Bno055Fault.NONE))
+    told = f"the tilt sensor is {sensor.fault.replace('_', ' ')}"
+    only_at_start = sensor.fault in (Bno055Fault.WRONG_CHIP, Bno055Fault.SELF_TEST)
+    drives = drill.driven_by("joystick")
+    with drill.stops(told, BEYOND_US, "any", lambda: not only_at_start and drives()):
+        yield told
+    sensor.fault = Bno055Fault.NONE
+
+
+@fault(KINDS, weight=1.0, lasts=(0.5, 3.0))
+def encoder(drill: Drill, chance: Random) -> Course:
+    wheel = chance.randrange(2)
+    if not drill.claims(f"encoder {wheel}"):
+        return
+    drill.loop.simulation.cut_encoder(wheel, is_cut=True)
+    yield f"the wires of the {('left', 'right')[wheel]} encoder are cut"
+    drill.loop.simulation.cut_encoder(wheel, is_cut=False)
+    drill.release_later()
+
+
+@fault(KINDS, weight=3.0, lasts=(0.2, 4.0))
+def emergency_stop(drill: Drill, chance: Random) -> Course:
+    del chance
+    if not drill.claims(drill.button):
+        return
+    drill.button.engage()
+    yield "somebody engages the emergency stop"
+    drill.button.reset()
+
+
+@fault(KINDS, weight=1.0, lasts=(2.0, 8.0), calm_after=6.0)
+def battery(drill: Drill, chance: Random) -> Course:
+    plant = drill.loop.simulation.world.plant
+    if not drill.claims(plant):
+        return
+    before = plant.open_volts
+    plant.open_volts = chance.choice((_FLAT_VOLTS, _LOW_VOLTS))
+    told = f"the battery falls to {plant.open_volts:g} V"
+    flat = plant.open_volts == _FLAT_VOLTS
+    with drill.stops(told, _CUTOFF_US, "any", lambda: flat):
+        yield told
+    plant.open_volts = before
+
+
+@fault(KINDS, weight=3.0, lasts=(0.5, 6.0), calm_after=11.0)
+def obstacle(drill: Drill, chance: Random) -> Course:
+    world = drill.loop.simulation.world
+    pose = world.plant.pose
+    towards = pose.yaw + chance.choice((0.0, 0.0, math.pi)) + chance.uniform(-0.4, 0.4)
+    distance, half = _BODY + chance.uniform(0.05, 1.5), chance.uniform(0.05, 0.5)
+    x, y = pose.x + distance * math.cos(towards), pose.y + distance * math.sin(towards)
+    across = towards + math.pi / 2.0 + chance.uniform(-0.4, 0.4)
+    dx, dy = half * math.cos(across), half * math.sin(across)
+    name = drill.fresh_name("obstacle")
+    world.room.add_wall(name, [(x - dx, y - dy), (x + dx, y + dy)])
+    yield f"something stands {world.room.clearance(pose.x, pose.y) - _BODY:.2f} m from the body"
+    world.room.remove(name)
+
+
+@fault(KINDS, weight=2.0, lasts=(1.0, 6.0), calm_after=11.0)
+def person(drill: Drill, chance: Random) -> Course:
+    world = drill.loop.simulation.world
+    pose = world.plant.pose
+    bearing, speed = chance.uniform(-math.pi, math.pi), chance.uniform(0.3, 1.0)
+    x, y = pose.x + 1.5 * math.cos(bearing), pose.y + 1.5 * math.sin(bearing)
+    goal = bearing + math.pi + chance.uniform(-0.5, 0.5)
+    step_x, step_y = (speed * _STRIDE_US * 1e-6 * part for part in (math.cos(goal), math.sin(goal)))
+    name = drill.fresh_name("person")
+    world.room.add_post(name, x, y, _LEGS)
+    is_here = True
+
+    def walk() -> None:
+        nonlocal x, y
+        if not is_here:
+            return
+        robot = world.plant.pose
+        if math.hypot(x + step_x - robot.x, y + step_y - robot.y) > _BODY + _LEGS + _KEEPS_OFF:
+            x, y = x + step_x, y + step_y
+            world.room.remove(name)
+            world.room.add_post(name, x, y, _LEGS)
+        drill.loop.agenda.at(drill.loop.agenda.now_us + _STRIDE_US, walk)
+
+    walk()
+    yield f"a person walks by at {speed:.1f} m/s"
+    is_here = False
+    world.room.remove(name)

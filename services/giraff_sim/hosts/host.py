@@ -1,0 +1,51 @@
+"""A machine and its clocks."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from giraff_node.estop import RELEASED
+from giraff_sim.hosts.agenda import Agenda
+
+_BOOTED_US: Final = 3_600_000_000  # a machine has been up for an hour when the simulation begins
+_YEAR_2026_NS: Final = 1_767_225_600_000_000_000  # since 1970
+
+
+class Host:
+    """A machine. Its wall clock is as wrong as it is set; the others count what they count on Linux."""
+
+    def __init__(self, name: str, agenda: Agenda, booted_us: int = _BOOTED_US) -> None:
+        self.name = name
+        self.suspended = False
+        self.wall_ahead_ns = 0
+        """How far its wall clock is ahead of the true time."""
+        self.wall_drift = 0.0
+        """s that its wall clock gains a second."""
+        self.disk: dict[str, Any] = {"estop": RELEASED}
+        """What it keeps over the ends of its processes."""
+        self._agenda = agenda
+        self._booted_us = booted_us
+        self._slept_us = 0
+        self._fell_asleep_us = 0
+
+    def boottime_ns(self) -> int:
+        """CLOCK_BOOTTIME: goes on while the machine is suspended."""
+        return (self._booted_us + self._agenda.now_us) * 1000
+
+    def monotonic(self) -> float:
+        """CLOCK_MONOTONIC, s: stands still while the machine is suspended."""
+        now_us = self._fell_asleep_us if self.suspended else self._agenda.now_us
+        return (self._booted_us + now_us - self._slept_us) * 1e-6
+
+    def wall_ns(self) -> int:
+        """CLOCK_REALTIME."""
+        passed_us = self._agenda.now_us
+        return _YEAR_2026_NS + self.wall_ahead_ns + passed_us * 1000 + round(passed_us * 1000 * self.wall_drift)
+
+    def suspend(self) -> None:
+        self.suspended = True
+        self._fell_asleep_us = self._agenda.now_us
+
+    def resume(self) -> None:
+        self._slept_us += self._agenda.now_us - self._fell_asleep_us
+        self.suspended = False

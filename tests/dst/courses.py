@@ -1,0 +1,127 @@
+"""Faults for staged runs: each does one thing."""
+
+from __future__ import annotations
+
+from random import Random
+
+import msgspec
+
+from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.dst.drill import Drill
+from giraff_sim.dst.faults import Begin, Course
+from giraff_sim.dst.hands import Fingers
+from giraff_sim.dst.people import Keyboard
+from giraff_sim.dst.stops import BEYOND_US, ROBOT_US
+from giraff_sim.record import Verdict
+
+
+def kill(name: str) -> Begin:
+    """End a service, and start it again."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        drill.loop.kill(name)
+        with drill.stops(f"{name} is killed", ROBOT_US if name in ("guard", "base") else BEYOND_US):
+            yield f"{name} is killed"
+        drill.loop.start(name)
+
+    return course
+
+
+def cut(how: str) -> Begin:
+    """Cut the operator's way to the robot."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        link = drill.link("operator", "robot")
+        link.cut = how
+        with drill.stops("the network is cut", BEYOND_US):
+            yield "the network is cut"
+        drill.network.mend(link)
+
+    return course
+
+
+def unplug(name: str) -> Begin:
+    """Pull a board's cable out, and plug it in again."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        drill.cable(name).unplug()
+        yield f"{name} is unplugged"
+        drill.cable(name).plug()
+
+    return course
+
+
+def reset_board(drill: Drill, chance: Random) -> Course:
+    """Reset the base board."""
+    del chance
+    drill.loop.simulation.reset(BoardKind.BASE, ResetCause.EXTERNAL)
+    drill.judge.on_reset(BoardKind.BASE)
+    yield "the base board is reset"
+
+
+def stop(drill: Drill, chance: Random) -> Course:
+    """Engage the emergency stop, and reset it."""
+    del chance
+    drill.button.engage()
+    yield "the emergency stop is engaged"
+    drill.button.reset()
+
+
+def engage(drill: Drill, chance: Random) -> Course:
+    """Engage the emergency stop for good."""
+    del chance
+    drill.button.engage()
+    yield "the emergency stop is engaged"
+
+
+def typing(drill: Drill, chance: Random) -> Course:
+    """Let somebody type at a keyboard."""
+    begin = drill.loop.agenda.now_us * 1e-6
+    drill.loop.launch(
+        "keyboard",
+        lambda loop, host, instance, _: Keyboard(loop, host, instance, drill.judge, Fingers(chance, begin, 100.0)),
+        drill.loop.hosts["operator"],
+    )
+    yield "somebody types"
+
+
+def replay(*kinds: type[msgspec.Struct], since: float = 0.0, until: float = 1000.0) -> Begin:
+    """Carry old messages of these kinds again: all that were said between those two moments, s."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        old = [
+            said
+            for said in drill.network.history
+            if isinstance(said.message, kinds) and since * 1e6 <= said.at_us <= until * 1e6
+        ]
+        assert old, "there is nothing to replay"
+        drill.network.replay(old, 20_000)
+        yield f"{len(old)} old samples come again"
+
+    return course
+
+
+def watch(verdicts: list[Verdict]) -> Begin:
+    """Take the record of the motors from the beginning to the end of this fault."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        since_us = drill.loop.agenda.now_us
+        yield "the motors are watched"
+        verdicts.append(drill.loop.simulation.record.verdict(since_us, drill.loop.agenda.now_us))
+
+    return course
+
+
+def hold_frames(drill: Drill, chance: Random) -> Course:
+    """Let the serial buffers keep what base sends, and hand it over at the end."""
+    del chance
+    cable = drill.cable("base")
+    cable.holds_to_board = True
+    with drill.stops("the serial buffers hold all", ROBOT_US):
+        yield "the serial buffers hold all"
+    cable.holds_to_board = False

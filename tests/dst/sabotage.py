@@ -1,0 +1,113 @@
+"""Policies with one rule broken each."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import msgspec
+
+from giraff_base.policy import BasePolicy
+from giraff_guard.policy import GuardPolicy
+from giraff_joystick.policy import JoystickPolicy
+from giraff_schemas.messages import (
+    DriveCommand,
+    EStopAnswer,
+    EStopEngage,
+    EStopReset,
+    GuardedCommand,
+    GuardState,
+    Lease,
+    Range,
+    RobotTime,
+    Tick,
+)
+from giraff_schemas.wire import TickFrame
+
+FOR_EVER: Final = 1000.0  # s
+
+
+class PatientBase(BasePolicy):
+    """Finds nothing too old."""
+
+    def __init__(self, config: Any, *rest: Any) -> None:
+        names = ("operator_budget", "guard_budget", "range_budget", "disarm_time")
+        super().__init__(msgspec.structs.replace(config, **dict.fromkeys(names, FOR_EVER)), *rest)
+
+
+class PatientGuard(GuardPolicy):
+    """Finds nothing too old."""
+
+    def __init__(self, config: Any, *rest: Any, **named: Any) -> None:
+        names = ("operator_budget", "range_budget", "operator_release", "fault_release")
+        super().__init__(msgspec.structs.replace(config, **dict.fromkeys(names, FOR_EVER)), *rest, **named)
+
+
+class RenewingJoystick(JoystickPolicy):
+    """Gives each command the newest tick it has heard, as if it had been measured now."""
+
+    _newest: Tick | None = None
+
+    def on_tick(self, tick: Tick) -> TickFrame:
+        self._newest = tick
+        return super().on_tick(tick)
+
+    def command(self, now: float) -> DriveCommand:
+        self._heard = now  # and does not mind that its board is silent
+        command = super().command(now)
+        return msgspec.structs.replace(command, tick=self._newest.time) if self._newest else command
+
+
+class HastyBase(BasePolicy):
+    """Arms by a neutral of no length."""
+
+    def __init__(self, config: Any, *rest: Any) -> None:
+        super().__init__(msgspec.structs.replace(config, arm_time=1e-6), *rest)
+
+
+class EagerBase(BasePolicy):
+    """Needs no neutral at all: takes any hand for one that is level."""
+
+    def on_command(self, command: GuardedCommand, now: RobotTime) -> None:
+        super().on_command(command, now)
+        self._authority.arming.armed = True
+
+
+class OpenGuard(GuardPolicy):
+    """Obeys whoever spoke last, in the name of the holder."""
+
+    def on_command(self, command: DriveCommand, robot_ns: int) -> None:
+        super().on_command(command, robot_ns)
+        if self._authority.holder:
+            self._authority.command = command
+
+
+class DeafBase(BasePolicy):
+    """Confirms an emergency stop, and goes on."""
+
+    def on_engage(self, asked: EStopEngage, now: RobotTime) -> EStopAnswer:
+        del asked, now
+        return EStopAnswer(done=True, engaged=True, id=1, reason="")
+
+
+class ForgivingBase(BasePolicy):
+    """Lets any reset clear any latch, however old it is."""
+
+    def on_reset(self, reset: EStopReset, now: RobotTime) -> EStopAnswer:
+        return super().on_reset(msgspec.structs.replace(reset, id=self.latch.id, tick=now), now)
+
+
+class BlindGuard(GuardPolicy):
+    """Takes what is near for far."""
+
+    def on_range(self, reading: Range, robot_ns: int) -> None:
+        if reading.range is not None:
+            reading = msgspec.structs.replace(reading, range=reading.range + 2.0)
+        super().on_range(reading, robot_ns)
+
+
+class TimidGuard(GuardPolicy):
+    """Never lets the robot go forward."""
+
+    def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
+        command, state, lease = super().decide(robot_ns)
+        return msgspec.structs.replace(command, linear_x=min(0.0, command.linear_x), angular_z=0.0), state, lease

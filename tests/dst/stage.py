@@ -1,0 +1,57 @@
+"""Runs with a part for each: one room, one hand, and faults at given moments."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Final
+
+from giraff_sim.closed_loop import Policies
+from giraff_sim.dst.drill import Befall, Outcome, Scenario, known_settings, play
+from giraff_sim.dst.faults import Begin, Kind
+from giraff_sim.hand import LEVEL, Hand, ScriptedHand, StillHand
+from giraff_sim.room import Pose, Room
+
+SETTINGS: Final = known_settings()
+FORWARD: Final = (4.0, 0.0, 8.96)
+"""m/s² on the joystick: 24 degrees."""
+BACKWARD: Final = (-4.0, 0.0, 8.96)
+SET_OFF: Final = 2.5
+"""s at which `driving` tilts the joystick, after it was level."""
+
+
+def hall(start: float = 1.0) -> Room:
+    """Four walls, the one ahead 5 m - `start` away: near enough to echo."""
+    room = Room("hall", Pose(start, 2.0, 0.0))
+    room.add_wall("walls", [(0.0, 0.0), (5.0, 0.0), (5.0, 4.0), (0.0, 4.0)], closed=True)
+    return room
+
+
+def driving(*changes: tuple[float, tuple[float, float, float]]) -> Hand:
+    """Level, then forward, then as `changes` tell: (s, m/s²)."""
+    moments = [(0.0, LEVEL), (SET_OFF, FORWARD), *changes]
+    return ScriptedHand([at for at, _ in moments], [tilt for _, tilt in moments])
+
+
+def level() -> Hand:
+    return StillHand()
+
+
+def at(moment: float, begin: Begin, lasts: float = 0.0) -> Befall:
+    """Have `begin` happen at `moment`, for `lasts`, s."""
+    return Befall(Kind("staged", begin, 1.0, (lasts, lasts), 3.0), moment, Random(1))
+
+
+def stage(
+    *befalls: Befall,
+    hand: Hand | None = None,
+    seconds: float = 7.0,
+    policies: Policies | None = None,
+    room: Room | None = None,
+    seed: int = 1,
+) -> Outcome:
+    return play(Scenario(seed, room or hall(), hand or driving(), seconds, befalls), SETTINGS, policies)
+
+
+def rules(outcome: Outcome) -> set[str]:
+    """The letters of what it violates."""
+    return {violation.rule for violation in outcome.violations}

@@ -1,0 +1,69 @@
+"""`giraff dst`: what it prints, writes and ends with."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from giraff_cli import dst
+from giraff_cli.main import app
+from giraff_sim.dst.drill import Outcome
+from giraff_sim.dst.judge import Violation
+
+
+def outcome(seed: int, *violations: Violation) -> Outcome:
+    return Outcome(
+        seed=seed,
+        digest=f"digest-{seed}",
+        violations=violations,
+        story=("  1.000 s  armed", "  2.000 s  VIOLATION (b): too old"),
+        counts={"armed": 2, "fault: cut": 1, "stop: forward blocked": 3},
+        path=1.5,
+        contacts=0,
+    )
+
+
+@pytest.fixture
+def third_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    def run_many(seeds: Iterable[int], jobs: int) -> Iterator[Outcome]:
+        assert jobs == 1
+        for seed in seeds:
+            yield outcome(seed, *([Violation(2_000_000, "b", "too old")] if seed == 12 else []))
+
+    monkeypatch.setattr(dst, "run_many", run_many)
+
+
+@pytest.mark.usefixtures("third_fails")
+def test_a_seed_that_fails_tells_its_story_and_how_to_have_it_again(tmp_path: Path) -> None:
+    written = tmp_path / "totals.json"
+    ran = CliRunner().invoke(
+        app, ["dst", "--seeds", "5", "--seed", "10", "--jobs", "1", "--json", str(written)], catch_exceptions=False
+    )
+    assert ran.exit_code == 1
+    assert ran.output.count("VIOLATION (b): too old") == 1
+    assert "digest digest-12; again with: giraff dst --seeds 1 --seed 12" in ran.output
+    assert "seeds: 5, 100 s simulated" in ran.output
+    totals = json.loads(written.read_text())
+    assert totals["failures"] == [{"seed": 12, "violations": ["(b) too old"]}]
+    assert totals["counts"] == {"armed": 10, "fault: cut": 5, "stop: forward blocked": 15}
+    assert (totals["seeds"], totals["drove"], totals["path"]) == (5, 5, 7.5)
+
+
+@pytest.mark.usefixtures("third_fails")
+def test_seeds_that_hold_are_summed_up() -> None:
+    ran = CliRunner().invoke(app, ["dst", "--seeds", "2", "--jobs", "1"], catch_exceptions=False)
+    assert ran.exit_code == 0
+    assert "armed\n" not in ran.output
+    assert "no invariant is violated" in ran.output
+    assert "2  cut" in ran.output
+    assert "6  forward blocked" in ran.output
+
+
+def test_a_single_seed_is_really_run_and_told() -> None:
+    ran = CliRunner().invoke(app, ["dst", "--seeds", "1", "--seed", "3", "--jobs", "1"], catch_exceptions=False)
+    assert "s  armed" in ran.output
+    assert "seeds: 1, 20 s simulated" in ran.output

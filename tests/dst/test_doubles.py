@@ -1,0 +1,176 @@
+"""What starts again, comes twice or flickers, with the hand held forward all the time: nothing moves."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from giraff_schemas.messages import EStopReset
+from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.bno055 import Bno055Fault
+from giraff_sim.closed_loop import SERVICES
+from giraff_sim.dst.drill import Drill, Outcome
+from giraff_sim.dst.faults import Begin, Course
+from giraff_sim.dst.people import Double
+from giraff_sim.hand import LEVEL
+from giraff_sim.record import Verdict
+from tests.dst.courses import cut, engage, kill, replay, stop, unplug, watch
+from tests.dst.stage import FORWARD, at, driving, level, stage
+
+FAULT = 4.0  # s; the robot drives since 2.5
+WATCHED = 3.0  # s
+
+
+def moves_nothing(befall: Begin, lasts: float, bound: float = 0.35, watched: float = WATCHED) -> Outcome:
+    """That `befall` stops the robot within `bound`, s, and that nothing moves from then on."""
+    verdicts: list[Verdict] = []
+    outcome = stage(
+        at(FAULT, befall, lasts),
+        at(FAULT + bound, watch(verdicts), watched),
+        seconds=FAULT + bound + watched + 0.1,
+    )
+    assert outcome.violations == ()
+    assert outcome.path > 0.2, "it did not drive before"
+    assert [verdict.driven_ms for verdict in verdicts] == [0]
+    return outcome
+
+
+def second(name: str) -> Begin:
+    """Start another process of a service, on the same machine."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        host, maker = SERVICES[name]
+        drill.loop.launch(f"second {name}", maker, drill.loop.hosts[host])
+        yield f"a second {name} starts"
+        drill.loop.kill(f"second {name}")
+
+    return course
+
+
+def flickering(fault: Bno055Fault, on: float, off: float) -> Begin:
+    """Let the tilt sensor fail and recover again and again, s."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        sensor, agenda = drill.loop.simulation.bno055, drill.loop.agenda
+        assert sensor is not None
+        moment = agenda.now_us
+        for _ in range(round(WATCHED / (on + off))):
+            agenda.at(moment, lambda: setattr(sensor, "fault", fault))
+            agenda.at(moment + round(on * 1e6), lambda: setattr(sensor, "fault", Bno055Fault.NONE))
+            moment += round((on + off) * 1e6)
+        yield "the tilt sensor flickers"
+
+    return course
+
+
+def board_reset(cause: ResetCause) -> Begin:
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        drill.loop.simulation.reset(BoardKind.BASE, cause)
+        drill.judge.on_reset(BoardKind.BASE)
+        yield "the base board is reset"
+
+    return course
+
+
+@pytest.mark.parametrize("gap", [0.01, 0.3, 1.0])
+@pytest.mark.parametrize("name", ["base", "guard"])
+def test_a_restarted_service(name: str, gap: float) -> None:
+    moves_nothing(kill(name), gap)
+
+
+@pytest.mark.parametrize("cause", [ResetCause.POWER_ON, ResetCause.WATCHDOG, ResetCause.BROWN_OUT], ids=str)
+def test_a_restarted_board(cause: ResetCause) -> None:
+    moves_nothing(board_reset(cause), 0.0)
+
+
+@pytest.mark.parametrize("gap", [0.05, 0.5, 1.5])
+def test_a_replugged_board(gap: float) -> None:
+    moves_nothing(unplug("base"), gap)
+
+
+@pytest.mark.parametrize("name", ["guard", "base"])
+@pytest.mark.parametrize("lasts", [0.3, 1.0, 3.0])
+def test_a_second_process(name: str, lasts: float) -> None:
+    moves_nothing(second(name), lasts)
+
+
+@pytest.mark.parametrize(
+    ("fault", "on", "off"),
+    [
+        (Bno055Fault.ZERO, 0.1, 0.2),
+        (Bno055Fault.FROZEN, 0.3, 0.1),
+        (Bno055Fault.DEAD, 0.15, 0.5),
+        (Bno055Fault.SYSTEM_ERROR, 0.1, 0.4),
+    ],
+    ids=str,
+)
+def test_a_flickering_tilt_sensor(fault: Bno055Fault, on: float, off: float) -> None:
+    moves_nothing(flickering(fault, on, off), 0.0, bound=0.45)
+
+
+def test_a_ranger_that_was_missed_for_over_a_second() -> None:
+    moves_nothing(unplug("ranger"), 1.3, bound=0.45)
+
+
+def test_a_second_joystick_of_the_same_name() -> None:
+    verdicts: list[Verdict] = []
+
+    def double(drill: Drill, chance: Random) -> Course:
+        drill.loop.launch(
+            "second joystick",
+            lambda loop, host, instance, _: Double(loop, host, instance, chance, drill.seconds),
+            drill.loop.hosts["operator"],
+        )
+        yield "a second joystick starts"
+
+    outcome = stage(at(2.0, double), at(2.0, watch(verdicts), 9.0), hand=level(), seconds=11.5)
+    assert outcome.violations == ()
+    assert [verdict.driven_ms for verdict in verdicts] == [0]
+
+
+def test_a_reset_that_comes_again_eight_seconds_late() -> None:
+    verdicts: list[Verdict] = []
+    outcome = stage(
+        at(3.5, stop, 0.3),
+        at(7.0, engage),
+        at(3.8 + 8.0, replay(EStopReset)),
+        at(7.35, watch(verdicts), 7.0),
+        hand=driving((3.6, LEVEL), (5.0, FORWARD), (8.0, LEVEL), (13.0, FORWARD)),
+        seconds=14.5,
+    )
+    assert outcome.violations == ()
+    assert outcome.counts["armed"] == 2, "the first reset did not release the robot"
+    assert [verdict.driven_ms for verdict in verdicts] == [0]
+
+
+def test_a_reset_that_comes_again_at_once_names_an_older_latch() -> None:
+    verdicts: list[Verdict] = []
+    outcome = stage(
+        at(3.5, stop, 0.3),
+        at(4.2, engage),
+        at(4.4, replay(EStopReset)),
+        at(4.55, watch(verdicts), 3.0),
+        hand=driving((3.6, LEVEL), (6.0, FORWARD)),
+        seconds=8.0,
+    )
+    assert outcome.violations == ()
+    assert [verdict.driven_ms for verdict in verdicts] == [0]
+
+
+def test_a_reset_that_tcp_held_for_eight_seconds_clears_nothing() -> None:
+    verdicts: list[Verdict] = []
+    outcome = stage(
+        at(3.5, stop, 1.6),  # reset at 5.1, on its way through a link that is cut
+        at(5.0, cut("holds"), 8.0),
+        at(3.85, watch(verdicts), 12.0),
+        # The lease has ended meanwhile: a wish asks for it again, and level arms, were the robot released.
+        hand=driving((3.6, LEVEL), (13.3, FORWARD), (13.6, LEVEL), (14.6, FORWARD)),
+        seconds=16.0,
+    )
+    assert outcome.violations == ()
+    assert any("base is asked to release" in line for line in outcome.story), "the reset never came"
+    assert [verdict.driven_ms for verdict in verdicts] == [0]

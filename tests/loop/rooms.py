@@ -1,0 +1,231 @@
+"""Random cluttered rooms, and a driver who sees nothing of them but the guard's verdicts."""
+
+from __future__ import annotations
+
+import heapq
+import math
+import random
+from collections import defaultdict, deque
+from collections.abc import Callable
+from typing import Any, Final
+
+import msgspec
+
+from giraff_sim.bno055 import Vector
+from giraff_sim.closed_loop import ClosedLoop
+from giraff_sim.config import SimConfig
+from giraff_sim.hand import StillHand
+from giraff_sim.room import Pose, Room
+from giraff_sim.sonar import SonarFault
+from tests.loop.loops import SETTINGS, arm, closed_loop
+from tests.loop.reaction import tilted
+from tests.robots import ROBOT
+
+SIZE: Final = 5.0  # m, of each side of a room
+START: Final = (0.8, 0.8)
+EXIT: Final = (4.2, 4.2)
+AT_EXIT: Final = 0.25  # m
+PATIENCE: Final = 300.0  # s
+WILD_SHARE: Final = 0.05
+_CELL: Final = 0.1  # m
+
+Cell = tuple[int, int]
+
+
+def cluttered(seed: int) -> Room:
+    """Boxes and posts wherever they fall, but not on start and exit."""
+    choose = random.Random(f"{seed}/room")
+    room = Room(f"room {seed}", Pose(*START, choose.uniform(-math.pi, math.pi)))
+    room.add_wall("walls", [(0.0, 0.0), (SIZE, 0.0), (SIZE, SIZE), (0.0, SIZE)], closed=True)
+    for number in range(choose.randint(3, 8)):
+        x, y, turned = choose.uniform(0.3, SIZE - 0.3), choose.uniform(0.3, SIZE - 0.3), choose.uniform(0.0, math.pi)
+        if choose.random() < 0.4:
+            radius = choose.uniform(0.03, 0.2)
+            if min(math.dist((x, y), START), math.dist((x, y), EXIT)) > 0.8 + radius:
+                room.add_post(f"post {number}", x, y, radius)
+            continue
+        half_x, half_y = choose.uniform(0.2, 0.6), choose.uniform(0.2, 0.6)
+        cos, sin = math.cos(turned), math.sin(turned)
+        corners = [(-half_x, -half_y), (half_x, -half_y), (half_x, half_y), (-half_x, half_y)]
+        if min(math.dist((x, y), START), math.dist((x, y), EXIT)) > 0.8 + math.hypot(half_x, half_y):
+            points = [(x + cos * u - sin * v, y + sin * u + cos * v) for u, v in corners]
+            room.add_wall(f"box {number}", points, closed=True)
+    return room
+
+
+def shortest(start: Cell, goal: Cell, cost: Callable[[Cell], float]) -> list[Cell]:
+    """The cells of the cheapest way, start and goal included; empty when there is none. `cost`: of entering one."""
+    best = {start: 0.0}
+    before: dict[Cell, Cell] = {}
+    queue = [(math.dist(start, goal), start)]
+    while queue:
+        _, cell = heapq.heappop(queue)
+        if cell == goal:
+            way = [goal]
+            while way[-1] != start:
+                way.append(before[way[-1]])
+            return way[::-1]
+        for step in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)):
+            entered = (cell[0] + step[0], cell[1] + step[1])
+            price = best[cell] + math.hypot(*step) * cost(entered)
+            if price < best.get(entered, math.inf):
+                best[entered], before[entered] = price, cell
+                heapq.heappush(queue, (price + math.dist(entered, goal), entered))
+    return []
+
+
+def cell_of(x: float, y: float) -> Cell:
+    return round(x / _CELL), round(y / _CELL)
+
+
+def has_way(room: Room) -> bool:
+    """Whether a disc of the footprint's radius plus the margin can get to the exit."""
+    radius = ROBOT.footprint_radius + SETTINGS.guard.margin
+
+    def cost(cell: Cell) -> float:
+        return 1.0 if room.clearance(cell[0] * _CELL, cell[1] * _CELL) >= radius else math.inf
+
+    return bool(shortest(cell_of(*START), cell_of(*EXIT), cost))
+
+
+class Explorer:
+    """Knows where it is and where the exit is; of what stands between, only what the verdicts say.
+
+    It goes straight for the exit. Where forward is blocked it notes that something is there, backs up, and takes the
+    shortest way that keeps off all it has noted.
+    """
+
+    trembles = True
+
+    def __init__(self, loop: ClosedLoop) -> None:
+        self._loop = loop
+        self._noted: list[tuple[float, float]] = []
+        self._way: list[tuple[float, float]] = []
+        self._blocked_s = 0.0
+        self._backed_from: tuple[float, float] | None = None
+        self._until = 0.0
+        self._held: StillHand = tilted(0.0, 0.0)
+        self._next = 0.0
+
+    def acceleration(self, seconds: float, robot: Pose) -> Vector:
+        if seconds >= self._next:
+            self._next = seconds + 0.04
+            self._held = tilted(*self._wish(seconds, robot, self._loop.newest["guard"]))
+        return self._held.acceleration(seconds, robot)
+
+    def _wish(self, seconds: float, robot: Pose, state: Any) -> tuple[float, float]:
+        if self._backed_from is not None:
+            if math.dist(self._backed_from, robot[:2]) < 0.25 and seconds < self._until:
+                return -0.25, 0.0
+            self._backed_from = None
+            self._way = []
+        if not self._way:
+            self._way = self._planned(robot)
+        while len(self._way) > 1 and math.dist(self._way[0], robot[:2]) < 0.3:
+            self._way.pop(0)
+        towards = math.atan2(self._way[0][1] - robot.y, self._way[0][0] - robot.x)
+        error = math.remainder(towards - robot.yaw, math.tau)
+        if abs(error) > 0.3:
+            self._blocked_s = 0.0
+            return 0.0, math.copysign(min(1.2, 0.3 + 1.2 * abs(error)), error)
+        if state.forward.allowed > 0.0:
+            self._blocked_s = 0.0
+            return 0.5, 1.5 * error
+        self._blocked_s += 0.04
+        if self._blocked_s > 0.6:
+            self._note(robot, state.forward.sensor)
+            self._blocked_s = 0.0
+            self._backed_from, self._until = robot[:2], seconds + 2.5
+        return 0.3, 0.0
+
+    def _note(self, robot: Pose, sensor: str) -> None:
+        aside = ROBOT.sensors[sensor].y if sensor in ROBOT.sensors else 0.0
+        cos, sin = math.cos(robot.yaw), math.sin(robot.yaw)
+        self._noted.append((robot.x + 0.62 * cos - aside * sin, robot.y + 0.62 * sin + aside * cos))
+
+    def _planned(self, robot: Pose) -> list[tuple[float, float]]:
+        """The way that keeps farthest off what was noted, as far as there is one."""
+        here, last = cell_of(robot.x, robot.y), round(SIZE / _CELL)
+        for radius in (0.55, 0.5, 0.45, 0.4, 0.35, 0.3, 0.2, 0.1):
+
+            def cost(cell: Cell, radius: float = radius) -> float:
+                if not (0 <= cell[0] <= last and 0 <= cell[1] <= last):
+                    return math.inf
+                point = (cell[0] * _CELL, cell[1] * _CELL)
+                if all(math.dist(point, noted) >= radius for noted in self._noted):
+                    return 1.0
+                return 5.0 if math.dist(cell, here) <= 3.0 else math.inf  # out of where it stands now
+
+            if way := shortest(here, cell_of(*EXIT), cost):
+                return [(x * _CELL, y * _CELL) for x, y in [*way[3::3], way[-1]]]
+        return [EXIT]
+
+
+class Crossing(msgspec.Struct, frozen=True):
+    """What became of a room."""
+
+    reached: bool
+    seconds: float
+    contacts: int
+    towards_an_echo: int
+    """Contacts of a robot that drove towards what had echoed in the last two cycles, within its stopping distance."""
+    why: str
+
+
+def cross(seed: int) -> Crossing | None:
+    """Drive through the room of this seed; None where no disc of the footprint and its margin gets through."""
+    room = cluttered(seed)
+    if not has_way(room):
+        return None
+    with closed_loop(room, sim=SimConfig(), seed=seed) as loop:
+        arm(loop)
+        world = loop.simulation.world
+        for sonar in world.sonars.values():
+            sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, WILD_SHARE
+        heard = _Heard(loop)
+        world.hand = Explorer(loop)
+        contacts = towards = 0
+        until = loop.simulation.now_us + round(PATIENCE * 1e6)
+        while math.dist(world.plant.pose[:2], EXIT) > AT_EXIT and loop.simulation.now_us < until:
+            loop.step()
+            heard.listen()
+            if world.plant.contacts > contacts:
+                contacts = world.plant.contacts
+                towards += heard.drives_into_an_echo()
+        return Crossing(
+            reached=math.dist(world.plant.pose[:2], EXIT) <= AT_EXIT,
+            seconds=loop.simulation.now_us * 1e-6,
+            contacts=contacts,
+            towards_an_echo=towards,
+            why=f"{world.plant.pose} forward: {loop.newest['guard'].forward}",
+        )
+
+
+class _Heard:
+    """The last two echoes of each sensor, and how far the robot has come since."""
+
+    def __init__(self, loop: ClosedLoop) -> None:
+        self._loop = loop
+        self._echoes: dict[str, deque[tuple[float, float]]] = defaultdict(lambda: deque(maxlen=2))
+        self._newest: dict[str, Any] = {}
+
+    def listen(self) -> None:
+        for sensor in ROBOT.sensors:
+            reading = self._loop.newest[f"range/{sensor}"]
+            if reading is not self._newest.get(sensor):
+                self._newest[sensor] = reading
+                seen = math.inf if reading.range is None else reading.range
+                self._echoes[sensor].append((seen, self._loop.simulation.world.plant.path_length))
+
+    def drives_into_an_echo(self) -> bool:
+        plant = self._loop.simulation.world.plant
+        speed = (plant.left.speed + plant.right.speed) / 2.0
+        stops_after = abs(speed) * 0.1 + speed * speed / 3.0
+        for sensor, pose in ROBOT.sensors.items():
+            if speed * math.cos(pose.yaw) <= 0.0:
+                continue
+            for seen, path in self._echoes[sensor]:
+                came = plant.path_length - path
+                if seen + abs(pose.x) - ROBOT.footprint_radius - came <= stops_after:
+                    return True
+        return False

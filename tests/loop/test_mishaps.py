@@ -1,0 +1,131 @@
+"""What happens to the joystick while the robot drives, in simulated time: from the mishap to PWM zero, and after it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from giraff_joystick.attention import DETECTION_S, FALLING, FROZEN, LAID_DOWN, SHAKEN
+from giraff_sim.bno055 import Bno055Fault
+from giraff_sim.closed_loop import ClosedLoop
+from giraff_sim.config import SimConfig
+from giraff_sim.hand import Dropped, LaidDown, Shaken, StillHand
+from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
+from tests.sim.robots import room_with_wall
+
+NOISY = SimConfig()
+DELAYS_MS = range(0, 20, 7)
+"""When in the board's cycle it happens."""
+
+CHAIN = 0.15
+"""s that a fault takes from the reading to the motors: joystick, guard and base at their rates."""
+PUT_DOWN = 0.06
+"""s by which the last readings of the hand and of its letting go still count as motion."""
+
+
+def drops(loop: ClosedLoop) -> None:
+    loop.simulation.world.hand = Dropped(loop.simulation.now_us * 1e-6)
+
+
+def shakes(loop: ClosedLoop) -> None:
+    loop.simulation.world.hand = Shaken(loop.simulation.now_us * 1e-6)
+
+
+def lays_down(loop: ClosedLoop) -> None:
+    loop.simulation.world.hand = LaidDown()
+
+
+def freezes(loop: ClosedLoop) -> None:
+    assert loop.simulation.bno055 is not None
+    loop.simulation.bno055.fault = Bno055Fault.FROZEN
+
+
+def dies(loop: ClosedLoop) -> None:
+    assert loop.simulation.bno055 is not None
+    loop.simulation.bno055.fault = Bno055Fault.DEAD
+
+
+MISHAPS: dict[str, tuple[Callable[[ClosedLoop], None], float]] = {
+    "dropped": (drops, DETECTION_S[FALLING] + CHAIN),
+    "shaken": (shakes, DETECTION_S[SHAKEN] + CHAIN),
+    "frozen": (freezes, DETECTION_S[FROZEN] + CHAIN),
+    "dead": (dies, 0.06 + CHAIN),
+    "laid down": (lays_down, DETECTION_S[LAID_DOWN] + PUT_DOWN + CHAIN),
+}
+
+
+def driving(loop: ClosedLoop, delay_ms: int) -> None:
+    arm(loop)
+    hold(loop, x=FULL_TILT)
+    loop.run(1.5 + delay_ms * 1e-3)
+    assert loop.newest["wheels"].left_pwm_counts == 70
+
+
+@pytest.mark.parametrize("mishap", MISHAPS)
+def test_a_mishap_stops_the_robot_within_its_bound(mishap: str) -> None:
+    happens, bound = MISHAPS[mishap]
+    worst = 0.0
+    for delay_ms in DELAYS_MS:
+        with closed_loop(room_with_wall(4.0), sim=NOISY, seed=delay_ms) as loop:
+            driving(loop, delay_ms)
+            happens(loop)
+            began_us = loop.simulation.now_us
+            loop.run(3.0)
+            last = loop.simulation.record.verdict(began_us, loop.simulation.now_us).last_driven_us
+            assert last is not None
+            worst = max(worst, (last - began_us) * 1e-6)
+            assert not loop.newest["base"].armed
+    print(f"{mishap}: PWM zero after at most {worst:.3f} s")
+    assert worst <= bound
+    assert mishap == "laid down" or worst <= 0.45
+
+
+@pytest.mark.parametrize("mishap", ["dropped", "shaken", "laid down"])
+def test_after_it_a_tilted_hand_moves_nothing_and_a_level_one_arms(mishap: str) -> None:
+    with closed_loop(room_with_wall(4.0), sim=NOISY) as loop:
+        driving(loop, 0)
+        MISHAPS[mishap][0](loop)
+        loop.run(2.0)
+        again_us = loop.simulation.now_us
+        # Tilted, level for less than arming takes, and tilted to ask for the lease that a long fault has ended.
+        for tilt, seconds in ((FULL_TILT, 2.0), (0.0, 0.1), (FULL_TILT, 1.0)):
+            hold(loop, x=tilt)
+            loop.run(seconds)
+        assert loop.simulation.record.verdict(again_us, loop.simulation.now_us).driven_ms == 0
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(0.5)
+        assert loop.newest["wheels"].left_pwm_counts > 0
+
+
+def test_a_hand_that_holds_still_for_a_minute_drives_for_a_minute() -> None:
+    """Turning in place, so that nothing but the hand can end it."""
+    with closed_loop(room_with_wall(4.0), sim=NOISY) as loop:
+        arm(loop)
+        hold(loop, y=FULL_TILT)
+        loop.run(1.0)
+        for _ in range(600):
+            loop.run(0.1)
+            assert loop.newest["cmd_vel/joystick"].source == "hand"
+
+
+def test_the_clutch_stops_and_its_attitude_is_the_new_level() -> None:
+    with closed_loop(room_with_wall(4.0), sim=NOISY) as loop:
+        driving(loop, 0)
+        loop.simulation.world.hand = StillHand((6.0, 0.0, 7.75))  # 38 degrees
+        loop.run(0.3)
+        loop.simulation.world.button = True
+        pressed_us = loop.simulation.now_us
+        loop.run(1.0)
+        last = loop.simulation.record.verdict(pressed_us, loop.simulation.now_us).last_driven_us
+        assert last is not None
+        assert (last - pressed_us) * 1e-6 <= CHAIN
+        loop.simulation.world.button = False
+        released_us = loop.simulation.now_us
+        loop.run(1.0)
+        assert loop.simulation.record.verdict(released_us, loop.simulation.now_us).driven_ms == 0
+        assert loop.newest["base"].armed
+        hold(loop)  # flat is 38 degrees backward of it
+        loop.run(0.5)
+        assert loop.newest["wheels"].left_pwm_counts < 0
