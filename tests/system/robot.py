@@ -5,50 +5,114 @@ from __future__ import annotations
 import json
 import os
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import Any
 
 from giraff_cli.children import Children
 from giraff_cli.watcher import free_port
+from giraff_node.config import load
+from giraff_node.estop import RELEASED
+from giraff_node.session import NetworkConfig, session_config
+from giraff_node.state import write_latch
+from giraff_schemas.topics import BASE, GUARD
 from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient
+from giraff_sim.config import KNOWN
+from tests.system.cable import Cable
+from tests.system.observer import Observer
 
 SERVICES = ("base", "guard", "joystick", "ranger", "odometry")
 FULL_TILT = 7.5
 """m/s² along one axis: more than the default curve's full speed needs."""
 
-EMPTY_ROOM = """
-name = "empty"
+PROVING_ROOM = """
+name = "proving"
 start = { x = 0.0, y = 0.0, yaw_deg = 0.0 }
+
+[[walls]]
+name = "room"
+points = [[4.0, 4.0], [-4.0, 4.0], [-4.0, -4.0], [4.0, -4.0]]
+closed = true
 """
+"""Walls near enough for each sensor to prove that it hears: in an empty room the guard only lets the robot creep."""
 
 
 class ProcessRobot:
     """Starts, kills and watches the processes; the world is the simulator's control socket."""
 
-    def __init__(self, directory: Path, world: Path, boards: str) -> None:
+    def __init__(self, directory: Path, world: Path, boards: str, *, apart: bool = False) -> None:
+        """`apart`: the operator's side is another host, behind `cables`."""
         self.directory = directory
+        self.cables: list[Cable] = []
+        self._end = ExitStack()
+        self._session_files: dict[str, Path] = {}
         self.ports = directory / "ports"
+        self.state = directory / "state"
+        write_latch(self.state, RELEASED)
         self.environment = {
             **{name: value for name, value in os.environ.items() if not name.startswith("GIRAFF_")},
+            **KNOWN,
             "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
             "GIRAFF_ROBOT_NAME": "sim-test",
             "GIRAFF_NETWORK_RENDEZVOUS": f"127.0.0.1:{free_port()}",
             "GIRAFF_NETWORK_LOCAL": "true",
+            "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
+            "STATE_DIRECTORY": str(self.state),
             **{f"GIRAFF_{name.upper()}_PORT": str(self.ports / name) for name in ("joystick", "base", "ranger")},
         }
         self._children = Children(directory)
+        if apart:
+            self._set_apart()
         control = directory / "control"
         arguments = ["--ports", str(self.ports), "--control", str(control), "--world", str(world)]
         arguments += ["--seed", "1", "--boards", boards, "--hand", "still"]
         self._children.start("simulator", "giraff_sim", arguments, self.environment)
         self.wait("the simulator", lambda: b"\n" in self._children.output("simulator").read_bytes(), 20.0)
         self.simulator = SimulatorClient(control)
+        self.observer = Observer(self.environment)
+        for topic in (BASE, GUARD):
+            self.observer.follow(topic)
 
     def start(self, service: str) -> None:
-        self._children.start(service, f"giraff_{service}", (), self.environment)
+        environment = dict(self.environment)
+        if service in self._session_files:
+            environment["GIRAFF_NETWORK_SESSION_FILE"] = str(self._session_files[service])
+        self._children.start(service, f"giraff_{service}", (), environment)
+
+    def start_second(self, service: str, **changes: str) -> None:
+        """Another process of a service beside the first, "second SERVICE", that has joined the network."""
+        name = f"second {service}"
+        self._children.start(name, f"giraff_{service}", (), self.environment | changes)
+        self.wait(f"a {name}", lambda: "robot sim-test" in self.log(name), 10.0)
+
+    def start_second_hand(self) -> SimulatorClient:
+        """Another joystick board in another hand, and a second joystick service on it."""
+        ports, control = self.directory / "second", self.directory / "second" / "control"
+        arguments = ["--ports", str(ports), "--control", str(control), "--world", str(self.directory / "world.toml")]
+        arguments += ["--only", "joystick", "--boards", "host", "--hand", "still"]
+        self._children.start("second simulator", "giraff_sim", arguments, self.environment)
+        ready = self._children.output("second simulator")
+        self.wait("the second simulator", lambda: b"\n" in ready.read_bytes(), 20.0)
+        self.start_second("joystick", GIRAFF_JOYSTICK_PORT=str(ports / "joystick"))
+        return SimulatorClient(control)
+
+    def giraff(self, *words: str) -> int:
+        """Run the command line on the robot's host; its exit code."""
+        command = [sys.executable, "-m", "giraff_cli", *words]
+        done = subprocess.run(command, check=False, capture_output=True, text=True, env=self.environment, timeout=30.0)
+        with (self.directory / "giraff.log").open("a") as log:
+            log.write(f"giraff {' '.join(words)}: {done.returncode}\n{done.stdout}{done.stderr}")
+        return done.returncode
+
+    def stop(self, service: str) -> None:
+        """SIGTERM, and wait until it has ended well."""
+        troubles = self._children.stop([service], grace=5.0)
+        assert not troubles, troubles
 
     def pid(self, service: str) -> int:
         return self._children.pid(service)
@@ -73,8 +137,7 @@ class ProcessRobot:
         began = time.monotonic()
         while not holds():
             if time.monotonic() - began > seconds:
-                logs = "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self.directory.glob("*.log"))
-                raise AssertionError(f"{what}: not within {seconds:g} s{logs}")
+                raise AssertionError(f"{what}: not within {seconds:g} s{self._last_words()}")
             time.sleep(0.01)
         return time.monotonic() - began
 
@@ -92,26 +155,89 @@ class ProcessRobot:
         says = self.simulator.state().base
         return says is not None and (says.left_pwm_counts != 0 or says.right_pwm_counts != 0)
 
-    def drive_forward(self) -> None:
-        """Arm by a level hand, then tilt until the wheels turn at full speed."""
-        self.simulator.tilt(0.0, 0.0)
-        self.run(2.0)
-        self.simulator.tilt(FULL_TILT, 0.0)
+    def hold(self, x: float, y: float) -> int:
+        """Hold the joystick so that its sensor feels this, m/s². The simulated us."""
+        return self.simulator.tilt(x, y)
+
+    def why(self) -> str:
+        """What base and guard say about why the robot does not do what is asked."""
+        base, guard = self.observer.newest(BASE), self.observer.newest(GUARD)
+        return f"base: {base and base.reason!r}; guard: {guard and guard.reason!r}"
+
+    def ready(self) -> bool:
+        """Armed, and standing: it would drive at the next tilt."""
+        state = self.observer.newest(BASE)
+        return state is not None and state.armed and not state.driving and state.board.drive_state == "active"
+
+    def arm(self, seconds: float = 10.0) -> float:
+        """What an operator does who wants to drive: level, and where that does not do, a tilt to ask and level again.
+
+        Returns the wall seconds it took.
+        """
+        began = time.monotonic()
+        while True:
+            self.hold(0.0, 0.0)
+            level_until = time.monotonic() + 1.5
+            while time.monotonic() < level_until:
+                if self.ready():
+                    return time.monotonic() - began
+                time.sleep(0.01)
+            waited = time.monotonic() - began
+            assert waited < seconds, f"not armed within {seconds:g} s: {self.why()}{self._last_words()}"
+            self.hold(FULL_TILT, 0.0)
+            self.run(0.3)
+
+    def drive(self, x: float, y: float, seconds: float = 1.5) -> None:
+        """Arm by a level hand, then tilt until the wheels have turned for `seconds`: at full speed, after a second."""
+        self.arm()
+        self.hold(x, y)
         self.wait("driving", self.drives, 10.0)
-        self.run(1.5)
+        self.run(seconds)
+
+    def drive_forward(self) -> None:
+        self.drive(FULL_TILT, 0.0)
 
     def close(self) -> None:
+        self.observer.close()
         self.simulator.close()
-        troubles = self._children.stop_all(grace=5.0)
+        try:
+            troubles = self._children.stop_all(grace=5.0)
+        finally:
+            self._end.close()
         assert not troubles, troubles
+
+    def _last_words(self) -> str:
+        return "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self.directory.glob("*.log"))
+
+    def _set_apart(self) -> None:
+        """Let the joystick reach base and guard through a cable each, and nothing else."""
+        network = load("network", NetworkConfig, self.environment)
+        operators = session_config(network)
+        operators["listen"]["endpoints"] = []
+        operators["connect"]["endpoints"] = []
+        operators["scouting"]["gossip"] = {"enabled": False}  # it would tell the others' own ports
+        for service in ("base", "guard"):
+            port = free_port()
+            self.cables.append(self._end.enter_context(Cable(free_port(), port)))
+            settings = session_config(network)
+            settings["listen"]["endpoints"].append(f"tcp/127.0.0.1:{port}")
+            self._write_session(service, settings)
+            operators["connect"]["endpoints"].append(f"tcp/127.0.0.1:{self.cables[-1].port}")
+        self._write_session("joystick", operators)
+
+    def _write_session(self, service: str, settings: dict[str, Any]) -> None:
+        self._session_files[service] = self.directory / f"{service}.session.json5"
+        self._session_files[service].write_text(json.dumps(settings))
 
 
 @contextmanager
-def process_robot(directory: Path, world: str = EMPTY_ROOM, boards: str = "avr") -> Iterator[ProcessRobot]:
-    """A robot with all its services; they end with the block."""
+def process_robot(
+    directory: Path, world: str = PROVING_ROOM, boards: str = "avr", *, apart: bool = False
+) -> Iterator[ProcessRobot]:
+    """A robot with all its services; they end with the block. `apart`: the operator is on another host."""
     path = directory / "world.toml"
     path.write_text(world)
-    robot = ProcessRobot(directory, path, boards)
+    robot = ProcessRobot(directory, path, boards, apart=apart)
     try:
         for service in SERVICES:
             robot.start(service)

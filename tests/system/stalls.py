@@ -5,11 +5,13 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Self, TypeVar
 
 _PERIOD = 0.005  # s
 _STALL = 0.05  # s
 _REPEATS = 3
+_SHARE = 0.2  # of all runs that a campaign may repeat
 
 ResultT = TypeVar("ResultT")
 
@@ -39,16 +41,37 @@ class StallProbe:
             last = now
 
 
-def without_stall(run: Callable[[], ResultT]) -> ResultT:
+@dataclass
+class Tally:
+    """The runs of a campaign: how many were repeated because the machine stood still."""
+
+    runs: int = 0
+    repeated: int = 0
+    longest: float = 0.0
+    """s, of the stalls within runs that counted."""
+
+    def require_quiet(self) -> None:
+        """A machine that stalls all the time proves nothing."""
+        assert self.repeated <= _SHARE * self.runs, (
+            f"{self.repeated} of {self.runs} runs were repeated because this machine stalled; "
+            "relieve it and run the campaign again"
+        )
+
+
+def without_stall(run: Callable[[], ResultT], tally: Tally | None = None) -> ResultT:
     """The result of a `run` during which the machine did not stall for over 50 ms; the others are repeated.
 
     The last repetition counts whatever the machine did: a test must not wait for ever for a quiet one.
     """
+    tally = tally or Tally()
     repeats = 0
     while True:
         with StallProbe() as probe:
             result = run()
+        tally.runs += 1
         print(f"longest stall of this machine: {probe.longest * 1e3:.0f} ms; runs repeated so far: {repeats}")
         if probe.longest <= _STALL or repeats == _REPEATS:
+            tally.longest = max(tally.longest, probe.longest)
             return result
+        tally.repeated += 1
         repeats += 1

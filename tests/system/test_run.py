@@ -23,7 +23,7 @@ import pytest
 
 from giraff_cli.simulated import SERVICES
 from giraff_cli.watcher import Watcher, free_port
-from giraff_node.session import NetworkConfig
+from giraff_node.session import NetworkConfig, open_session
 from giraff_schemas import topics
 from giraff_schemas.topics import alive_key
 from giraff_sim.board import ROOT
@@ -32,6 +32,17 @@ from tests.system.stalls import without_stall
 GIRAFF = Path(sys.executable).with_name("giraff")
 PROCESSES = len(SERVICES) + 2  # with the simulator, and the one that started all
 ROWS, COLUMNS = 24, 80
+
+
+SMALL_ROOM = """
+name = "small"
+start = { x = 0.0, y = 0.0, yaw_deg = 0.0 }
+
+[[walls]]
+name = "all around, near enough to be heard"
+closed = true
+points = [[-1.0, -1.5], [3.0, -1.5], [3.0, 1.5], [-1.0, 1.5]]
+"""
 
 
 class Command:
@@ -145,7 +156,10 @@ def test_it_drives_around_the_room_and_sums_up(command: Command) -> None:
 def test_a_script_drives_the_boards_that_were_compiled_for_this_machine(command: Command) -> None:
     script, path = command.directory / "script.csv", command.directory / "summary.json"
     script.write_text("t,x,y,z\n0,0,0,9.81\n6,5,0,8.4\n8,0,0,9.81\n")
+    world = command.directory / "world.toml"
+    world.write_text(SMALL_ROOM)
     options = ["--boards", "host", "--seed", "7", "--tilt-script", str(script), "--summary", str(path)]
+    options += ["--world", str(world)]
     code, _, err = command.run("--for", "9", *options)
     assert (code, err) == (0, "")
     told = read_summary(path)
@@ -172,6 +186,27 @@ def test_being_killed_it_takes_everything_along(command: Command) -> None:
         command.wait_until_it_drives(process)
         process.kill()
     wait("the end of all children", lambda: not command.pids(), 3.0)
+    assert list(command.left.iterdir()), "nobody could remove it"
+    code, _, err = command.run("--for", "0.5")
+    assert (code, err) == (0, "")
+    assert command.leaves_nothing(), "not even what the killed one left"
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("later", [0.0, 0.03, 0.1, 0.3])
+def test_a_signal_at_its_very_start_ends_it_without_a_traceback(
+    command: Command, number: signal.Signals, later: float
+) -> None:
+    """What the interpreter itself says before it has come to our first line is not ours to change."""
+    with command.start() as process:
+        maps = Path(f"/proc/{process.pid}/maps")
+        wait("its first import", lambda: re.search("lib-dynload|site-packages", maps.read_text()) is not None)
+        time.sleep(later)
+        process.send_signal(number)
+        _, err = process.communicate(timeout=30.0)
+    assert err == ""
+    assert process.returncode in (0, -number)
+    assert not command.pids()
 
 
 def test_when_its_reader_goes_it_ends(command: Command) -> None:
@@ -232,8 +267,8 @@ def test_a_robot_of_the_same_name_on_the_network_is_refused(command: Command) ->
     settings = (ROOT / "deploy" / "robot.toml").read_text()
     robot_file.write_text(settings.replace("[network]", f'[network]\nconnect = ["tcp/{elsewhere}"]'))
     command.environment["GIRAFF_CONFIG"] = str(robot_file)
-    other = Watcher(command.robot, NetworkConfig(rendezvous=elsewhere, local=True))
-    with other._session.liveliness().declare_token(alive_key(command.robot, "base", "there")):
+    other = Watcher(command.robot, open_session(NetworkConfig(rendezvous=elsewhere, local=True)))
+    with other.session.liveliness().declare_token(alive_key(command.robot, "base", "there")):
         code, out, err = command.run("--for", "5", local=False)
     assert other.close()
     assert (code, out) == (2, "")

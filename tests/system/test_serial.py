@@ -1,4 +1,4 @@
-"""Serial lines that break: unplugged, replugged, absent, and full of noise."""
+"""Serial lines that break: replugged, absent, and full of noise. What an unplugged board stops is a row of faults."""
 
 from __future__ import annotations
 
@@ -19,8 +19,6 @@ from tests.system.stalls import without_stall
 
 BOARDS: tuple[BoardName, ...] = ("base", "joystick", "ranger")
 REPLUGS = 5
-BOUNDS = {"base": 0.35, "joystick": 0.45, "ranger": 0.45}
-"""s from unplugging a board to PWM zero."""
 
 
 def replug_time(robot: ProcessRobot) -> float:
@@ -41,29 +39,6 @@ def test_a_replugged_base_board_is_back_in_time(tmp_path: Path) -> None:
         print(f"replug to first accepted frame: {', '.join(f'{each:.2f}' for each in sorted(times))} s")
         assert statistics.median(times) <= 1.0
         assert max(times) <= 2.0
-
-
-@pytest.mark.parametrize("board", BOARDS)
-def test_an_unplugged_board_stops_the_robot_and_is_named(board: BoardName, tmp_path: Path) -> None:
-    with process_robot(tmp_path) as robot:
-
-        def unplug_and_plug() -> float:
-            robot.drive_forward()
-            unplugged_us = robot.simulator.unplug(board)
-            robot.run(1.5)
-            last_us = robot.simulator.record(unplugged_us).last_driven_us
-            assert last_us is not None
-            path = str(robot.ports / board)
-            assert any(path in message for message in robot.messages(board))
-            plugged_us = robot.simulator.plug(board)
-            robot.run(2.5)
-            assert robot.simulator.record(plugged_us).driven_ms == 0, "the robot moved before a neutral hand"
-            return (last_us - unplugged_us) * 1e-6
-
-        took = without_stall(unplug_and_plug)
-        print(f"{board} unplugged: PWM 0 after {took:.3f} s")
-        assert took <= BOUNDS[board]
-        robot.drive_forward()
 
 
 @pytest.mark.parametrize("board", BOARDS)
@@ -103,13 +78,3 @@ def test_an_absent_port_is_named_and_tried_again(tmp_path: Path) -> None:
         robot.simulator.plug("base")
         accepted = robot.accepted()
         robot.wait("an accepted frame", lambda: robot.accepted() != accepted, 5.0)
-
-
-def test_a_reset_of_each_board_needs_a_neutral_hand_and_is_no_jump(tmp_path: Path) -> None:
-    with process_robot(tmp_path) as robot:
-        robot.drive_forward()
-        reset_us = robot.simulator.reset("base")
-        robot.run(2.5)
-        verdict = robot.simulator.record(reset_us + 5_000)
-        assert verdict.driven_ms == 0, "the robot moved before a neutral hand"
-        robot.drive_forward()

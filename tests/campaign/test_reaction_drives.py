@@ -1,0 +1,112 @@
+"""Ten drives at an obstacle that appears, with real processes and the real firmware, one reading in twenty wild."""
+
+from __future__ import annotations
+
+import math
+import random
+import time
+from functools import partial
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from giraff_schemas.messages import Range
+from giraff_schemas.topics import RANGE
+from giraff_sim.sonar import SonarFault
+from tests.campaign.records import write_record
+from tests.system.faults import ARENA, FORWARD, Scenario
+from tests.system.robot import ProcessRobot, process_robot
+from tests.system.stalls import StallProbe, Tally, without_stall
+from tests.system.trials import drive_back
+
+DRIVES: Final = 10
+BOUND: Final = 0.060
+"""s from the first short reading to PWM 0, of a machine that adds nothing."""
+WILD: Final = 0.05
+AHEAD: Final = 0.70  # m from the robot's middle: too near for full speed, and far enough to stop before
+SHORT: Final = 0.60  # m; what the front sensors read of it at the most
+LONGEST: Final = 0.3  # s that are looked through for the stop
+ROW: Final = Scenario(faults=())
+
+
+class Reaction(msgspec.Struct, frozen=True, kw_only=True):
+    """Of one drive, s."""
+
+    reaction: float
+    """From the first short reading, as the ranger had it, to the first millisecond without PWM."""
+    longest_stall: float
+    """Of the machine, in that drive: what it may have added."""
+    clearance: float
+    """m, at rest."""
+    contacts: int
+
+
+def wall_clock_offset_us(robot: ProcessRobot) -> float:
+    """Simulated us less those of the wall's clock, from the quickest of some looks."""
+    looks = []
+    for _ in range(20):
+        before = time.time_ns()
+        now_us = robot.simulator.now()
+        after = time.time_ns()
+        looks.append((after - before, now_us - (before + after) / 2e3))
+    return min(looks)[1]
+
+
+def react(robot: ProcessRobot, heard: list[Range], phase: float) -> Reaction:
+    """Drive, put up a wall, and find the stop in the black box."""
+    with StallProbe() as probe:
+        for sensor in (0, 1):
+            robot.simulator.fail_sonar(sensor, SonarFault.WILD_SOME, WILD)
+        robot.drive(*FORWARD, seconds=1.3 + phase)
+        state = robot.simulator.state()
+        cos, sin = math.cos(state.yaw), math.sin(state.yaw)
+        x, y = state.x + AHEAD * cos, state.y + AHEAD * sin
+        heard.clear()
+        put_up_us = robot.simulator.add_wall("sudden", [(x - sin, y + cos), (x + sin, y - cos)])
+        robot.run(0.6)
+        offset_us = wall_clock_offset_us(robot)
+        # From the wall on: a ping that was under way is not of it.
+        short = [
+            each.stamp_ns / 1e3 + offset_us
+            for each in heard
+            if each.sensor != "rear" and each.range is not None and each.range < SHORT
+        ]
+        first_us = round(min(at for at in short if at > put_up_us))
+        reaction = next(
+            (ms / 1e3 for ms in range(round(LONGEST * 1e3)) if _is_zero(robot, first_us + ms * 1000)), LONGEST
+        )
+        robot.run(0.5)
+        state = robot.simulator.state()
+    robot.simulator.remove_wall("sudden")
+    for sensor in (0, 1):
+        robot.simulator.fail_sonar(sensor, SonarFault.NONE)
+    drive_back(robot, ROW)
+    return Reaction(reaction=reaction, longest_stall=probe.longest, clearance=state.clearance, contacts=state.contacts)
+
+
+def _is_zero(robot: ProcessRobot, at_us: int) -> bool:
+    return robot.simulator.record(at_us, at_us + 1000).driven_ms == 0
+
+
+def test_the_first_short_reading_stops_it_at_once(tmp_path: Path) -> None:
+    chance, tally = random.Random(3), Tally()
+    drives = []
+    heard: list[Range] = []
+    with process_robot(tmp_path, ARENA) as robot:
+        robot.observer.listen(RANGE, heard.append)
+        for _ in range(DRIVES):
+            phase = chance.uniform(0.0, 0.18)
+            drives.append(without_stall(partial(react, robot, heard, phase), tally))
+            print(drives[-1])
+    record = {
+        "bound_s": BOUND,
+        "worst_s": max(each.reaction for each in drives),
+        "repeated_for_stalls": tally.repeated,
+        "drives": [msgspec.to_builtins(each) for each in drives],
+    }
+    write_record("reaction-drives", record)
+    for each in drives:
+        assert each.reaction <= BOUND + each.longest_stall, each
+        assert each.contacts == 0, each
+    tally.require_quiet()

@@ -1,0 +1,28 @@
+"""A thousand cluttered rooms, driven through by the verdicts alone."""
+
+from __future__ import annotations
+
+from tests.campaign.records import write_record
+from tests.loop.reaction import quantile
+from tests.loop.rooms import WILD_SHARE, cross
+
+ROOMS = 1000
+
+
+def test_rooms() -> None:
+    crossings = {seed: crossing for seed in range(ROOMS) if (crossing := cross(seed)) is not None}
+    seconds = [crossing.seconds for crossing in crossings.values()]
+    figures = {
+        "wild_share": WILD_SHARE,
+        "rooms": ROOMS,
+        "rooms_with_a_way": len(crossings),
+        "not_reached": {seed: crossing.why for seed, crossing in crossings.items() if not crossing.reached},
+        "seconds_median": round(quantile(seconds, 0.5), 1),
+        "seconds_max": round(max(seconds), 1),
+        "contacts": sum(crossing.contacts for crossing in crossings.values()),
+        "rooms_with_a_contact": sum(crossing.contacts > 0 for crossing in crossings.values()),
+        "contacts_towards_an_echo": {seed: c.towards_an_echo for seed, c in crossings.items() if c.towards_an_echo},
+    }
+    print(write_record("rooms", figures).read_text())
+    assert figures["not_reached"] == {}
+    assert figures["contacts_towards_an_echo"] == {}

@@ -1,0 +1,130 @@
+"""Fuzzes one key in the whole robot in one process: decoding, the policies behind it, the board's C behind them."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from contextlib import contextmanager
+from fnmatch import fnmatch
+from typing import Any, Final
+
+import msgspec
+
+from giraff_keyboard.config import KeyboardConfig
+from giraff_keyboard.policy import KeyboardPolicy
+from giraff_schemas.codec import DecodeError, decode, encode
+from giraff_schemas.messages import EStopEngage, EStopReset, Lease, RobotTime, Tick
+from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, QUERIES, TOPICS, Query, Topic
+from giraff_sim.closed_loop import ClosedLoop
+from tests.fuzz.growth import Growth
+from tests.fuzz.payloads import payload
+from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
+from tests.robots import ROBOT
+from tests.sim.robots import proving_room
+from tests.unit.schemas.samples import an_example
+
+KEYS: Final[tuple[Topic[Any] | Query[Any, Any], ...]] = (*TOPICS, *QUERIES)
+_AT_ONCE: Final = 15
+"""Payloads each simulated ms: an inbox of 20 that is read every 10 ms loses some, one of 200 none."""
+_TRUTHS: Final = 40
+_LATCH: Final = 1
+"""Id of the first one that the robot engages."""
+_OTHER_EPOCH: Final = 0xABCD1234
+
+
+class Counted(msgspec.Struct, kw_only=True):
+    """What became of the payloads of one key."""
+
+    payloads: int = 0
+    sound: int = 0
+    """That were samples, or requests, and reached whoever takes them."""
+    driven_ms: int = 0
+    growth_bytes: int = 0
+
+
+def fuzz_key(row: Topic[Any] | Query[Any, Any], wanted: int, seed: int) -> Counted:
+    """Throw `wanted` payloads at a robot that is armed, in a hand that is level; then it must drive."""
+    chance = random.Random(f"{seed}/{row.key}")
+    counted, growth = Counted(), Growth()
+    keyboard = KeyboardPolicy(KeyboardConfig(), ROBOT, "keyboard-1")
+    with _armed_robot() as (loop, truths):
+        if row is ESTOP_RESET:
+            engage(loop)
+        since_us = loop.simulation.now_us
+        while counted.payloads < wanted:
+            for _ in range(_AT_ONCE):
+                counted.payloads += 1
+                _deliver(loop, keyboard, row, payload(truths[row.key], chance), counted)
+            loop.step()
+            assert keyboard.command(loop.simulation.now_us * 1e-6).neutral
+            if counted.payloads % 1000 < _AT_ONCE:
+                counted.driven_ms += loop.simulation.record.verdict(since_us, loop.simulation.now_us).driven_ms
+                since_us = loop.simulation.now_us
+            growth.look(counted.payloads / wanted)
+        counted.growth_bytes = growth.bytes
+        if row is ESTOP_RESET:
+            assert loop.newest["estop"].engaged, "a mutated reset has cleared the emergency stop"
+        elif row is not ESTOP_ENGAGE:
+            drive(loop)
+    return counted
+
+
+def engage(loop: ClosedLoop) -> None:
+    for taker in loop.network.takers(EStopEngage):
+        taker.receive(EStopEngage(by="test", reason="whatever comes"))
+    loop.run(1.0)
+    state = loop.newest["estop"]
+    assert (state.engaged, state.id) == (True, _LATCH), state
+
+
+def drive(loop: ClosedLoop) -> None:
+    """Arm and drive as an operator does who may have lost the lease: whatever was thrown at it left no damage."""
+    hold(loop, x=FULL_TILT)
+    loop.run(0.5)
+    arm(loop)
+    hold(loop, x=FULL_TILT)
+    loop.run(1.0)
+    assert loop.newest["wheels"].left_pwm_counts > 0, loop.newest["base"].reason
+
+
+@contextmanager
+def _armed_robot() -> Iterator[tuple[ClosedLoop, dict[str, list[bytes]]]]:
+    """And by key what was said while it drove, longer ago than anything counts."""
+    with closed_loop(proving_room()) as loop:
+        truths: dict[str, list[bytes]] = {row.key: [] for row in KEYS}
+        drive(loop)
+        for _ in range(_TRUTHS):
+            loop.run(0.02)
+            for key, sample in loop.newest.items():
+                [row] = [row for row in TOPICS if fnmatch(key, row.key)]
+                truths[row.key].append(encode(sample))
+        old = RobotTime(epoch=_OTHER_EPOCH, robot_ns=loop.robot_ns)
+        for row in TOPICS:
+            truths[row.key] = truths[row.key] or [msgspec.msgpack.encode(an_example(row.schema))]
+        truths["estop/engage"].append(encode(EStopEngage(by="somebody", reason="no reason")))
+        truths["estop/reset"].append(encode(EStopReset(by="somebody", id=_LATCH, tick=old)))
+        hold(loop)
+        loop.run(2.0)
+        arm(loop)
+        yield loop, truths
+
+
+def _deliver(
+    loop: ClosedLoop, keyboard: KeyboardPolicy, row: Topic[Any] | Query[Any, Any], data: bytes, counted: Counted
+) -> None:
+    """As `Node` does it with what arrives on a key."""
+    try:
+        message: Any
+        if isinstance(row, Query):
+            message = msgspec.msgpack.decode(data, type=row.request)
+        else:
+            message = decode(row, row.key, data)
+    except (DecodeError, msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        return
+    counted.sound += 1
+    for taker in loop.network.takers(type(message)):
+        taker.receive(message)
+    if isinstance(message, Tick):
+        keyboard.on_tick(message)
+    elif isinstance(message, Lease):
+        keyboard.on_lease(message)

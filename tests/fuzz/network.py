@@ -1,0 +1,86 @@
+"""Throws payloads at each key of a robot of real processes, over the real network layer."""
+
+from __future__ import annotations
+
+import random
+import time
+from typing import Any, Final
+
+import msgspec
+import zenoh
+
+from giraff_schemas.codec import encoding_of
+from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime
+from giraff_schemas.topics import ESTOP_ENGAGE, TOPICS, Query, Topic
+from tests.fuzz.growth import LIMIT, Growth
+from tests.fuzz.keys import KEYS
+from tests.fuzz.payloads import payload
+from tests.system.robot import SERVICES, ProcessRobot
+from tests.unit.schemas.samples import an_example
+
+RATE: Final = 1000.0
+"""Payloads a second: more than the robot's own, and not a flood, which would test the network alone."""
+_BATCH: Final = 20
+_OLD: Final = RobotTime(epoch=7, robot_ns=5_000_000_000)
+
+
+class NetworkCounted(msgspec.Struct, frozen=True, kw_only=True):
+    """What it did to the robot."""
+
+    payloads: int
+    driven_ms: int
+    growth_bytes: dict[str, int]
+    """By service."""
+
+
+def truths(row: Topic[Any] | Query[Any, Any]) -> list[bytes]:
+    if isinstance(row, Topic):
+        return [msgspec.msgpack.encode(an_example(row.schema))]
+    request = EStopEngage(by="a", reason="b") if row is ESTOP_ENGAGE else EStopReset(by="a", id=0, tick=_OLD)
+    return [msgspec.msgpack.encode(request)]
+
+
+def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
+    """`wanted` payloads for each key, at a robot that is armed, in a level hand; then it must drive."""
+    chance = random.Random(f"{seed}/network")
+    robot.drive_forward()
+    robot.arm()
+    since_us = robot.simulator.now()
+    growths = {service: Growth(robot.pid(service)) for service in SERVICES}
+    sent = 0
+    due = time.monotonic()
+    while sent < wanted * len(KEYS):
+        for _ in range(_BATCH):
+            _send(robot, KEYS[sent % len(KEYS)], chance)
+            sent += 1
+        for growth in growths.values():
+            growth.look(sent / (wanted * len(KEYS)))
+        due += _BATCH / RATE
+        time.sleep(max(0.0, due - time.monotonic()))
+    robot.run(3.0)  # for whoever was taken for a second guard or base to count as gone
+    assert robot.giraff("estop", "reset") == 0
+    driven_ms = robot.simulator.record(since_us).driven_ms
+    robot.drive_forward()
+    counted = NetworkCounted(
+        payloads=sent, driven_ms=driven_ms, growth_bytes={name: growth.bytes for name, growth in growths.items()}
+    )
+    assert counted.driven_ms == 0, counted
+    assert max(counted.growth_bytes.values()) < LIMIT, counted
+    return counted
+
+
+def _send(robot: ProcessRobot, row: Topic[Any] | Query[Any, Any], chance: random.Random) -> None:
+    session = robot.observer.session
+    data = payload(truths(row), chance)
+    key = robot.observer.key(row)
+    if isinstance(row, Query):
+        session.get(key, lambda _reply: None, payload=data, timeout=1.0)
+        return
+    name = chance.choice(("joystick", "front_left", "nobody", f"n{chance.randrange(1 << 30)}"))
+    encoding = encoding_of(chance.choice(TOPICS).schema if chance.random() < 0.1 else row.schema)
+    session.put(
+        key.replace("*", name),
+        data,
+        encoding=encoding,
+        congestion_control=zenoh.CongestionControl.DROP,
+    )

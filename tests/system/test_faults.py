@@ -1,0 +1,43 @@
+"""The quick rows of the fault campaign: real processes, the real firmware, one fault or two, one robot for all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from tests.system.faults import Scenario
+from tests.system.robot import FULL_TILT
+from tests.system.scenarios import SCENARIOS
+from tests.system.stalls import Tally
+from tests.system.trials import Stand, judge, stand
+
+QUICK = [scenario for scenario in SCENARIOS if scenario.quick]
+
+
+@pytest.fixture(scope="module")
+def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
+    with stand(tmp_path_factory.mktemp("robots")) as made:
+        yield made
+
+
+@pytest.mark.parametrize("scenario", QUICK, ids=lambda scenario: scenario.name)
+def test_a_fault_stops_the_robot_and_only_a_level_hand_starts_it_again(scenario: Scenario, robots: Stand) -> None:
+    figures = robots.tried(scenario, phase=0.0, tally=Tally())
+    print(figures)
+    judge(scenario, figures)
+
+
+def test_a_second_joystick_of_the_same_name_moves_nothing(robots: Stand) -> None:
+    robot = robots.robot()
+    robot.arm()
+    since_us = robot.simulator.now()
+    with robot.start_second_hand() as other:
+        other.tilt(FULL_TILT, 0.0)
+        robot.run(2.5)
+        assert robot.simulator.record(since_us).driven_ms == 0
+        refusals = [message for message in robot.messages("second joystick") if "held by joystick" in message]
+        assert refusals, "the second is told who holds the lease"
+    robot.stop("second joystick")
+    robot.stop("second simulator")
+    robot.drive_forward()

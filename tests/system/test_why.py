@@ -1,0 +1,94 @@
+"""`giraff why` from any machine: the real robot, and what stops it one after another."""
+
+from __future__ import annotations
+
+import signal
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from giraff_cli.watcher import free_port
+from tests.system.elsewhere import giraff
+from tests.system.robot import FULL_TILT, ProcessRobot, process_robot
+
+
+def why(robot: ProcessRobot) -> tuple[int, str]:
+    """Exit code and conclusion."""
+    told = giraff(robot, "why", "--json")
+    assert told.stderr == ""
+    conclusion: str = msgspec.json.decode(told.stdout)["conclusion"]
+    return told.returncode, conclusion
+
+
+def wait_for(robot: ProcessRobot, code: int, words: str) -> None:
+    """Until that is the answer: what follows from a change takes its time."""
+    said: list[Any] = []
+
+    def is_said() -> bool:
+        said.append(why(robot))
+        return said[-1][0] == code and words in said[-1][1]
+
+    try:
+        robot.wait(words, is_said, 15.0)
+    except AssertionError:
+        raise AssertionError(f"{words}: not in {said[-1]}") from None
+
+
+def test_what_stops_the_robot_is_named(tmp_path: Path) -> None:
+    with process_robot(tmp_path, boards="host") as robot:
+        robot.arm()
+        wait_for(robot, 0, "nothing stops the robot")
+        robot.drive_forward()
+        wait_for(robot, 0, "the robot drives")
+        at = robot.simulator.state()
+        robot.simulator.add_wall("wall", [(at.x + 1.2, -2.0), (at.x + 1.2, 2.0)])
+        wait_for(robot, 1, "guard: forward blocked by range_front_")
+        told = giraff(robot, "why")
+        assert told.returncode == 1
+        rows = [row.split() for row in told.stdout.splitlines()]
+        names = [row[0] for row in rows[:-1]]
+        assert names == ["hand", "operator", "lease", "ranger", "guard", "base", "e-stop", "board", "wheels"]
+        assert rows[4][1] == "STOPS"
+        assert told.stdout.splitlines()[-1].startswith("sim-test: guard: forward blocked by range_front_")
+        robot.simulator.remove_wall("wall")
+        assert giraff(robot, "estop", "engage", "--reason", "a cat").returncode == 0
+        wait_for(robot, 1, ": a cat")
+        assert why(robot)[1].startswith("e-stop: engaged by ")
+        assert giraff(robot, "estop", "reset").returncode == 0
+        wait_for(robot, 1, "base: not armed")
+
+
+def test_a_process_that_is_missing_or_hangs_is_named(tmp_path: Path) -> None:
+    with process_robot(tmp_path, boards="host") as robot:
+        robot.arm()
+        for service, link in {"ranger": "ranger", "guard": "guard", "joystick": "operator", "base": "base"}.items():
+            robot.kill(service)
+            wait_for(robot, 1, f"{link}: ")
+            conclusion = why(robot)[1]
+            assert conclusion.startswith(f"{link}: "), conclusion
+            assert "start " in conclusion
+            robot.start(service)
+            robot.arm(20.0)
+        robot.signal("guard", signal.SIGSTOP)
+        wait_for(robot, 1, "guard: giraff_guard is not running, or hangs; start it on base's machine")
+        robot.signal("guard", signal.SIGCONT)
+        robot.simulator.unplug("base")
+        wait_for(robot, 1, f"board: {robot.ports / 'base'}: ")
+        robot.simulator.plug("base")
+        robot.simulator.unplug("joystick")
+        wait_for(robot, 1, f"hand: no frame from the joystick board on {robot.ports / 'joystick'}")
+        robot.simulator.plug("joystick")
+        robot.hold(FULL_TILT, 0.0)
+        wait_for(robot, 1, "base: not armed")
+
+
+def test_without_a_robot_it_says_so(tmp_path: Path) -> None:
+    with process_robot(tmp_path, boards="host") as robot:
+        told = giraff(robot, "why", name="otto")
+        assert told.returncode == 2
+        assert "no robot called otto is heard on the network; check that it is on" in told.stderr
+        assert told.stderr.rstrip().endswith("on the network: --robot sim-test")
+        robot.environment["GIRAFF_NETWORK_RENDEZVOUS"] = f"127.0.0.1:{free_port()}"
+        told = giraff(robot, "why", "--for", "1", name="sim-test")
+        assert (told.returncode, told.stdout) == (2, "")
