@@ -39,8 +39,9 @@ class Host:
 
     def wall_ns(self) -> int:
         """CLOCK_REALTIME."""
-        passed_us = self._agenda.now_us
-        return _YEAR_2026_NS + self.wall_ahead_ns + passed_us * 1000 + round(passed_us * 1000 * self.wall_drift)
+        passed_ns = self._agenda.now_us * 1000
+        gained_ns = round(passed_ns * self.wall_drift) if self.wall_drift else 0
+        return _YEAR_2026_NS + self.wall_ahead_ns + passed_ns + gained_ns
 
     def suspend(self) -> None:
         self.suspended = True
