@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import msgspec
 import pytest
 
+from tests.campaign.fault_table import write as write_table
 from tests.campaign.records import write_record
 from tests.system.faults import Scenario
 from tests.system.scenarios import SCENARIOS
@@ -39,6 +40,7 @@ class Campaign:
             "rows": rows,
         }
         write_record("faults", record)
+        write_table(record)
 
     def _row(self, scenario: Scenario) -> dict[str, object]:
         trials = self.figures[scenario.name]
