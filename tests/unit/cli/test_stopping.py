@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 import time
+from collections.abc import Iterator
 
 import pytest
 
@@ -35,6 +36,15 @@ def test_a_wait_may_outlast_the_first_signal() -> None:
         assert stopping.wait(10.0, patience=2)
 
 
+@pytest.fixture
+def _python_hears_sigint() -> Iterator[None]:
+    """In the background of a shell without job control a process begins with SIGINT ignored."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("_python_hears_sigint")
 def test_signals_are_as_before_afterwards() -> None:
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
     with Stopping():
