@@ -7,14 +7,14 @@ import math
 import random
 from collections import defaultdict, deque
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import msgspec
 
 from giraff_sim.bno055 import Vector
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import StillHand
+from giraff_sim.hand import LEVEL
 from giraff_sim.room import Pose, Room
 from giraff_sim.sonar import SonarFault
 from tests.loop.loops import SETTINGS, arm, closed_loop
@@ -28,6 +28,11 @@ AT_EXIT: Final = 0.25  # m
 PATIENCE: Final = 300.0  # s
 WILD_SHARE: Final = 0.05
 _CELL: Final = 0.1  # m
+_WRIST_S: Final = 0.15  # s, time constant: a hand that jerks is taken for a joystick that is shaken
+_STUCK_S: Final = 3.0  # s without 5 cm of way, though forward is allowed
+_SURE: Final = math.cos(math.radians(25.0))  # of the incidence
+_REACTION_US: Final = 60_000
+_NEARLY: Final = 0.06  # m between an echo and the surface that gave it, with what the robot moved meanwhile
 
 Cell = tuple[int, int]
 
@@ -91,8 +96,8 @@ def has_way(room: Room) -> bool:
 class Explorer:
     """Knows where it is and where the exit is; of what stands between, only what the verdicts say.
 
-    It goes straight for the exit. Where forward is blocked it notes that something is there, backs up, and takes the
-    shortest way that keeps off all it has noted.
+    It goes straight for the exit. Where forward is blocked, or it does not get on, it notes that something is there,
+    backs up, and takes the shortest way that keeps off all it has noted.
     """
 
     trembles = True
@@ -104,14 +109,21 @@ class Explorer:
         self._blocked_s = 0.0
         self._backed_from: tuple[float, float] | None = None
         self._until = 0.0
-        self._held: StillHand = tilted(0.0, 0.0)
-        self._next = 0.0
+        self._got_on = (0.0, Pose(math.inf, math.inf, 0.0))
+        self._meant: Vector = LEVEL
+        self._held: Vector = LEVEL
+        self._time = self._next = 0.0
 
     def acceleration(self, seconds: float, robot: Pose) -> Vector:
+        passed, self._time = seconds - self._time, seconds
         if seconds >= self._next:
             self._next = seconds + 0.04
-            self._held = tilted(*self._wish(seconds, robot, self._loop.newest["guard"]))
-        return self._held.acceleration(seconds, robot)
+            wish = self._wish(seconds, robot, self._loop.newest["guard"])
+            self._meant = tilted(*wish).acceleration(seconds, robot)
+        share = 1.0 - math.exp(-passed / _WRIST_S)
+        x, y, z = (held + (meant - held) * share for held, meant in zip(self._held, self._meant, strict=True))
+        self._held = (x, y, z)
+        return self._held
 
     def _wish(self, seconds: float, robot: Pose, state: Any) -> tuple[float, float]:
         if self._backed_from is not None:
@@ -127,8 +139,11 @@ class Explorer:
         error = math.remainder(towards - robot.yaw, math.tau)
         if abs(error) > 0.3:
             self._blocked_s = 0.0
+            self._got_on = (seconds, robot)
             return 0.0, math.copysign(min(1.2, 0.3 + 1.2 * abs(error)), error)
-        if state.forward.allowed > 0.0:
+        if math.dist(self._got_on[1][:2], robot[:2]) > 0.05:
+            self._got_on = (seconds, robot)
+        if state.forward.allowed > 0.0 and seconds - self._got_on[0] < _STUCK_S:
             self._blocked_s = 0.0
             return 0.5, 1.5 * error
         self._blocked_s += 0.04
@@ -136,6 +151,7 @@ class Explorer:
             self._note(robot, state.forward.sensor)
             self._blocked_s = 0.0
             self._backed_from, self._until = robot[:2], seconds + 2.5
+            self._got_on = (seconds, robot)
         return 0.3, 0.0
 
     def _note(self, robot: Pose, sensor: str) -> None:
@@ -168,7 +184,8 @@ class Crossing(msgspec.Struct, frozen=True):
     seconds: float
     contacts: int
     towards_an_echo: int
-    """Contacts of a robot that drove towards what had echoed in the last two cycles, within its stopping distance."""
+    """Contacts against invariant (e): of a robot driven towards what had echoed in the last two cycles, and was closer
+    than its stopping distance, 60 ms after that echo."""
     why: str
 
 
@@ -202,30 +219,49 @@ def cross(seed: int) -> Crossing | None:
 
 
 class _Heard:
-    """The last two echoes of each sensor, and how far the robot has come since."""
+    """The last two echoes of each sensor that invariant (e) speaks of: of a surface in the cone, up to 25° slanted."""
 
     def __init__(self, loop: ClosedLoop) -> None:
         self._loop = loop
-        self._echoes: dict[str, deque[tuple[float, float]]] = defaultdict(lambda: deque(maxlen=2))
+        self._echoes: dict[str, deque[_Echo]] = defaultdict(lambda: deque(maxlen=2))
         self._newest: dict[str, Any] = {}
 
     def listen(self) -> None:
-        for sensor in ROBOT.sensors:
+        world = self._loop.simulation.world
+        for sensor, pose in ROBOT.sensors.items():
             reading = self._loop.newest[f"range/{sensor}"]
-            if reading is not self._newest.get(sensor):
-                self._newest[sensor] = reading
-                seen = math.inf if reading.range is None else reading.range
-                self._echoes[sensor].append((seen, self._loop.simulation.world.plant.path_length))
+            if reading is self._newest.get(sensor):
+                continue
+            self._newest[sensor] = reading
+            sonar = world.sonars[pose.index]
+            origin = sonar._origin(world.plant.pose)
+            seen = math.inf  # a wild reading, or none, is of nothing
+            for hit in sonar._hits(origin):
+                incidence = hit.incidence if hit.round else world.room.incidence(hit.surface, origin.yaw)
+                if incidence >= _SURE and reading.range is not None and abs(hit.distance - reading.range) < _NEARLY:
+                    seen = reading.range
+            self._echoes[sensor].append(_Echo(seen, world.plant.path_length, self._loop.simulation.now_us))
 
     def drives_into_an_echo(self) -> bool:
-        plant = self._loop.simulation.world.plant
+        """Whether the robot is driven on, though the guard has had the time to stop it."""
+        plant, now_us = self._loop.simulation.world.plant, self._loop.simulation.now_us
+        let_through = self._loop.newest["cmd_vel"].linear_x
         speed = (plant.left.speed + plant.right.speed) / 2.0
         stops_after = abs(speed) * 0.1 + speed * speed / 3.0
         for sensor, pose in ROBOT.sensors.items():
-            if speed * math.cos(pose.yaw) <= 0.0:
+            if let_through * math.cos(pose.yaw) <= 0.0:
                 continue
-            for seen, path in self._echoes[sensor]:
-                came = plant.path_length - path
-                if seen + abs(pose.x) - ROBOT.footprint_radius - came <= stops_after:
+            for echo in self._echoes[sensor]:
+                came = plant.path_length - echo.path
+                away = echo.seen + abs(pose.x) - ROBOT.footprint_radius - came
+                if away <= stops_after and now_us - echo.now_us > _REACTION_US:
                     return True
         return False
+
+
+class _Echo(NamedTuple):
+    seen: float
+    """m; infinite where nothing was."""
+    path: float
+    """m the robot had come."""
+    now_us: int
