@@ -10,6 +10,7 @@ from giraff_base.config import BaseConfig
 from giraff_base.drive import Ramp, wheel_levels
 from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.wheels import WheelReports
+from giraff_node.base_frames import BaseFrames
 from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import (
     BaseState,
@@ -23,11 +24,8 @@ from giraff_schemas.messages import (
     Wheels,
 )
 from giraff_schemas.wire import (
-    PROTOCOL_HASH,
-    ConfigureFrame,
     DriveFrame,
     DriveState,
-    EstopFrame,
     Frame,
     Latch,
     Refusal,
@@ -59,7 +57,7 @@ class BasePolicy:
         self._releasing = False  # a reset has not reached the board yet
         self._link_fault = ""
         self._session = 0
-        self._seq = 0
+        self._frames = BaseFrames()
         self._next_configure_ns = 0
         self._reason = _NO_REPORT
 
@@ -134,7 +132,7 @@ class BasePolicy:
             return None
         self._answered = True
         if self._estop.latch.engaged and report.latch == Latch.NONE:
-            return self._estop_frame(report, engage=1)
+            return self._frames.estop(report, self._session, engage=True)
         if report.session != self._session:
             self._stand_still("the base board is being configured")
             if report.last_refusal == Refusal.PROTOCOL:
@@ -142,10 +140,11 @@ class BasePolicy:
             if now.robot_ns < self._next_configure_ns:
                 return None
             self._next_configure_ns = now.robot_ns + _CONFIGURE_PERIOD_NS
-            return self._configure_frame(report)
+            robot = self._robot
+            return self._frames.configure(report, self._session, robot.wiring, robot.max_level, robot.stall_level)
         if self._releasing:
             self._stand_still("the base board is being released")
-            return self._estop_frame(report, engage=0)
+            return self._frames.estop(report, self._session, engage=False)
         return self._drive_frame(report, now)
 
     def state(self) -> BaseState:
@@ -211,41 +210,10 @@ class BasePolicy:
         if report.drive_state != DriveState.ACTIVE:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
             self._stand_still(self._reason or f"the base board is in state {word(DriveState, report.drive_state)}")
-        self._levels = left, right = wheel_levels(self._ramp.linear, self._ramp.angular, self._robot)
-        return DriveFrame(
-            seq=self._next_seq(),
-            boot_id=report.boot_id,
-            board_ms=report.board_ms,
-            left_level=left,
-            right_level=right,
-        )
+        self._levels = wheel_levels(self._ramp.linear, self._ramp.angular, self._robot)
+        return self._frames.drive(report, *self._levels)
 
     def _stand_still(self, reason: str) -> None:
         self._reason = reason
         self._ramp.stop()
         self._levels = (0, 0)
-
-    def _configure_frame(self, report: WheelsFrame) -> ConfigureFrame:
-        return ConfigureFrame(
-            seq=self._next_seq(),
-            protocol_hash=PROTOCOL_HASH,
-            boot_id=report.boot_id,
-            board_ms=report.board_ms,
-            session=self._session,
-            wiring=self._robot.wiring,
-            level_max=self._robot.max_level,
-            stall_level=self._robot.stall_level,
-        )
-
-    def _estop_frame(self, report: WheelsFrame, engage: int) -> EstopFrame:
-        return EstopFrame(
-            seq=self._next_seq(),
-            boot_id=report.boot_id,
-            board_ms=report.board_ms,
-            session=self._session,
-            engage=engage,
-        )
-
-    def _next_seq(self) -> int:
-        self._seq = (self._seq + 1) & 0xFFFF
-        return self._seq

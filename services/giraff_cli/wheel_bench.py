@@ -12,17 +12,14 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 from giraff_cli.wiring import Counted
+from giraff_node.base_frames import BaseFrames
 from giraff_node.board_link import BoardLink
 from giraff_node.counters import signed32
 from giraff_node.estop import RESET_COMMAND
 from giraff_schemas.wire import (
     BASE_BAUD,
-    PROTOCOL_HASH,
     BoardKind,
-    ConfigureFrame,
-    DriveFrame,
     DriveState,
-    EstopFrame,
     Latch,
     Refusal,
     WheelsFrame,
@@ -58,7 +55,7 @@ class WheelBench:
         self._link = BoardLink(port, BASE_BAUD, BoardKind.BASE)
         self._report: WheelsFrame | None = None
         self._session = 0
-        self._seq = 0
+        self._frames = BaseFrames()
 
     def open(self) -> None:
         """Take the port, and hear the board. BenchError when there is none, or it is latched by somebody."""
@@ -106,29 +103,10 @@ class WheelBench:
         self._session = random.randrange(1, 1 << 32)
 
         def configure(report: WheelsFrame) -> None:
-            self._link.send(
-                ConfigureFrame(
-                    seq=self._next_seq(),
-                    protocol_hash=PROTOCOL_HASH,
-                    boot_id=report.boot_id,
-                    board_ms=report.board_ms,
-                    session=self._session,
-                    wiring=wiring,
-                    level_max=level_max,
-                    stall_level=stall_level,
-                )
-            )
+            self._link.send(self._frames.configure(report, self._session, wiring, level_max, stall_level))
 
         def release(report: WheelsFrame) -> None:
-            self._link.send(
-                EstopFrame(
-                    seq=self._next_seq(),
-                    boot_id=report.boot_id,
-                    board_ms=report.board_ms,
-                    session=self._session,
-                    engage=0,
-                )
-            )
+            self._link.send(self._frames.estop(report, self._session, engage=False))
 
         self._until(lambda report: report.session == self._session, configure, "takes no configuration")
         self._until(lambda report: report.latch == Latch.NONE, release, "stays latched")
@@ -185,16 +163,4 @@ class WheelBench:
         self._send(report, ZERO)
 
     def _send(self, report: WheelsFrame, levels: Levels) -> None:
-        self._link.send(
-            DriveFrame(
-                seq=self._next_seq(),
-                boot_id=report.boot_id,
-                board_ms=report.board_ms,
-                left_level=levels.left,
-                right_level=levels.right,
-            )
-        )
-
-    def _next_seq(self) -> int:
-        self._seq = (self._seq + 1) & 0xFFFF
-        return self._seq
+        self._link.send(self._frames.drive(report, levels.left, levels.right))

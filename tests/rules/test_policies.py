@@ -15,8 +15,8 @@ IMPURE = {
     *{"curses", "termios", "tty"},
 }
 PURE_RUNTIME = {
-    *{"giraff_node.counters", "giraff_node.estop", "giraff_node.freshness", "giraff_node.lease"},
-    *{"giraff_node.robot", "giraff_node.tick_down"},
+    *{"giraff_node.base_frames", "giraff_node.counters", "giraff_node.estop", "giraff_node.freshness"},
+    *{"giraff_node.lease", "giraff_node.robot", "giraff_node.tick_down"},
 }
 PURE_CHECKS = {"require_positive", "require_not_negative"}  # of giraff_node.config
 WIRING = {"main.py", "__main__.py"}

@@ -150,7 +150,7 @@ def test_without_a_report_there_is_nothing_to_send() -> None:
 
 def test_sequence_goes_on_across_its_wrap_and_the_board_takes_every_frame() -> None:
     rig = Rig()
-    rig.base._seq = 0xFF80
+    rig.base._frames._seq = 0xFF80
     sent = rig.drive(0.3)
     seqs = [each.frame.seq for each in sent]
     assert 0xFFFF in seqs
