@@ -1,7 +1,7 @@
 """What every service shares: configuration, session, typed topics, liveliness, health, a loop and a clean end.
 
 with Node("guard", GuardConfig) as node:
-    ticks = node.newest(TICK)
+    ticks = node.inbox(TICK, limit=1)
     out = node.publisher(CMD_VEL)
     pace = Pacer(CMD_VEL.rate_hz)
     for now in node.turns(pace):
@@ -69,16 +69,6 @@ class Publisher(Generic[SampleT]):
     def put(self, sample: SampleT) -> None:
         self._publisher.put(encode(stamped(sample, self._seq, time.time_ns(), self._instance)))
         self._seq += 1
-
-
-class Newest(Generic[SampleT]):
-    """The newest sample of a topic."""
-
-    def __init__(self) -> None:
-        self.value: SampleT | None = None
-
-    def accept(self, sample: SampleT) -> None:
-        self.value = sample
 
 
 class Inbox(Generic[ItemT]):
@@ -168,13 +158,8 @@ class Node(Generic[ConfigT]):
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]:
         return Publisher(self, topic)
 
-    def newest(self, topic: Topic[SampleT]) -> Newest[SampleT]:
-        newest: Newest[SampleT] = Newest()
-        self.subscribe(topic, newest.accept)
-        return newest
-
     def inbox(self, topic: Topic[SampleT], limit: int = 200) -> Inbox[SampleT]:
-        """Like `newest`, for a service that needs each sample; its arrival wakes the loop."""
+        """Each sample of a topic, or the newest with a `limit` of 1; its arrival wakes the loop."""
         inbox: Inbox[SampleT] = Inbox(limit)
 
         def take_and_wake(sample: SampleT) -> None:

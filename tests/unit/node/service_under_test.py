@@ -21,7 +21,7 @@ def main(role: str) -> None:
     with Node("base" if role == "talker" else "guard", Config) as node:
         pace = Pacer(100.0)
         out = node.publisher(TICK)
-        inbox, newest = node.inbox(TICK), node.newest(TICK)
+        inbox, newest = node.inbox(TICK), node.inbox(TICK, limit=1)
         if role == "fragile":
             node.subscribe(BATTERY, break_down)
         requests = node.requests(ESTOP_ENGAGE)
@@ -33,10 +33,10 @@ def main(role: str) -> None:
                 said += 1
             sequences += [tick.seq for tick in inbox.take() if tick.instance != node.instance]
             if role == "listener" and len(sequences) >= 50:
-                assert newest.value is not None
+                [last] = newest.take()
                 gapless = sequences == list(range(sequences[0], sequences[0] + len(sequences)))
                 # The inbox's subscriber is called before the other one, and this may run in between.
-                print(f"heard gapless={gapless} newest={newest.value.seq >= sequences[-1] - 1}", flush=True)
+                print(f"heard gapless={gapless} newest={last.seq >= sequences[-1] - 1}", flush=True)
                 sequences.clear()
             for asked in requests.take() if role == "talker" else ():
                 reason = asked.request.reason

@@ -7,7 +7,7 @@ import logging
 
 import pytest
 
-from giraff_node import Inbox, Newest
+from giraff_node import Inbox
 from giraff_node.logs import service_logger
 from giraff_schemas.messages import Battery
 
@@ -45,11 +45,11 @@ def test_a_sample_that_comes_while_others_are_taken_waits_for_the_next_turn() ->
 
 
 def test_the_newest_is_the_last_one_or_none() -> None:
-    newest: Newest[Battery] = Newest()
-    assert newest.value is None
+    newest: Inbox[Battery] = Inbox(1)
+    assert list(newest.take()) == []
     newest.accept(battery(1.0))
     newest.accept(battery(2.0))
-    assert newest.value == battery(2.0)
+    assert list(newest.take()) == [battery(2.0)]
 
 
 def test_each_entry_is_one_line_of_json_whatever_it_holds(capsys: pytest.CaptureFixture[str]) -> None:
