@@ -16,7 +16,7 @@ SOURCE_FULL: Final = 9.5  # m/s²
 def asked(vector: tuple[float, float, float], config: JoystickConfig, robot: RobotConfig) -> tuple[float, float]:
     """Speed (m/s) and turn (rad/s) that an acceleration (m/s²) relative to the zero asks for."""
     forward, left = _deflection(vector, config)
-    fastest_turn = 2.0 * robot.max_wheel_speed / robot.track_width  # wheels at full speed against each other
+    fastest_turn = robot.fastest_spin
     if config.curve == "angle":
         fastest_turn = min(fastest_turn, robot.max_angular_speed)
     return _within_wheels(forward * robot.max_wheel_speed, left * fastest_turn, robot)

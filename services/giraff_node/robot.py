@@ -73,6 +73,11 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             raise ValueError(f"sensors share an index: {sorted(indices)}")
 
     @property
+    def fastest_spin(self) -> float:
+        """rad/s with both wheels at full speed, against each other."""
+        return 2.0 * self.max_wheel_speed / self.track_width
+
+    @property
     def wiring_checked(self) -> bool:
         """Whether the robot file says how motors and encoders are soldered."""
         known = (self.swap_motors, self.swap_encoders, self.invert_left_motor, self.invert_right_motor)
