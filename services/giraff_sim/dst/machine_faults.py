@@ -93,24 +93,23 @@ def wall_clock(drill: Drill, chance: Random) -> Course:
 @fault(KINDS, weight=1.5, lasts=(0.1, 4.0), calm_after=4.0)
 def second_guard(drill: Drill, chance: Random) -> Course:
     del chance
-    if not drill.claims("guard"):
-        return
-    name = drill.fresh_name("second guard")
-    drill.loop.launch(name, SERVICES["guard"][1], drill.loop.hosts["robot"])
-    with drill.stops(f"{name} runs", ROBOT_US):
-        yield f"a {name} starts"
-    drill.loop.kill(name)
+    yield from _second(drill, "guard", "")
 
 
 @fault(KINDS, weight=1.5, lasts=(0.1, 4.0), calm_after=4.0)
 def second_base(drill: Drill, chance: Random) -> Course:
     del chance
-    if not drill.claims("base"):
+    yield from _second(drill, "base", "; the board's port is taken")
+
+
+def _second(drill: Drill, service: str, besides: str) -> Course:
+    """Another process of a service of which there may be one."""
+    if not drill.claims(service):
         return
-    name = drill.fresh_name("second base")
-    drill.loop.launch(name, SERVICES["base"][1], drill.loop.hosts["robot"])
+    name = drill.fresh_name(f"second {service}")
+    drill.loop.launch(name, SERVICES[service][1], drill.loop.hosts["robot"])
     with drill.stops(f"{name} runs", ROBOT_US):
-        yield f"a {name} starts; the board's port is taken"
+        yield f"a {name} starts{besides}"
     drill.loop.kill(name)
 
 
