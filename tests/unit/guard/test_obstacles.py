@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from giraff_guard.obstacles import Limited, Verdicts
+from giraff_guard.obstacles import Verdicts
+from tests.unit.guard.checks import check_passed
 from tests.unit.guard.senses import CYCLE, FAR, NEAR, Senses, opened
 
 
@@ -86,22 +87,6 @@ def check_verdicts(verdicts: Verdicts) -> None:
     assert verdicts.turn_right.allowed >= 0.35, "a trap"
 
 
-def check_passed(limited: Limited, verdicts: Verdicts, linear: float, angular: float) -> None:
-    """That what passed is never more than was asked or allowed, and that the difference is explained."""
-    for passed, asked in ((limited.linear_x, linear), (limited.angular_z, angular)):
-        assert abs(passed) <= abs(asked)
-        assert passed * asked >= 0.0
-    assert abs(limited.linear_x) <= (verdicts.forward if linear > 0.0 else verdicts.backward).allowed + 1e-12
-    assert abs(limited.angular_z) <= 1.57
-    if limited.linear_x != 0.0:
-        assert limited.angular_z / limited.linear_x == pytest.approx(angular / linear)
-    elif linear != 0.0:
-        assert abs(limited.angular_z) <= 0.35
-    assert (limited.range_tick is not None) is (linear != 0.0)
-    if (limited.linear_x, limited.angular_z) != (linear, angular):
-        assert limited.reason
-
-
 DISTANCES = st.one_of(st.none(), st.floats(0.02, 4.0), st.sampled_from([3.0, 0.3]))
 
 
@@ -132,4 +117,6 @@ def test_whatever_comes_in_no_more_comes_out_than_was_asked(
             senses.hear(distance, sensor, age=age_ms / 1000, fault="broken" if sensor == faulty else "")
         verdicts = senses.judge()
         check_verdicts(verdicts)
-        check_passed(senses.limit(linear, angular), verdicts, linear, angular)
+        limited = senses.limit(linear, angular)
+        check_passed(limited, verdicts, linear, angular)
+        assert (limited.range_tick is not None) is (linear != 0.0)
