@@ -126,17 +126,6 @@ def simulated_name(host: str) -> str:
     return "sim-" + (re.sub(r"[^A-Za-z0-9_-]+", "-", host).strip("-") or "host")
 
 
-def write_file(path: Path, text: str) -> None:
-    """Write a file whole or not at all."""
-    path = path.resolve()
-    fresh = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        fresh.write_text(text)
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
-
-
 def _environment(given: Mapping[str, str], *, local: bool) -> dict[str, str]:
     environment = {**KNOWN, **given}
     if not environment.get("GIRAFF_CONFIG"):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +10,8 @@ from typing import Any
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
+from giraff_node.state import write_file_durably
+
 
 class RobotFileError(Exception):
     """The file cannot be written. It is as it was."""
@@ -18,7 +19,6 @@ class RobotFileError(Exception):
 
 def record(path: Path, table: str, fields: Mapping[str, bool]) -> None:
     """Set these fields of a table: the file has all of them and all it had, or is untouched."""
-    path = path.resolve()
     try:
         before = path.read_text()
         document = tomlkit.parse(before)
@@ -27,7 +27,7 @@ def record(path: Path, table: str, fields: Mapping[str, bool]) -> None:
             section[name] = value
         after = tomlkit.dumps(document)
         _require_only(tomllib.loads(before), tomllib.loads(after), table, fields)
-        _replace(path, after)
+        write_file_durably(path, after.encode())
     except (OSError, TOMLKitError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
         wanted = "".join(f"\n    {name} = {str(value).lower()}" for name, value in fields.items())
         raise RobotFileError(f"{path}: cannot be written: {error}; write into [{table}] by hand:{wanted}") from error
@@ -37,16 +37,3 @@ def _require_only(before: dict[str, Any], after: dict[str, Any], table: str, fie
     """ValueError unless nothing but the fields is different."""
     if after != {**before, table: {**before[table], **fields}}:
         raise ValueError("something else would change with it")
-
-
-def _replace(path: Path, text: str) -> None:
-    fresh = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        with fresh.open("x") as file:
-            os.fchmod(file.fileno(), path.stat().st_mode & 0o7777)
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)

@@ -15,7 +15,7 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_cli.plan import Plan, write_file
+from giraff_cli.plan import Plan
 from giraff_cli.run_directory import RunDirectory
 from giraff_cli.screen import Nobody, Screen, open_screen, picture, say
 from giraff_cli.simulated import SERVICES, SIMULATOR, SimulatedRobot, StartError
@@ -26,6 +26,7 @@ from giraff_cli.view import Frame, Standing
 from giraff_cli.watcher import Watcher, claim, free_port
 from giraff_node import robot_now_ns
 from giraff_node.session import open_session
+from giraff_node.state import write_file_durably
 from giraff_sim.client import SimulatorError
 
 _LOOK_EVERY: Final = 0.2  # s
@@ -133,7 +134,7 @@ class Run:
             if self._plan.picture is not None:
                 now_ns = robot_now_ns()
                 drawn = picture(telemetry.snapshot(now_ns), self._frame(telemetry, now_ns))
-                write_file(self._plan.picture, drawn)
+                write_file_durably(self._plan.picture, drawn.encode())
             self._come_to_rest(telemetry)
         finally:
             self._screen.close()
@@ -214,4 +215,4 @@ class Run:
         )
         say(to_text(summary))
         if self._plan.summary is not None:
-            write_file(self._plan.summary, to_json(summary))
+            write_file_durably(self._plan.summary, to_json(summary).encode())

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
+import stat
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -37,12 +38,14 @@ def state_directory(robot: str, environment: Mapping[str, str] = os.environ) -> 
 def write_file_durably(path: Path, data: bytes) -> None:
     """Replace a file: after a power cut there is the old one or the new one, and once this returns the new one.
 
-    Raises OSError; then it may be either.
+    It keeps its permissions and the links to it. Raises OSError; then it may be either.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
+    path = path.resolve()
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with fresh.open("wb") as file:
+            with contextlib.suppress(FileNotFoundError):
+                os.fchmod(file.fileno(), stat.S_IMODE(path.stat().st_mode))
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
@@ -59,6 +62,7 @@ def write_file_durably(path: Path, data: bytes) -> None:
 
 def write_latch(directory: Path, latch: EStopLatch) -> None:
     """Keep the latch. Raises OSError."""
+    directory.mkdir(parents=True, exist_ok=True)
     write_file_durably(directory / LATCH_FILE, msgspec.json.encode(latch) + b"\n")
 
 

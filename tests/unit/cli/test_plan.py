@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.plan import Plan, PlanError, choose_boards, make_plan, simulated_name, write_file
+from giraff_cli.plan import Plan, PlanError, choose_boards, make_plan, simulated_name
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.room import read_room
@@ -191,15 +191,3 @@ def test_without_any_boards_there_is_no_run(tmp_path: Path) -> None:
 )
 def test_any_host_has_a_name_for_its_simulation(host: str, name: str) -> None:
     assert simulated_name(host) == require_chunk(name)
-
-
-def test_a_file_is_written_whole_and_through_its_links(tmp_path: Path) -> None:
-    target, link = tmp_path / "target", tmp_path / "link"
-    target.write_text("before")
-    link.symlink_to(target)
-    write_file(link, "after")
-    assert (target.read_text(), link.is_symlink()) == ("after", True)
-    with pytest.raises(UnicodeEncodeError):
-        write_file(target, "\ud800")
-    assert target.read_text() == "after"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "target"]

@@ -117,6 +117,17 @@ def test_the_file_is_on_disk_before_it_has_its_name_and_the_name_before_it_is_do
     assert done == [f"fsync .file.{os.getpid()}", "replace file", f"fsync {tmp_path.name}"]
 
 
+def test_a_file_keeps_its_permissions_and_its_links(tmp_path: Path) -> None:
+    target, link = tmp_path / "target", tmp_path / "link"
+    target.write_text("before")
+    target.chmod(0o640)
+    link.symlink_to(target)
+    write_file_durably(link, b"after")
+    assert (target.read_text(), link.is_symlink()) == ("after", True)
+    assert target.stat().st_mode & 0o7777 == 0o640
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "target"]
+
+
 def outcome_of(saver: LatchSaver) -> tuple[EStopLatch, str]:
     deadline = time.monotonic() + 10.0
     while (outcome := saver.outcome()) is None:
