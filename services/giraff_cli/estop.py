@@ -13,10 +13,10 @@ from typing import Any, Final, NamedTuple
 
 from giraff_cli.robots import HOW_TO_REACH, others
 from giraff_cli.watcher import Watcher
-from giraff_node.asking import Asking
+from giraff_node.asking import Asking, ask_to_stop
 from giraff_node.estop import RESET_COMMAND
-from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Sample, Tick
-from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, AnswerT, RequestT, Topic, key_of
+from giraff_schemas.messages import EStop, EStopReset, RobotTime, Sample, Tick
+from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, AnswerT, RequestT, Topic, key_of
 
 RELEASED: Final = 0
 ENGAGED: Final = 1
@@ -24,7 +24,6 @@ UNKNOWN: Final = 2
 
 _TURN: Final = 0.01  # s
 _TWO_PERIODS: Final = 2.5 / ESTOP.rate_hz  # s in which every base has told its state
-_ANOTHER_REQUEST: Final = 0.2  # s between an answer that does not confirm and the next request
 
 
 class Told(NamedTuple):
@@ -37,22 +36,19 @@ class Told(NamedTuple):
 def engage(watcher: Watcher, by: str, reason: str, timeout: float) -> Told:
     """Ask again and again until base confirms that it has stopped and will stay so. 0: it has."""
     robot, deadline = watcher.robot, time.monotonic() + timeout
-    answer: EStopAnswer | None = None
-    fault = ""
-    while time.monotonic() < deadline:
-        asking = Asking(watcher.session, robot, ESTOP_ENGAGE, EStopEngage(by=by, reason=reason))
-        answer = _answer(asking, deadline) or answer
-        fault = asking.fault or fault
-        if answer is not None and answer.done and answer.engaged:
-            return Told(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{RESET_COMMAND}`")
-        time.sleep(min(_ANOTHER_REQUEST, max(0.0, deadline - time.monotonic())))
-    key = key_of(robot, ESTOP_ENGAGE)
-    if answer is not None and answer.engaged:
-        return Told(ENGAGED, f"{robot}: STOPPED, latch {answer.id}, but not for sure after a restart: {answer.reason}")
+    asking = ask_to_stop(watcher.session, robot, by=by, reason=reason)
+    answer = _answer(asking, deadline)
     if answer is not None:
-        why = f"{key} answers that it has not stopped: {answer.reason}"
+        return Told(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{RESET_COMMAND}`")
+    refusal = asking.refusal
+    if refusal is not None and refusal.engaged:
+        return Told(
+            ENGAGED, f"{robot}: STOPPED, latch {refusal.id}, but not for sure after a restart: {refusal.reason}"
+        )
+    if refusal is not None:
+        why = f"{asking.key} answers that it has not stopped: {refusal.reason}"
     else:
-        why = fault or f"nobody answered {key}"
+        why = asking.fault or f"nobody answered {asking.key}"
     hint = others(watcher.session, robot)
     return Told(UNKNOWN, f"NOT CONFIRMED after {timeout:g} s: {why}; use the battery switch, then {HOW_TO_REACH}{hint}")
 

@@ -17,9 +17,8 @@ from giraff_keyboard.status import Heard
 from giraff_keyboard.stopping import Stopping
 from giraff_keyboard.terminal import Terminal
 from giraff_node import Inbox, Node, Pacer
-from giraff_node.asking import Asking
-from giraff_schemas.messages import EStopEngage
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, ESTOP_ENGAGE, GUARD, LEASE, OPERATOR_CMD_VEL, TICK
+from giraff_node.asking import ask_to_stop
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK
 
 _STATUS_HZ = 10
 _LAST_REQUESTS = 2.0  # s that a stop is still asked for after Ctrl-C
@@ -37,8 +36,7 @@ def main() -> int:
         if sys.stderr.isatty():
             node.log.setLevel(logging.ERROR)  # the status lines tell the rest, on the same screen
         by = f"{node.config.operator}@{socket.gethostname()}"
-        engage = EStopEngage(by=by, reason="space bar")
-        stopping = Stopping(lambda: Asking(node.session, node.robot.name, ESTOP_ENGAGE, engage))
+        stopping = Stopping(lambda: ask_to_stop(node.session, node.robot.name, by=by, reason="space bar"))
         with Terminal() as terminal:
             _drive(node, terminal, stopping)
         until = time.monotonic() + _LAST_REQUESTS

@@ -6,6 +6,8 @@ from typing import Annotated, Final
 
 import msgspec
 
+from giraff_schemas.messages import EStopAnswer
+
 RESET_COMMAND: Final = "giraff estop reset"
 
 
@@ -18,6 +20,11 @@ class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     by: str
     reason: str
     """Why it is engaged, with the way out; empty when it is not."""
+
+
+def stops_for_good(answer: EStopAnswer) -> bool:
+    """Whether base has stopped and will stay so, after a restart, too."""
+    return answer.done and answer.engaged
 
 
 RELEASED: Final = EStopLatch(engaged=False, id=0, by="", reason="")

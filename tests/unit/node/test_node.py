@@ -250,6 +250,21 @@ def test_a_request_is_answered_by_the_services_own_loop(peers: Peers) -> None:
     assert answers[0].reason == "refuse"
 
 
+def test_an_answer_that_does_not_settle_it_is_kept_and_asking_goes_on(peers: Peers) -> None:
+    peers.start("talker")
+    asking = Asking(
+        peers.session, ROBOT, ESTOP_ENGAGE, EStopEngage(by="test", reason="refuse"), lambda answer: answer.done
+    )
+
+    def refused_twice() -> bool:
+        assert asking.poll(time.monotonic()) is None
+        return asking.refusal is not None and asking.attempts >= 3
+
+    wait(refused_twice)
+    assert asking.refusal is not None
+    assert asking.refusal.reason == "refuse"
+
+
 def test_a_request_that_is_none_is_refused_and_the_service_lives(peers: Peers) -> None:
     peers.start("talker")
     for payload in (b"", b"\xc1", encode(Battery(voltage=1.0)), b"\x91" * 5000):
