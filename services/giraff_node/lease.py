@@ -8,6 +8,9 @@ from giraff_schemas.messages import Lease
 
 ASK: Final = 0
 """The counter of a command that asks for the lease."""
+_LATE: Final = 50
+"""Samples, 5 s, by which a word may be late. One that is further behind shows that the newest was none of the guard's:
+a single false one must not make this operator deaf for good."""
 
 
 class LeaseSeeker:
@@ -27,7 +30,7 @@ class LeaseSeeker:
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says. Late words of the same guard are not taken."""
         newest = self._lease
-        if newest is not None and newest.instance == lease.instance and lease.seq < newest.seq:
+        if newest is not None and newest.instance == lease.instance and 0 < newest.seq - lease.seq <= _LATE:
             return
         self._lease = lease
         if self.holds:

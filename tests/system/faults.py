@@ -12,7 +12,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from giraff_node.asking import ask_to_stop
+from giraff_node.asking import Asking
+from giraff_schemas.messages import EStopEngage
+from giraff_schemas.topics import ESTOP_ENGAGE
 from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.messages import BoardName, Wheel
 from giraff_sim.sonar import SonarFault
@@ -190,10 +192,11 @@ def joystick_is(hand: Literal["dropped", "laid_down", "shaken"]) -> Fault:
 
 
 def _engage(robot: ProcessRobot) -> int:
-    """Ask base itself, and go on asking until it answers, as every operator's side does."""
+    """Ask base itself until it has stopped, whether or not its disk takes it."""
     at_us = robot.simulator.now()
     name = robot.environment["GIRAFF_ROBOT_NAME"]
-    asking = ask_to_stop(robot.observer.session, name, by="test", reason="a scenario")
+    request = EStopEngage(by="test", reason="a scenario")
+    asking = Asking(robot.observer.session, name, ESTOP_ENGAGE, request, lambda answer: answer.engaged)
     robot.wait("the answer of base", lambda: asking.poll(time.monotonic()) is not None, 5.0)
     return at_us
 

@@ -59,8 +59,14 @@ def test_a_late_word_of_the_guard_changes_nothing(lost: LeaseSeeker) -> None:
     assert lost.refusal == "nobody drives"
 
 
+def test_a_false_word_from_the_future_does_not_make_deaf_for_good(seeker: LeaseSeeker) -> None:
+    seeker.on_lease(lease("other", 4, seq=1 << 60))
+    seeker.on_lease(lease("me", 5, seq=7))
+    assert seeker.holds
+
+
 def test_another_guards_word_counts_from_its_first_sample(seeker: LeaseSeeker) -> None:
-    seeker.on_lease(lease("me", 5, seq=1000))
+    seeker.on_lease(lease("me", 5, seq=10))
     seeker.on_lease(lease("", 0, seq=0, guard="guard-2"))
     assert not seeker.holds
     assert seeker.counter(wishes=False) == 5
