@@ -36,6 +36,8 @@ def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None
 
     `encoding`, when given and ours, must name the topic's schema.
     """
+    if "*" in key:  # Zenoh lets one sample go to many keys at once, whatever each of them carries
+        raise DecodeError(f"{key}: a sample goes to one key")
     if encoding is not None and ";giraff." in encoding and encoding != encoding_of(topic.schema):
         raise DecodeError(f"{key}: carries {encoding!r} where {encoding_of(topic.schema)!r} belongs")
     try:
@@ -46,6 +48,8 @@ def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None
         raise DecodeError(f"{key}: not MessagePack ({len(payload)} bytes): {error}") from error
     if not sample.instance:
         raise DecodeError(f"{key}: not a {topic.schema.__name__}: `instance` is missing or empty")
+    if topic.names and (said := getattr(sample, topic.names)) != key.rpartition("/")[2]:
+        raise DecodeError(f"{key}: says {said!r} as its `{topic.names}`, which its key does not")
     return sample
 
 

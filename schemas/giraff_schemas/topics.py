@@ -29,6 +29,8 @@ class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
     schema: type[SampleT]
     rate_hz: float
     qos: Qos
+    names: str = ""
+    """Field of the sample that says what `*` stands for, and must agree with it: access is granted by key."""
 
     def at(self, name: str) -> Topic[SampleT]:
         """The row of one operator or sensor."""
@@ -46,9 +48,9 @@ class Query(msgspec.Struct, Generic[RequestT, AnswerT], frozen=True):
 
 TICK = Topic("tick", m.Tick, 50, "control")
 TILT = Topic("tilt", m.Tilt, 50, "state")
-OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 30, "control")
+OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 30, "control", "operator")
 LEASE = Topic("lease", m.Lease, 10, "control")
-RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control")
+RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control", "sensor")
 CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control")
 WHEELS = Topic("wheels", m.Wheels, 100, "control")
 ODOM = Topic("odom", m.Odometry, 100, "state")

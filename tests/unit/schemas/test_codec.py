@@ -23,6 +23,11 @@ TICK_SAMPLE = m.Tick(seq=3, stamp_ns=4, instance="a1", epoch=7, robot_ns=5)
 every_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.schema.__name__)
 
 
+def as_in_key(topic: Topic[Any]) -> dict[str, str]:
+    """The field that must agree with KEY."""
+    return {topic.names: KEY.rpartition("/")[2]} if topic.names else {}
+
+
 def packed(value: object) -> bytes:
     """As another language's MessagePack library would."""
     payload = msgpack.packb(value)
@@ -45,7 +50,7 @@ def refusal(topic: Topic[Any], payload: bytes, encoding: str | None = None) -> s
 def test_what_is_encoded_is_decoded_and_a_plain_map_to_a_reader_without_the_schemas(
     topic: Topic[Any], data: st.DataObject
 ) -> None:
-    sample = data.draw(messages(topic.schema))
+    sample = msgspec.structs.replace(data.draw(messages(topic.schema)), **as_in_key(topic))
     payload = encode(sample)
     assert decode(topic, KEY, payload, encoding_of(topic.schema)) == sample
     plain = msgpack.unpackb(payload)
@@ -60,7 +65,7 @@ def test_health_comes_back_too(health: m.Health) -> None:
 
 @every_topic
 def test_a_map_that_any_library_packs_is_a_sample(topic: Topic[Any]) -> None:
-    example = an_example(topic.schema)
+    example = an_example(topic.schema) | as_in_key(topic)
     sample = decode(topic, KEY, packed(example))
     assert isinstance(sample, topic.schema)
     assert msgpack.unpackb(encode(sample)) == example
@@ -174,9 +179,23 @@ def test_a_sample_of_nobody_is_refused(topic: Topic[Any], instance: str | None) 
 
 @every_topic
 def test_unknown_fields_are_ignored(topic: Topic[Any]) -> None:
-    example = an_example(topic.schema)
+    example = an_example(topic.schema) | as_in_key(topic)
     newer = example | {"a_later_field": {"of": ["any", 1.5, None]}}
     assert decode(topic, KEY, packed(newer)) == decode(topic, KEY, packed(example))
+
+
+def test_a_name_that_is_not_the_keys_is_refused() -> None:
+    """Whoever may publish on one operator's key has no other operator's name."""
+    for topic in (OPERATOR_CMD_VEL, RANGE, OPERATOR_CMD_VEL.at("key"), RANGE.at("key")):
+        example = an_example(topic.schema) | {topic.names: "another"}
+        assert f"says 'another' as its `{topic.names}`" in refusal(topic, packed(example))
+
+
+@pytest.mark.parametrize("key", ["giraff/sim-test/**", "giraff/*/tick", "**", "giraff/sim-test/cmd_vel/*"])
+def test_one_sample_for_many_keys_is_refused(key: str) -> None:
+    for topic in TOPICS:
+        with pytest.raises(DecodeError, match="goes to one key"):
+            decode(topic, key, packed(an_example(topic.schema) | as_in_key(topic)))
 
 
 @pytest.mark.parametrize(
