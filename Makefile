@@ -5,11 +5,13 @@ export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 COMPILE := $(VENV)/uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes \
 	--no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" $(ARGS)
+# What one kind of host needs, in the versions that everything is tested with.
+PART := $(COMPILE) --constraint requirements/dev.lock --group build
 
-.PHONY: help setup run test lint format campaign lock clean
+.PHONY: help setup run test lint format campaign test-hosts lock install clean
 
 help: ## List the targets
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
 
 setup: ## Install, build and check whatever a run or a test needs; skips what is there
 	@scripts/setup
@@ -34,9 +36,18 @@ format: setup ## Put the Python sources into their one form
 campaign: setup ## The runs that take long; leaves dated records in docs/campaign
 	$(VENV)/pytest tests/campaign --timeout=0 $(ARGS)
 
+test-hosts: setup ## docker-compose up on three hosts of this machine, as root; cables cut, power lost
+	@tests/hosts/prepare
+	$(VENV)/pytest tests/hosts $(ARGS)
+
 lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest
-	$(COMPILE) --extra serial --group build --output-file requirements/robot.lock
 	$(COMPILE) --all-extras --group dev --output-file requirements/dev.lock
+	$(PART) --extra serial --output-file requirements/robot.lock
+	$(PART) --extra serial --extra cli --output-file requirements/laptop.lock
+	$(PART) --extra serial --extra cli --extra sim --output-file requirements/sim.lock
+
+install: ## Without containers, as root: make install ROLE=robot (or laptop); DESTDIR=DIR for a look; docs/install.md
+	@scripts/install
 
 clean: ## Remove everything that setup and the tests made
 	rm -rf build dist .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache

@@ -14,6 +14,8 @@ from packaging.utils import canonicalize_name
 from tests.rules.repository import ROOT, pyproject
 
 PIN = re.compile(r"(?P<name>[a-z0-9-]+)==(?P<version>[\w.]+)( ; [\w.'<>=! ]+)? \\")
+PARTS = {"robot": ["serial"], "laptop": ["serial", "cli"], "sim": ["serial", "cli", "sim"]}
+"""Lock of what a kind of host needs -> the extras that it pins."""
 HASH = re.compile(r"    --hash=sha256:[0-9a-f]{64}( \\)?")
 
 
@@ -50,7 +52,7 @@ def asked_for(project: dict[str, Any], extras: Iterable[str], groups: Iterable[s
     ]
 
 
-@pytest.mark.parametrize("lock", ["robot.lock", "dev.lock"])
+@pytest.mark.parametrize("lock", [*(f"{part}.lock" for part in PARTS), "dev.lock"])
 def test_a_lock_holds_pins_and_hashes_only(lock: str) -> None:
     text = (ROOT / "requirements" / lock).read_text()
     assert stray_lines(text) == []
@@ -60,17 +62,22 @@ def test_a_lock_holds_pins_and_hashes_only(lock: str) -> None:
 
 def test_the_locks_pin_what_the_project_asks_for() -> None:
     project = pyproject()
-    robot = pins((ROOT / "requirements" / "robot.lock").read_text())
     everything = pins((ROOT / "requirements" / "dev.lock").read_text())
-    assert unmet(asked_for(project, ["serial"], ["build"]), robot) == []
     extras = project["project"]["optional-dependencies"]
     assert unmet(asked_for(project, extras, ["build", "dev"]), everything) == []
-    assert {package: everything[package] for package in robot} == robot
+    for part, extras in PARTS.items():
+        pinned = pins((ROOT / "requirements" / f"{part}.lock").read_text())
+        assert unmet(asked_for(project, extras, ["build"]), pinned) == []
+        assert {package: everything[package] for package in pinned} == pinned
+
+
+def test_there_is_no_lock_beside_these() -> None:
+    assert {path.stem for path in (ROOT / "requirements").iterdir()} == {*PARTS, "dev"}
 
 
 def test_the_robots_lock_stays_small() -> None:
     robot = pins((ROOT / "requirements" / "robot.lock").read_text())
-    assert not {"numpy", "rerun-sdk", "typer", "rich", "cffi"} & set(robot)
+    assert not {"numpy", "rerun-sdk", "typer", "rich", "cffi", "cryptography"} & set(robot)
 
 
 @pytest.mark.parametrize(
