@@ -1,81 +1,170 @@
 """The Zenoh session of a process: table `[network]` of the robot file.
 
-Each departure from Zenoh's defaults answers a fault that was seen: see docs/network.md.
+What the session says to Zenoh, and why, is in the files of `deploy/zenoh`: `peer.toml` for every network, and one file
+for each mode. Here this host's own endpoints, certificates and rules are put in.
 """
 
 from __future__ import annotations
 
+import functools
 import json
 import threading
-from typing import Any, Final
+import tomllib
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final, Literal
 
 import msgspec
 import zenoh
 
+from giraff_node.access import AccessConfig, access_control
+from giraff_node.config import ConfigError
+from giraff_node.key_bundle import BundleError, read_bundle
+from giraff_node.site import require_site
+
 _CLOSE_TIMEOUT: Final = 1.0  # s
+_PORT: Final = 7447  # Zenoh's own
+
+CERTIFICATES: Final = {
+    "root_ca_certificate": "ca.pem",
+    "listen_certificate": "host.pem",
+    "listen_private_key": "host.key",
+    "connect_certificate": "host.pem",
+    "connect_private_key": "host.key",
+}
+"""Zenoh's name -> file of the host's bundle, as `giraff keys host` makes it."""
 
 
 class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How this process meets the others."""
 
+    mode: Literal["lan", "fixed", "secured"] = "lan"
+    """`lan`: trusted, found by multicast. `fixed`: trusted, found at the addresses in `connect`. `secured`: as fixed,
+    with certificates and rules."""
     session_file: str = ""
     """A Zenoh JSON5 file; when given, it alone counts."""
     rendezvous: str = "127.0.0.1:7447"
     """Where the processes of one host find each other, with or without a network. Any of them may own it."""
     connect: tuple[str, ...] = ()
-    """More endpoints to connect to, like "tcp/192.168.1.20:7447": for networks without multicast."""
+    """More hosts to connect to, like "192.168.1.20" or "robot.lan:7447": for networks without multicast."""
+    router: str = ""
+    """Address of the router through which this site and others hear each other, like "router.example.org:7447"."""
+    site: str = ""
+    """Where this host is, by a name that `[router] sites` has. The hosts of one site reach each other directly."""
     local: bool = False
     """Keep off the network: loopback only."""
+    keys: str = "/etc/giraff/keys"
+    """Folder of this host's bundle of certificates; of a secured network."""
+    access: AccessConfig = AccessConfig()
+    """Which certificate may do what; of a secured network."""
+
+    def __post_init__(self) -> None:
+        if self.mode == "secured" and not self.session_file and not self.access.robot:
+            raise ValueError("mode is secured, but [network.access] names no host of the robot: nobody could drive it")
+        for address in self.connect:
+            _require_address("connect", address)
+        if self.router:
+            _require_address("router", self.router)
+            if not self.site:
+                raise ValueError("router is given, but not at which site this host is: the router passes between sites")
+        if self.site:
+            require_site(self.site)
 
 
-def session_config(network: NetworkConfig, *, visiting: bool = False) -> dict[str, Any]:
-    """The Zenoh configuration of a peer, as nested dictionaries.
+def session_config(network: NetworkConfig, robot: str, *, visiting: bool = False) -> dict[str, Any]:
+    """The Zenoh configuration of a peer of `robot`, as nested dictionaries. Raises ConfigError.
 
     `visiting`: it is gone in a moment, and leaves the rendezvous to those who stay. A session that waits for the
     rendezvous to become free does not come back from its close, either.
     """
-    own_port = "tcp/127.0.0.1:0" if network.local else "tcp/0.0.0.0:0"
-    retried_listen = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
-    return {
-        "mode": "peer",
-        "listen": {
-            "endpoints": [own_port] if visiting else [f"tcp/{network.rendezvous}{retried_listen}", own_port],
-            "timeout_ms": -1,
-            "exit_on_failure": False,
-        },
-        "connect": {
-            "endpoints": [f"tcp/{network.rendezvous}", *(() if network.local else network.connect)],
-            "timeout_ms": -1,
-            "exit_on_failure": False,
-            "retry": {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 1.5},
-        },
-        "scouting": {
-            "delay": 200,
-            "multicast": {"enabled": not network.local},
-            "gossip": {"autoconnect_strategy": {"peer": {"to_router": "always", "to_peer": "greater-zid"}}},
-        },
-        "timestamping": {"enabled": True},
-        "queries_default_timeout": 2000,
-        "transport": {
-            "unicast": {"open_timeout": 2000, "accept_timeout": 2000},
-            "link": {
-                "tx": {"lease": 1500, "keep_alive": 4, "queue": {"size": {"real_time": 16, "data_high": 16}}},
-            },
-            "shared_memory": {"enabled": False},
-        },
-    }
+    config = settings("peer", network.mode)
+    _, _, port = network.rendezvous.rpartition(":")
+    protocol = "tls" if network.mode == "secured" else "tcp"
+    reach = "127.0.0.1" if network.local else "0.0.0.0"  # noqa: S104  other hosts are to reach it
+    # Where there is no multicast, the other hosts find this one at its rendezvous.
+    meeting = network.rendezvous if network.local or network.mode == "lan" else f"{reach}:{port}"
+    retried = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
+    config["listen"]["endpoints"] = [
+        *(() if visiting else (f"{protocol}/{meeting}{retried}",)),
+        f"{protocol}/{reach}:0",
+    ]
+    # The loopback first: with only `lo` up, two peers of one host would never find each other.
+    others = () if network.local else (*network.connect, *filter(None, [network.router]))
+    config["connect"]["endpoints"] = [f"{protocol}/{with_port(address)}" for address in (network.rendezvous, *others)]
+    if network.local:
+        config["scouting"]["multicast"]["enabled"] = False
+    if network.site:
+        config["region_name"] = network.site
+    if network.mode == "secured":
+        keys = Path(network.keys)
+        config["transport"]["link"]["tls"] |= certificates(keys)
+        # Whose host this is matters only for what a router may say to it.
+        me = _host_of(keys) if network.access.routers else ""
+        config["access_control"] |= access_control(network.access, robot, me)
+    return config
 
 
-def open_session(network: NetworkConfig, *, visiting: bool = False) -> zenoh.Session:
-    """Join the network, or visit it. Raises `zenoh.ZError`."""
+def open_session(network: NetworkConfig, robot: str, *, visiting: bool = False) -> zenoh.Session:
+    """Join the network of `robot`, or visit it. Raises `zenoh.ZError` and ConfigError."""
     if network.session_file:
         return zenoh.open(zenoh.Config.from_file(network.session_file))
-    return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network, visiting=visiting))))
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network, robot, visiting=visiting))))
 
 
-def close_session(session: zenoh.Session) -> bool:
+def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> bool:
     """Leave the network; False when Zenoh does not come back from it: its close can hang, the process must not."""
     closing = threading.Thread(target=session.close, daemon=True)
     closing.start()
-    closing.join(_CLOSE_TIMEOUT)
+    closing.join(within)
     return not closing.is_alive()
+
+
+def _require_address(field: str, address: str) -> None:
+    """ValueError unless it is HOST or HOST:PORT."""
+    if not address or any(mark in address for mark in "/#? "):
+        raise ValueError(f"{field}: {address!r} is no address; give HOST or HOST:PORT, like 192.168.1.20:7447")
+
+
+def with_port(address: str) -> str:
+    """HOST:PORT; an IPv6 address stands in brackets."""
+    _, colon, port = address.rpartition(":")
+    return address if colon and not port.endswith("]") else f"{address}:{_PORT}"
+
+
+def settings(*names: str) -> dict[str, Any]:
+    """What these files of `deploy/zenoh` say; the later ones count before the earlier ones."""
+    read = (tomllib.loads(files("giraff_node").joinpath(f"zenoh/{name}.toml").read_text()) for name in names)
+    return functools.reduce(_merged, read)
+
+
+def _merged(common: dict[str, Any], special: dict[str, Any]) -> dict[str, Any]:
+    """Both; where both have a table, its fields together."""
+    merged = {**common}
+    for name, value in special.items():
+        ours = common.get(name)
+        merged[name] = _merged(ours, value) if isinstance(ours, dict) and isinstance(value, dict) else value
+    return merged
+
+
+def certificates(folder: Path) -> dict[str, str]:
+    """A host's bundle, as Zenoh takes it. Raises ConfigError: Zenoh's own word would be that no link comes about."""
+    for name in sorted(set(CERTIFICATES.values())):
+        path = folder / name
+        try:
+            path.read_bytes()
+        except OSError as error:
+            raise ConfigError(
+                f"{path}: {error.strerror}; the network is secured: put this host's bundle of `giraff keys host` there"
+            ) from error
+    return {field: str(folder / name) for field, name in CERTIFICATES.items()}
+
+
+def _host_of(folder: Path) -> str:
+    """The name in the certificate of this host's bundle. Raises ConfigError."""
+    try:
+        return read_bundle(folder).name
+    except BundleError as error:
+        raise ConfigError(
+            f"{error}; [network.access] has routers, and what one may say depends on the host: "
+            "make its bundle again with `giraff keys host --renew`"
+        ) from error

@@ -1,0 +1,122 @@
+"""Who may do what on a secured network: table `[network.access]` of the robot file, as Zenoh's access control takes it.
+
+Hosts are known by the common names of their certificates (`giraff keys`). Every node of every host enforces the same
+rules: peers link directly, so a node without them is an open door.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import msgspec
+
+from giraff_schemas.topics import (
+    ESTOP_ENGAGE,
+    OPERATOR_CMD_VEL,
+    QUERIES,
+    ROOT,
+    TILT,
+    alive_key,
+    health_key,
+    require_chunk,
+)
+
+_OPERATORS_SERVICES: Final = ("joystick", "keyboard")
+
+_ASKS: Final = ("declare_subscriber", "declare_liveliness_subscriber", "liveliness_query")
+_TELLS: Final = ("put", "delete", "reply", "declare_queryable", "liveliness_token")
+
+
+class AccessConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which certificate is whose. A host that is named nowhere can do nothing, nor can a stranger."""
+
+    robot: tuple[str, ...] = ()
+    """The robot's own hosts: the only ones whose word moves the motors."""
+    operators: dict[str, tuple[str, ...]] = {}
+    """Host of an operator -> the names under which it may ask to drive, as in `cmd_vel/<operator>`."""
+    viewers: tuple[str, ...] = ()
+    """Hosts that only read, and may stop the robot."""
+    routers: tuple[str, ...] = ()
+    """Hosts that pass on what operators and viewers of other networks say: `giraff_router`."""
+
+    def __post_init__(self) -> None:
+        twice = sorted({host for host in self.hosts if self.hosts.count(host) > 1})
+        if twice:
+            raise ValueError(f"{', '.join(twice)}: one host has one certificate and one part")
+        for name in (*self.hosts, *(name for names in self.operators.values() for name in names)):
+            require_chunk(name)
+
+    @property
+    def hosts(self) -> tuple[str, ...]:
+        """Every host that may do anything."""
+        return (*self.robot, *self.operators, *self.viewers, *self.routers)
+
+
+def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, Any]:
+    """Zenoh's rules, subjects and policies for one node of this robot; "*": of any. `me`: the node's own host.
+
+    A rule is about what comes in from a subject or goes out to it. No key here has a `**` below `cmd_vel`: it would
+    match `cmd_vel` itself, and open base's door to whoever may ask to drive.
+    """
+    below = f"{ROOT}/{robot}"
+    everything = f"{below}/**"
+    rules = [
+        _rule("all are told", "egress", _TELLS, everything),
+        _rule("all are asked", "egress", (*_ASKS, "query"), everything),
+        _rule("all may listen", "ingress", _ASKS, everything),
+        _rule("all may stop", "ingress", ("query",), f"{below}/{ESTOP_ENGAGE.key}", health_key(robot)),
+        _rule("the robot tells", "ingress", (*_TELLS, "query"), everything),
+    ]
+    subjects = [_subject("known", access.hosts), _subject("robot", access.robot)]
+    policies = [
+        _policy("known", "all are told", "all are asked", "all may listen", "all may stop"),
+        _policy("robot", "the robot tells"),
+    ]
+    operators = access.operators
+    if me in (*access.operators, *access.viewers):
+        # Nothing there moves a motor, and all that comes from the robot comes with the router's certificate.
+        if access.routers:
+            subjects.append(_subject("router", access.routers))
+            policies.append(_policy("router", "the robot tells"))
+    else:
+        # Who it was that spoke is seen by the router alone. So the robot takes of it what some operator may say: never
+        # a word of its own hosts, whatever the router says or has become.
+        anybodys = tuple(sorted({name for names in operators.values() for name in names}))
+        operators = operators | dict.fromkeys(access.routers, anybodys)
+    for host, names in operators.items():
+        subject, drives, present, asks = f"operator {host}", f"{host} drives", f"{host} is there", f"{host} asks"
+        rules += [
+            _rule(
+                drives,
+                "ingress",
+                ("put",),
+                *(f"{below}/{OPERATOR_CMD_VEL.at(name).key}" for name in names),
+                f"{below}/{TILT.key}",
+            ),
+            _rule(
+                present,
+                "ingress",
+                ("liveliness_token", "declare_queryable", "reply"),
+                *(
+                    key
+                    for service in _OPERATORS_SERVICES
+                    for key in (alive_key(robot, service), health_key(robot, service))
+                ),
+            ),
+            _rule(asks, "ingress", ("query",), *(f"{below}/{query.key}" for query in QUERIES)),
+        ]
+        subjects.append(_subject(subject, (host,)))
+        policies.append(_policy(subject, drives, present, asks))
+    return {"rules": rules, "subjects": subjects, "policies": policies}
+
+
+def _rule(name: str, flow: str, messages: tuple[str, ...], *keys: str) -> dict[str, Any]:
+    return {"id": name, "flows": [flow], "messages": [*messages], "permission": "allow", "key_exprs": [*keys]}
+
+
+def _subject(name: str, hosts: tuple[str, ...]) -> dict[str, Any]:
+    return {"id": name, "cert_common_names": [*hosts]}
+
+
+def _policy(subject: str, *rules: str) -> dict[str, Any]:
+    return {"rules": [*rules], "subjects": [subject]}

@@ -1,0 +1,1 @@
+"""Says in the robot's log who was refused on a secured network."""

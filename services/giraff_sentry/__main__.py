@@ -1,0 +1,3 @@
+from giraff_sentry.main import main
+
+main()

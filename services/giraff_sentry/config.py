@@ -1,0 +1,17 @@
+"""The table `[sentry]` of the robot file. Who may do what is in `[network.access]`."""
+
+from __future__ import annotations
+
+import msgspec
+
+from giraff_node.config import require_positive
+
+
+class SentryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How often the same refusal is told."""
+
+    again: float = 10.0
+    """s until a refusal that goes on is told again, with its count."""
+
+    def __post_init__(self) -> None:
+        require_positive(self, "again")

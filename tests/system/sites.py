@@ -1,0 +1,105 @@
+"""Networks with no route between them, on one machine: a namespace for each site and one for the router's host."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Self
+
+ROUTER: Final = "router"
+_PATIENCE: Final = 10.0  # s
+
+
+class Sites:
+    """Each site is a network of its own with one cable, to the router's host. All is gone with the block.
+
+    Needs root, or a kernel that lets users have namespaces of their own.
+    """
+
+    def __init__(self, *sites: str) -> None:
+        self._sites = sites
+        self._holders: dict[str, subprocess.Popen[bytes]] = {}
+        self._as_user = [] if os.geteuid() == 0 else ["--user", "--map-root-user"]
+
+    def __enter__(self) -> Self:
+        try:
+            self._hold(ROUTER, ["unshare", *self._as_user, "--net"])
+            # Whoever has two legs could pass packets on; this one must not.
+            self._run(ROUTER, "sh", "-c", "echo 0 > /proc/sys/net/ipv4/ip_forward")
+            self._run(ROUTER, "ip", "link", "set", "lo", "up")
+            for site in self._sites:
+                self._hold(site, [*self._into(ROUTER), "unshare", "--net"])
+                self._wire(site)
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """A namespace ends with the last process in it."""
+        for holder in self._holders.values():
+            holder.kill()
+            holder.wait()
+
+    def command(self, site: str, *words: str) -> list[str]:
+        """The command line that runs `words` in a site's network."""
+        return [*self._into(site), *words]
+
+    def address(self, site: str) -> str:
+        """Of the site's host."""
+        return f"10.71.{self._sites.index(site)}.2"
+
+    def router(self, site: str) -> str:
+        """The router's address, as this site knows it."""
+        return f"10.71.{self._sites.index(site)}.1"
+
+    def pull(self, site: str) -> None:
+        """The site's cable: nothing is closed, nothing comes."""
+        self._run(ROUTER, "ip", "link", "set", _leg(site), "down")
+
+    def plug(self, site: str) -> None:
+        self._run(ROUTER, "ip", "link", "set", _leg(site), "up")
+
+    @property
+    def router_addresses(self) -> list[str]:
+        return [self.router(site) for site in self._sites]
+
+    def _hold(self, site: str, command: list[str]) -> None:
+        holder = subprocess.Popen([*command, "sleep", "infinity"])
+        self._holders[site] = holder
+        deadline = time.monotonic() + _PATIENCE
+        while Path(f"/proc/{holder.pid}/comm").read_text().strip() != "sleep":  # before, it is not yet in its own
+            assert holder.poll() is None, "no network namespace: unshare says why; root may make them"
+            assert time.monotonic() < deadline, "no network namespace in time"
+            time.sleep(0.01)
+
+    def _into(self, site: str) -> list[str]:
+        user = ["--user", "--preserve-credentials"] if self._as_user else []
+        return ["nsenter", "--target", str(self._holders[site].pid), *user, "--net", "--"]
+
+    def _wire(self, site: str) -> None:
+        leg, peer = _leg(site), str(self._holders[site].pid)
+        self._run(ROUTER, "ip", "link", "add", leg, "type", "veth", "peer", "name", "uplink", "netns", peer)
+        self._run(ROUTER, "ip", "address", "add", f"{self.router(site)}/24", "dev", leg)
+        self._run(site, "ip", "address", "add", f"{self.address(site)}/24", "dev", "uplink")
+        for place, name in ((ROUTER, leg), (site, "uplink"), (site, "lo")):
+            self._run(place, "ip", "link", "set", name, "up")
+
+    def _run(self, site: str, *words: str) -> None:
+        done = subprocess.run(
+            self.command(site, *words), check=False, capture_output=True, text=True, timeout=_PATIENCE
+        )
+        assert done.returncode == 0, f"{' '.join(words)}: {done.stderr}"
+
+
+def _leg(site: str) -> str:
+    """The router's interface to a site."""
+    return f"to-{site}"

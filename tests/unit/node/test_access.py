@@ -1,0 +1,169 @@
+"""Who may do what on a secured network: the rules, tried with real certificates on one loopback."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+import zenoh
+
+from giraff_node.config import ConfigError
+from giraff_node.session import NetworkConfig, close_session, open_session, session_config
+from giraff_schemas.topics import (
+    CMD_VEL,
+    ESTOP_ENGAGE,
+    ESTOP_RESET,
+    ODOM,
+    TICK,
+    TILT,
+    Topic,
+    alive_key,
+    key_of,
+)
+from tests.unit.node.secured import ACCESS, MINE, ROBOT, Network, authority
+
+
+@pytest.fixture(scope="module")
+def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return authority(tmp_path_factory.mktemp("authority"))
+
+
+@pytest.fixture(scope="module")
+def network(keys: Path) -> Iterator[Network]:
+    made = Network(keys)
+    yield made
+    made.close()
+
+
+def keys_of(*topics: Topic[Any]) -> set[str]:
+    return {topic.key for topic in topics}
+
+
+def test_only_the_robots_own_hosts_reach_base(network: Network) -> None:
+    assert keys_of(CMD_VEL, TICK, ODOM) <= network.heard_of("robot")
+
+
+def test_an_operator_publishes_its_own_commands_and_nothing_else(network: Network) -> None:
+    assert network.heard_of("laptop") == keys_of(MINE, TILT)
+
+
+@pytest.mark.parametrize("host", ["desk", "unnamed"])
+def test_nobody_else_commands(network: Network, host: str) -> None:
+    assert network.heard_of(host) == set()
+
+
+@pytest.mark.parametrize(("host", "hears"), [("robot", True), ("laptop", True), ("desk", True), ("unnamed", False)])
+def test_whoever_is_named_reads(network: Network, host: str, hears: bool) -> None:
+    heard: list[str] = []
+    with network.sessions[host].declare_subscriber(
+        key_of(ROBOT, ODOM), lambda sample: heard.append(sample.payload.to_string())
+    ):
+        time.sleep(0.3)
+        network.base.put(key_of(ROBOT, ODOM), "odometry")
+        time.sleep(0.3)
+    assert heard == (["odometry"] if hears else [])
+
+
+@pytest.mark.parametrize(
+    ("host", "stops", "resets"),
+    [("robot", True, True), ("laptop", True, True), ("desk", True, False), ("unnamed", False, False)],
+)
+def test_whoever_is_named_may_stop_and_operators_reset(network: Network, host: str, stops: bool, resets: bool) -> None:
+    for query, answered in ((ESTOP_ENGAGE, stops), (ESTOP_RESET, resets)):
+        replies = network.sessions[host].get(key_of(ROBOT, query), timeout=0.7)
+        assert [reply.ok is not None for reply in replies] == ([True] if answered else [])
+
+
+@pytest.mark.parametrize(
+    ("host", "service", "seen"), [("laptop", "joystick", True), ("laptop", "base", False), ("desk", "base", False)]
+)
+def test_nobody_poses_as_a_service_of_the_robot(network: Network, host: str, service: str, seen: bool) -> None:
+    with network.sessions[host].liveliness().declare_token(alive_key(ROBOT, service, "one")):
+        time.sleep(0.3)
+        replies = network.base.liveliness().get(alive_key(ROBOT, service), timeout=0.7)
+        assert [reply.ok is not None for reply in replies] == ([True] if seen else [])
+
+
+def test_a_stranger_gets_no_link(network: Network, keys: Path, tmp_path: Path) -> None:
+    """Another authority's certificate, none at all, plain tcp: not even the greeting comes about."""
+    before = links_of(network)
+    another = msgspec.structs.replace(network.of["robot"], keys=str(authority(tmp_path) / "robot"))
+    no_certificate = session_config(network.of["robot"], ROBOT, visiting=True)
+    no_certificate["transport"]["link"]["tls"] = {"root_ca_certificate": str(keys / "ca.pem")}
+    no_certificate["listen"]["endpoints"] = []
+    plain = session_config(msgspec.structs.replace(network.of["robot"], mode="fixed"), ROBOT, visiting=True)
+    heard: list[str] = []
+    with ExitStack() as stack:
+        strangers = [open_session(another, ROBOT, visiting=True)]
+        strangers += [zenoh.open(zenoh.Config.from_json5(json.dumps(config))) for config in (no_certificate, plain)]
+        for stranger in strangers:
+            stack.callback(close_session, stranger)
+            stack.enter_context(stranger.declare_subscriber("**", lambda sample: heard.append(str(sample.key_expr))))
+        network.heard.clear()
+        for _ in range(10):
+            network.base.put(key_of(ROBOT, ODOM), "secret")
+            for stranger in strangers:
+                stranger.put(key_of(ROBOT, CMD_VEL), "stranger")
+            time.sleep(0.1)
+        links = [list(stranger.info.links()) for stranger in strangers]
+    assert links == [[], [], []]
+    assert links_of(network) == before
+    assert "stranger" not in {maker for _, maker in network.heard}
+    assert not [key for key in heard if key.endswith(ODOM.key)]
+
+
+def links_of(network: Network) -> list[str]:
+    """Who has a link to base."""
+    return sorted(link.auth_identifier or "" for link in network.base.info.links())
+
+
+def test_links_speak_tls_only(keys: Path) -> None:
+    config = session_config(
+        NetworkConfig(mode="secured", connect=("192.0.2.1",), keys=str(keys / "laptop"), access=ACCESS), ROBOT
+    )
+    assert config["transport"]["link"]["protocols"] == ["tls"]
+    assert config["transport"]["link"]["tls"]["enable_mtls"] is True
+    assert config["scouting"]["multicast"]["enabled"] is False
+    endpoints = config["listen"]["endpoints"] + config["connect"]["endpoints"]
+    assert {endpoint.split("/")[0] for endpoint in endpoints} == {"tls"}
+    assert "tls/192.0.2.1:7447" in endpoints
+
+
+def test_no_rule_that_lets_in_covers_bases_door(keys: Path) -> None:
+    """`cmd_vel/**` would match `cmd_vel`, too."""
+    config = session_config(NetworkConfig(mode="secured", keys=str(keys / "laptop"), access=ACCESS, local=True), ROBOT)
+    door = zenoh.KeyExpr(key_of(ROBOT, CMD_VEL))
+    opened_by = [
+        rule["id"]
+        for rule in config["access_control"]["rules"]
+        if "ingress" in rule["flows"]
+        and {"put", "delete"} & set(rule["messages"])
+        and any(zenoh.KeyExpr(key).intersects(door) for key in rule["key_exprs"])
+    ]
+    assert opened_by == ["the robot tells"]
+
+
+def test_missing_keys_are_named_with_the_way_out(tmp_path: Path) -> None:
+    network = NetworkConfig(mode="secured", keys=str(tmp_path), access=ACCESS)
+    with pytest.raises(ConfigError, match=r"ca\.pem: No such file or directory.*giraff keys host"):
+        session_config(network, ROBOT)
+
+
+@pytest.mark.parametrize(
+    ("access", "complaint"),
+    [
+        ({}, "names no host of the robot"),
+        ({"robot": ["a"], "viewers": ["a"]}, "a: one host has one certificate"),
+        ({"robot": ["a"], "operators": {"b": ["joy/stick"]}}, "cannot be part of a key"),
+        ({"robot": ["a"], "operator": {}}, "unknown field `operator`"),
+    ],
+)
+def test_rules_that_cannot_be_meant_are_refused(access: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(msgspec.ValidationError, match=complaint):
+        msgspec.convert({"mode": "secured", "access": access}, NetworkConfig)

@@ -1,0 +1,114 @@
+"""The sentry's process beside a secured robot: whoever tries what is not theirs is named in its log."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import msgspec
+import pytest
+import tomlkit
+
+from giraff_node.session import close_session, open_session
+from giraff_schemas.topics import CMD_VEL, ODOM, key_of
+from giraff_sim.board import ROOT
+from tests.unit.node.secured import ACCESS, ANOTHERS, MINE, ROBOT, Network, authority
+
+
+class Sentry:
+    """The process and what it has logged."""
+
+    def __init__(self, directory: Path) -> None:
+        self.network = Network(authority(directory))
+        self.own = self.network.of["robot"]
+        document = tomlkit.parse((ROOT / "deploy" / "robot.toml").read_text())
+        document["network"] = msgspec.to_builtins(self.own) | {"access": msgspec.to_builtins(ACCESS)}
+        document["robot"]["name"] = ROBOT
+        document["sentry"] = {"again": 0.5}
+        (directory / "robot.toml").write_text(tomlkit.dumps(document))
+        self._log = directory / "log"
+        with self._log.open("wb") as log:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "giraff_sentry"],
+                env=os.environ | {"GIRAFF_CONFIG": str(directory / "robot.toml")},
+                stdout=subprocess.DEVNULL,
+                stderr=log,
+            )
+        self.wait_for(f"robot {ROBOT}")
+        time.sleep(1.0)  # until all have met
+
+    def messages(self) -> list[str]:
+        return [json.loads(line)["message"] for line in self._log.read_text().splitlines()]
+
+    def wait_for(self, text: str) -> None:
+        deadline = time.monotonic() + 20.0
+        while not any(text in message for message in self.messages()):
+            assert time.monotonic() < deadline, f"{text!r} is not in {self.messages()}"
+            time.sleep(0.05)
+
+    def close(self) -> None:
+        self._process.terminate()
+        assert self._process.wait(10.0) == 0
+        self.network.close()
+
+
+@pytest.fixture(scope="module")
+def sentry(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Sentry]:
+    made = Sentry(tmp_path_factory.mktemp("sentry"))
+    yield made
+    made.close()
+
+
+@pytest.mark.parametrize(
+    ("host", "topic"), [("desk", CMD_VEL), ("laptop", CMD_VEL), ("laptop", ANOTHERS), ("desk", MINE)]
+)
+def test_who_commands_without_being_allowed_to_is_named(sentry: Sentry, host: str, topic: object) -> None:
+    key = key_of(ROBOT, topic)  # type: ignore[arg-type]
+    session = sentry.network.sessions[host]
+    with session.declare_publisher(key) as publisher:
+        deadline = time.monotonic() + 20.0
+        while not any(told.startswith(f"refused {host}") and f"put on {key};" in told for told in sentry.messages()):
+            assert time.monotonic() < deadline, sentry.messages()
+            session.put(key, "drive")
+            publisher.put("drive")
+            time.sleep(0.1)
+
+
+def test_a_caller_who_is_not_of_this_network_is_told(sentry: Sentry) -> None:
+    for locator in _locators(sentry):
+        with socket.create_connection(("127.0.0.1", int(locator.rpartition(":")[2]))) as stranger:
+            stranger.sendall(b"GET / HTTP/1.0\r\n\r\n")
+            stranger.recv(100)
+    sentry.wait_for("refused a caller that is not of this network")
+
+
+def _locators(sentry: Sentry) -> list[str]:
+    """Where the sentry's own process listens."""
+    listening = subprocess.run(["ss", "-Hltnp"], check=True, capture_output=True, text=True).stdout.splitlines()
+    return [line.split()[3] for line in listening if f"pid={sentry._process.pid}," in line]
+
+
+def test_what_is_allowed_is_not_told(sentry: Sentry) -> None:
+    before = len(sentry.messages())
+    network = sentry.network
+    for _ in range(20):
+        network.sessions["laptop"].put(key_of(ROBOT, MINE), "drive")
+        network.sessions["robot"].put(key_of(ROBOT, CMD_VEL), "drive")
+        network.base.put(key_of(ROBOT, ODOM), "where")
+        time.sleep(0.05)
+    joined = open_session(network.of["laptop"], ROBOT, visiting=True)
+    with (
+        joined.declare_subscriber(key_of(ROBOT, ODOM), lambda _: None),
+        joined.declare_publisher(key_of(ROBOT, MINE)) as publisher,
+    ):
+        publisher.put("drive")
+        time.sleep(1.5)
+    close_session(joined)
+    said = [message for message in sentry.messages()[before:] if "refused" in message]
+    assert [message for message in said if "refused laptop" in message or "refused robot" in message] == []
