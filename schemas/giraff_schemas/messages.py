@@ -326,7 +326,7 @@ class GuardState(Sample, frozen=True, kw_only=True):
 
 
 class Health(msgspec.Struct, frozen=True, kw_only=True):
-    """Answer of a service's health query."""
+    """Answer of a service's health query. It judges the service: not its links, nor who drives."""
 
     service: str
     instance: str
@@ -334,8 +334,11 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     pid: int
     uptime: float
     ok: bool
+    """Nothing is wrong with the service itself: its process, its board, its disk."""
     faults: tuple[str, ...]
-    """What is wrong now, each with its way out."""
+    """What is wrong with it now, each with its way out."""
+    notices: tuple[str, ...] = ()
+    """What it waits for or finds wrong elsewhere, each with its way out."""
 
 
 def _require_finite(**values: float) -> None:

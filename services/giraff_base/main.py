@@ -47,8 +47,10 @@ def main() -> None:
             if (frame := policy.next_frame(robot_time)) is not None:
                 link.send(frame)
             desk.turn(robot_time)
-            for name, fault in {**policy.faults, "board": link.fault, "estop": desk.fault}.items():
-                node.set_fault(name, fault)
+            node.set_fault("board", link.fault)
+            node.set_fault("estop", desk.fault)
+            for name, message in policy.faults.items():  # of the robot, and of a second guard
+                node.set_notice(name, message)
             states.put(now)
 
 

@@ -33,7 +33,7 @@ def main() -> None:
                 policy.on_command(command, robot_now_ns())
             passed, state, lease = policy.decide(robot_now_ns())
             guarded.put(passed)
-            node.set_fault("identity", policy.fault)
+            node.set_notice("identity", policy.fault)
             if lease.counter != counter or lease_pace.due(now):
                 counter = lease.counter
                 leases.put(lease)

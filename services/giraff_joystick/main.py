@@ -33,6 +33,8 @@ def main() -> None:
                 commands.put(command)
                 if (lost := policy.lost(now)) is not None:
                     tilts.put(lost)
-                for name, message in (("board", link.fault), ("hand", command.reason), ("lease", policy.refusal)):
-                    node.set_fault(name, message)
+                node.set_fault("board", link.fault)
+                node.set_fault("sensor", policy.sensor_fault)
+                node.set_notice("hand", "" if policy.sensor_fault else command.reason)
+                node.set_notice("lease", policy.refusal)
         commands.put(policy.farewell())

@@ -66,6 +66,8 @@ class JoystickPolicy:
         self._lease = LeaseSeeker(instance)
         self._attention = Attention(config.stillness)
         self._clutch = Clutch()
+        self.sensor_fault = ""
+        """What is wrong with the tilt sensor, by the newest frame, and the way out."""
         self._heard = -math.inf
         self._tick: RobotTime | None = None
         self._tick_came = -math.inf
@@ -97,8 +99,9 @@ class JoystickPolicy:
         if tilt.tick != self._tick:
             self._tick_came = now
         self._heard, self._tick = now, tilt.tick
-        if tilt.status != "running":
-            self._command = self._fault(_REASONS[tilt.status].format(frame=frame))
+        self.sensor_fault = "" if tilt.status == "running" else _REASONS[tilt.status].format(frame=frame)
+        if self.sensor_fault:
+            self._command = self._fault(self.sensor_fault)
         else:
             self._command = self._wish(tilt, frame, now)
         return tilt

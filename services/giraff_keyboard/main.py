@@ -73,8 +73,8 @@ def _drive(node: Node[KeyboardConfig], terminal: Terminal, stopping: Stopping) -
         if pace.due(now) or pressed:
             command = policy.command(now)
             commands.put(command)
-            node.set_fault("keys", command.reason)
-            node.set_fault("lease", policy.refusal)
+            node.set_notice("keys", command.reason)
+            node.set_notice("lease", policy.refusal)
         if status_pace.due(now) or pressed:
             terminal.show(heard.lines(policy, stopping.text, now))
     commands.put(policy.farewell())

@@ -7,7 +7,8 @@ import os
 os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 
 from giraff_node.clock import robot_now_ns
-from giraff_node.node import Inbox, Node, Publisher
+from giraff_node.inbox import Inbox
+from giraff_node.node import Node, Publisher
 from giraff_node.pacing import Pacer
 
 __all__ = ["Inbox", "Node", "Pacer", "Publisher", "robot_now_ns"]

@@ -15,9 +15,9 @@ _LONGEST: Final = 300  # characters of a fault: its text may quote the payload
 class BadKeys:
     """Those of one subscription. Times are seconds of any one monotonic clock."""
 
-    def __init__(self, pattern: str, set_fault: Callable[[str, str], None]) -> None:
+    def __init__(self, pattern: str, tell: Callable[[str, str], None]) -> None:
         self._pattern = pattern
-        self._set_fault = set_fault
+        self._tell = tell
         self._last: dict[str, float] = {}
 
     def bad(self, key: str, why: str, now: float) -> None:
@@ -26,9 +26,9 @@ class BadKeys:
             self._last[key] = now
         elif len(self._last) < MOST:
             self._last[key] = now
-            self._set_fault(f"decode {key}", why[:_LONGEST])
+            self._tell(f"decode {key}", why[:_LONGEST])
         else:
-            self._set_fault(
+            self._tell(
                 f"decode more of {self._pattern}",
                 f"{self._pattern}: unreadable payloads on more than {MOST} keys; find out who publishes there",
             )
@@ -37,5 +37,5 @@ class BadKeys:
         """A payload on `key` was read."""
         if key in self._last and now - self._last[key] > MENDED_AFTER:
             del self._last[key]
-            self._set_fault(f"decode {key}", "")
-            self._set_fault(f"decode more of {self._pattern}", "")
+            self._tell(f"decode {key}", "")
+            self._tell(f"decode more of {self._pattern}", "")

@@ -10,29 +10,34 @@ with Node("guard", GuardConfig) as node:
 
 from __future__ import annotations
 
-import contextlib
 import os
 import secrets
-import selectors
 import signal
-import socket
 import sys
 import time
 import traceback
-from collections import deque
 from collections.abc import Callable, Iterator
+from datetime import UTC, datetime
+from pathlib import Path
 from types import FrameType, TracebackType
-from typing import Any, Generic, Protocol, Self, TypeVar
+from typing import Any, Generic, Self
 
 import msgspec
 import zenoh
 
 from giraff_node.bad_keys import BadKeys
 from giraff_node.config import ConfigError, ConfigT, load
+from giraff_node.health import Condition
+from giraff_node.health_socket import HealthSocket
+from giraff_node.inbox import Asked, Inbox
+from giraff_node.key_bundle import ExpiryWatch
 from giraff_node.logs import service_logger
 from giraff_node.pacing import Pacer
 from giraff_node.robot import RobotConfig
+from giraff_node.router_link import RouterLink
 from giraff_node.session import NetworkConfig, close_session, open_session
+from giraff_node.systemd import Notifier
+from giraff_node.watch import Selectable, Waker, Watch
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic, alive_key, health_key, key_of
@@ -41,15 +46,6 @@ _LONGEST_WAIT = 0.1  # s; bounds how late a turn notices what has no descriptor
 _MOST_REQUESTS = 20  # that wait for their answers; the oldest goes without
 
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
-
-
-ItemT = TypeVar("ItemT")
-
-
-class Selectable(Protocol):
-    """Something whose descriptor comes and goes, like a serial link."""
-
-    def descriptor(self) -> int | None: ...
 
 
 class Publisher(Generic[SampleT]):
@@ -71,32 +67,6 @@ class Publisher(Generic[SampleT]):
         self._seq += 1
 
 
-class Inbox(Generic[ItemT]):
-    """All that has come since the last `take`, oldest first; a reader that falls behind loses the oldest."""
-
-    def __init__(self, limit: int) -> None:
-        self._samples: deque[ItemT] = deque(maxlen=limit)
-
-    def accept(self, sample: ItemT) -> None:
-        self._samples.append(sample)
-
-    def take(self) -> Iterator[ItemT]:
-        for _ in range(len(self._samples)):  # what comes meanwhile waits: a flood must not hold the loop
-            yield self._samples.popleft()
-
-
-class Asked(Generic[RequestT, AnswerT]):
-    """One request of somebody, waiting for its answer."""
-
-    def __init__(self, query: zenoh.Query, request: RequestT) -> None:
-        self._query = query
-        self.request = request
-
-    def answer(self, answer: AnswerT) -> None:
-        with self._query as query:
-            query.reply(query.key_expr, encode(answer), encoding=encoding_of(type(answer)))
-
-
 class Node(Generic[ConfigT]):
     """One service's process. `service` names its configuration table and its liveliness token."""
 
@@ -111,23 +81,27 @@ class Node(Generic[ConfigT]):
         except ConfigError as error:
             self.log.error("%s", error)
             sys.exit(2)
-        self._faults: dict[str, str] = {}
+        self._condition = Condition(service, self.instance, self.log)
+        self._health_socket = HealthSocket(service)
+        self._notifier = Notifier()
         self._failure: BaseException | None = None
         self._stopping = False
-        self._started = time.monotonic()
-        # A self-pipe wakes the loop from signal handlers and Zenoh's threads: an Event set in a signal handler
-        # deadlocks while the main thread waits on it.
-        self._waker, self._wake_end = socket.socketpair()
-        self._waker.setblocking(False)
-        self._wake_end.setblocking(False)
+        self._waker = Waker()
         for number in (signal.SIGTERM, signal.SIGINT):  # before the session: opening it takes a moment
             signal.signal(number, self._on_signal)
-        signal.set_wakeup_fd(self._wake_end.fileno(), warn_on_full_buffer=False)
+        signal.set_wakeup_fd(self._waker.for_signals, warn_on_full_buffer=False)
         try:
-            self.session = open_session(network)
+            self.session = open_session(network, self.robot.name)
+        except ConfigError as error:
+            self.log.error("%s", error)
+            sys.exit(2)
         except zenoh.ZError as error:
             self.log.error("no Zenoh session: %s; check the table [network] of the robot file", error)
             sys.exit(2)
+        secured = network.mode == "secured" and not network.session_file
+        self._keys = ExpiryWatch(Path(network.keys)) if secured else None
+        routed = network.router and not network.local and not network.session_file
+        self._router = RouterLink(network.router, network.site, self._sees_router) if routed else None
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
     def __enter__(self) -> Self:
@@ -145,6 +119,8 @@ class Node(Generic[ConfigT]):
     ) -> None:
         if kind is not None:
             self.log.error("ended by %s: %s", kind.__name__, error, exc_info=(kind, error, trace) if error else None)
+        self._notifier.stopping()
+        self._health_socket.close()
         signal.set_wakeup_fd(-1)
         closed = close_session(self.session)
         self.log.info("ended")
@@ -164,7 +140,7 @@ class Node(Generic[ConfigT]):
 
         def take_and_wake(sample: SampleT) -> None:
             inbox.accept(sample)
-            self._wake()
+            self._waker.wake()
 
         self.subscribe(topic, take_and_wake)
         return inbox
@@ -172,7 +148,7 @@ class Node(Generic[ConfigT]):
     def subscribe(self, topic: Topic[SampleT], callback: Callable[[SampleT], None]) -> None:
         """Call `callback` with each sample, in Zenoh's thread: it must be quick. If it raises, the process ends."""
         pattern = key_of(self.robot.name, topic)
-        bad_keys = BadKeys(pattern, self.set_fault)
+        bad_keys = BadKeys(pattern, self.set_notice)
 
         def on_sample(received: zenoh.Sample) -> None:
             key = str(received.key_expr)
@@ -202,7 +178,7 @@ class Node(Generic[ConfigT]):
                     asked.reply_err(f"not a {query.request.__name__}: {error}")
                 return
             inbox.accept(Asked(asked, request))
-            self._wake()
+            self._waker.wake()
 
         self._declared.append(self.session.declare_queryable(key_of(self.robot.name, query), on_query))
         return inbox
@@ -212,61 +188,55 @@ class Node(Generic[ConfigT]):
 
         Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
-        selector = selectors.DefaultSelector()
-        selector.register(self._waker, selectors.EVENT_READ)
-        watched: int | None = None
-        while not self._stopping:
-            descriptor = link.descriptor() if link is not None else None
-            if descriptor != watched:
-                if watched is not None:
-                    with contextlib.suppress(KeyError, ValueError):
-                        selector.unregister(watched)
-                if descriptor is not None:
-                    selector.register(descriptor, selectors.EVENT_READ)
-                watched = descriptor
-            now = time.monotonic()
-            wait = min((pacer.wait(now) for pacer in pacers), default=_LONGEST_WAIT)
-            selector.select(min(wait, _LONGEST_WAIT))
-            with contextlib.suppress(BlockingIOError):
-                self._waker.recv(4096)
-            if self._failure is not None:
-                raise self._failure
-            if not self._stopping:
-                yield time.monotonic()
-        selector.close()
+        asked: set[Selectable] = set()
+        with Watch(self._waker, self._health_socket, *([link] if link is not None else [])) as watch:
+            while not self._stopping:
+                now = time.monotonic()
+                # After a whole turn, so that nobody is told of a state that nothing has looked at yet.
+                self._tell_how_it_is(now, asked=self._health_socket in asked)
+                wait = min((pacer.wait(now) for pacer in pacers), default=_LONGEST_WAIT)
+                asked = watch.wait(min(wait, _LONGEST_WAIT))
+                self._waker.drain()
+                if self._failure is not None:
+                    raise self._failure
+                if not self._stopping:
+                    yield time.monotonic()
 
     def set_fault(self, name: str, message: str) -> None:
-        """State what is wrong with `name`, or with "" that nothing is: logged on a change, told by health."""
-        if self._faults.get(name, "") == message:
-            return
-        if message:
-            self._faults[name] = message
-            self.log.warning("%s", message)
-        else:
-            self._faults.pop(name, None)  # another subscriber's thread may have done so just now
-            self.log.info("recovered: %s", name)
+        """State what is wrong with `name` of this service itself, or with "" that nothing is.
+
+        Logged on a change, told by health, which is then not `ok`.
+        """
+        self._condition.set_fault(name, message)
+
+    def set_notice(self, name: str, message: str) -> None:
+        """State what is wrong elsewhere, or awaited, or with "" that nothing is: this service is well all the same."""
+        self._condition.set_notice(name, message)
 
     def fail(self, error: BaseException) -> None:
         """End the process with `error`, from any thread."""
         self.log.error("%s", "".join(traceback.format_exception(error)))
         self._failure = error
-        self._wake()
+        self._waker.wake()
 
-    def _wake(self) -> None:
-        with contextlib.suppress(BlockingIOError):  # full: the loop is about to wake anyway
-            self._wake_end.send(b"\0")
+    def _tell_how_it_is(self, now: float, *, asked: bool) -> None:
+        """To this machine's healthchecks, if they have asked, and to systemd: from the loop, so a hung one is seen."""
+        self._health_socket.keep_open(now)
+        if asked:
+            self._health_socket.answer(self._condition.health)
+        self._notifier.turn(now, self._condition.summary)
+        self.set_fault("health socket", self._health_socket.fault)
+        self.set_notice("systemd", self._notifier.problem)
+        if self._keys is not None:
+            self.set_notice("keys", self._keys.warning(datetime.now(UTC)))
+        if self._router is not None:
+            self.set_notice("router", self._router.problem(now))
+
+    def _sees_router(self) -> bool:
+        return bool(self.session.info.routers_zid())
 
     def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
         self._stopping = True  # the wake-up descriptor has already been written to
 
     def _on_health_query(self, query: zenoh.Query) -> None:
-        health = Health(
-            service=self.service,
-            instance=self.instance,
-            host=socket.gethostname(),
-            pid=os.getpid(),
-            uptime=time.monotonic() - self._started,
-            ok=not self._faults,
-            faults=tuple(self._faults.values()),
-        )
-        query.reply(query.key_expr, encode(health), encoding=encoding_of(Health))
+        query.reply(query.key_expr, encode(self._condition.health()), encoding=encoding_of(Health))

@@ -25,8 +25,8 @@ def main() -> None:
                     out.put(odometry)
                 if policy.notice:
                     noticed = now
-                    node.set_fault("counters", policy.notice)
+                    node.set_notice("counters", policy.notice)
             if now - noticed > SETTLED:
-                node.set_fault("counters", "")
+                node.set_notice("counters", "")
             silence = "no wheels from base; check that base runs and sees its board" if now - heard > SILENCE else ""
-            node.set_fault("wheels", silence)
+            node.set_notice("wheels", silence)

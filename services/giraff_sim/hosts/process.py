@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 import msgspec
 
 from giraff_node.board_link import BoardLink
-from giraff_node.node import Inbox
+from giraff_node.inbox import Inbox
 from giraff_node.pacing import Pacer
 from giraff_schemas.codec import stamped
 from giraff_schemas.topics import SampleT, Topic

@@ -52,7 +52,7 @@ class Base:
             "STATE_DIRECTORY": f"{self.state}:{directory}",
         }
         self._children = Children(directory)
-        self.session = open_session(network)
+        self.session = open_session(network, NAME)
         self._newest: dict[str, Sample] = {}
         self._subscribers = [self._listen(TICK), self._listen(ESTOP)]
 

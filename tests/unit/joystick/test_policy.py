@@ -65,6 +65,17 @@ def test_a_sensor_that_is_not_running_is_a_fault_with_cause_and_way_out(
     assert command.tick == tilt.tick
 
 
+def test_the_sensor_is_the_services_own_fault_and_the_robot_or_the_hand_is_not() -> None:
+    joystick = policy()
+    joystick.on_frame(tilt_frame(9.5, status=TiltStatus.BUS_FAULT), 10.0)
+    assert joystick.sensor_fault == joystick.command(10.0).reason
+    joystick.on_frame(tilt_frame(7.0, 0.0, 6.87), 10.1)
+    assert joystick.sensor_fault == ""
+    joystick.on_frame(tilt_frame(epoch=0), 10.2)
+    assert_fault(joystick.command(10.2), "robot")
+    assert joystick.sensor_fault == ""
+
+
 def test_every_status_of_the_wire_has_its_name() -> None:
     assert [after(tilt_frame(status=status))[0].status for status in TiltStatus] == [
         status.name.lower() for status in TiltStatus

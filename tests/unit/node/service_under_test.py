@@ -41,6 +41,8 @@ def main(role: str) -> None:
             for asked in requests.take() if role == "talker" else ():
                 reason = asked.request.reason
                 asked.answer(EStopAnswer(done=reason != "refuse", engaged=True, id=said, reason=reason))
+            for asked in requests.take() if role == "sleepy" else ():
+                time.sleep(float(asked.request.reason))
             if role == "broken":
                 raise RuntimeError("the loop itself broke down")
         if role == "hanging":

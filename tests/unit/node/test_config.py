@@ -91,8 +91,8 @@ def test_truths_and_numbers_of_the_environment_are_read_from_their_text(tmp_path
 
 
 def test_a_list_from_the_environment(tmp_path: Path) -> None:
-    given = environment(tmp_path, "", GIRAFF_NETWORK_CONNECT='["tcp/192.0.2.1:7447", "tcp/192.0.2.2:7447"]')
-    assert load("network", NetworkConfig, given).connect == ("tcp/192.0.2.1:7447", "tcp/192.0.2.2:7447")
+    given = environment(tmp_path, "", GIRAFF_NETWORK_CONNECT='["192.0.2.1", "192.0.2.2:7448"]')
+    assert load("network", NetworkConfig, given).connect == ("192.0.2.1", "192.0.2.2:7448")
     with pytest.raises(ConfigError, match="GIRAFF_NETWORK_CONNECT: not a list"):
         load("network", NetworkConfig, {**given, "GIRAFF_NETWORK_CONNECT": "[tcp"})
 

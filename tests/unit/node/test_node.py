@@ -8,82 +8,18 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-import msgspec
 import pytest
 import zenoh
 
-from giraff_cli.watcher import free_port
 from giraff_node.asking import Asking
-from giraff_node.session import NetworkConfig, open_session, session_config
+from giraff_node.session import NetworkConfig, session_config
 from giraff_schemas.codec import encode
-from giraff_schemas.messages import Battery, EStopAnswer, EStopEngage, Health, Tick
-from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK, Topic, alive_key, health_key, key_of
-from giraff_sim.board import ROOT
-
-ROBOT = "sim-node"
-SERVICE = Path(__file__).with_name("service_under_test.py")
-
-
-class Peers:
-    """Processes of service_under_test and a session of the test's own, on one loopback."""
-
-    def __init__(self, directory: Path) -> None:
-        self.network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
-        self._stack = ExitStack()
-        self.session = self._stack.enter_context(open_session(self.network))
-        self._directory = directory
-        self._started: list[subprocess.Popen[bytes]] = []
-
-    def start(self, role: str) -> subprocess.Popen[bytes]:
-        variables = {
-            "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
-            "GIRAFF_ROBOT_NAME": ROBOT,
-            "GIRAFF_NETWORK_LOCAL": "true",
-            "GIRAFF_NETWORK_RENDEZVOUS": self.network.rendezvous,
-        }
-        with self.log(role).open("wb") as log, self.output(role).open("wb") as output:
-            process = subprocess.Popen(
-                [sys.executable, str(SERVICE), role], env=os.environ | variables, stdout=output, stderr=log
-            )
-        self._started.append(process)
-        wait(lambda: f"robot {ROBOT}" in self.log(role).read_text())
-        return process
-
-    def log(self, role: str) -> Path:
-        return self._directory / f"{role}.log"
-
-    def output(self, role: str) -> Path:
-        return self._directory / f"{role}.out"
-
-    def alive(self) -> list[str]:
-        replies = self.session.liveliness().get(alive_key(ROBOT), timeout=1.0)
-        return sorted(str(reply.ok.key_expr).split("/")[-2] for reply in replies if reply.ok is not None)
-
-    def health(self, service: str) -> Health:
-        for reply in self.session.get(health_key(ROBOT, service), timeout=2.0):
-            if reply.ok is not None:
-                return msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)
-        raise AssertionError(f"{service} does not answer")
-
-    def close(self) -> None:
-        for process in self._started:
-            process.kill()
-            process.wait()
-        self._stack.close()
-
-    def put_until(self, topic: Topic[Any], payload: bytes, holds: Callable[[], bool]) -> None:
-        """Publish again and again: the first ones may come before the subscriber is known."""
-
-        def put_and_look() -> bool:
-            self.session.put(key_of(ROBOT, topic), payload)
-            return holds()
-
-        wait(put_and_look)
+from giraff_schemas.messages import Battery, EStopAnswer, EStopEngage, Tick
+from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK, alive_key, key_of
+from tests.unit.node.peers import ROBOT, SERVICE, Peers, wait
 
 
 @pytest.fixture
@@ -91,13 +27,6 @@ def peers(tmp_path: Path) -> Iterator[Peers]:
     started = Peers(tmp_path)
     yield started
     started.close()
-
-
-def wait(holds: Callable[[], bool], seconds: float = 10.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < deadline, "it did not come about in time"
-        time.sleep(0.02)
 
 
 def test_two_processes_meet_on_the_loopback_alone(peers: Peers) -> None:
@@ -145,15 +74,16 @@ def test_an_exception_in_a_callback_ends_it_with_a_traceback(peers: Peers) -> No
 
 def test_a_payload_that_is_no_sample_is_named_and_survived(peers: Peers) -> None:
     process = peers.start("listener")
-    assert peers.health("guard").ok
-    peers.put_until(TICK, b"\xc1 not MessagePack", lambda: not peers.health("guard").ok)
-    (fault,) = peers.health("guard").faults
+    assert not peers.health("guard").notices
+    peers.put_until(TICK, b"\xc1 not MessagePack", lambda: bool(peers.health("guard").notices))
+    (fault,) = peers.health("guard").notices
     assert key_of(ROBOT, TICK) in fault
     assert "not MessagePack" in fault
+    assert peers.health("guard").ok  # whoever sent it, this service is well
     assert process.poll() is None
     # Good ones mend it, once no bad one has come for a while.
     payload = encode(Tick(instance="test", epoch=1, robot_ns=1))
-    peers.put_until(TICK, payload, lambda: peers.health("guard").ok)
+    peers.put_until(TICK, payload, lambda: not peers.health("guard").notices)
     wait(lambda: peers.log("listener").read_text().count("recovered") == 1)  # told after it is so
     assert peers.log("listener").read_text().count("not MessagePack") == 1
 
@@ -163,7 +93,7 @@ def test_a_payload_that_is_no_sample_is_named_and_survived(peers: Peers) -> None
 )
 def test_no_payload_slips_by_unnamed(peers: Peers, payload: bytes) -> None:
     process = peers.start("listener")
-    peers.put_until(TICK, payload, lambda: not peers.health("guard").ok)
+    peers.put_until(TICK, payload, lambda: bool(peers.health("guard").notices))
     assert process.poll() is None
 
 
@@ -174,10 +104,10 @@ def test_another_schema_on_a_key_is_named(peers: Peers) -> None:
 
     def put_and_look() -> bool:
         peers.session.put(key, payload, encoding="application/msgpack;giraff.Battery")
-        return not peers.health("guard").ok
+        return bool(peers.health("guard").notices)
 
     wait(put_and_look)
-    assert "giraff.Battery" in peers.health("guard").faults[0]
+    assert "giraff.Battery" in peers.health("guard").notices[0]
 
 
 def test_any_encoding_that_claims_no_schema_is_read(peers: Peers) -> None:
@@ -219,20 +149,20 @@ def test_a_bad_configuration_ends_it_with_one_line(tmp_path: Path) -> None:
 
 
 def test_a_local_session_stays_on_the_loopback() -> None:
-    config = session_config(NetworkConfig(local=True, connect=("tcp/192.0.2.1:7447",)))
+    config = session_config(NetworkConfig(local=True, connect=("192.0.2.1",)), ROBOT)
     endpoints = config["listen"]["endpoints"] + config["connect"]["endpoints"]
     assert all(endpoint.startswith("tcp/127.0.0.1:") for endpoint in endpoints)
     assert config["scouting"]["multicast"]["enabled"] is False
 
 
 def test_a_session_on_the_network_scouts_and_connects() -> None:
-    config = session_config(NetworkConfig(connect=("tcp/192.0.2.1:7447",)))
+    config = session_config(NetworkConfig(connect=("192.0.2.1",)), ROBOT)
     assert config["connect"]["endpoints"] == ["tcp/127.0.0.1:7447", "tcp/192.0.2.1:7447"]
     assert config["scouting"]["multicast"]["enabled"] is True
 
 
 def test_the_configuration_is_one_that_zenoh_takes() -> None:
-    zenoh.Config.from_json5(json.dumps(session_config(NetworkConfig())))
+    zenoh.Config.from_json5(json.dumps(session_config(NetworkConfig(), ROBOT)))
 
 
 def test_a_request_is_answered_by_the_services_own_loop(peers: Peers) -> None:

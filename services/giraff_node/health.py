@@ -1,0 +1,59 @@
+"""How a service is: what is wrong with itself, and what it only notices of others."""
+
+from __future__ import annotations
+
+import logging
+import os
+import socket
+import time
+
+from giraff_schemas.messages import Health
+
+
+class Condition:
+    """What is wrong now. Each change is logged once; any thread may tell of one."""
+
+    def __init__(self, service: str, instance: str, log: logging.Logger) -> None:
+        self._service = service
+        self._instance = instance
+        self._log = log
+        self._started = time.monotonic()
+        self._faults: dict[str, str] = {}
+        self._notices: dict[str, str] = {}
+
+    def set_fault(self, name: str, message: str) -> None:
+        """State what is wrong with `name` of this service itself, or with "" that nothing is."""
+        self._set(self._faults, name, message)
+
+    def set_notice(self, name: str, message: str) -> None:
+        """State what keeps the service from being of use and is not its own doing, or with "" that nothing does."""
+        self._set(self._notices, name, message)
+
+    def health(self) -> Health:
+        faults = tuple(self._faults.values())
+        return Health(
+            service=self._service,
+            instance=self._instance,
+            host=socket.gethostname(),
+            pid=os.getpid(),
+            uptime=time.monotonic() - self._started,
+            ok=not faults,
+            faults=faults,
+            notices=tuple(self._notices.values()),
+        )
+
+    @property
+    def summary(self) -> str:
+        """One line for people."""
+        return "; ".join((*self._faults.values(), *self._notices.values())) or "well"
+
+    def _set(self, told: dict[str, str], name: str, message: str) -> None:
+        message = message.encode(errors="replace").decode()  # a port's path may be no text, and JSON is
+        if told.get(name, "") == message:
+            return
+        if message:
+            told[name] = message
+            self._log.warning("%s", message)
+        else:
+            told.pop(name, None)  # another subscriber's thread may have done so just now
+            self._log.info("recovered: %s", name)

@@ -1,0 +1,131 @@
+"""The program that healthchecks run: its exit codes, its words, and that it needs nothing and waits for nobody."""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from giraff_health.ask import TIMEOUT, WELL, socket_path
+from giraff_schemas.messages import Health
+from tests.unit.health.answering import PROGRAM, answering, check
+
+
+def line(*faults: str, notices: tuple[str, ...] = ()) -> bytes:
+    """The answer of a service with these faults."""
+    ok = not faults
+    health = Health(service="base", instance="1", host="h", pid=7, uptime=1.5, ok=ok, faults=faults, notices=notices)
+    return msgspec.json.encode(health) + b"\n"
+
+
+@pytest.mark.parametrize("program", [PROGRAM, ["-m", "giraff_health"]], ids=["file", "module"])
+def test_a_well_service_is_0_with_the_whole_answer(tmp_path: Path, program: list[str]) -> None:
+    answer = line(notices=("no wheels",))
+    with answering(tmp_path, answer):
+        assert check(tmp_path, "base", program=program) == (0, answer.decode())
+
+
+def test_an_unwell_one_is_1_with_a_line_a_fault(tmp_path: Path) -> None:
+    with answering(tmp_path, line("/dev/x: unplugged", "the disk is full")):
+        assert check(tmp_path, "base") == (1, "/dev/x: unplugged\nthe disk is full\n")
+
+
+def test_no_words_of_a_fault_make_a_service_well() -> None:
+    assert WELL in line()
+    assert WELL not in line('"ok":true', WELL.decode(), '\\"ok":true')
+
+
+def test_an_answer_in_pieces_is_put_together(tmp_path: Path) -> None:
+    answer = line("a" * 5000)
+    with answering(tmp_path, answer[:100], answer[100:]):
+        assert check(tmp_path, "base") == (1, "a" * 5000 + "\n")
+
+
+@pytest.mark.parametrize("answer", [b"\n", b"{}\n", b"[1]\n", b'{"faults":3}\n', b"\xff\xfe\n", b"[" * 60_000 + b"\n"])
+def test_what_is_no_answer_is_2_and_no_traceback(tmp_path: Path, answer: bytes) -> None:
+    with answering(tmp_path, answer):
+        code, words = check(tmp_path, "base")
+    assert code == 2
+    assert "not an answer" in words
+
+
+def test_a_service_that_ends_meanwhile_is_2(tmp_path: Path) -> None:
+    with answering(tmp_path, line()[:20]):
+        code, words = check(tmp_path, "base")
+    assert code == 2
+    assert "ended just now" in words
+
+
+@pytest.mark.parametrize("parts", [(), (b"{",)], ids=["mute", "stuck"])
+def test_a_service_that_hangs_is_2_in_time(tmp_path: Path, parts: tuple[bytes, ...]) -> None:
+    with answering(tmp_path, *parts, then_silent=True):
+        began = time.monotonic()
+        code, words = check(tmp_path, "base")
+        took = time.monotonic() - began
+    assert code == 2
+    assert "hangs" in words
+    assert TIMEOUT <= took < TIMEOUT + 3.0  # the rest is this machine's
+
+
+def test_a_queue_that_is_full_is_2_at_once(tmp_path: Path) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
+        listener.bind(str(tmp_path / "base.sock"))
+        listener.listen(0)
+        waiting = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        with waiting:
+            waiting.connect(str(tmp_path / "base.sock"))
+            code, words = check(tmp_path, "base")
+    assert code == 2
+    assert "hangs" in words
+
+
+def test_nobody_there_is_2_with_the_likely_cause(tmp_path: Path) -> None:
+    code, words = check(tmp_path, "base")
+    assert code == 2
+    assert f"{tmp_path}/base.sock" in words
+    assert "does not run" in words
+
+
+def test_a_dead_ones_socket_is_2(tmp_path: Path) -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as dead:
+        dead.bind(str(tmp_path / "base.sock"))
+    code, words = check(tmp_path, "base")
+    assert code == 2
+    assert "died" in words
+
+
+def test_a_path_that_no_socket_can_have_is_2(tmp_path: Path) -> None:
+    code, words = check(tmp_path / ("x" * 120), "base")
+    assert code == 2
+    assert "too long" in words
+
+
+@pytest.mark.parametrize("arguments", [(), ("base", "guard"), ("../base",), ("",)])
+def test_a_wrong_call_is_2_with_the_right_one(tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    code, words = check(tmp_path, *arguments)
+    assert code == 2
+    assert words.startswith("usage:")
+
+
+def test_without_a_variable_it_asks_where_the_unit_has_it() -> None:
+    assert socket_path("base", {}) == "/run/giraff/base/base.sock"
+    assert socket_path("base", {"RUNTIME_DIRECTORY": "/run/a:/run/b"}) == "/run/a/base.sock"
+
+
+def test_it_imports_little_and_nothing_that_is_installed(tmp_path: Path) -> None:
+    run = subprocess.run(
+        [sys.executable, "-X", "importtime", *PROGRAM, "base"],
+        env=os.environ | {"RUNTIME_DIRECTORY": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    loaded = {line.rpartition("|")[2].strip() for line in run.stderr.splitlines()}
+    assert "socket" in loaded
+    assert not loaded & {"json", "re", "typing", "pathlib", "subprocess", "asyncio", "site", "zenoh", "msgspec"}
