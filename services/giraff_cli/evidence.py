@@ -74,5 +74,6 @@ class Evidence:
         return max(0.0, (then_ns - moment.robot_ns) * 1e-9)
 
     def faults(self, service: str) -> str:
-        """What the processes of a service say is wrong with them; empty: nothing, or no answer."""
-        return "; ".join(fault for health in self.health if health.service == service for fault in health.faults)
+        """What the processes of a service say is wrong, with them or elsewhere; empty: nothing, or no answer."""
+        told = [health for health in self.health if health.service == service]
+        return "; ".join(fault for health in told for fault in (*health.faults, *health.notices))

@@ -3,11 +3,26 @@
 from __future__ import annotations
 
 from collections import Counter, deque
+from dataclasses import dataclass
 from typing import Final
 
 _WINDOW: Final = 3.0  # s that the rate of now looks back
 _MARK_EVERY: Final = 0.25  # s
 _AGE_STEP_MS: Final = 0.1
+
+
+@dataclass(frozen=True)
+class Totals:
+    """Over a whole time."""
+
+    lost: int = 0
+    made: int = 0
+    """Samples after the first."""
+    took: float = 0.0
+    """s in which they were made."""
+
+    def __add__(self, other: Totals) -> Totals:
+        return Totals(self.lost + other.lost, self.made + other.made, self.took + other.took)
 
 
 class Flow:
@@ -18,14 +33,16 @@ class Flow:
         self.lost = 0
         self._first_seq = self._last_seq = seq
         self._first_s = self._last_s = seconds
-        self._marks: deque[tuple[float, int]] = deque()
+        self._marks: deque[tuple[float, int, int]] = deque()
+        """Now and then: s, the newest number, lost before it."""
 
     def hear(self, seq: int, seconds: float) -> None:
         """A sample."""
+        lost_before = self.lost
         self.lost += max(0, seq - self._last_seq - 1)
         self._last_seq, self._last_s = max(seq, self._last_seq), seconds
         if not self._marks or seconds - self._marks[-1][0] >= _MARK_EVERY:
-            self._marks.append((seconds, seq))
+            self._marks.append((seconds, seq, lost_before))
             while self._marks[0][0] < seconds - _WINDOW:
                 self._marks.popleft()
 
@@ -34,21 +51,24 @@ class Flow:
         self._first_seq, self._first_s = self._last_seq, self._last_s
 
     @property
-    def made(self) -> int:
-        """Samples after the first."""
-        return self._last_seq - self._first_seq
+    def totals(self) -> Totals:
+        """Since the first sample, or since `begin`."""
+        return Totals(self.lost, self._last_seq - self._first_seq, self._last_s - self._first_s)
 
-    @property
-    def took(self) -> float:
-        """s in which they were made."""
-        return self._last_s - self._first_s
+    def has_ended(self, seconds: float) -> bool:
+        """Whether it has told nothing of late."""
+        return seconds - self._last_s > _WINDOW
 
     def rate_now(self, seconds: float) -> float | None:
         """Hz over the last moments; None: too few samples to tell."""
-        if seconds - self._last_s > _WINDOW or not self._marks:
+        if self.has_ended(seconds) or not self._marks:
             return None
-        since, seq = self._marks[0]
+        since, seq, _ = self._marks[0]
         return (self._last_seq - seq) / (self._last_s - since) if self._last_s - since >= _MARK_EVERY else None
+
+    def loses_now(self, seconds: float) -> bool:
+        """Whether any were lost in the last moments."""
+        return not self.has_ended(seconds) and bool(self._marks) and self.lost > self._marks[0][2]
 
 
 class Ages:

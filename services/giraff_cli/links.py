@@ -6,9 +6,10 @@ from typing import Final
 
 from giraff_cli.evidence import Heard
 from giraff_cli.scene import Link, Scene, several, told
+from giraff_cli.words import verdicts
 from giraff_guard.config import GuardConfig
 from giraff_node.estop import RESET_COMMAND
-from giraff_schemas.messages import DriveCommand, GuardState, Range, Verdict
+from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.topics import BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 
 _BUDGET: Final = GuardConfig().operator_budget
@@ -130,7 +131,7 @@ def guard(scene: Scene) -> Link:
     if blocked := scene.blocked:
         text = "; ".join(_judged(way, verdict) for way, verdict in blocked)
         return told("guard", "waits" if scene.broken("ranger") else "STOPS", heard, text)
-    limits = [_judged(way, verdict) for way, verdict in _verdicts(state) if verdict.freedom in ("blocked", "creep")]
+    limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.freedom in ("blocked", "creep")]
     limits += [f"{sensor} is not trusted: {why}" for sensor, why in state.sensors.items() if why]
     if limits:
         return told("guard", "limits", heard, "; ".join(limits))
@@ -181,15 +182,6 @@ def wheels(scene: Scene) -> Link:
     state = heard.sample
     speeds = f"{state.left_velocity:z.2f} and {state.right_velocity:z.2f} m/s"
     return told("wheels", "ok", heard, f"{speeds} at levels {state.left_pwm_counts} and {state.right_pwm_counts}")
-
-
-def _verdicts(state: GuardState) -> list[tuple[str, Verdict]]:
-    return [
-        ("forward", state.forward),
-        ("backward", state.backward),
-        ("turn left", state.turn_left),
-        ("turn right", state.turn_right),
-    ]
 
 
 def _judged(way: str, verdict: Verdict) -> str:

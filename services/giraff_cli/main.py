@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -25,6 +26,8 @@ estop = typer.Typer(no_args_is_help=True, help="Stop the robot from any machine,
 check = typer.Typer(no_args_is_help=True, help="Checks that a robot must have passed before it drives.")
 app.add_typer(estop, name="estop")
 app.add_typer(check, name="check")
+keys = typer.Typer(no_args_is_help=True)
+app.add_typer(keys, name="keys")
 
 _REFUSED = 2  # exit code: nothing was started
 
@@ -38,10 +41,9 @@ Robot = Annotated[
 ]
 Connect = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="ENDPOINT", help="Like tcp/192.168.1.20:7447, where multicast does not reach.", show_default=False
-    ),
+    typer.Option(metavar="HOST", help="Like 192.168.1.20, where multicast does not reach.", show_default=False),
 ]
+Folder = Annotated[Path, typer.Option(metavar="FOLDER", help="Where the CA and all bundles are kept.")]
 Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, help="How long to try.")]
 
 
@@ -106,6 +108,26 @@ def why(
     from giraff_cli.why import explain  # noqa: PLC0415
 
     raise typer.Exit(visit(robot, connect or (), 3.0, lambda watcher: explain(watcher, seconds, as_json=as_json)))
+
+
+@app.command()
+def watch(
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Annotated[
+        float | None, typer.Option("--for", metavar="SECONDS", help="End after so long; else with Ctrl-C.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs: one JSON object a second.")] = False,
+) -> None:
+    """The operator's screen of a robot: path, velocity, ranges, who drives, what guard and base allow and why.
+
+    In a terminal a live view, else one line a second. It only listens, waits for a robot that is not there yet, and
+    takes one that comes back up again. Exit code: 0; 1 standard output takes nothing; 2 no robot came within --for,
+    or several are there and none is named.
+    """
+    from giraff_cli.watch import watch as it  # noqa: PLC0415
+
+    raise typer.Exit(it(robot, connect or (), seconds, as_json=as_json))
 
 
 @estop.command()
@@ -175,6 +197,62 @@ def dst(
     from giraff_cli.dst import explore  # noqa: PLC0415
 
     raise typer.Exit(explore(seeds, seed, jobs, json))
+
+
+@keys.callback()
+def needs_cryptography() -> None:
+    """Certificates by which hosts know each other: see docs/keys.md."""
+    if find_spec("cryptography") is None:
+        typer.echo("giraff keys: the library cryptography is missing: pip install 'giraff[cli,keys]'", err=True)
+        raise typer.Exit(_REFUSED)
+
+
+@keys.command()
+def init(folder: Folder = Path("keys")) -> None:
+    """Make a certificate authority (CA) of one's own, in a new folder that stays on this machine.
+
+    Exit code: 0 made; 2 not, and nothing is changed.
+    """
+    from giraff_cli import keys as it  # noqa: PLC0415
+
+    raise typer.Exit(it.init(folder, it.now()))
+
+
+@keys.command()
+def host(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="As the access rules call the host.", show_default=False)],
+    addresses: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="ADDRESS",
+            help="IP addresses and DNS names at which others reach it; its loopback is added.",
+            show_default=False,
+        ),
+    ] = None,
+    folder: Folder = Path("keys"),
+    days: Annotated[int, typer.Option(metavar="N", min=1, max=3650, help="How long it is valid.")] = 730,
+    renew: Annotated[bool, typer.Option("--renew", help="New certificate, new key; addresses as before.")] = False,
+) -> None:
+    """Make the bundle of a host: the folder that is copied to it as /etc/giraff/keys.
+
+    Exit code: 0 made; 2 not, and nothing is changed.
+    """
+    from giraff_cli import keys as it  # noqa: PLC0415
+
+    raise typer.Exit(it.host(folder, name, addresses or (), days=days, renew=renew, moment=it.now()))
+
+
+@keys.command("list")
+def list_keys(
+    folder: Folder = Path("keys"), as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False
+) -> None:
+    """The hosts that have keys, until when, and what is wrong with them.
+
+    Exit code: 0 all is well; 1 there is something to do; 2 something cannot be read.
+    """
+    from giraff_cli import keys as it  # noqa: PLC0415
+
+    raise typer.Exit(it.show(folder, it.now(), as_json=as_json))
 
 
 def _tell(robot: str | None, connect: list[str] | None, timeout: float, act: Callable[[Watcher], Told]) -> None:

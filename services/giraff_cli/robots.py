@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
@@ -66,6 +67,34 @@ def robots_alive(session: zenoh.Session) -> list[str]:
     return sorted({str(reply.ok.key_expr).split("/")[1] for reply in replies if reply.ok is not None})
 
 
+class Roster:
+    """The robots on the network, as their services come and go. It asks nobody, and so never waits."""
+
+    def __init__(self, session: zenoh.Session) -> None:
+        self._tokens: set[str] = set()
+        self._news: deque[tuple[str, bool]] = deque()  # of Zenoh's threads
+        self._found_at: float | None = None
+        self._subscriber = session.liveliness().declare_subscriber(alive_key("*"), self._on_token, history=True)
+
+    @property
+    def names(self) -> list[str]:
+        """Those of which any service is there now."""
+        for _ in range(len(self._news)):
+            token, present = self._news.popleft()
+            (self._tokens.add if present else self._tokens.discard)(token)
+        return sorted({token.split("/")[1] for token in self._tokens})
+
+    @property
+    def settled(self) -> list[str]:
+        """The same, as soon as all that can be met at once have been."""
+        names, now = self.names, time.monotonic()
+        self._found_at = (self._found_at or now) if names else None
+        return names if self._found_at is not None and now - self._found_at >= _SETTLED else []
+
+    def _on_token(self, received: zenoh.Sample) -> None:
+        self._news.append((str(received.key_expr), received.kind == zenoh.SampleKind.PUT))
+
+
 def only_robot(session: zenoh.Session, patience: float) -> str:
     """The one robot on the network, where nobody has named one. Raises NoRobotError."""
     deadline = time.monotonic() + patience
@@ -74,23 +103,37 @@ def only_robot(session: zenoh.Session, patience: float) -> str:
             raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {HOW_TO_REACH}")
         time.sleep(_ASK_AGAIN)
     time.sleep(_SETTLED)
-    found = sorted({*found, *robots_alive(session)})
+    return only_one(sorted({*found, *robots_alive(session)}))
+
+
+def only_one(found: Sequence[str]) -> str:
+    """The robot that is meant where nobody has named one and these, at least one, are there. Raises NoRobotError."""
     if len(found) > 1:
-        raise NoRobotError(
-            f"several robots are on the network; name one: {', '.join(f'--robot {name}' for name in found)}"
-        )
+        raise NoRobotError(f"several robots are on the network; name one: {_options(found)}")
     return found[0]
 
 
-HOW_TO_REACH: Final = (
-    "check that it is on and on this network; where multicast does not reach, give --connect tcp/ROBOT:7447"
-)
+HOW_TO_REACH: Final = "check that it is on and on this network; where multicast does not reach, give --connect ROBOT"
 
 
 def others(session: zenoh.Session, robot: str) -> str:
     """A hint for one who has named a robot that is not there; empty when no other is."""
-    found = [name for name in robots_alive(session) if name != robot]
-    return f"; on the network: {', '.join(f'--robot {name}' for name in found)}" if found else ""
+    return _instead(robots_alive(session), robot)
+
+
+def unheard(robot: str, found: Sequence[str]) -> str:
+    """What to say of a robot that is not heard where these are; empty: nobody has named one."""
+    whom = f"no robot called {robot}" if robot else "no robot"
+    return f"{whom} is heard on the network; {HOW_TO_REACH}{_instead(found, robot) if robot else ''}"
+
+
+def _instead(found: Sequence[str], robot: str) -> str:
+    there = [name for name in found if name != robot]
+    return f"; on the network: {_options(there)}" if there else ""
+
+
+def _options(found: Sequence[str]) -> str:
+    return ", ".join(f"--robot {name}" for name in found)
 
 
 def _tables(environment: Mapping[str, str]) -> dict[str, dict[str, Any]]:

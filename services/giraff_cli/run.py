@@ -15,16 +15,18 @@ from typing import Final
 import msgspec
 import zenoh
 
+from giraff_cli.layout import Standing
 from giraff_cli.plan import Plan
 from giraff_cli.run_directory import RunDirectory
-from giraff_cli.screen import Nobody, Screen, open_screen, picture, say
+from giraff_cli.run_telemetry import RunTelemetry
+from giraff_cli.screen import Nobody, Screen, as_svg, open_screen, say
 from giraff_cli.simulated import SERVICES, SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.stopping import Stopping
 from giraff_cli.summary import summarize, to_json, to_text
-from giraff_cli.telemetry import Telemetry
-from giraff_cli.view import Frame, Standing
+from giraff_cli.view import Frame, RunSight
 from giraff_cli.watcher import Watcher, claim, free_port
 from giraff_node import robot_now_ns
+from giraff_node.config import ConfigError
 from giraff_node.session import open_session
 from giraff_node.state import write_file_durably
 from giraff_sim.client import SimulatorError
@@ -51,7 +53,9 @@ def drive(plan: Plan) -> int:
         if held is None and not network.local:
             return _refuse(f"a run of {robot} is going on on this host{_WAY_OUT}")
         try:
-            watcher = Watcher(robot, open_session(network))
+            watcher = Watcher(robot, open_session(network, robot))
+        except ConfigError as error:
+            return _refuse(str(error))
         except zenoh.ZError as error:
             return _refuse(f"no Zenoh session: {error}; check the table [network] of the robot file")
         try:
@@ -106,10 +110,10 @@ class Run:
 
     def go(self) -> int:
         """The whole of it; the exit code."""
-        telemetry: Telemetry | None = None
+        telemetry: RunTelemetry | None = None
         try:
             if self._robot.start_simulator(self._stopping):
-                telemetry = Telemetry(tuple(self._plan.robot.sensors), self._robot.truth())
+                telemetry = RunTelemetry(tuple(self._plan.robot.sensors), self._robot.truth())
                 self._watch(telemetry)
         except (StartError, SimulatorError) as error:
             self._note_ended()
@@ -123,7 +127,7 @@ class Run:
             self._conclude(telemetry)
         return _FAILED if self._failures else _DONE
 
-    def _watch(self, telemetry: Telemetry) -> None:
+    def _watch(self, telemetry: RunTelemetry) -> None:
         self._watcher.listen()
         self._screen = open_screen()
         try:
@@ -132,14 +136,12 @@ class Run:
             telemetry.begin()
             self._drive(telemetry)
             if self._plan.picture is not None:
-                now_ns = robot_now_ns()
-                drawn = picture(telemetry.snapshot(now_ns), self._frame(telemetry, now_ns))
-                write_file_durably(self._plan.picture, drawn.encode())
+                write_file_durably(self._plan.picture, as_svg(self._sight(telemetry).picture()).encode())
             self._come_to_rest(telemetry)
         finally:
             self._screen.close()
 
-    def _await_services(self, telemetry: Telemetry) -> None:
+    def _await_services(self, telemetry: RunTelemetry) -> None:
         deadline = time.monotonic() + _SERVICES_WITHIN
         while missing := set(SERVICES) - telemetry.alive - self._robot.ended.keys():
             if time.monotonic() > deadline:
@@ -148,14 +150,14 @@ class Run:
             if self._stopping.wait(_LOOK_EVERY) or not self._look(telemetry):
                 return
 
-    def _drive(self, telemetry: Telemetry) -> None:
+    def _drive(self, telemetry: RunTelemetry) -> None:
         until = math.inf if self._plan.seconds is None else time.monotonic() + self._plan.seconds
         while self._look(telemetry):
             left = until - time.monotonic()
             if left <= 0.0 or self._stopping.wait(min(_LOOK_EVERY, left)):
                 return
 
-    def _come_to_rest(self, telemetry: Telemetry) -> None:
+    def _come_to_rest(self, telemetry: RunTelemetry) -> None:
         """Lay the joystick flat and let odometry catch up: a moving robot is never where it was last heard of."""
         if SIMULATOR in self._robot.ended:
             return
@@ -168,16 +170,15 @@ class Run:
                 return
             looks = looks + 1 if telemetry.truth.is_at_rest else 0
 
-    def _look(self, telemetry: Telemetry) -> bool:
+    def _look(self, telemetry: RunTelemetry) -> bool:
         """Take in what there is and show it; False when the world has ended."""
         self._note_ended()
         if SIMULATOR in self._robot.ended:
             return False
         self._watcher.pass_on(telemetry)
         telemetry.see(self._robot.truth())
-        now_ns = robot_now_ns()
         try:
-            self._screen.show(telemetry.snapshot(now_ns), self._frame(telemetry, now_ns))
+            self._screen.show(self._sight(telemetry))
         except OSError:  # whoever watched has gone
             self._screen = Nobody()
             self._stopping.ask()
@@ -186,8 +187,9 @@ class Run:
     def _note_ended(self) -> None:
         self._failures += [str(ended) for ended in self._robot.reap()]
 
-    def _frame(self, telemetry: Telemetry, now_ns: int) -> Frame:
-        return Frame(
+    def _sight(self, telemetry: RunTelemetry) -> RunSight:
+        now_ns = robot_now_ns()
+        frame = Frame(
             robot=self._plan.robot.name,
             boards=self._plan.boards,
             seed=self._plan.seed,
@@ -196,15 +198,16 @@ class Run:
             services={service: self._standing(service, telemetry) for service in SERVICES},
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )
+        return RunSight(telemetry.snapshot(now_ns), frame)
 
-    def _standing(self, service: str, telemetry: Telemetry) -> Standing:
+    def _standing(self, service: str, telemetry: RunTelemetry) -> Standing:
         if service in self._robot.ended:
             return "ended"
         if service in telemetry.alive:
             return "alive"
         return "starting" if self._began_ns is None else "silent"
 
-    def _conclude(self, telemetry: Telemetry) -> None:
+    def _conclude(self, telemetry: RunTelemetry) -> None:
         summary = summarize(
             telemetry,
             robot=self._plan.robot.name,

@@ -1,4 +1,4 @@
-"""Where a run is shown: a live view in a terminal, else one line a second."""
+"""Where a robot is shown: a live view in a terminal, else one line a second."""
 
 from __future__ import annotations
 
@@ -6,24 +6,36 @@ import contextlib
 import io
 import os
 import re
+import select
 import sys
 from typing import Final, Protocol
 
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.live import Live
 
-from giraff_cli.line import line
-from giraff_cli.telemetry import Snapshot
-from giraff_cli.view import Frame, view
+from giraff_cli.words import printable
 
 _PICTURE_COLUMNS: Final = 100
 _WEB_FONTS: Final = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)
 
 
+class Sight(Protocol):
+    """What is to be seen at one moment."""
+
+    @property
+    def elapsed(self) -> float:
+        """s since it began."""
+        ...
+
+    def picture(self) -> RenderableType: ...
+
+    def line(self) -> str: ...
+
+
 class Screen(Protocol):
     """Raises OSError from `show` when nobody can see it any more."""
 
-    def show(self, snapshot: Snapshot, frame: Frame) -> None: ...
+    def show(self, sight: Sight) -> None: ...
 
     def close(self) -> None: ...
 
@@ -35,8 +47,9 @@ class Terminal:
         self._live = Live(console=Console(highlight=False), screen=True, auto_refresh=False)
         self._live.start()
 
-    def show(self, snapshot: Snapshot, frame: Frame) -> None:
-        self._live.update(view(snapshot, frame), refresh=True)
+    def show(self, sight: Sight) -> None:
+        if _takes_more():
+            self._live.update(sight.picture(), refresh=True)
 
     def close(self) -> None:
         with contextlib.suppress(OSError):  # the terminal may be gone
@@ -44,15 +57,15 @@ class Terminal:
 
 
 class Lines:
-    """A line in each second of the run."""
+    """A line in each second."""
 
     def __init__(self) -> None:
         self._next = 0.0
 
-    def show(self, snapshot: Snapshot, frame: Frame) -> None:
-        if frame.elapsed >= self._next:
-            self._next = int(frame.elapsed) + 1.0
-            print(line(snapshot, frame.elapsed), flush=True)
+    def show(self, sight: Sight) -> None:
+        if sight.elapsed >= self._next and _takes_more():
+            self._next = int(sight.elapsed) + 1.0
+            print(printable(sight.line()), flush=True)
 
     def close(self) -> None:
         """Nothing is left to restore."""
@@ -61,7 +74,7 @@ class Lines:
 class Nobody:
     """Nobody watches."""
 
-    def show(self, snapshot: Snapshot, frame: Frame) -> None:
+    def show(self, sight: Sight) -> None:
         """Nothing to do."""
 
     def close(self) -> None:
@@ -80,15 +93,25 @@ def say(text: str) -> None:
     try:
         print(text, flush=True)
     except OSError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())  # or Python complains at exit of what it cannot flush
-        os.close(nowhere)
+        drop_output()
 
 
-def picture(snapshot: Snapshot, frame: Frame) -> str:
-    """The live view as SVG, with the reader's own fonts."""
+def drop_output() -> None:
+    """Nobody takes standard output any more: forget what waits there, or Python complains of it at its exit."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
+
+
+def as_svg(picture: RenderableType) -> str:
+    """A live view as SVG, with the reader's own fonts."""
     console = Console(
         file=io.StringIO(), record=True, width=_PICTURE_COLUMNS, force_terminal=True, color_system="truecolor"
     )
-    console.print(view(snapshot, frame))
+    console.print(picture)
     return _WEB_FONTS.sub("", console.export_svg(title="giraff run"))
+
+
+def _takes_more() -> bool:
+    """Whether standard output takes more without delay. A paused reader must not hold up what else is to be done."""
+    return bool(select.select([], [sys.stdout], [], 0.0)[1])

@@ -7,7 +7,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.telemetry import AgeSummary, Telemetry
+from giraff_cli.run_telemetry import AgeSummary, RunTelemetry
 from giraff_schemas.topics import BASE
 
 _LABEL: Final = 15  # characters
@@ -47,7 +47,7 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def summarize(
-    telemetry: Telemetry, *, robot: str, boards: str, seed: int, began_ns: int, failures: list[str]
+    telemetry: RunTelemetry, *, robot: str, boards: str, seed: int, began_ns: int, failures: list[str]
 ) -> Summary:
     """The numbers of the run that began at `began_ns` (robot's clock) and ends with the newest truth."""
     truth, apart = telemetry.truth, telemetry.apart

@@ -11,30 +11,42 @@ import zenoh
 
 from giraff_cli.robots import NoRobotError, find_way, only_robot
 from giraff_cli.watcher import Watcher
+from giraff_node.config import ConfigError
 from giraff_node.session import open_session
 
 UNUSABLE: Final = 2
 
+_CLOSE_WITHIN: Final = 0.3  # s; whoever has ended a command does not wait, and the robot sees a dead link at once
+
 
 def visit(robot: str | None, connect: Sequence[str], patience: float, act: Callable[[Watcher], int]) -> int:
     """The exit code of `act`, or UNUSABLE where there is no robot to act on. `patience`: s, to look for one."""
+
+    def find_and_act(watcher: Watcher) -> int:
+        watcher.robot = watcher.robot or only_robot(watcher.session, patience)
+        return act(watcher)
+
+    return join(robot, connect, find_and_act)
+
+
+def join(robot: str | None, connect: Sequence[str], act: Callable[[Watcher], int]) -> int:
+    """The exit code of `act` on the network, whose watcher has no robot where nobody has named one; or UNUSABLE."""
     try:
         way = find_way(robot, connect)
         if way.warning:
             complain(f"not everything of robot file and environment counts: {way.warning}")
-        session = open_session(way.network, visiting=True)
-    except NoRobotError as error:
+        session = open_session(way.network, way.robot or "*", visiting=True)
+    except (NoRobotError, ConfigError) as error:
         return complain(str(error))
     except zenoh.ZError as error:
         return complain(f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect")
     watcher = Watcher(way.robot, session)
     try:
-        watcher.robot = way.robot or only_robot(session, patience)
         code = act(watcher)
     except NoRobotError as error:
         code = complain(str(error))
     sys.stdout.flush()
-    if not watcher.close():  # Zenoh would hold the process, and nothing is left to do
+    if not watcher.close(_CLOSE_WITHIN):  # Zenoh would hold the process, and nothing is left to do
         os._exit(code)
     return code
 

@@ -20,6 +20,7 @@ from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
 
 _OWN_PORTS: Final = (20_000, 32_000)  # below Linux's range for outgoing connections, 32768 to 60999
 _ASK_AGAIN: Final = 0.1  # s
+_MOST_WAITING: Final = 20_000  # reports, 40 s of them; a listener that stands still longer loses the oldest
 
 
 class Listener(Protocol):
@@ -43,9 +44,10 @@ class Watcher:
         """`session`: of this watcher alone, which closes it."""
         self.robot = robot
         self.session = session
-        self._heard: deque[Report] = deque()
-        self._declared: list[Any] = []  # a subscriber that nobody references ends
-        self._complaints: dict[str, str] = {}
+        self._heard: deque[Report] = deque(maxlen=_MOST_WAITING)
+        self._declared: dict[str, Any] = {}  # by key; a subscriber that nobody references ends
+        self._complaints: dict[str, tuple[int, str]] = {}
+        """Of each key: when (robot's clock), what."""
 
     def namesake(self, patience: float) -> str | None:
         """The liveliness token of a base that already runs under this robot's name; looks for `patience` s."""
@@ -60,10 +62,18 @@ class Watcher:
     def listen(self, topics: Iterable[Topic[Any]] = TOPICS) -> None:
         """Hear these topics of the robot, and its services come and go."""
         for topic in topics:
-            self._declared.append(self.session.declare_subscriber(key_of(self.robot, topic), self._hearer(topic)))
-        self._declared.append(
-            self.session.liveliness().declare_subscriber(alive_key(self.robot), self._on_token, history=True)
-        )
+            self.follow(topic)
+        tokens = alive_key(self.robot)
+        self._declared[tokens] = self.session.liveliness().declare_subscriber(tokens, self._on_token, history=True)
+
+    def follow(self, topic: Topic[Any]) -> None:
+        """Hear this topic of the robot, too."""
+        key = key_of(self.robot, topic)
+        self._declared[key] = self.session.declare_subscriber(key, self._hearer(topic))
+
+    def leave(self, topic: Topic[Any]) -> None:
+        """Hear it no longer."""
+        self._declared.pop(key_of(self.robot, topic)).undeclare()
 
     def pass_on(self, listener: Listener) -> None:
         """Tell `listener` what was heard since the last call."""
@@ -74,11 +84,15 @@ class Watcher:
     @property
     def complaints(self) -> list[str]:
         """What could not be decoded, the newest of each key."""
-        return list(self._complaints.values())
+        return self.complaints_since(0)
 
-    def close(self) -> bool:
-        """Leave the network; False when Zenoh does not come back from it."""
-        return close_session(self.session)
+    def complaints_since(self, at_ns: int) -> list[str]:
+        """The same, of what came after `at_ns`."""
+        return [complaint for when_ns, complaint in list(self._complaints.values()) if when_ns >= at_ns]
+
+    def close(self, within: float = 1.0) -> bool:
+        """Leave the network; False when Zenoh does not come back from it, after `within` s."""
+        return close_session(self.session, within)
 
     def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
         def on_sample(received: zenoh.Sample) -> None:
@@ -87,7 +101,7 @@ class Watcher:
             try:
                 sample: Sample = decode(topic, key, bytes(received.payload), str(received.encoding))
             except DecodeError as error:
-                self._complaints[key] = str(error)
+                self._complaints[key] = now_ns, str(error)
                 return
             below = key.removeprefix(f"{ROOT}/{self.robot}/")
             self._heard.append(lambda listener: listener.hear(topic, below, sample, now_ns))

@@ -15,7 +15,7 @@ from rich.text import Text
 
 from giraff_cli.diagnosis import Diagnosis, diagnose
 from giraff_cli.evidence import Evidence
-from giraff_cli.robots import HOW_TO_REACH, others
+from giraff_cli.robots import robots_alive, unheard
 from giraff_cli.scene import Standing
 from giraff_cli.visit import complain
 from giraff_cli.watcher import Watcher
@@ -41,8 +41,7 @@ def explain(watcher: Watcher, seconds: float, *, as_json: bool) -> int:
     """Listen for `seconds`, print what was found; the exit code."""
     evidence = listen(watcher, seconds)
     if evidence.empty:
-        hint = others(watcher.session, watcher.robot)
-        return complain(f"no robot called {watcher.robot} is heard on the network; {HOW_TO_REACH}{hint}")
+        return complain(unheard(watcher.robot, robots_alive(watcher.session)))
     diagnosis = diagnose(evidence)
     if as_json:
         print(msgspec.json.format(msgspec.json.encode(diagnosis), indent=2).decode())

@@ -21,7 +21,7 @@ def giraff(robot: ProcessRobot, *words: str, name: str | None = "sim-test") -> s
     """What it says of `robot`. `name`: as it is given on the command line; None: it is not."""
     nowhere = robot.directory / "nowhere"
     nowhere.mkdir(exist_ok=True)
-    options = ["--connect", f"tcp/{robot.environment['GIRAFF_NETWORK_RENDEZVOUS']}"]
+    options = ["--connect", robot.environment["GIRAFF_NETWORK_RENDEZVOUS"]]
     options += [] if name is None else ["--robot", name]
     command = [str(GIRAFF), *words, *options]
     return subprocess.run(

@@ -19,7 +19,7 @@ class Observer:
 
     def __init__(self, environment: Mapping[str, str]) -> None:
         self._robot = environment["GIRAFF_ROBOT_NAME"]
-        settings = session_config(load("network", NetworkConfig, environment))
+        settings = session_config(load("network", NetworkConfig, environment), self._robot)
         settings["listen"]["endpoints"] = ["tcp/127.0.0.1:0"]  # the rendezvous is owned by one of the robot's own
         self.session = zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
         self._newest: dict[str, Any] = {}

@@ -212,14 +212,15 @@ class ProcessRobot:
     def _set_apart(self) -> None:
         """Let the joystick reach base and guard through a cable each, and nothing else."""
         network = load("network", NetworkConfig, self.environment)
-        operators = session_config(network)
+        name = self.environment["GIRAFF_ROBOT_NAME"]
+        operators = session_config(network, name)
         operators["listen"]["endpoints"] = []
         operators["connect"]["endpoints"] = []
         operators["scouting"]["gossip"] = {"enabled": False}  # it would tell the others' own ports
         for service in ("base", "guard"):
             port = free_port()
             self.cables.append(self._end.enter_context(Cable(free_port(), port)))
-            settings = session_config(network)
+            settings = session_config(network, name)
             settings["listen"]["endpoints"].append(f"tcp/127.0.0.1:{port}")
             self._write_session(service, settings)
             operators["connect"]["endpoints"].append(f"tcp/127.0.0.1:{self.cables[-1].port}")

@@ -265,9 +265,9 @@ def test_a_robot_of_the_same_name_on_the_network_is_refused(command: Command) ->
     elsewhere = f"127.0.0.1:{free_port()}"
     robot_file = command.directory / "robot.toml"
     settings = (ROOT / "deploy" / "robot.toml").read_text()
-    robot_file.write_text(settings.replace("[network]", f'[network]\nconnect = ["tcp/{elsewhere}"]'))
+    robot_file.write_text(settings.replace("[network]", f'[network]\nconnect = ["{elsewhere}"]'))
     command.environment["GIRAFF_CONFIG"] = str(robot_file)
-    other = Watcher(command.robot, open_session(NetworkConfig(rendezvous=elsewhere, local=True)))
+    other = Watcher(command.robot, open_session(NetworkConfig(rendezvous=elsewhere, local=True), command.robot))
     with other.session.liveliness().declare_token(alive_key(command.robot, "base", "there")):
         code, out, err = command.run("--for", "5", local=False)
     assert other.close()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from giraff_cli.motion import Pose, Truth
+from giraff_cli.run_telemetry import RunTelemetry
 from giraff_cli.telemetry import Telemetry
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
@@ -58,7 +59,7 @@ def odometry(robot_ns: int, x: float, y: float = 0.0, yaw: float = 0.0) -> Odome
         x=x,
         y=y,
         yaw=yaw,
-        linear_x=0.0,
+        linear_x=0.4,
         angular_z=0.0,
         covariance=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
         path=abs(x),
@@ -161,9 +162,15 @@ class Network:
             self.telemetry.hear(topic, key, stamped(sample, seq, 0, maker), at_ns)
 
 
-def ten_seconds() -> Telemetry:
+def ten_seconds() -> RunTelemetry:
+    """A run that has heard ten seconds of it."""
+    telemetry = RunTelemetry(SENSORS, truth(0))
+    drive_ten_seconds(telemetry)
+    return telemetry
+
+
+def drive_ten_seconds(telemetry: Telemetry) -> None:
     """Straight on with 0.4 m/s, everything in order."""
-    telemetry = Telemetry(SENSORS, truth(0))
     network = Network(telemetry)
     for service in ("joystick", "guard", "base", "ranger", "odometry"):
         telemetry.announce(service, "m", present=True)
@@ -198,6 +205,5 @@ def ten_seconds() -> Telemetry:
         if ms % 500 == 0:
             network.send(topics.BATTERY, Battery(voltage=24.3), now)
             network.send(topics.ESTOP, estop(), now)
-        if ms % 200 == 0 and ms:
+        if isinstance(telemetry, RunTelemetry) and ms % 200 == 0 and ms:
             telemetry.see(truth(now, x=x, speed=0.4))
-    return telemetry

@@ -82,14 +82,14 @@ class Base:
 def network() -> Iterator[NetworkConfig]:
     """Of a process that stays, and at whose rendezvous the others meet."""
     made = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
-    staying = open_session(made)
+    staying = open_session(made, ROBOT)
     yield made
     assert close_session(staying)
 
 
 @pytest.fixture
 def watcher(network: NetworkConfig) -> Iterator[Watcher]:
-    made = Watcher(ROBOT, open_session(network, visiting=True))
+    made = Watcher(ROBOT, open_session(network, ROBOT, visiting=True))
     yield made
     assert made.close()
 
@@ -98,7 +98,7 @@ def watcher(network: NetworkConfig) -> Iterator[Watcher]:
 def base(
     network: NetworkConfig, answer: Answer = lambda _: DONE, state: EStop = LATCHED, instance: str = "b"
 ) -> Iterator[Base]:
-    session = open_session(network, visiting=True)
+    session = open_session(network, ROBOT, visiting=True)
     made = Base(session, answer, state, instance)
     try:
         yield made

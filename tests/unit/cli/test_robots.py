@@ -33,15 +33,15 @@ def robot_file(directory: Path, text: str) -> dict[str, str]:
 def test_nothing_need_be_at_hand() -> None:
     way = find_way(None, (), {})
     assert (way.robot, way.network, way.warning) == ("", NetworkConfig(), "")
-    way = find_way("otto", ["tcp/10.0.0.2:7447"], {"GIRAFF_NETWORK_RENDEZVOUS": "127.0.0.1:9"})
+    way = find_way("otto", ["10.0.0.2:7447"], {"GIRAFF_NETWORK_RENDEZVOUS": "127.0.0.1:9"})
     assert way.robot == "otto"
-    assert way.network == NetworkConfig(connect=("tcp/10.0.0.2:7447",), rendezvous="127.0.0.1:9")
+    assert way.network == NetworkConfig(connect=("10.0.0.2:7447",), rendezvous="127.0.0.1:9")
 
 
 def test_the_command_line_counts_before_the_environment_and_that_before_the_file(elsewhere: Path) -> None:
-    environment = robot_file(elsewhere, '[robot]\nname = "filed"\n[network]\nconnect = ["tcp/a:1"]')
-    assert find_way(None, ["tcp/b:2"], environment).robot == "filed"
-    assert find_way(None, ["tcp/b:2"], environment).network.connect == ("tcp/a:1", "tcp/b:2")
+    environment = robot_file(elsewhere, '[robot]\nname = "filed"\n[network]\nconnect = ["a:1"]')
+    assert find_way(None, ["b:2"], environment).robot == "filed"
+    assert find_way(None, ["b:2"], environment).network.connect == ("a:1", "b:2")
     environment["GIRAFF_ROBOT_NAME"] = "named"
     assert find_way(None, (), environment).robot == "named"
     assert find_way("told", (), environment).robot == "told"
@@ -68,7 +68,7 @@ def test_a_name_that_can_be_none_is_refused() -> None:
 @pytest.fixture
 def sessions() -> Iterator[tuple[zenoh.Session, zenoh.Session]]:
     network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
-    opened = open_session(network, visiting=True), open_session(network)
+    opened = open_session(network, "*", visiting=True), open_session(network, "*")
     yield opened
     assert close_session(opened[0])
     assert close_session(opened[1])

@@ -11,9 +11,9 @@ import pytest
 from rich.console import Console
 
 from giraff_cli.line import line
-from giraff_cli.screen import picture
+from giraff_cli.run_telemetry import RunSnapshot, RunTelemetry
+from giraff_cli.screen import as_svg
 from giraff_cli.summary import Summary, summarize, to_json, to_text
-from giraff_cli.telemetry import Snapshot, Telemetry
 from giraff_cli.view import Frame, view
 from giraff_schemas import topics
 from tests.unit.cli.samples import (
@@ -42,7 +42,7 @@ FRAME = Frame(
 )
 
 
-def rendered(snapshot: Snapshot, frame: Frame = FRAME, width: int = 80) -> list[str]:
+def rendered(snapshot: RunSnapshot, frame: Frame = FRAME, width: int = 80) -> list[str]:
     console = Console(file=io.StringIO(), width=width, height=24, color_system=None)
     with console.capture() as capture:
         console.print(view(snapshot, frame))
@@ -137,7 +137,7 @@ def test_an_emergency_stop_and_a_latch_show() -> None:
 
 def test_the_view_says_so_when_nothing_is_known() -> None:
     starting = replace(FRAME, seconds=None, services={"base": "starting"})
-    text = "\n".join(rendered(Telemetry(SENSORS, truth(0)).snapshot(0), starting))
+    text = "\n".join(rendered(RunTelemetry(SENSORS, truth(0)).snapshot(0), starting))
     assert "silent" in text
     assert "0:12 ─" in text
     assert "○ base" in text
@@ -147,10 +147,10 @@ def test_the_line_is_one_line() -> None:
     shown = line(ten_seconds().snapshot(10 * SECOND), 12.34)
     assert shown.startswith("  12.3 s | x   4.00 y   0.00 m")
     assert "ranges 1.23 m  clear  fault | forward slow (front_left) | base driving | lost 0" in shown
-    assert "\n" not in line(Telemetry(SENSORS, truth(0)).snapshot(0), 0.0)
+    assert "\n" not in line(RunTelemetry(SENSORS, truth(0)).snapshot(0), 0.0)
 
 
-def summary(telemetry: Telemetry, failures: list[str] | None = None) -> Summary:
+def summary(telemetry: RunTelemetry, failures: list[str] | None = None) -> Summary:
     return summarize(telemetry, robot="sim-here", boards="avr", seed=3, began_ns=2 * SECOND, failures=failures or [])
 
 
@@ -186,7 +186,7 @@ def test_the_summary_as_json_has_the_names_that_are_promised() -> None:
 
 
 def test_the_summary_does_not_make_up_what_nobody_heard() -> None:
-    told = summary(Telemetry(SENSORS, truth(2 * SECOND)))
+    told = summary(RunTelemetry(SENSORS, truth(2 * SECOND)))
     assert told.odom_error_m is None
     assert told.age_ms is None
     assert told.rates_hz == {}
@@ -201,8 +201,8 @@ def test_the_summary_for_people_fits_a_terminal() -> None:
 
 
 def test_the_picture_stands_alone() -> None:
-    svg = picture(ten_seconds().snapshot(10 * SECOND), FRAME)
+    svg = as_svg(view(ten_seconds().snapshot(10 * SECOND), FRAME))
     assert svg.startswith("<svg")
     assert "sim-here" in svg.replace("&#160;", " ")
     assert "url(" not in svg.replace("url(#", "")
-    assert picture(ten_seconds().snapshot(10 * SECOND), FRAME) == svg
+    assert as_svg(view(ten_seconds().snapshot(10 * SECOND), FRAME)) == svg

@@ -8,7 +8,7 @@ import pytest
 
 from giraff_cli.flow import Ages, Flow
 from giraff_cli.motion import Comparison, Pose
-from giraff_cli.telemetry import Telemetry
+from giraff_cli.run_telemetry import RunTelemetry
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Tick
@@ -28,18 +28,18 @@ from tests.unit.cli.samples import (
 SECOND = 1000 * MS
 
 
-def quiet() -> Telemetry:
-    return Telemetry(SENSORS, truth(0))
+def quiet() -> RunTelemetry:
+    return RunTelemetry(SENSORS, truth(0))
 
 
 def test_rates_are_counted_by_sequence_and_a_loss_does_not_lower_them() -> None:
     telemetry = quiet()
     network = Network(telemetry)
     for count in range(101):
-        network.send(topics.GUARD, command(None), count * 100 * MS, lose=count % 10 == 5)
-    assert telemetry.rates_hz == {topics.GUARD.key: pytest.approx(10.0)}
-    assert telemetry.lost == {topics.GUARD.key: 10}
-    assert telemetry.snapshot(10 * SECOND).rates[topics.GUARD.key].hz == pytest.approx(10.0)
+        network.send(topics.CMD_VEL, command(None), count * 100 * MS, lose=count % 10 == 5)
+    assert telemetry.rates_hz == {topics.CMD_VEL.key: pytest.approx(10.0)}
+    assert telemetry.lost == {topics.CMD_VEL.key: 10}
+    assert telemetry.snapshot(10 * SECOND).rates[topics.CMD_VEL.key].hz == pytest.approx(10.0)
 
 
 def test_what_boards_pace_is_judged_in_simulated_time_and_the_rest_by_the_clock() -> None:
@@ -85,6 +85,37 @@ def test_samples_before_the_first_that_was_heard_are_not_lost() -> None:
     assert flow.lost == 0
     flow.hear(504, 0.4)
     assert flow.lost == 2
+
+
+def test_a_rate_is_alarming_only_while_samples_are_lost() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    for count in range(100):
+        network.send(topics.CMD_VEL, command(None), count * 100 * MS, lose=count == 20)
+        rate = telemetry.snapshot(count * 100 * MS).rates[topics.CMD_VEL.key]
+        assert rate.lost == (1 if count > 20 else 0)
+        if not 45 < count < 55:  # the last moments are three seconds, give or take a mark
+            assert rate.losing == (20 < count < 50)
+
+
+def test_a_loss_over_a_long_cut_is_noticed_too() -> None:
+    flow = Flow(0, 0.0)
+    flow.hear(0, 0.0)
+    flow.hear(100, 10.0)
+    assert flow.loses_now(10.0)
+    assert not flow.loses_now(14.0)
+
+
+def test_a_service_that_restarts_for_days_does_not_fill_the_memory() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    for start in range(200):
+        for count in range(10):
+            now = start * 5 * SECOND + count * 100 * MS
+            network.send(topics.CMD_VEL, command(None), now, maker=f"maker {start}", lose=count == 5)
+    assert len(telemetry._keys[topics.CMD_VEL.key].flows) == 1
+    assert telemetry.lost == {topics.CMD_VEL.key: 200}
+    assert telemetry.rates_hz == {topics.CMD_VEL.key: pytest.approx(10.0)}
 
 
 def test_a_key_that_fell_silent_has_no_rate_now() -> None:

@@ -16,7 +16,6 @@ from giraff_node.session import NetworkConfig, open_session, session_config
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, alive_key, key_of
-from tests.unit.cli.samples import SENSORS, truth
 
 ROBOT = f"sim-{secrets.token_hex(4)}"
 
@@ -28,7 +27,7 @@ def network() -> NetworkConfig:
 
 @pytest.fixture
 def watcher(network: NetworkConfig) -> Iterator[Watcher]:
-    opened = Watcher(ROBOT, open_session(network))
+    opened = Watcher(ROBOT, open_session(network, ROBOT))
     yield opened
     assert opened.close()
 
@@ -52,7 +51,7 @@ def wait(what: str, holds: Callable[[], bool]) -> None:
 
 
 def test_samples_and_services_are_told(watcher: Watcher, other: zenoh.Session) -> None:
-    telemetry = Telemetry(SENSORS, truth(0))
+    telemetry = Telemetry()
     watcher.listen()
 
     def heard() -> bool:
@@ -94,9 +93,9 @@ def test_a_namesake_is_found_and_others_are_not(watcher: Watcher, other: zenoh.S
 
 
 def test_a_visitor_leaves_the_rendezvous_to_those_who_stay(network: NetworkConfig) -> None:
-    assert network.rendezvous in str(session_config(network)["listen"])
-    assert network.rendezvous not in str(session_config(network, visiting=True)["listen"])
-    assert network.rendezvous in str(session_config(network, visiting=True)["connect"])
+    assert network.rendezvous in str(session_config(network, ROBOT)["listen"])
+    assert network.rendezvous not in str(session_config(network, ROBOT, visiting=True)["listen"])
+    assert network.rendezvous in str(session_config(network, ROBOT, visiting=True)["connect"])
 
 
 def test_a_name_is_held_by_one_run_of_a_host() -> None:
