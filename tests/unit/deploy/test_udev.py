@@ -1,0 +1,74 @@
+"""deploy/udev: rules that udev takes, and the names that the robot file uses."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+
+from giraff_sim.board import ROOT
+from tests.unit.deploy.udev import Device, RuleError, apply, parse, rules
+
+TEXT = (ROOT / "deploy" / "udev" / "99-giraff.rules").read_text()
+EXAMPLES = [line.removeprefix("#") for line in TEXT.splitlines() if line.startswith("#ENV")]
+
+UNO = {"ID_VENDOR_ID": "2341", "ID_MODEL_ID": "0043"}
+MEGA = {"ID_VENDOR_ID": "2341", "ID_MODEL_ID": "0042"}
+CONVERTER = {"ID_VENDOR_ID": "0403", "ID_MODEL_ID": "6001", "ID_SERIAL": "FTDI_FT232R_USB_UART_A50285BI"}
+
+
+def port(service: str) -> str:
+    """The port's name in the robot file."""
+    path: str = tomllib.loads((ROOT / "deploy" / "robot.toml").read_text())[service]["port"]
+    return path.removeprefix("/dev/")
+
+
+@pytest.mark.parametrize(("properties", "service"), [(UNO, "joystick"), (MEGA, "ranger")])
+def test_an_arduino_has_the_name_that_the_robot_file_uses(properties: dict[str, str], service: str) -> None:
+    device = apply(rules(TEXT), Device(dict(properties)))
+    assert device.links == [port(service)]
+    assert (device.group, device.mode) == ("dialout", "0660")
+    assert device.properties["ID_MM_DEVICE_IGNORE"] == "1"
+
+
+def test_any_other_port_is_left_alone() -> None:
+    for properties in ({}, CONVERTER, {"ID_VENDOR_ID": "2341", "ID_MODEL_ID": "8036"}):
+        device = apply(rules(TEXT), Device(dict(properties)))
+        assert device == Device(dict(properties))
+
+
+def test_what_is_no_port_or_goes_away_is_left_alone() -> None:
+    for device in (Device(dict(UNO), subsystem="usb"), Device(dict(UNO), action="remove")):
+        assert apply(rules(TEXT), device).links == []
+
+
+def test_each_example_is_a_rule_that_gives_one_of_the_names() -> None:
+    assert len(EXAMPLES) >= 3
+    named = {term.value for line in EXAMPLES for term in parse(line) if term.key == "SYMLINK"}
+    assert named == {port(service) for service in ("base", "joystick", "ranger")}
+
+
+def test_an_example_that_is_made_a_rule_works() -> None:
+    device = apply(rules(TEXT.replace(f"#{EXAMPLES[0]}", EXAMPLES[0])), Device(dict(CONVERTER)))
+    assert device.links == [port("base")]
+    assert device.group == "dialout"
+    assert device.properties["ID_MM_DEVICE_IGNORE"] == "1"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'SYMLNK+="x"',
+        'SYMLINK="x"',  # would take the other names away
+        'ENV{A}="1" SYMLINK+="x"',
+        'ENV="1"',
+        'GROUP{x}="dialout"',
+        'MODE=="0660"',
+        'SYMLINK+="x',
+        'GOTO="nowhere"',
+        'LABEL="above"\nGOTO="above"',
+    ],
+)
+def test_a_line_that_udev_would_not_take_shows(text: str) -> None:
+    with pytest.raises(RuleError):
+        rules(text)

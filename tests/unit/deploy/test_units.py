@@ -1,0 +1,94 @@
+"""deploy/systemd, judged by systemd's own tools: needs what Debian's package systemd brings, not a running systemd."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from giraff_node.config import load
+from giraff_node.robot import RobotConfig
+from giraff_node.session import NetworkConfig
+from giraff_sim.board import ROOT
+
+UNITS = ROOT / "deploy" / "systemd"
+ROLES = {
+    role: services.split()
+    for role, services in re.findall(r"(\w+)\) SERVICES=\(([\w ]+)\)", (ROOT / "scripts" / "install").read_text())
+}
+MOST_EXPOSED = 20  # tenths of systemd's own scale, which ends at 100; 17 when this was written
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Path:
+    """A directory with systemd's own units, ours, and the program that ours start."""
+    own = Path("/usr/lib/systemd/system")
+    assert own.is_dir(), "systemd's own units are not here: apt-get install systemd"
+    shutil.copytree(own, tmp_path / "usr/lib/systemd/system", symlinks=True)
+    (tmp_path / "lib").symlink_to("usr/lib")
+    (tmp_path / "etc/systemd/system").mkdir(parents=True)
+    for name in ("giraff@.service", "giraff.target"):
+        shutil.copy(UNITS / name, tmp_path / "etc/systemd/system")
+    python = tmp_path / "opt/giraff/bin/python"
+    python.parent.mkdir(parents=True)
+    python.write_text("#!/bin/sh\n")
+    python.chmod(0o755)
+    return tmp_path
+
+
+def analyze(machine: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    assert shutil.which("systemd-analyze"), "systemd-analyze is not here: apt-get install systemd"
+    command = ["systemd-analyze", f"--root={machine}", *arguments]
+    return subprocess.run(command, check=False, capture_output=True, text=True)
+
+
+def edit(machine: Path, old: str, new: str) -> None:
+    unit = machine / "etc/systemd/system/giraff@.service"
+    text = unit.read_text()
+    assert old in text
+    unit.write_text(text.replace(old, new))
+
+
+@pytest.mark.parametrize("service", sorted({service for services in ROLES.values() for service in services}))
+def test_systemd_finds_nothing_wrong(machine: Path, service: str) -> None:
+    run = analyze(machine, "verify", f"giraff@{service}.service", "giraff.target")
+    assert (run.returncode, run.stderr) == (0, "")
+    assert (ROOT / "services" / f"giraff_{service}" / "__main__.py").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("WatchdogSec=3", "WatchdogSecs=3"),
+        ("DeviceAllow=char-188 rw", "DeviceAllow=ttyUSB rw"),
+        ("/bin/python", "/bin/no"),
+    ],
+)
+def test_a_mistake_shows(machine: Path, old: str, new: str) -> None:
+    edit(machine, old, new)
+    assert analyze(machine, "verify", "giraff@base.service").stderr
+
+
+def test_systemd_calls_it_little_exposed(machine: Path) -> None:
+    judge = ("security", "--offline=true", f"--threshold={MOST_EXPOSED}", "giraff@base.service")
+    run = analyze(machine, *judge)
+    assert run.returncode == 0, run.stdout
+    edit(machine, "DynamicUser=yes", "DynamicUser=no")
+    edit(machine, "User=giraff-%i", "User=root")
+    assert analyze(machine, *judge).returncode != 0
+
+
+def test_the_roles_are_the_two_sides_of_the_robot() -> None:
+    assert ROLES == {"robot": ["base", "ranger", "guard", "odometry"], "laptop": ["joystick"]}
+
+
+def test_the_examples_of_the_environment_file_are_settings() -> None:
+    lines = (UNITS / "giraff.env").read_text().splitlines()
+    given = dict(line.removeprefix("#").split("=", 1) for line in lines if line.startswith("#GIRAFF"))
+    assert len(given) >= 2
+    environment = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")} | given
+    assert load("robot", RobotConfig, environment).name == given["GIRAFF_ROBOT_NAME"]
+    assert load("network", NetworkConfig, environment).connect == ("192.168.1.20:7447",)
