@@ -1,0 +1,255 @@
+"""Three hosts on one machine: laptop, robot and desk, a switch between them, and the robot's boards beside them."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import re
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from datetime import datetime
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from tests.hosts.clone import clone, write_env
+from tests.hosts.hardware import BOARDS, PORTS, ROBOT, Hardware
+from tests.hosts.images import KEPT, images
+from tests.hosts.machine import LabError, Machine
+from tests.hosts.switch import Switch
+
+NAME: Final = "sim-lab"
+NUMBERS: Final = {"laptop": 11, "robot": 12, "desk": 13}
+"""Host -> the end of its address."""
+_IMAGES: Final = {"laptop": "laptop", "robot": "robot", "desk": "laptop"}
+_LISTENER: Final = Path(__file__).with_name("listener.py")
+_FRESH: Final = 0.2  # s
+
+
+class Heard(msgspec.Struct, frozen=True):
+    """A line of listener.py."""
+
+    at: float
+    age: float
+    instance: str
+
+
+_decode_heard: Final = msgspec.json.Decoder(Heard).decode
+
+
+class Container(msgspec.Struct, frozen=True):
+    """As its host's Docker tells of it."""
+
+    name: str
+    service: str
+    started_at: str
+    """As Docker writes it: another one after a restart."""
+    started: float
+    """s of time.monotonic(), as below."""
+    well_since: float | None
+    """When its healthcheck first passed, where it has one; None: it is not healthy, or does not run."""
+
+
+def container(told: dict[str, Any]) -> Container:
+    """From what `docker inspect` tells of it."""
+    state = told["State"]
+    started = _moment(state["StartedAt"])
+    checks = state.get("Health", {"Status": "healthy", "Log": []})
+    passed = [_moment(check["End"]) for check in checks["Log"] or () if check["ExitCode"] == 0]
+    is_well = state["Status"] == "running" and checks["Status"] == "healthy"
+    return Container(
+        name=told["Id"],
+        service=told["Config"]["Labels"]["com.docker.compose.service"],
+        started_at=state["StartedAt"],
+        started=started,
+        well_since=min(passed, default=started) if is_well else None,
+    )
+
+
+def _moment(written: str) -> float:
+    """A time as Docker writes it, to the nanosecond; s of time.monotonic()."""
+    moment = re.sub(r"(\.\d{6})\d*", r"\1", written)
+    return datetime.fromisoformat(moment).timestamp() - time.time() + time.monotonic()
+
+
+class Listener:
+    """Hears one key on one host, and knows when."""
+
+    def __init__(self, process: subprocess.Popen[bytes], output: Path) -> None:
+        self._process = process
+        self._output = output
+
+    def heard(self, since: float = 0.0) -> list[Heard]:
+        """All that arrived after `since`, s of time.monotonic()."""
+        lines = self._output.read_bytes().rpartition(b"\n")[0].splitlines()
+        return [one for one in map(_decode_heard, lines) if one.at > since]
+
+    def flows_after(self, moment: float, within: float) -> float:
+        """Wait for a sample that is no older than a hop; s after `moment` that it arrived."""
+        fresh: list[Heard] = []
+
+        def arrived() -> bool:
+            fresh[:] = [one for one in self.heard(moment) if one.age < _FRESH]
+            return bool(fresh)
+
+        wait(f"samples after {moment:.2f}", arrived, within)
+        return fresh[0].at - moment
+
+    def longest_gap(self, since: float, until: float) -> float:
+        """s without a sample, in a window."""
+        times = [since, *(one.at for one in self.heard(since) if one.at < until), until]
+        return max(later - earlier for earlier, later in pairwise(times))
+
+    def close(self) -> None:
+        self._process.kill()
+        self._process.wait()
+
+
+class Lab:
+    """Made with the hosts on and their images loaded; no container runs."""
+
+    def __init__(self) -> None:
+        self._end = ExitStack()
+        self.directory = KEPT / "lab"
+        try:
+            self._make()
+        except BaseException:
+            self.close()
+            raise
+
+    def _make(self) -> None:
+        KEPT.mkdir(parents=True, exist_ok=True)
+        lock = self._end.enter_context((KEPT / "lock").open("w"))
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise LabError("another lab runs on this machine; wait for it") from None
+        archives = images(set(_IMAGES.values()))
+        shutil.rmtree(self.directory, ignore_errors=True)  # of a lab that was killed
+        self.directory.mkdir()
+        self._end.callback(shutil.rmtree, self.directory)
+        self.hardware = Hardware(self._folder("hardware"))
+        self._end.callback(self.hardware.close)
+        self.machines = {host: Machine(host, self._folder(host)) for host in NUMBERS}
+        switch = Machine("switch", self._folder("switch"))
+        self._end.callback(switch.power_off)
+        self.switch = Switch(switch)
+        for machine in self.machines.values():
+            self._end.callback(machine.power_off)
+            self._boot(machine)
+        self.on_each(NUMBERS, lambda host: self._load(host, archives[_IMAGES[host]]))
+        for host in NUMBERS:
+            clone(self.clone(host))
+            self.write_env(host)
+
+    def write_env(self, host: str) -> None:
+        """The host's `.env`, as its technician writes it."""
+        ports = {"laptop": ["joystick"], "robot": ["base", "ranger"], "desk": []}[host]
+        changes = {"GIRAFF_ROBOT_NAME": NAME} | {f"GIRAFF_{port.upper()}_PORT": str(PORTS / port) for port in ports}
+        write_env(self.clone(host), host, changes, ROBOT)
+
+    def clone(self, host: str) -> Path:
+        return self.directory / host / "giraff"
+
+    def up(self, host: str) -> float:
+        """`docker-compose up` on a host; when it returned."""
+        self.compose(host, "up", "--detach")
+        return time.monotonic()
+
+    def compose(self, host: str, *words: str, within: float = 120.0) -> str:
+        return self.machines[host].compose(self.clone(host), *words, within=within)
+
+    def containers(self, host: str) -> list[Container]:
+        """Of a host, as its Docker has them; none while it has no Docker."""
+        machine = self.machines[host]
+        try:
+            names = machine.docker("ps", "--all", "--quiet").split()
+            return [container(one) for one in json.loads(machine.docker("inspect", *names))] if names else []
+        except LabError:
+            return []
+
+    def wait_until_healthy(self, *hosts: str, within: float = 30.0) -> float:
+        """When the last of their containers was, s of time.monotonic()."""
+        told: list[Container] = []
+
+        def well() -> bool:
+            on_each = [self.containers(host) for host in hosts]
+            told[:] = [one for each in on_each for one in each]
+            return all(on_each) and None not in (one.well_since for one in told)
+
+        try:
+            wait("healthy containers", well, within, every=0.5)  # to ask costs some 0.1 s of a core
+        except AssertionError as error:
+            logs = "".join(self.compose(host, "logs", "--tail", "20") for host in hosts)
+            raise AssertionError(f"{error}: {told}\n{logs}") from error
+        return max(one.well_since for one in told if one.well_since is not None)
+
+    def listen(self, host: str, key: str, robot: str = NAME) -> Listener:
+        output = self.directory / f"{host}-{key.replace('/', '-')}-{time.monotonic_ns()}.jsonl"
+        with output.open("wb") as out, output.with_suffix(".log").open("wb") as log:
+            command = [sys.executable, str(_LISTENER), robot, key]
+            listener = Listener(self.machines[host].start(command, stdout=out, stderr=log), output)
+        self._end.callback(listener.close)
+        return listener
+
+    def power_off(self, host: str) -> None:
+        self.switch.unplug(self.machines[host])
+        self.machines[host].power_off()
+
+    def power_on(self, host: str) -> None:
+        self._boot(self.machines[host])
+
+    def mend(self) -> None:
+        """All hosts on, all cables in, all boards plugged: what a test has broken, another does not find so."""
+        for host, machine in self.machines.items():
+            if not machine.is_on:
+                self.power_on(host)
+                self.wait_until_healthy(host)
+            self.switch.join(machine)
+        self.hardware.plug(*BOARDS)
+
+    def become_simulation(self, host: str) -> None:
+        """The host is given another `.env`, and is up no more."""
+        self.compose(host, "down")
+        self._load(host, images(["sim"])["sim"])
+        write_env(self.clone(host), "sim", {})
+
+    def close(self) -> None:
+        self._end.close()
+
+    @staticmethod
+    def on_each(hosts: Iterable[str], do: Callable[[str], Any]) -> dict[str, Any]:
+        """On all of them at once; what each gave."""
+        names = list(hosts)
+        with ThreadPoolExecutor(len(names)) as pool:
+            return dict(zip(names, pool.map(do, names), strict=True))
+
+    def _folder(self, name: str) -> Path:
+        folder = self.directory / name
+        folder.mkdir()
+        return folder
+
+    def _boot(self, machine: Machine) -> None:
+        machine.power_on()
+        self.switch.plug(machine, NUMBERS[machine.name])
+        machine.start_docker()
+
+    def _load(self, host: str, archive: Path) -> None:
+        self.machines[host].wait_for_docker()
+        self.machines[host].docker("load", "--quiet", "--input", str(archive))
+
+
+def wait(what: str, holds: Callable[[], bool], seconds: float, every: float = 0.02) -> float:
+    """Wait until it holds; the s that took. AssertionError after `seconds`."""
+    began = time.monotonic()
+    while not holds():
+        assert time.monotonic() - began < seconds, f"{what}: not within {seconds:g} s"
+        time.sleep(every)
+    return time.monotonic() - began

@@ -1,0 +1,159 @@
+"""A computer of the lab: namespaces of its own and a Docker daemon in them. Whatever runs on it ends with its power."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any, Final
+
+from giraff_cli import launch
+
+BIN: Final = "/usr/sbin:/usr/bin:/sbin:/bin"
+"""Debian's own programs, whatever else this machine has in front of them."""
+_CGROUPS: Final = Path("/sys/fs/cgroup")
+_CGROUP: Final = "giraff-hosts"
+_BOOT_WITHIN: Final = 20.0  # s
+
+
+class LabError(Exception):
+    """The lab does not work; the message says what did not and what it said."""
+
+
+def run(command: list[str], within: float = 60.0, **options: Any) -> str:
+    """Run a program of this machine; what it printed. LabError where it fails."""
+    options.setdefault("env", os.environ | {"PATH": BIN})
+    done: subprocess.CompletedProcess[str] = subprocess.run(
+        command, check=False, capture_output=True, text=True, timeout=within, **options
+    )
+    if done.returncode != 0:
+        raise LabError(f"{' '.join(command)}: exit code {done.returncode}: {done.stdout[-2000:]}{done.stderr[-4000:]}")
+    return done.stdout
+
+
+class Machine:
+    """Off, once made. `directory` is its disk: the daemon's files stay there while it is off."""
+
+    def __init__(self, name: str, directory: Path, *, own_network: bool = True) -> None:
+        self.name = name
+        self.directory = directory
+        directory.mkdir(parents=True, exist_ok=True)
+        self.socket = f"unix://{directory}/docker.sock"
+        self._own_network = own_network
+        self._supply: subprocess.Popen[bytes] | None = None
+        self._first = 0
+        self._daemon: subprocess.Popen[bytes] | None = None
+
+    @property
+    def pid(self) -> int:
+        """Of its first process, by which its namespaces are found."""
+        if not self.is_on:
+            raise LabError(f"{self.name} is off")
+        return self._first
+
+    @property
+    def is_on(self) -> bool:
+        return self._first != 0
+
+    def power_on(self) -> None:
+        """Its first process; nothing is plugged in, and no daemon runs."""
+        # Its first process takes all others along when it ends; it ends with `unshare`, and that with the test, however
+        # that ends. Then the namespaces are nobody's, and with them go mounts, links and routes.
+        spaces = ["--mount", "--propagation", "slave", "--pid", "--fork", "--kill-child", "--mount-proc", "--uts"]
+        spaces += ["--net"] if self._own_network else []
+        # What a reboot forgets is a tmpfs.
+        boot = f"mount -t tmpfs tmpfs /run && hostname {self.name} && exec docker-init -- sleep infinity"
+        launcher = [sys.executable, "-I", "-S", str(launch.__file__), str(os.getpid())]
+        self._supply = subprocess.Popen(
+            [*launcher, "/usr/bin/unshare", *spaces, "sh", "-c", boot],
+            env=os.environ | {"PATH": BIN},
+            stdin=subprocess.DEVNULL,
+            start_new_session=True,  # Ctrl-C in the terminal is for the test, which then ends this in its order
+        )
+        children = Path(f"/proc/{self._supply.pid}/task/{self._supply.pid}/children")
+        deadline = time.monotonic() + _BOOT_WITHIN
+        while True:
+            with contextlib.suppress(OSError):
+                if (found := children.read_text().split()) and self._has_booted(int(found[0])):
+                    self._first = int(found[0])
+                    return
+            if self._supply.poll() is not None or time.monotonic() > deadline:
+                raise LabError(f"{self.name}: does not boot: {' '.join(spaces)} needs root")
+            time.sleep(0.01)
+
+    def start_docker(self) -> None:
+        """Start the daemon, as a boot does. `wait_for_docker` waits for it."""
+        data = self.directory / "docker"
+        command = ["dockerd", "--data-root", str(data), "-H", self.socket, "--log-level", "warn"]
+        # Containers take the host's network, and the host has no other.
+        command += ["--bridge=none", "--iptables=false", "--ip6tables=false", "--ip-forward=false"]
+        command += ["--cgroup-parent", f"/{_CGROUP}/{self.name}"]
+        with (self.directory / "dockerd.log").open("ab") as log:
+            self._daemon = self.start(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+
+    def wait_for_docker(self) -> None:
+        deadline = time.monotonic() + _BOOT_WITHIN
+        while True:
+            with contextlib.suppress(LabError):
+                self.docker("version")
+                return
+            if time.monotonic() > deadline or (self._daemon is not None and self._daemon.poll() is not None):
+                raise LabError(f"{self.name}: no Docker: {(self.directory / 'dockerd.log').read_text()[-2000:]}")
+            time.sleep(0.05)
+
+    def power_off(self) -> None:
+        """As when the plug is pulled: nothing ends, everything is gone. Already off is fine."""
+        if self._supply is None:
+            return
+        self._supply.kill()
+        self._supply.wait()
+        deadline = time.monotonic() + _BOOT_WITHIN
+        while self._first and Path(f"/proc/{self._first}").exists():
+            if time.monotonic() > deadline:
+                raise LabError(f"{self.name}: process {self._first} does not end")
+            time.sleep(0.01)
+        if self._daemon is not None:
+            self._daemon.wait()
+        self._supply = self._daemon = None
+        self._first = 0
+        _remove_cgroups(self.name)
+
+    def start(self, command: list[str], **options: Any) -> subprocess.Popen[Any]:
+        """Start a program on it. It ends with the machine's power."""
+        options.setdefault("env", os.environ | {"PATH": BIN})
+        spaces = ["--mount", "--pid", "--uts", *(["--net"] if self._own_network else [])]
+        enter = ["/usr/bin/nsenter", "--target", str(self.pid), *spaces, "--"]
+        return subprocess.Popen([*enter, *command], start_new_session=True, **options)
+
+    def docker(self, *words: str, within: float = 60.0) -> str:
+        return run(["docker", "--host", self.socket, *words], within)
+
+    def compose(
+        self, place: Path, *words: str, within: float = 120.0, program: str | Path = "/usr/bin/docker-compose"
+    ) -> str:
+        """`docker-compose` as it is typed in a clone at `place`, where no variable is set."""
+        environment = {"HOME": os.environ.get("HOME", "/"), "PATH": BIN, "DOCKER_HOST": self.socket}
+        return run([str(program), "--ansi", "never", *words], within, cwd=place, env=environment)
+
+    def _has_booted(self, first: int) -> bool:
+        return Path(f"/proc/{first}/comm").read_text().strip() == "docker-init"
+
+
+def _remove_cgroups(name: str) -> None:
+    """What a killed daemon leaves; a cgroup is empty a moment after its last process."""
+    deadline = time.monotonic() + _BOOT_WITHIN
+    for root in (_CGROUPS, *_CGROUPS.glob("*/")):
+        ours = root / _CGROUP / name
+        for path in (*sorted(ours.rglob("*/"), reverse=True), ours, root / _CGROUP):
+            while path.is_dir():
+                try:
+                    path.rmdir()
+                except OSError as error:
+                    if path.name == _CGROUP:
+                        break  # other machines are in it
+                    if time.monotonic() > deadline:
+                        raise LabError(f"{path}: {error}") from error
+                    time.sleep(0.01)

@@ -1,0 +1,75 @@
+"""The network between the machines: one switch, and a cable to each."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from tests.hosts.machine import Machine, run
+
+NETWORK: Final = "10.77.0"
+_TABLE: Final = "netdev giraff_hosts"
+
+
+class Switch:
+    """A machine that is nothing but a bridge. A cable's end at the switch is called as the machine at its other end."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+        machine.power_on()
+        self._ip("link", "set", "lo", "up")
+        self._ip("link", "add", "bridge", "type", "bridge", "mcast_snooping", "0")  # a plain switch floods multicast
+        self._ip("link", "set", "bridge", "up")
+
+    def plug(self, machine: Machine, number: int) -> None:
+        """Connect a machine that is on; its address ends in `number`."""
+        ends = [
+            "eth0",
+            "netns",
+            str(machine.pid),
+            "type",
+            "veth",
+            "peer",
+            machine.name,
+            "netns",
+            str(self._machine.pid),
+        ]
+        run(["ip", "link", "add", *ends])
+        self._ip("link", "set", machine.name, "master", "bridge", "up")
+        for words in (
+            ["link", "set", "lo", "up"],
+            ["address", "add", f"{NETWORK}.{number}/24", "dev", "eth0"],
+            ["link", "set", "eth0", "up"],
+            ["route", "add", "default", "via", f"{NETWORK}.1"],  # as a home's router has it; multicast takes it, too
+        ):
+            self._ip(*words, of=machine)
+
+    def unplug(self, machine: Machine) -> None:
+        """Take the cable away for good: the last thing that a machine without power sends is nothing."""
+        self._ip("link", "delete", machine.name)
+
+    def cut(self, machine: Machine) -> None:
+        """Cut its cable: it has its address, and nobody answers."""
+        self._ip("link", "set", machine.name, "down")
+
+    def join(self, machine: Machine) -> None:
+        self._ip("link", "set", machine.name, "up")
+
+    def lose(self, machine: Machine, percent: int) -> None:
+        """Lose so many of the packets that the machine sends and of those that are sent to it; 0: none."""
+        rules = f"table {_TABLE}\ndelete table {_TABLE}\n"
+        if percent:
+            drop = f"priority 0; numgen random mod 100 < {percent} drop"
+            rules += f"""table {_TABLE} {{
+                chain from_it {{ type filter hook ingress device "{machine.name}" {drop}; }}
+                chain to_it {{ type filter hook egress device "{machine.name}" {drop}; }}
+            }}"""
+        self._run("nft", "--file", "-", given=rules)
+
+    def off(self) -> None:
+        self._machine.power_off()
+
+    def _ip(self, *words: str, of: Machine | None = None) -> None:
+        self._run("ip", *words, of=of)
+
+    def _run(self, *command: str, of: Machine | None = None, given: str = "") -> None:
+        run(["nsenter", "--target", str((of or self._machine).pid), "--net", *command], input=given)
