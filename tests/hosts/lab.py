@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import fcntl
 import json
-import re
 import shutil
 import subprocess
 import sys
@@ -12,7 +11,6 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
-from datetime import datetime
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
@@ -20,6 +18,7 @@ from typing import Any, Final
 import msgspec
 
 from tests.hosts.clone import clone, write_env
+from tests.hosts.containers import Container, container
 from tests.hosts.hardware import BOARDS, PORTS, ROBOT, Hardware
 from tests.hosts.images import KEPT, images
 from tests.hosts.machine import LabError, Machine
@@ -42,41 +41,6 @@ class Heard(msgspec.Struct, frozen=True):
 
 
 _decode_heard: Final = msgspec.json.Decoder(Heard).decode
-
-
-class Container(msgspec.Struct, frozen=True):
-    """As its host's Docker tells of it."""
-
-    name: str
-    service: str
-    started_at: str
-    """As Docker writes it: another one after a restart."""
-    started: float
-    """s of time.monotonic(), as below."""
-    well_since: float | None
-    """When its healthcheck first passed, where it has one; None: it is not healthy, or does not run."""
-
-
-def container(told: dict[str, Any]) -> Container:
-    """From what `docker inspect` tells of it."""
-    state = told["State"]
-    started = _moment(state["StartedAt"])
-    checks = state.get("Health", {"Status": "healthy", "Log": []})
-    passed = [_moment(check["End"]) for check in checks["Log"] or () if check["ExitCode"] == 0]
-    is_well = state["Status"] == "running" and checks["Status"] == "healthy"
-    return Container(
-        name=told["Id"],
-        service=told["Config"]["Labels"]["com.docker.compose.service"],
-        started_at=state["StartedAt"],
-        started=started,
-        well_since=min(passed, default=started) if is_well else None,
-    )
-
-
-def _moment(written: str) -> float:
-    """A time as Docker writes it, to the nanosecond; s of time.monotonic()."""
-    moment = re.sub(r"(\.\d{6})\d*", r"\1", written)
-    return datetime.fromisoformat(moment).timestamp() - time.time() + time.monotonic()
 
 
 class Listener:
@@ -213,6 +177,7 @@ class Lab:
                 self.power_on(host)
                 self.wait_until_healthy(host)
             self.switch.join(machine)
+            self.switch.lose(machine, 0)
         self.hardware.plug(*BOARDS)
 
     def become_simulation(self, host: str) -> None:

@@ -98,6 +98,11 @@ def test_a_cut_cable_stops_the_robot(lab: Lab, seconds: float, figure: Figure) -
     boards.drive()
 
 
+def test_a_bad_link_still_drives(lab: Lab, figure: Figure) -> None:
+    lab.switch.lose(lab.machines["laptop"], 2)
+    figure("2 % of the laptop's packets lost each way -> wheels turn", lab.hardware.drive(), 5.0, "s")
+
+
 def test_boards_are_replugged(lab: Lab, desk: Listener, figure: Figure) -> None:
     before = {one.name: one.started_at for one in lab.containers("robot")}
     lab.hardware.unplug("base", "ranger")
