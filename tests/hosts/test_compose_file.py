@@ -23,7 +23,6 @@ UP = {
     "router": {"router"},
 }
 """Kind of host -> what plain `docker-compose up` starts there."""
-BY_HAND = {"screen", "keyboard", "giraff"}
 
 
 def compose(generation: str, place: Path, *words: str) -> subprocess.CompletedProcess[str]:
