@@ -29,6 +29,7 @@ from giraff_node.bad_keys import BadKeys
 from giraff_node.config import ConfigError, ConfigT, load
 from giraff_node.health import Condition
 from giraff_node.health_socket import HealthSocket
+from giraff_node.host_addresses import AddressWatch, host_addresses
 from giraff_node.inbox import Asked, Inbox
 from giraff_node.key_bundle import ExpiryWatch
 from giraff_node.logs import service_logger
@@ -86,10 +87,12 @@ class Node(Generic[ConfigT]):
         self._notifier = Notifier()
         self._failure: BaseException | None = None
         self._stopping = False
+        self._again = False
         self._waker = Waker()
         for number in (signal.SIGTERM, signal.SIGINT):  # before the session: opening it takes a moment
             signal.signal(number, self._on_signal)
         signal.set_wakeup_fd(self._waker.for_signals, warn_on_full_buffer=False)
+        self._addresses = None if network.local else AddressWatch(host_addresses())
         try:
             self.session = open_session(network, self.robot.name)
         except ConfigError as error:
@@ -125,6 +128,9 @@ class Node(Generic[ConfigT]):
         closed = close_session(self.session)
         self.log.info("ended")
         status = 1 if kind is not None or self._failure is not None else 0
+        if self._again and not status:
+            sys.stderr.flush()
+            os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])  # noqa: S606  the same words as before
         if not closed:
             sys.stderr.flush()
             os._exit(status)
@@ -199,6 +205,7 @@ class Node(Generic[ConfigT]):
                 self._waker.drain()
                 if self._failure is not None:
                     raise self._failure
+                self._start_again_elsewhere(time.monotonic())
                 if not self._stopping:
                     yield time.monotonic()
 
@@ -232,11 +239,21 @@ class Node(Generic[ConfigT]):
         if self._router is not None:
             self.set_notice("router", self._router.problem(now))
 
+    def _start_again_elsewhere(self, now: float) -> None:
+        """Zenoh learns this host's addresses at the start of a process, so a new address takes a new process."""
+        if self._addresses is None or not self._addresses.due(now):
+            return
+        addresses = host_addresses()
+        if self._addresses.moved(now, addresses):
+            self.log.warning("this host is now at %s: starting again to be found there", ", ".join(sorted(addresses)))
+            self._again = self._stopping = True
+
     def _sees_router(self) -> bool:
         return bool(self.session.info.routers_zid())
 
     def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
         self._stopping = True  # the wake-up descriptor has already been written to
+        self._again = False
 
     def _on_health_query(self, query: zenoh.Query) -> None:
         query.reply(query.key_expr, encode(self._condition.health()), encoding=encoding_of(Health))

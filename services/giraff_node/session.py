@@ -84,9 +84,16 @@ def session_config(network: NetworkConfig, robot: str, *, visiting: bool = False
     # Where there is no multicast, the other hosts find this one at its rendezvous.
     meeting = network.rendezvous if network.local or network.mode == "lan" else f"{reach}:{port}"
     retried = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
+    # Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
+    first = "#exit_on_failure=true"
+    own = [f"{reach}:0"]
+    if not network.local:
+        # What listens at all addresses is told by those that have a carrier: the processes of a host without a network
+        # would meet at the rendezvous, and not each other.
+        own.append("127.0.0.1:0")
     config["listen"]["endpoints"] = [
         *(() if visiting else (f"{protocol}/{meeting}{retried}",)),
-        f"{protocol}/{reach}:0",
+        *(f"{protocol}/{address}{first}" for address in own),
     ]
     # The loopback first: with only `lo` up, two peers of one host would never find each other.
     others = () if network.local else (*network.connect, *filter(None, [network.router]))

@@ -1,4 +1,4 @@
-"""A robot of processes at one site and its joystick's at another: the real services, driven through a router."""
+"""A robot of processes at one site and its joystick's at another, or at the same: the real services."""
 
 from __future__ import annotations
 
@@ -20,12 +20,16 @@ from tests.system.robot import FULL_TILT, PROVING_ROOM
 from tests.system.sites import Sites
 
 _ROBOT_FILE: Final = (ROOT / "deploy" / "robot.toml").read_text()
-_SERVICES: Final = {"base,ranger": ("base", "guard", "ranger", "odometry"), "joystick": ("joystick",)}
+_HOSTS: Final = {
+    "robot": ("base,ranger", ("base", "guard", "ranger", "odometry")),
+    "operator": ("joystick", ("joystick",)),
+}
+"""Host -> boards, services."""
 _STARTS_WITHIN: Final = 20.0  # s
 
 
 class RemoteRobot:
-    """`files`: (site, robot file's table `[network]`) of the robot's host and of the operator's."""
+    """`robot`, `operator`: the site and the robot file's table `[network]` of their services."""
 
     def __init__(self, directory: Path, name: str, sites: Sites, robot: tuple[str, Path], operator: tuple[str, Path]):
         self._directory = directory
@@ -34,8 +38,8 @@ class RemoteRobot:
         self._name = name
         (directory / "world.toml").write_text(PROVING_ROOM)
         write_latch(directory, RELEASED)
-        self.simulator = self._start_host(*robot, "base,ranger")
-        self._hand = self._start_host(*operator, "joystick")
+        self.simulator = self._start_host("robot", *robot)
+        self._hand = self._start_host("operator", *operator)
 
     def tilt(self, x: float) -> None:
         """The hand's tilt forward, m/s²."""
@@ -48,18 +52,22 @@ class RemoteRobot:
     def drive(self, seconds: float) -> float:
         """Level, then tilt, again and again as a person would, until the wheels turn. The wall seconds it took."""
         began = time.monotonic()
-        while not self.drives():
-            assert time.monotonic() - began < seconds, f"does not drive within {seconds:g} s{self._last_words()}"
+        while True:
             self.tilt(0.0)
             time.sleep(1.0)
             self.tilt(FULL_TILT)
-            self._passes(self.drives, 1.0)
-        return time.monotonic() - began
+            if self._passes(self.drives, 1.0):
+                return time.monotonic() - began
+            assert time.monotonic() - began < seconds, f"does not drive within {seconds:g} s{self._last_words()}"
 
     def run(self, seconds: float) -> None:
         """Let simulated time pass."""
         until = self.simulator.now() + seconds * 1e6
         assert self._passes(lambda: self.simulator.now() >= until, 20.0 + 4.0 * seconds)
+
+    def says(self, service: str) -> str:
+        """Its log so far."""
+        return (self._directory / f"{service}.log").read_text()
 
     def close(self) -> None:
         for simulator in (self.simulator, self._hand):
@@ -69,9 +77,10 @@ class RemoteRobot:
         codes = {name: process.wait(10.0) for name, process in self._processes.items()}
         assert set(codes.values()) == {0}, f"{codes}{self._last_words()}"
 
-    def _start_host(self, site: str, network: Path, boards: str) -> SimulatorClient:
-        ports = self._directory / site
-        control, file = self._directory / f"{site}.control", self._directory / f"{site}.toml"
+    def _start_host(self, host: str, site: str, network: Path) -> SimulatorClient:
+        boards, services = _HOSTS[host]
+        ports = self._directory / host
+        control, file = self._directory / f"{host}.control", self._directory / f"{host}.toml"
         stock, rest = _ROBOT_FILE.split("[network]")
         file.write_text(stock + network.read_text() + rest.partition("\n\n")[2])
         environment = {
@@ -85,9 +94,9 @@ class RemoteRobot:
         }
         world = str(self._directory / "world.toml")
         words = ["--ports", str(ports), "--control", str(control), "--world", world, "--seed", "1", "--hand", "still"]
-        self._start(f"{site}-sim", site, environment, "giraff_sim", *words, "--boards", "host", "--only", boards)
+        self._start(f"{host}-sim", site, environment, "giraff_sim", *words, "--boards", "host", "--only", boards)
         assert self._passes(control.exists, _STARTS_WITHIN), self._last_words()
-        for service in _SERVICES[boards]:
+        for service in services:
             self._start(service, site, environment, f"giraff_{service}")
         return SimulatorClient(control)
 

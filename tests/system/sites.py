@@ -16,23 +16,26 @@ _PATIENCE: Final = 10.0  # s
 class Sites:
     """Each site is a network of its own with one cable, to the router's host. All is gone with the block.
 
+    `routed`: the router's host passes packets on, as that of one large network would.
     Needs root, or a kernel that lets users have namespaces of their own.
     """
 
-    def __init__(self, *sites: str) -> None:
+    def __init__(self, *sites: str, routed: bool = False) -> None:
         self._sites = sites
+        self._routed = routed
         self._holders: dict[str, subprocess.Popen[bytes]] = {}
         self._as_user = [] if os.geteuid() == 0 else ["--user", "--map-root-user"]
 
     def __enter__(self) -> Self:
         try:
             self._hold(ROUTER, ["unshare", *self._as_user, "--net"])
-            # Whoever has two legs could pass packets on; this one must not.
-            self._run(ROUTER, "sh", "-c", "echo 0 > /proc/sys/net/ipv4/ip_forward")
+            self._run(ROUTER, "sh", "-c", f"echo {self._routed:d} > /proc/sys/net/ipv4/ip_forward")
             self._run(ROUTER, "ip", "link", "set", "lo", "up")
             for site in self._sites:
                 self._hold(site, [*self._into(ROUTER), "unshare", "--net"])
                 self._wire(site)
+            for site in self._sites:
+                self.await_link(site, "UP")
         except BaseException:
             self.close()
             raise
@@ -68,6 +71,13 @@ class Sites:
     def plug(self, site: str) -> None:
         self._run(ROUTER, "ip", "link", "set", _leg(site), "up")
 
+    def await_link(self, site: str, state: str) -> None:
+        """Until the site's host has noticed its cable, UP or DOWN: the kernel takes up to a second."""
+        deadline = time.monotonic() + _PATIENCE
+        while f"state {state}" not in self._run(site, "ip", "-o", "link", "show", "uplink"):
+            assert time.monotonic() < deadline, f"the link of {site} is not {state}"
+            time.sleep(0.05)
+
     @property
     def router_addresses(self) -> list[str]:
         return [self.router(site) for site in self._sites]
@@ -92,12 +102,15 @@ class Sites:
         self._run(site, "ip", "address", "add", f"{self.address(site)}/24", "dev", "uplink")
         for place, name in ((ROUTER, leg), (site, "uplink"), (site, "lo")):
             self._run(place, "ip", "link", "set", name, "up")
+        if self._routed:
+            self._run(site, "ip", "route", "add", "default", "via", self.router(site))
 
-    def _run(self, site: str, *words: str) -> None:
+    def _run(self, site: str, *words: str) -> str:
         done = subprocess.run(
             self.command(site, *words), check=False, capture_output=True, text=True, timeout=_PATIENCE
         )
         assert done.returncode == 0, f"{' '.join(words)}: {done.stderr}"
+        return done.stdout
 
 
 def _leg(site: str) -> str:
