@@ -14,11 +14,9 @@ from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
 from giraff_cli.certificates import Identity, addresses_of, common_name
 from giraff_cli.host_names import without_local
+from giraff_node.key_bundle import CA_CERTIFICATE
 
-CA_CERTIFICATE: Final = "ca.pem"
 CA_KEY: Final = "ca.key"
-HOST_CERTIFICATE: Final = "host.pem"
-HOST_KEY: Final = "host.key"
 
 
 class KeyFileError(Exception):

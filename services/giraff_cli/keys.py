@@ -13,19 +13,10 @@ import msgspec
 
 from giraff_cli.certificates import CertificateError, addresses_of, new_authority, new_host
 from giraff_cli.host_names import Address, require_address, require_name, without_local
-from giraff_cli.key_files import (
-    CA_CERTIFICATE,
-    CA_KEY,
-    HOST_CERTIFICATE,
-    HOST_KEY,
-    KeyFileError,
-    bundle_text,
-    read_authority,
-    read_certificate,
-)
+from giraff_cli.key_files import CA_KEY, KeyFileError, bundle_text, read_authority, read_certificate
 from giraff_cli.key_folder import holding, lay_down
 from giraff_cli.key_states import Standing, State, authority_standing, host_standing, keys_command
-from giraff_node.key_bundle import BUNDLE_FILE
+from giraff_node.key_bundle import BUNDLE_FILE, CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
 
 _DONE: Final = 0
 _TO_DO: Final = 1

@@ -12,11 +12,16 @@ import zenoh
 from giraff_cli.robots import NoRobotError, find_way, only_robot
 from giraff_cli.watcher import Watcher
 from giraff_node.config import ConfigError
+from giraff_node.process import start_anew
 from giraff_node.session import open_session
 
 UNUSABLE: Final = 2
 
 _CLOSE_WITHIN: Final = 0.3  # s; whoever has ended a command does not wait, and the robot sees a dead link at once
+
+
+class MovedError(Exception):
+    """This host is to be found at other addresses than when the visit began."""
 
 
 def visit(robot: str | None, connect: Sequence[str], patience: float, act: Callable[[Watcher], int]) -> int:
@@ -43,6 +48,9 @@ def join(robot: str | None, connect: Sequence[str], act: Callable[[Watcher], int
     watcher = Watcher(way.robot, session)
     try:
         code = act(watcher)
+    except MovedError:
+        watcher.close(_CLOSE_WITHIN)
+        start_anew()
     except NoRobotError as error:
         code = complain(str(error))
     sys.stdout.flush()

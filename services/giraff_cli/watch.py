@@ -14,11 +14,12 @@ from giraff_cli.robots import Roster, only_one, unheard
 from giraff_cli.screen import Lines, Screen, Terminal, drop_output, open_screen
 from giraff_cli.stopping import Stopping
 from giraff_cli.telemetry import Snapshot, Telemetry
-from giraff_cli.visit import complain, join
+from giraff_cli.visit import MovedError, complain, join
 from giraff_cli.watch_report import ReportSight
 from giraff_cli.watch_view import WatchSight
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
+from giraff_node.host_addresses import AddressWatch, host_addresses
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK, TILT, TOPICS, WHEELS
 
 _LOOK_EVERY: Final = 0.5  # s; a picture costs 7 ms of a core
@@ -55,11 +56,12 @@ class Watch:
         self._telemetry = Telemetry()
         self._roster = Roster(watcher.session)
         self._began = time.monotonic()
+        self._addresses = AddressWatch(host_addresses())
         self._listens = False
         self._follows_wheels = False
 
     def go(self) -> int:
-        """The whole of it; the exit code. Raises NoRobotError where several are there and none is named."""
+        """The whole of it; the exit code. Raises NoRobotError where several are there and none is named; MovedError."""
         gc.freeze()  # what is imported stays: a tenth of what a picture costs is looking through it
         try:
             self._meet()
@@ -99,7 +101,10 @@ class Watch:
         return time.monotonic() - self._began
 
     def _look(self) -> WatchSight:
-        """Take in what there is."""
+        """Take in what there is. Raises MovedError."""
+        now = time.monotonic()
+        if math.isinf(self._seconds) and self._addresses.due(now) and self._addresses.moved(now, host_addresses()):
+            raise MovedError
         there = self._roster.names
         self._find()
         self._watcher.pass_on(self._telemetry)

@@ -11,6 +11,9 @@ from typing import Annotated, Final
 
 import msgspec
 
+CA_CERTIFICATE: Final = "ca.pem"
+HOST_CERTIFICATE: Final = "host.pem"
+HOST_KEY: Final = "host.key"
 BUNDLE_FILE: Final = "bundle.toml"
 EXPIRES_SOON: Final = timedelta(days=30)  # from then on everyone who sees it says so
 BACKDATED: Final = timedelta(days=1)  # home machines' clocks disagree; one that keeps local time as UTC, by hours

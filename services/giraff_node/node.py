@@ -11,15 +11,12 @@ with Node("guard", GuardConfig) as node:
 from __future__ import annotations
 
 import os
-import secrets
-import signal
 import sys
 import time
-import traceback
 from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
-from types import FrameType, TracebackType
+from types import TracebackType
 from typing import Any, Generic, Self
 
 import msgspec
@@ -27,23 +24,19 @@ import zenoh
 
 from giraff_node.bad_keys import BadKeys
 from giraff_node.config import ConfigError, ConfigT, load
-from giraff_node.health import Condition
-from giraff_node.health_socket import HealthSocket
 from giraff_node.host_addresses import AddressWatch, host_addresses
 from giraff_node.inbox import Asked, Inbox
 from giraff_node.key_bundle import ExpiryWatch
-from giraff_node.logs import service_logger
 from giraff_node.pacing import Pacer
+from giraff_node.process import Process
 from giraff_node.robot import RobotConfig
 from giraff_node.router_link import RouterLink
-from giraff_node.session import NetworkConfig, close_session, open_session
-from giraff_node.systemd import Notifier
-from giraff_node.watch import Selectable, Waker, Watch
+from giraff_node.session import NetworkConfig, open_session
+from giraff_node.watch import Selectable
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic, alive_key, health_key, key_of
 
-_LONGEST_WAIT = 0.1  # s; bounds how late a turn notices what has no descriptor
 _MOST_REQUESTS = 20  # that wait for their answers; the oldest goes without
 
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
@@ -73,27 +66,13 @@ class Node(Generic[ConfigT]):
 
     def __init__(self, service: str, config: type[ConfigT]) -> None:
         self.service = service
-        self.instance = secrets.token_hex(8)
-        self.log = service_logger(service)
+        self._process = Process(service)  # before the session: opening it takes a moment
+        self.log, self.instance = self._process.log, self._process.instance
         try:
             self.config = load(service, config)
             self.robot = load("robot", RobotConfig)
             network = load("network", NetworkConfig)
-        except ConfigError as error:
-            self.log.error("%s", error)
-            sys.exit(2)
-        self._condition = Condition(service, self.instance, self.log)
-        self._health_socket = HealthSocket(service)
-        self._notifier = Notifier()
-        self._failure: BaseException | None = None
-        self._stopping = False
-        self._again = False
-        self._waker = Waker()
-        for number in (signal.SIGTERM, signal.SIGINT):  # before the session: opening it takes a moment
-            signal.signal(number, self._on_signal)
-        signal.set_wakeup_fd(self._waker.for_signals, warn_on_full_buffer=False)
-        self._addresses = None if network.local else AddressWatch(host_addresses())
-        try:
+            self._addresses = None if network.local else AddressWatch(host_addresses())
             self.session = open_session(network, self.robot.name)
         except ConfigError as error:
             self.log.error("%s", error)
@@ -120,22 +99,7 @@ class Node(Generic[ConfigT]):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if kind is not None:
-            self.log.error("ended by %s: %s", kind.__name__, error, exc_info=(kind, error, trace) if error else None)
-        self._notifier.stopping()
-        self._health_socket.close()
-        signal.set_wakeup_fd(-1)
-        closed = close_session(self.session)
-        self.log.info("ended")
-        status = 1 if kind is not None or self._failure is not None else 0
-        if self._again and not status:
-            sys.stderr.flush()
-            os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])  # noqa: S606  the same words as before
-        if not closed:
-            sys.stderr.flush()
-            os._exit(status)
-        if status:
-            sys.exit(status)
+        self._process.end(self.session, kind, error, trace)
 
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]:
         return Publisher(self, topic)
@@ -146,7 +110,7 @@ class Node(Generic[ConfigT]):
 
         def take_and_wake(sample: SampleT) -> None:
             inbox.accept(sample)
-            self._waker.wake()
+            self._process.wake()
 
         self.subscribe(topic, take_and_wake)
         return inbox
@@ -184,7 +148,7 @@ class Node(Generic[ConfigT]):
                     asked.reply_err(f"not a {query.request.__name__}: {error}")
                 return
             inbox.accept(Asked(asked, request))
-            self._waker.wake()
+            self._process.wake()
 
         self._declared.append(self.session.declare_queryable(key_of(self.robot.name, query), on_query))
         return inbox
@@ -194,66 +158,36 @@ class Node(Generic[ConfigT]):
 
         Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
-        asked: set[Selectable] = set()
-        with Watch(self._waker, self._health_socket, *([link] if link is not None else [])) as watch:
-            while not self._stopping:
-                now = time.monotonic()
-                # After a whole turn, so that nobody is told of a state that nothing has looked at yet.
-                self._tell_how_it_is(now, asked=self._health_socket in asked)
-                wait = min((pacer.wait(now) for pacer in pacers), default=_LONGEST_WAIT)
-                asked = watch.wait(min(wait, _LONGEST_WAIT))
-                self._waker.drain()
-                if self._failure is not None:
-                    raise self._failure
-                self._start_again_elsewhere(time.monotonic())
-                if not self._stopping:
-                    yield time.monotonic()
+        return self._process.turns(*pacers, link=link, look=self._look)
 
     def set_fault(self, name: str, message: str) -> None:
         """State what is wrong with `name` of this service itself, or with "" that nothing is.
 
         Logged on a change, told by health, which is then not `ok`.
         """
-        self._condition.set_fault(name, message)
+        self._process.condition.set_fault(name, message)
 
     def set_notice(self, name: str, message: str) -> None:
         """State what is wrong elsewhere, or awaited, or with "" that nothing is: this service is well all the same."""
-        self._condition.set_notice(name, message)
+        self._process.condition.set_notice(name, message)
 
     def fail(self, error: BaseException) -> None:
         """End the process with `error`, from any thread."""
-        self.log.error("%s", "".join(traceback.format_exception(error)))
-        self._failure = error
-        self._waker.wake()
+        self._process.fail(error)
 
-    def _tell_how_it_is(self, now: float, *, asked: bool) -> None:
-        """To this machine's healthchecks, if they have asked, and to systemd: from the loop, so a hung one is seen."""
-        self._health_socket.keep_open(now)
-        if asked:
-            self._health_socket.answer(self._condition.health)
-        self._notifier.turn(now, self._condition.summary)
-        self.set_fault("health socket", self._health_socket.fault)
-        self.set_notice("systemd", self._notifier.problem)
+    def _look(self, now: float) -> None:
         if self._keys is not None:
             self.set_notice("keys", self._keys.warning(datetime.now(UTC)))
         if self._router is not None:
             self.set_notice("router", self._router.problem(now))
-
-    def _start_again_elsewhere(self, now: float) -> None:
-        """Zenoh learns this host's addresses at the start of a process, so a new address takes a new process."""
-        if self._addresses is None or not self._addresses.due(now):
-            return
-        addresses = host_addresses()
-        if self._addresses.moved(now, addresses):
-            self.log.warning("this host is now at %s: starting again to be found there", ", ".join(sorted(addresses)))
-            self._again = self._stopping = True
+        # Zenoh learns this host's addresses at the start of a process, so a new address takes a new process.
+        if self._addresses is not None and self._addresses.due(now):
+            addresses = host_addresses()
+            if self._addresses.moved(now, addresses):
+                self._process.start_again(f"this host is now found at {', '.join(sorted(addresses))}")
 
     def _sees_router(self) -> bool:
         return bool(self.session.info.routers_zid())
 
-    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
-        self._stopping = True  # the wake-up descriptor has already been written to
-        self._again = False
-
     def _on_health_query(self, query: zenoh.Query) -> None:
-        query.reply(query.key_expr, encode(self._condition.health()), encoding=encoding_of(Health))
+        query.reply(query.key_expr, encode(self._process.condition.health()), encoding=encoding_of(Health))

@@ -19,18 +19,18 @@ import zenoh
 
 from giraff_node.access import AccessConfig, access_control
 from giraff_node.config import ConfigError
-from giraff_node.key_bundle import BundleError, read_bundle
+from giraff_node.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
 from giraff_node.site import require_site
 
 _CLOSE_TIMEOUT: Final = 1.0  # s
 _PORT: Final = 7447  # Zenoh's own
 
 CERTIFICATES: Final = {
-    "root_ca_certificate": "ca.pem",
-    "listen_certificate": "host.pem",
-    "listen_private_key": "host.key",
-    "connect_certificate": "host.pem",
-    "connect_private_key": "host.key",
+    "root_ca_certificate": CA_CERTIFICATE,
+    "listen_certificate": HOST_CERTIFICATE,
+    "listen_private_key": HOST_KEY,
+    "connect_certificate": HOST_CERTIFICATE,
+    "connect_private_key": HOST_KEY,
 }
 """Zenoh's name -> file of the host's bundle, as `giraff keys host` makes it."""
 

@@ -60,5 +60,5 @@ def test_driven_from_afar_when_the_network_came_later(sites: Sites, tmp_path: Pa
 
 
 def found_anew(robot: RemoteRobot, service: str) -> bool:
-    _, again, since = robot.says(service).partition("starting again to be found there")
+    _, again, since = robot.says(service).partition("starting again")
     return bool(again) and "pid" in since

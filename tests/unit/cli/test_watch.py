@@ -202,3 +202,23 @@ def test_the_roster_follows_robots_that_come_and_go(session: zenoh.Session, netw
     wait(lambda: roster.names == [])
     assert roster.settled == []
     assert close_session(visitor)
+
+
+class StartedAnewError(Exception):
+    """In place of the end of this program."""
+
+
+def test_it_starts_anew_on_a_host_that_is_found_elsewhere(
+    network: NetworkConfig,  # noqa: ARG001
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    def start_anew() -> None:
+        raise StartedAnewError
+
+    addresses = iter([frozenset[str]()])
+    monkeypatch.setattr(it, "host_addresses", lambda: next(addresses, frozenset({"192.0.2.7"})))
+    monkeypatch.setattr("giraff_cli.visit.start_anew", start_anew)
+    with pytest.raises(StartedAnewError):
+        it.watch(None, (), None, as_json=False)
+    capfd.readouterr()

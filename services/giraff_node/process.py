@@ -1,0 +1,124 @@
+"""A program that goes on until SIGTERM or SIGINT: its log, its loop, what it tells of itself, and a clean end."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import signal
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from types import FrameType, TracebackType
+from typing import Final, NoReturn
+
+import zenoh
+
+from giraff_node.health import Condition
+from giraff_node.health_socket import HealthSocket
+from giraff_node.logs import service_logger
+from giraff_node.pacing import Pacer
+from giraff_node.session import close_session
+from giraff_node.systemd import Notifier
+from giraff_node.watch import Selectable, Waker, Watch
+
+_LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
+
+
+def start_anew() -> NoReturn:
+    """Become the same program from its start, in the same process: whoever watches over it need not know."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])  # noqa: S606  the same words as before
+
+
+class Process:
+    """From here on signals end the loop, not the program. `name`: in logs, in health and for systemd."""
+
+    def __init__(self, name: str) -> None:
+        self.instance = secrets.token_hex(8)
+        self.log = service_logger(name)
+        self.condition = Condition(name, self.instance, self.log)
+        self._health_socket = HealthSocket(name)
+        self._notifier = Notifier()
+        self._failure: BaseException | None = None
+        self._stopping = False
+        self._again = False
+        self._waker = Waker()
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._on_signal)
+        signal.set_wakeup_fd(self._waker.for_signals, warn_on_full_buffer=False)
+
+    def turns(
+        self, *pacers: Pacer, link: Selectable | None = None, look: Callable[[float], None] = lambda _: None
+    ) -> Iterator[float]:
+        """Yield the monotonic time (s) whenever a pacer may be due, the link is readable or somebody called `wake`.
+
+        `look` is given each turn's time before health is told. Raises what `fail` was given.
+        """
+        asked: set[Selectable] = set()
+        with Watch(self._waker, self._health_socket, *([link] if link is not None else [])) as watch:
+            while not self._stopping:
+                now = time.monotonic()
+                look(now)
+                # After a whole turn, so that nobody is told of a state that nothing has looked at yet.
+                self._tell_how_it_is(now, asked=self._health_socket in asked)
+                wait = min((pacer.wait(now) for pacer in pacers), default=_LONGEST_WAIT)
+                asked = watch.wait(min(wait, _LONGEST_WAIT))
+                self._waker.drain()
+                if self._failure is not None:
+                    raise self._failure
+                if not self._stopping:
+                    yield time.monotonic()
+
+    def wake(self) -> None:
+        """Make a turn due, from any thread."""
+        self._waker.wake()
+
+    def fail(self, error: BaseException) -> None:
+        """End with `error`, from any thread."""
+        self.log.error("%s", "".join(traceback.format_exception(error)))
+        self._failure = error
+        self._waker.wake()
+
+    def start_again(self, why: str) -> None:
+        """End, and become the same program anew."""
+        self.log.warning("%s: starting again", why)
+        self._again = self._stopping = True
+
+    def end(
+        self,
+        session: zenoh.Session,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Leave the network, whatever it does, with an exit code that says whether this was wanted."""
+        if kind is not None:
+            self.log.error("ended by %s: %s", kind.__name__, error, exc_info=(kind, error, trace) if error else None)
+        self._notifier.stopping()
+        self._health_socket.close()
+        signal.set_wakeup_fd(-1)
+        closed = close_session(session)
+        self.log.info("ended")
+        status = 1 if kind is not None or self._failure is not None else 0
+        if self._again and not status:
+            start_anew()
+        if not closed:
+            sys.stderr.flush()
+            os._exit(status)
+        if status:
+            sys.exit(status)
+
+    def _tell_how_it_is(self, now: float, *, asked: bool) -> None:
+        """To this machine's healthchecks, if they have asked, and to systemd: from the loop, so a hung one is seen."""
+        self._health_socket.keep_open(now)
+        if asked:
+            self._health_socket.answer(self.condition.health)
+        self._notifier.turn(now, self.condition.summary)
+        self.condition.set_fault("health socket", self._health_socket.fault)
+        self.condition.set_notice("systemd", self._notifier.problem)
+
+    def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
+        self._stopping = True  # the wake-up descriptor has already been written to
+        self._again = False
