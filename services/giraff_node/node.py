@@ -29,6 +29,7 @@ from giraff_node.inbox import Asked, Inbox
 from giraff_node.key_bundle import ExpiryWatch
 from giraff_node.pacing import Pacer
 from giraff_node.process import Process
+from giraff_node.reunion import Reunion
 from giraff_node.robot import RobotConfig
 from giraff_node.router_link import RouterLink
 from giraff_node.session import NetworkConfig, open_session
@@ -84,6 +85,8 @@ class Node(Generic[ConfigT]):
         self._keys = ExpiryWatch(Path(network.keys)) if secured else None
         routed = network.router and not network.local and not network.session_file
         self._router = RouterLink(network.router, network.site, self._sees_router) if routed else None
+        own = network.local or network.session_file
+        self._reunion = None if own else Reunion(self.session, network, self.robot.name)
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
     def __enter__(self) -> Self:
@@ -180,6 +183,8 @@ class Node(Generic[ConfigT]):
             self.set_notice("keys", self._keys.warning(datetime.now(UTC)))
         if self._router is not None:
             self.set_notice("router", self._router.problem(now))
+        if self._reunion is not None:
+            self._reunion.look(now)
         # Zenoh learns this host's addresses at the start of a process, so a new address takes a new process.
         if self._addresses is not None and self._addresses.due(now):
             addresses = host_addresses()

@@ -81,8 +81,8 @@ def session_config(network: NetworkConfig, robot: str, *, visiting: bool = False
     _, _, port = network.rendezvous.rpartition(":")
     protocol = "tls" if network.mode == "secured" else "tcp"
     reach = "127.0.0.1" if network.local else "0.0.0.0"  # noqa: S104  other hosts are to reach it
-    # Where there is no multicast, the other hosts find this one at its rendezvous.
-    meeting = network.rendezvous if network.local or network.mode == "lan" else f"{reach}:{port}"
+    # Where there is no multicast, or a cable was cut, the other hosts find this one at its rendezvous.
+    meeting = network.rendezvous if network.local else f"{reach}:{port}"
     retried = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
     # Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
     first = "#exit_on_failure=true"
@@ -175,3 +175,7 @@ def _host_of(folder: Path) -> str:
             f"{error}; [network.access] has routers, and what one may say depends on the host: "
             "make its bundle again with `giraff keys host --renew`"
         ) from error
+
+
+LEASE: Final = settings("peer")["transport"]["link"]["tx"]["lease"] / 1000
+"""s without a word after which a link is dead."""

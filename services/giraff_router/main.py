@@ -13,6 +13,7 @@ from typing import Any
 import zenoh
 
 from giraff_node.config import ConfigError, load
+from giraff_node.dead_links import limit_dead_links
 from giraff_node.key_bundle import ExpiryWatch
 from giraff_node.pacing import Pacer
 from giraff_node.process import Process
@@ -63,6 +64,7 @@ def main() -> None:
         for now in process.turns(pace):
             if not pace.due(now):
                 continue
+            limit_dead_links()
             links = [(link.auth_identifier or "somebody", link.dst) for link in session.info.links()]
             for news in visitors.look(links):
                 process.log.info("%s", news)

@@ -21,6 +21,8 @@ class StallProbe:
 
     def __init__(self) -> None:
         self.longest = 0.0
+        self.stalls: list[float] = []
+        """Ends of those over 50 ms, s of time.monotonic()."""
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
@@ -37,7 +39,10 @@ class StallProbe:
         while not self._ending.is_set():
             time.sleep(_PERIOD)
             now = time.monotonic()
-            self.longest = max(self.longest, now - last - _PERIOD)
+            late = now - last - _PERIOD
+            self.longest = max(self.longest, late)
+            if late > _STALL:
+                self.stalls.append(now)
             last = now
 
 

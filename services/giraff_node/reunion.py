@@ -1,0 +1,100 @@
+"""Meets those again whose link is lost although their host is still there.
+
+When a cable is cut for a second, some links between two hosts expire and some outlive it. Zenoh dials a peer that it is
+told of, but only when that one is news to whoever tells; and it asks around by multicast every 8 s, where it asks at
+all. So two services stayed deaf to each other while others of their hosts were not: for good, without multicast. A
+visit, a session of a moment such as `giraff why` has, is news to everybody: through it both hear of each other, and
+dial.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from typing import Final, NamedTuple
+
+import zenoh
+
+from giraff_node.config import ConfigError
+from giraff_node.dead_links import limit_dead_links
+from giraff_node.session import NetworkConfig, close_session, open_session
+
+_STAYS: Final = 2.0
+"""s; who was linked for less was a visitor, and has left."""
+_VISITS_EVERY: Final = 1.0  # s; the first may come before the other end has noticed
+_GIVES_UP: Final = 12.0
+"""s; then it was ended, alone of its host. A program that is not ours may hold a dead link for 10 s."""
+_LOOK: Final = 0.2  # s between looks
+_VISIT: Final = 0.7  # s; telling takes two round trips, dialling one more
+
+
+class _Missed(NamedTuple):
+    host: str
+    since: float
+
+
+class Partings:
+    """Who has gone from a host where others still are. `delay`: s from then to the first visit."""
+
+    def __init__(self, delay: float) -> None:
+        self._delay = delay
+        self._linked: dict[str, _Missed] = {}
+        self._missed: dict[str, _Missed] = {}
+        self._next = 0.0
+
+    def look(self, now: float, links: Mapping[str, str]) -> bool:
+        """Whether a visit is due. `links`: id of each peer that is linked -> its host; `now`: monotonic, s."""
+        for peer in self._linked.keys() - links.keys():
+            host, since = self._linked.pop(peer)
+            if now - since >= _STAYS:
+                self._next = max(self._next, now + self._delay)
+                self._missed[peer] = _Missed(host, now)
+        for peer, host in links.items():
+            self._linked.setdefault(peer, _Missed(host, now))
+            self._missed.pop(peer, None)
+        self._missed = {peer: one for peer, one in self._missed.items() if now - one.since < _GIVES_UP}
+        hosts = set(links.values())
+        due = now >= self._next and any(one.host in hosts for one in self._missed.values())
+        if due:
+            self._next = now + _VISITS_EVERY
+        return due
+
+
+class Reunion:
+    """Looks after the links of a session: a dead one is let go, and visits are made, one at a time, in a thread."""
+
+    def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str) -> None:
+        self._session = session
+        # One visit mends the links of all: not all who miss somebody make theirs at the same moment.
+        self._partings = Partings(int(str(session.zid())[-2:], 16) / 256 * _LOOK * 2)
+        self._visit: Callable[[], None] = lambda: visit(network, robot)
+        self._under_way: threading.Thread | None = None
+        self._next = 0.0
+
+    def look(self, now: float) -> None:
+        """In each turn; `now`: monotonic, s."""
+        if now < self._next:
+            return
+        self._next = now + _LOOK
+        limit_dead_links()
+        links = hosts_of((str(link.zid), link.dst) for link in self._session.info.links())
+        if self._partings.look(now, links) and (self._under_way is None or not self._under_way.is_alive()):
+            self._under_way = threading.Thread(target=self._visit, name="visit", daemon=True)
+            self._under_way.start()
+
+
+def visit(network: NetworkConfig, robot: str) -> None:
+    """Join the network of `robot` for a moment."""
+    try:
+        session = open_session(network, robot, visiting=True)
+    except (zenoh.ZError, ConfigError):  # the next visit, or nobody, is told; this process is well without
+        return
+    time.sleep(_VISIT)
+    close_session(session)
+
+
+def hosts_of(links: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Peer -> host, of links (peer, locator) to other hosts: "tcp/10.0.0.5:7447" is at 10.0.0.5."""
+    found = ((peer, locator.partition("/")[2].rpartition(":")[0]) for peer, locator in links)
+    return {peer: host for peer, host in found if host and not host.startswith("127.")}
