@@ -8,12 +8,12 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Self
 
 import msgspec
 
@@ -21,8 +21,8 @@ from tests.hosts.clone import clone, write_env
 from tests.hosts.containers import Container, container
 from tests.hosts.hardware import BOARDS, PORTS, ROBOT, Hardware
 from tests.hosts.images import KEPT, images
-from tests.hosts.machine import LabError, Machine
-from tests.hosts.switch import Switch
+from tests.hosts.machine import LabError, Machine, kill
+from tests.hosts.switch import NETWORK, Switch
 
 NAME: Final = "sim-lab"
 NUMBERS: Final = {"laptop": 11, "robot": 12, "desk": 13}
@@ -37,7 +37,7 @@ class Heard(msgspec.Struct, frozen=True):
 
     at: float
     age: float
-    instance: str
+    sample: dict[str, Any]
 
 
 _decode_heard: Final = msgspec.json.Decoder(Heard).decode
@@ -55,6 +55,10 @@ class Listener:
         lines = self._output.read_bytes().rpartition(b"\n")[0].splitlines()
         return [one for one in map(_decode_heard, lines) if one.at > since]
 
+    def said(self, since: float, until: float) -> list[dict[str, Any]]:
+        """The samples that arrived in a window."""
+        return [one.sample for one in self.heard(since) if one.at < until]
+
     def flows_after(self, moment: float, within: float) -> float:
         """Wait for a sample that is no older than a hop; s after `moment` that it arrived."""
         fresh: list[Heard] = []
@@ -71,9 +75,14 @@ class Listener:
         times = [since, *(one.at for one in self.heard(since) if one.at < until), until]
         return max(later - earlier for earlier, later in pairwise(times))
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
     def close(self) -> None:
-        self._process.kill()
-        self._process.wait()
+        kill(self._process)
 
 
 class Lab:
@@ -103,8 +112,9 @@ class Lab:
         self._end.callback(self.hardware.close)
         self.machines = {host: Machine(host, self._folder(host)) for host in NUMBERS}
         switch = Machine("switch", self._folder("switch"))
-        self._end.callback(switch.power_off)
+        self._end.callback(switch.power_off)  # whatever it comes to
         self.switch = Switch(switch)
+        self._end.callback(self.switch.off)
         for machine in self.machines.values():
             self._end.callback(machine.power_off)
             self._boot(machine)
@@ -113,11 +123,13 @@ class Lab:
             clone(self.clone(host))
             self.write_env(host)
 
-    def write_env(self, host: str) -> None:
+    def write_env(self, host: str, changes: Mapping[str, str] | None = None) -> None:
         """The host's `.env`, as its technician writes it."""
         ports = {"laptop": ["joystick"], "robot": ["base", "ranger"], "desk": []}[host]
-        changes = {"GIRAFF_ROBOT_NAME": NAME} | {f"GIRAFF_{port.upper()}_PORT": str(PORTS / port) for port in ports}
-        write_env(self.clone(host), host, changes, ROBOT)
+        own = {"GIRAFF_ROBOT_NAME": NAME} | {f"GIRAFF_{port.upper()}_PORT": str(PORTS / port) for port in ports}
+        if host != "robot":
+            own["GIRAFF_NETWORK_CONNECT"] = json.dumps([address("robot")])
+        write_env(self.clone(host), host, {**own, **(changes or {})}, ROBOT)
 
     def clone(self, host: str) -> Path:
         return self.directory / host / "giraff"
@@ -155,10 +167,28 @@ class Lab:
             raise AssertionError(f"{error}: {told}\n{logs}") from error
         return max(one.well_since for one in told if one.well_since is not None)
 
-    def listen(self, host: str, key: str, robot: str = NAME) -> Listener:
+    def down(self, *hosts: str) -> None:
+        """`docker-compose down` on them: the latch stays."""
+        self.on_each(hosts, lambda host: self.compose(host, "down", "--remove-orphans"))
+
+    def do_without_multicast(self, mode: str, profiles: str = "robot") -> None:
+        """Hosts that are down get the `.env` of a network without multicast."""
+        met = {"GIRAFF_NETWORK_MODE": mode}
+        self.write_env("robot", met | {"COMPOSE_PROFILES": profiles})
+        for host in ("laptop", "desk"):
+            self.write_env(host, met)
+
+    def reset_emergency_stop(self, host: str = "laptop") -> None:
+        """Which is engaged after the robot's first start."""
+        self.compose(host, "run", "--rm", "giraff", "estop", "reset")
+
+    def listen(self, host: str, key: str, robot: str = NAME, network: Mapping[str, Any] | None = None) -> Listener:
+        """`network`: fields of the table `[network]` on that host; none: as in its `.env`."""
+        if network is None:
+            network = {} if host == "robot" else {"connect": [address("robot")]}
         output = self.directory / f"{host}-{key.replace('/', '-')}-{time.monotonic_ns()}.jsonl"
         with output.open("wb") as out, output.with_suffix(".log").open("wb") as log:
-            command = [sys.executable, str(_LISTENER), robot, key]
+            command = [sys.executable, str(_LISTENER), robot, key, json.dumps(network)]
             listener = Listener(self.machines[host].start(command, stdout=out, stderr=log), output)
         self._end.callback(listener.close)
         return listener
@@ -167,8 +197,8 @@ class Lab:
         self.switch.unplug(self.machines[host])
         self.machines[host].power_off()
 
-    def power_on(self, host: str) -> None:
-        self._boot(self.machines[host])
+    def power_on(self, host: str, *, cable: bool = True) -> None:
+        self._boot(self.machines[host], cable=cable)
 
     def mend(self) -> None:
         """All hosts on, all cables in, all boards plugged: what a test has broken, another does not find so."""
@@ -180,10 +210,14 @@ class Lab:
             self.switch.lose(machine, 0)
         self.hardware.plug(*BOARDS)
 
+    def load(self, host: str, kind: str) -> None:
+        """Give a host another kind's image, as `docker-compose build` does."""
+        self._load(host, images([kind])[kind])
+
     def become_simulation(self, host: str) -> None:
         """The host is given another `.env`, and is up no more."""
         self.compose(host, "down")
-        self._load(host, images(["sim"])["sim"])
+        self.load(host, "sim")
         write_env(self.clone(host), "sim", {})
 
     def close(self) -> None:
@@ -201,14 +235,20 @@ class Lab:
         folder.mkdir()
         return folder
 
-    def _boot(self, machine: Machine) -> None:
+    def _boot(self, machine: Machine, *, cable: bool = True) -> None:
         machine.power_on()
         self.switch.plug(machine, NUMBERS[machine.name])
+        if not cable:
+            self.switch.unplug(machine)
         machine.start_docker()
 
     def _load(self, host: str, archive: Path) -> None:
         self.machines[host].wait_for_docker()
         self.machines[host].docker("load", "--quiet", "--input", str(archive))
+
+
+def address(host: str) -> str:
+    return f"{NETWORK}.{NUMBERS[host]}"
 
 
 def wait(what: str, holds: Callable[[], bool], seconds: float, every: float = 0.02) -> float:

@@ -1,6 +1,8 @@
-"""Runs on a machine of the lab and prints when each sample of a key arrived: python listener.py ROBOT KEY.
+"""Runs on a machine of the lab and prints when each sample of a key arrived: python listener.py ROBOT KEY NETWORK.
 
-A line a sample, {"at": s, "age": s, "instance": "..."}. The lab is one machine: `at` is of its one CLOCK_MONOTONIC, and
+NETWORK: fields of the table `[network]`, as JSON.
+
+A line a sample, {"at": s, "age": s, "sample": {...}}. The lab is one machine: `at` is of its one CLOCK_MONOTONIC, and
 its one wall clock tells the age.
 """
 
@@ -12,21 +14,24 @@ import threading
 import time
 
 import msgpack
+import msgspec
 import zenoh
 
+from giraff_node.dead_links import limit_dead_links
 from giraff_node.session import NetworkConfig, open_session
 
 
-def main(robot: str, key: str) -> None:
+def main(robot: str, key: str, network: str) -> None:
     def on_sample(sample: zenoh.Sample) -> None:
         at = time.monotonic()
         said = msgpack.unpackb(sample.payload.to_bytes())
         age = time.time() - said["stamp_ns"] * 1e-9
-        print(json.dumps({"at": at, "age": age, "instance": said["instance"]}), flush=True)
+        print(json.dumps({"at": at, "age": age, "sample": said}), flush=True)
 
-    session = open_session(NetworkConfig(), robot, visiting=True)
+    session = open_session(msgspec.json.decode(network, type=NetworkConfig), robot, visiting=True)
     with session, session.declare_subscriber(f"giraff/{robot}/{key}", on_sample):
-        threading.Event().wait()
+        while not threading.Event().wait(0.5):
+            limit_dead_links()
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -15,6 +16,7 @@ from giraff_cli import launch
 BIN: Final = "/usr/sbin:/usr/bin:/sbin:/bin"
 """Debian's own programs, whatever else this machine has in front of them."""
 _CGROUPS: Final = Path("/sys/fs/cgroup")
+_TCP: Final = "net.ipv4.tcp_congestion_control=reno"
 _CGROUP: Final = "giraff-hosts"
 _BOOT_WITHIN: Final = 20.0  # s
 
@@ -64,8 +66,9 @@ class Machine:
         # that ends. Then the namespaces are nobody's, and with them go mounts, links and routes.
         spaces = ["--mount", "--propagation", "slave", "--pid", "--fork", "--kill-child", "--mount-proc", "--uts"]
         spaces += ["--net"] if self._own_network else []
-        # What a reboot forgets is a tmpfs.
-        boot = f"mount -t tmpfs tmpfs /run && hostname {self.name} && exec docker-init -- sleep infinity"
+        # What a reboot forgets is a tmpfs; and this machine's own congestion control may be another than Debian's.
+        boot = f"mount -t tmpfs tmpfs /run && hostname {self.name} && sysctl --quiet --write {_TCP} && "
+        boot += "exec docker-init -- sleep infinity"
         launcher = [sys.executable, "-I", "-S", str(launch.__file__), str(os.getpid())]
         self._supply = subprocess.Popen(
             [*launcher, "/usr/bin/unshare", *spaces, "sh", "-c", boot],
@@ -140,6 +143,13 @@ class Machine:
 
     def _has_booted(self, first: int) -> bool:
         return Path(f"/proc/{first}/comm").read_text().strip() == "docker-init"
+
+
+def kill(process: subprocess.Popen[bytes]) -> None:
+    """End a program that `Machine.start` has started: it is a child of what was started, and in its group."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
 
 
 def _remove_cgroups(name: str) -> None:

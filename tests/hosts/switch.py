@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
+import sys
+from pathlib import Path
 from typing import Final
 
 from tests.hosts.machine import Machine, run
 
 NETWORK: Final = "10.77.0"
 _TABLE: Final = "netdev giraff_hosts"
+_CALLS: Final = "netdev giraff_calls"
+_BAD_CABLE: Final = Path(__file__).with_name("bad_cable.py")
 
 
 class Switch:
@@ -15,6 +21,8 @@ class Switch:
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
+        self._plugged: set[str] = set()
+        self._bad_cables: dict[str, subprocess.Popen[bytes]] = {}
         machine.power_on()
         self._ip("link", "set", "lo", "up")
         self._ip("link", "add", "bridge", "type", "bridge", "mcast_snooping", "0")  # a plain switch floods multicast
@@ -34,6 +42,21 @@ class Switch:
             str(self._machine.pid),
         ]
         run(["ip", "link", "add", *ends])
+        self._connect(machine, number)
+
+    def plug_badly(self, machine: Machine, number: int) -> None:
+        """As `plug`, with the cable of bad_cable.py."""
+        ends = [str(self._machine.pid), machine.name, str(machine.pid), "eth0"]
+        cable = subprocess.Popen(
+            [sys.executable, "-I", str(_BAD_CABLE), *ends], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        self._bad_cables[machine.name] = cable
+        assert cable.stdout is not None
+        assert cable.stdout.readline() == b"ready\n", "no TAP devices: see above"
+        self._connect(machine, number)
+
+    def _connect(self, machine: Machine, number: int) -> None:
+        self._plugged.add(machine.name)
         self._ip("link", "set", machine.name, "master", "bridge", "up")
         for words in (
             ["link", "set", "lo", "up"],
@@ -44,8 +67,14 @@ class Switch:
             self._ip(*words, of=machine)
 
     def unplug(self, machine: Machine) -> None:
-        """Take the cable away for good: the last thing that a machine without power sends is nothing."""
-        self._ip("link", "delete", machine.name)
+        """Take the cable away for good: the last thing that a machine without power sends is nothing. None is fine."""
+        if machine.name not in self._plugged:
+            return
+        self._plugged.remove(machine.name)
+        if cable := self._bad_cables.pop(machine.name, None):
+            cable.communicate()
+        else:
+            self._ip("link", "delete", machine.name)
 
     def cut(self, machine: Machine) -> None:
         """Cut its cable: it has its address, and nobody answers."""
@@ -65,11 +94,34 @@ class Switch:
             }}"""
         self._run("nft", "--file", "-", given=rules)
 
+    def count_calls(self, by: Machine, to: str) -> None:
+        """From now on count the TCP connections that a machine tries to open to an address."""
+        self._run(
+            "nft",
+            "--file",
+            "-",
+            given=f"""table {_CALLS}
+            delete table {_CALLS}
+            table {_CALLS} {{
+                chain from_it {{ type filter hook ingress device "{by.name}" priority 0;
+                    ip daddr {to} tcp flags & (syn | ack) == syn counter; }}
+            }}""",
+        )
+
+    def calls(self) -> int:
+        """Counted so far."""
+        told = json.loads(self._run("nft", "--json", "list", "table", *_CALLS.split()))
+        [rule] = [one["rule"] for one in told["nftables"] if "rule" in one]
+        [counter] = [one["counter"] for one in rule["expr"] if "counter" in one]
+        return int(counter["packets"])
+
     def off(self) -> None:
+        for cable in self._bad_cables.values():
+            cable.communicate()
         self._machine.power_off()
 
     def _ip(self, *words: str, of: Machine | None = None) -> None:
         self._run("ip", *words, of=of)
 
-    def _run(self, *command: str, of: Machine | None = None, given: str = "") -> None:
-        run(["nsenter", "--target", str((of or self._machine).pid), "--net", *command], input=given)
+    def _run(self, *command: str, of: Machine | None = None, given: str = "") -> str:
+        return run(["nsenter", "--target", str((of or self._machine).pid), "--net", *command], input=given)

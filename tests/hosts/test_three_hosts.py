@@ -21,9 +21,10 @@ MB = 1e6
 
 
 @pytest.fixture(scope="module")
-def desk(lab: Lab) -> Listener:
+def desk(lab: Lab) -> Iterator[Listener]:
     """Hears odometry on the desk, from before anything is up."""
-    return lab.listen("desk", "odom")
+    with lab.listen("desk", "odom") as listener:
+        yield listener
 
 
 class Up(NamedTuple):
@@ -45,7 +46,7 @@ def up(lab: Lab, desk: Listener) -> Up:
 @pytest.fixture(scope="module")
 def _released(lab: Lab, up: Up) -> None:  # noqa: ARG001  only what is up can be asked
     """The emergency stop is reset, from the laptop."""
-    lab.compose("laptop", "run", "--rm", "giraff", "estop", "reset")
+    lab.reset_emergency_stop()
 
 
 @pytest.fixture(autouse=True)
@@ -78,17 +79,15 @@ def test_a_tilt_on_the_laptop_turns_the_wheels(lab: Lab, figure: Figure) -> None
 @pytest.mark.parametrize("seconds", [1.0, 5.0, 30.0])
 def test_a_cut_cable_stops_the_robot(lab: Lab, seconds: float, figure: Figure) -> None:
     boards = lab.hardware
-    laptop = lab.listen("laptop", "odom")
-    wait("odometry on the laptop", lambda: bool(laptop.heard()), 10.0)
-    cut_us = drive(lab)
-    lab.switch.cut(lab.machines["laptop"])
-    time.sleep(seconds)
-    stopped_after = boards.last_driven(cut_us)
-    joined_us = boards.simulator.now()
-    lab.switch.join(lab.machines["laptop"])
-    joined = time.monotonic()
-    flows = laptop.flows_after(joined, 20.0)
-    laptop.close()
+    with lab.listen("laptop", "odom") as laptop:
+        wait("odometry on the laptop", lambda: bool(laptop.heard()), 10.0)
+        cut_us = drive(lab)
+        lab.switch.cut(lab.machines["laptop"])
+        time.sleep(seconds)
+        stopped_after = boards.last_driven(cut_us)
+        joined_us = boards.simulator.now()
+        lab.switch.join(lab.machines["laptop"])
+        flows = laptop.flows_after(time.monotonic(), 20.0)
     assert stopped_after is not None
     figure(f"laptop's cable cut while driving ({seconds:g} s) -> PWM 0, board's record", stopped_after, 0.45, "s")
     figure(f"cable back after {seconds:g} s -> samples flow", flows, 2.0, "s")
@@ -182,7 +181,7 @@ def test_the_emergency_stop_outlives_the_power(lab: Lab) -> None:
     with pytest.raises(AssertionError, match="does not turn the wheels"):
         boards.drive(within=4.0)
     assert boards.last_driven(on_us) is None
-    lab.compose("laptop", "run", "--rm", "giraff", "estop", "reset")
+    lab.reset_emergency_stop()
     boards.drive()
 
 
@@ -199,9 +198,9 @@ def test_the_compose_of_today_does_the_same(lab: Lab) -> None:
 def test_a_whole_robot_without_hardware(lab: Lab) -> None:
     """On the desk, whose name it then has."""
     lab.become_simulation("desk")
-    watched = lab.listen("laptop", "odom", robot="sim-desk")
-    lab.up("desk")
-    lab.wait_until_healthy("desk")
-    wait("its odometry on the laptop", lambda: bool(watched.heard()), 20.0)
+    with lab.listen("laptop", "odom", robot="sim-desk") as watched:
+        lab.up("desk")
+        lab.wait_until_healthy("desk")
+        wait("its odometry on the laptop", lambda: bool(watched.heard()), 20.0)
     gone = re.compile(r"path +(?!0\.00)[\d.]+ m")
     wait("a way that it went", lambda: gone.search(lab.compose("desk", "logs", "sim")) is not None, 30.0, every=1.0)

@@ -1,0 +1,55 @@
+"""The robot's computer started without any network, and driven by its own keyboard."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+from typing import Final
+
+import pytest
+
+from tests.hosts.lab import NUMBERS, Lab
+from tests.hosts.machine import BIN
+from tests.system.test_keyboard import hold, take
+from tests.terminals import screen
+
+pytestmark = pytest.mark.timeout(300)
+
+STARTS_WITHIN: Final = 30.0  # s
+STOPS_WITHIN: Final = 0.45
+"""s from the last press to PWM zero."""
+
+
+@pytest.fixture
+def alone(lab: Lab) -> Iterator[None]:
+    """Its containers are up again after a power cycle, and its cable is gone."""
+    lab.down(*NUMBERS)
+    lab.write_env("robot")
+    lab.load("robot", "laptop")  # docs/deploy.md: the command line, for a robot that may lose its network
+    lab.up("robot")
+    lab.reset_emergency_stop("robot")
+    lab.power_off("robot")
+    lab.power_on("robot", cable=False)
+    lab.wait_until_healthy("robot")
+    yield
+    lab.power_off("robot")
+    lab.power_on("robot")
+
+
+def test_a_robot_without_a_network_is_driven_by_its_keyboard(lab: Lab, alone: None) -> None:  # noqa: ARG001
+    environment = os.environ | {"PATH": BIN, "DOCKER_HOST": lab.machines["robot"].socket}
+    typed = f"cd {lab.clone('robot')} && exec docker-compose run --rm keyboard"
+    with screen(["/bin/sh", "-c", typed], lab.directory / "keyboard.log", environment) as shown:
+        shown.wait_for("nobody drives", STARTS_WITHIN)
+        take(shown)
+        lab.hardware.simulator.place(0.0, 0.0)
+        hold(shown, b"w", 1.5)
+        assert lab.hardware.drives()
+        let_go_us = lab.hardware.simulator.now()
+        time.sleep(1.0)
+        stopped_after = lab.hardware.last_driven(let_go_us)
+        shown.type(b"\x03")
+        assert shown.process.wait(10.0) == 0
+    assert stopped_after is not None
+    assert stopped_after <= STOPS_WITHIN

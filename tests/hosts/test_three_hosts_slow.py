@@ -1,0 +1,27 @@
+"""A minute of driving over a bad link: each stop has its reason. `make campaign` drives for ten."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.hosts.lab import Lab
+from tests.hosts.slow_link import ride, slow_link
+
+Figure = Callable[[str, float, float, str], None]
+
+SECONDS = 60.0
+MOST_STOPS = 1.0
+
+
+@pytest.mark.timeout(300)
+def test_a_minute_over_a_bad_link(lab: Lab, figure: Figure) -> None:
+    with slow_link(lab) as bulk:
+        ridden = ride(lab, bulk, SECONDS)
+    print(f"stops by stalls of this machine: {ridden.stalls}", *ridden.stops, sep="\n")
+    assert all(stop.least_left < 0.0 for stop in ridden.stops), "a stop for another reason than a command's age"
+    # TCP takes no more where 2 % are lost (Mathis et al. 1997: some 1.2 MSS / (RTT sqrt(p))).
+    assert ridden.share > 0.05, "there was no stream"
+    told = f"10 Mbit/s, 20 ms, 2 % lost, bulk at {ridden.share:.0%} -> stops in {SECONDS:g} s"
+    figure(told, len(ridden.stops), MOST_STOPS, "")
