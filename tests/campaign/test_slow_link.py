@@ -1,0 +1,35 @@
+"""Ten minutes of driving over a bad link, from one host to another."""
+
+from __future__ import annotations
+
+import subprocess
+from contextlib import closing
+
+from giraff_sim.board import ROOT
+from tests.campaign.records import write_record
+from tests.hosts.bad_cable import BAD
+from tests.hosts.lab import Lab
+from tests.hosts.slow_link import ride, slow_link
+
+SECONDS = 600.0
+MOST_STOPS = 1
+
+
+def test_ten_minutes_over_a_bad_link() -> None:
+    subprocess.run([ROOT / "tests" / "hosts" / "prepare"], check=True)
+    with closing(Lab()) as lab, slow_link(lab) as bulk:
+        ridden = ride(lab, bulk, SECONDS)
+    path = write_record(
+        "slow-link",
+        {
+            "cable": BAD._asdict(),
+            "bulk_share": round(ridden.share, 3),
+            "seconds": SECONDS,
+            "stops_by_stalls_of_this_machine": ridden.stalls,
+            "stops": [stop._asdict() for stop in ridden.stops],
+        },
+    )
+    print(path.read_text())
+    assert all(stop.least_left < 0.0 for stop in ridden.stops), "a stop for another reason than a command's age"
+    assert ridden.share > 0.05, "there was no stream"
+    assert len(ridden.stops) <= MOST_STOPS
