@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Final, NamedTuple
 
 import zenoh
@@ -29,9 +29,10 @@ _LOOK: Final = 0.2  # s between looks
 _VISIT: Final = 0.7  # s; telling takes two round trips, dialling one more
 
 
-class _Missed(NamedTuple):
+class _Peer(NamedTuple):
     host: str
     since: float
+    """That it is linked, or missed; s."""
 
 
 class Partings:
@@ -39,8 +40,8 @@ class Partings:
 
     def __init__(self, delay: float) -> None:
         self._delay = delay
-        self._linked: dict[str, _Missed] = {}
-        self._missed: dict[str, _Missed] = {}
+        self._linked: dict[str, _Peer] = {}
+        self._missed: dict[str, _Peer] = {}
         self._next = 0.0
 
     def look(self, now: float, links: Mapping[str, str]) -> bool:
@@ -49,9 +50,9 @@ class Partings:
             host, since = self._linked.pop(peer)
             if now - since >= _STAYS:
                 self._next = max(self._next, now + self._delay)
-                self._missed[peer] = _Missed(host, now)
+                self._missed[peer] = _Peer(host, now)
         for peer, host in links.items():
-            self._linked.setdefault(peer, _Missed(host, now))
+            self._linked.setdefault(peer, _Peer(host, now))
             self._missed.pop(peer, None)
         self._missed = {peer: one for peer, one in self._missed.items() if now - one.since < _GIVES_UP}
         hosts = set(links.values())
@@ -65,10 +66,9 @@ class Reunion:
     """Looks after the links of a session: a dead one is let go, and visits are made, one at a time, in a thread."""
 
     def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str) -> None:
-        self._session = session
+        self._session, self._network, self._robot = session, network, robot
         # One visit mends the links of all: not all who miss somebody make theirs at the same moment.
         self._partings = Partings(int(str(session.zid())[-2:], 16) / 256 * _LOOK * 2)
-        self._visit: Callable[[], None] = lambda: visit(network, robot)
         self._under_way: threading.Thread | None = None
         self._next = 0.0
 
@@ -80,7 +80,8 @@ class Reunion:
         limit_dead_links()
         links = hosts_of((str(link.zid), link.dst) for link in self._session.info.links())
         if self._partings.look(now, links) and (self._under_way is None or not self._under_way.is_alive()):
-            self._under_way = threading.Thread(target=self._visit, name="visit", daemon=True)
+            whom = (self._network, self._robot)
+            self._under_way = threading.Thread(target=visit, args=whom, name="visit", daemon=True)
             self._under_way.start()
 
 

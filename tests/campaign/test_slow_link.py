@@ -30,6 +30,5 @@ def test_ten_minutes_over_a_bad_link() -> None:
         },
     )
     print(path.read_text())
-    assert all(stop.least_left < 0.0 for stop in ridden.stops), "a stop for another reason than a command's age"
-    assert ridden.share > 0.05, "there was no stream"
+    ridden.require_reasons()
     assert len(ridden.stops) <= MOST_STOPS

@@ -147,9 +147,9 @@ class Machine:
 
 def kill(process: subprocess.Popen[bytes]) -> None:
     """End a program that `Machine.start` has started: it is a child of what was started, and in its group."""
-    with contextlib.suppress(ProcessLookupError):
+    if process.poll() is None:  # else its number may be another's by now
         os.killpg(process.pid, signal.SIGKILL)
-    process.wait()
+        process.wait()
 
 
 def _remove_cgroups(name: str) -> None:

@@ -46,6 +46,12 @@ class Ride(NamedTuple):
     share: float
     """Of the cable's rate, taken by the stream."""
 
+    def require_reasons(self) -> None:
+        """Each stop is one of a command's or a range's age, and there was a stream."""
+        assert all(stop.least_left < 0.0 for stop in self.stops), "a stop for another reason than a command's age"
+        # TCP takes no more where 2 % are lost (Mathis et al. 1997: some 1.2 MSS / (RTT sqrt(p))).
+        assert self.share > 0.05, "there was no stream"
+
 
 class Bulk:
     """A stream of large samples from one machine to another, in sessions of its own."""
