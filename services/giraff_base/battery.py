@@ -12,23 +12,26 @@ _LOW_SHARE: Final = 0.5
 
 
 class _Held:
-    """A condition that comes and goes only after it has been so without a break for 5 s."""
+    """A condition that comes and goes only after every reading of 5 s has said so."""
 
     def __init__(self) -> None:
         self.holds = False
-        self._since_ns: int | None = None
+        self._held_ns = 0
+        self._last_ns: int | None = None  # when the last such reading came; None: there was none just before
 
     def judge(self, comes: bool, goes: bool, robot_ns: int) -> None:
         if not (goes if self.holds else comes):
-            self._since_ns = None
-        elif self._since_ns is None:
-            self._since_ns = robot_ns
-        elif robot_ns - self._since_ns >= _HELD_NS:
-            self.holds, self._since_ns = not self.holds, None
+            self._held_ns, self._last_ns = 0, None
+            return
+        if self._last_ns is not None:
+            self._held_ns += robot_ns - self._last_ns
+        self._last_ns = robot_ns
+        if self._held_ns >= _HELD_NS:
+            self.holds, self._held_ns, self._last_ns = not self.holds, 0, None
 
-    def forget(self) -> None:
-        """Nothing was measured for a while."""
-        self._since_ns = None
+    def pause(self) -> None:
+        """Nothing is measured now. That counts as neither, so that a link that comes and goes cannot hide it."""
+        self._last_ns = None
 
 
 class BatteryWatch:
@@ -62,10 +65,10 @@ class BatteryWatch:
         self._low.judge(volts < low, volts >= low + _RISE, robot_ns)
         self._empty.judge(volts < cutoff, volts >= self._recharged, robot_ns)
 
-    def forget(self) -> None:
-        """The readings stopped: what comes next is not a continuation."""
-        self._low.forget()
-        self._empty.forget()
+    def pause(self) -> None:
+        """The readings have stopped."""
+        self._low.pause()
+        self._empty.pause()
 
     @property
     def _recharged(self) -> float:

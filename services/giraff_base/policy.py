@@ -181,7 +181,7 @@ class BasePolicy:
         self._report = None
         self._releasing = False
         self._stand_still(_NO_REPORT)
-        self._authority.battery.forget()
+        self._authority.battery.pause()
         self._authority.arming.disarm(why)
 
     def _compare(self, report: WheelsFrame, now: RobotTime) -> None:

@@ -88,6 +88,20 @@ def test_dips_on_both_sides_of_a_lost_link_are_two() -> None:
     assert rig.base.faults["battery"] == ""
 
 
+def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:
+    watch = BatteryWatch(CONFIG)
+    moment = 0
+    stops = []
+    for _ in range(6):
+        for _ in range(100):
+            moment += 10_000_000
+            watch.take(19.0, moment)
+        stops.append(bool(watch.stops))
+        watch.pause()
+        moment += 3_000_000_000
+    assert stops == [False] * 5 + [True]
+
+
 def test_a_battery_whose_divider_is_unknown_says_nothing() -> None:
     rig = Rig(robot=msgspec.structs.replace(ROBOT, battery_volts_per_count=0.0))
     rig.board.battery_adc_counts = 0
