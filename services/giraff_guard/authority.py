@@ -17,8 +17,8 @@ _HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pr
 class Authority:
     """The lease: (instance of the operator, this guard, counter).
 
-    What does not count changes nothing: a late, repeated or foreign command neither keeps the lease alive nor stands
-    in the way of the holder's next one, whatever its sequence number.
+    A late, repeated or foreign command neither keeps the lease alive nor stands in the way of the holder's next one.
+    The holder's newest word always replaces the one before it: where its age is not proven, nothing is asked any more.
     """
 
     def __init__(self, config: GuardConfig, first_lease: int) -> None:
@@ -29,7 +29,7 @@ class Authority:
         self.counter = 0
         """What its commands must carry; 0: the lease is free."""
         self.command: DriveCommand | None = None
-        """The holder's newest command that counted when it came."""
+        """The holder's newest command, whether or not it is fresh."""
         self._config = config
         self._next = (first_lease - 1) % _COUNTERS + 1
         self._seq = -1
@@ -43,13 +43,17 @@ class Authority:
         """Take a command of any operator."""
         self.review(now)
         theirs = bool(self.holder) and command.instance == self.holder and command.lease_counter == self.counter
+        if theirs and command.seq <= self._seq:
+            return
+        if theirs:
+            self.command, self._seq = command, command.seq
         old = age(command.tick, now)
         if old > self._config.operator_budget:
             if theirs or not self.holder:
                 self._complain(command, old, now)
         elif command.lease_counter == ASK:
             self._consider(command, now)
-        elif theirs and command.seq > self._seq:
+        elif theirs:
             self._count(command, now)
 
     def review(self, now: RobotTime) -> None:
@@ -116,8 +120,7 @@ class Authority:
         self._complaint = ""
 
     def _count(self, command: DriveCommand, now: RobotTime) -> None:
-        self.command = command
-        self._seq = command.seq
+        """Keep the lease alive by a fresh command of its holder."""
         self._complaint = ""
         self._heard_ns = now.robot_ns
         if command.source == "hand":

@@ -27,7 +27,8 @@ def main() -> None:
             for lease in leases.take():
                 policy.on_lease(lease)
             for tick in ticks.take():
-                link.send(policy.on_tick(tick))
+                if (down := policy.on_tick(tick)) is not None:
+                    link.send(down)
             if pace.due(now):
                 command = policy.command(now)
                 commands.put(command)

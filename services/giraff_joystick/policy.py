@@ -82,8 +82,8 @@ class JoystickPolicy:
         """Why the robot does not obey this joystick; empty when it does."""
         return self._lease.refusal
 
-    def on_tick(self, tick: Tick) -> TickFrame:
-        """The robot's clock as it goes down to the board, which puts the newest one into each frame."""
+    def on_tick(self, tick: Tick) -> TickFrame | None:
+        """The robot's clock as it goes down to the board, which puts the last one into each frame."""
         return self._tick_down.frame(tick)
 
     def on_lease(self, lease: Lease) -> None:

@@ -7,7 +7,7 @@ from enum import Enum, auto
 from typing import Final
 
 from giraff_keyboard.config import KeyboardConfig
-from giraff_node.freshness import age
+from giraff_node.freshness import Clock, age
 from giraff_node.lease import LeaseSeeker
 from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick
@@ -54,6 +54,7 @@ class KeyboardPolicy:
         self._lease = LeaseSeeker(instance)
         self.driver = ""
         """Name of the operator that holds the lease; empty: none."""
+        self._clock = Clock()
         self._tick: RobotTime | None = None
         self._ticked = False
         self._heard = -math.inf
@@ -77,8 +78,10 @@ class KeyboardPolicy:
         return share * robot.max_wheel_speed, share * fastest_turn
 
     def on_tick(self, tick: Tick) -> None:
-        self._tick = tick.time
-        self._ticked = True
+        """Take the robot's clock as it arrives."""
+        if self._clock.advances(tick):
+            self._tick = tick.time
+            self._ticked = True
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
-from giraff_schemas.messages import RobotTime
+from giraff_schemas.messages import RobotTime, Tick
+
+_EPOCHS: Final = 8  # of base's starts that are remembered: what an older one once said is not met any more
 
 
 def age(tick: RobotTime | None, now: RobotTime) -> float:
@@ -15,6 +18,25 @@ def age(tick: RobotTime | None, now: RobotTime) -> float:
     if tick is None or tick.epoch == 0 or tick.epoch != now.epoch or tick.robot_ns > now.robot_ns:
         return math.inf
     return (now.robot_ns - tick.robot_ns) * 1e-9
+
+
+class Clock:
+    """Base's ticks as a host receives them: late, twice, overtaken, or once again.
+
+    What stands on a later measurement must never carry an older tick than what came before it. Else it would be
+    refused for its age, and the older command would go on in its place.
+    """
+
+    def __init__(self) -> None:
+        self._newest: dict[int, int] = {}  # robot_ns by epoch: each start of base has its own
+
+    def advances(self, tick: Tick) -> bool:
+        """Whether this tick is newer than all others of its epoch; only then does it count."""
+        newest = self._newest.pop(tick.epoch, -1)
+        self._newest[tick.epoch] = max(newest, tick.robot_ns)
+        if len(self._newest) > _EPOCHS:
+            del self._newest[next(iter(self._newest))]
+        return tick.robot_ns > newest
 
 
 def fade(age_s: float, budget: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from giraff_node.freshness import Clock
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.wire import TickFrame
 
@@ -22,9 +23,12 @@ class TickDown:
 
     def __init__(self) -> None:
         self._seq = 0
+        self._clock = Clock()
 
-    def frame(self, tick: Tick) -> TickFrame:
-        """The robot's clock for the board, which puts the newest one into each of its frames."""
+    def frame(self, tick: Tick) -> TickFrame | None:
+        """The robot's clock for the board, which puts the last one into each of its frames; None for an old tick."""
+        if not self._clock.advances(tick):
+            return None
         self._seq = (self._seq + 1) & 0xFFFF
         return TickFrame(seq=self._seq, epoch=tick.epoch, robot_ns=tick.robot_ns)
 

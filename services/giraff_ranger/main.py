@@ -23,6 +23,7 @@ def main() -> None:
                 if isinstance(frame, RangeFrame) and (sample := policy.on_frame(frame)) is not None:
                     ranges[sample.sensor].put(sample)
             for tick in ticks.take():
-                link.send(policy.on_tick(tick))
+                if (down := policy.on_tick(tick)) is not None:
+                    link.send(down)
             for name, message in (("board", link.fault), *policy.faults.items()):
                 node.set_fault(name, message)

@@ -33,8 +33,8 @@ class RangerPolicy:
         self.faults: dict[str, str] = {}
         """What the newest frame of each sensor complains of; empty when it does not."""
 
-    def on_tick(self, tick: Tick) -> TickFrame:
-        """The robot's clock as it goes down to the board, which puts the newest one into each frame."""
+    def on_tick(self, tick: Tick) -> TickFrame | None:
+        """The robot's clock as it goes down to the board, which puts the last one into each frame."""
         return self._tick_down.frame(tick)
 
     def on_frame(self, frame: RangeFrame) -> Range | None:

@@ -47,7 +47,7 @@ class RenewingJoystick(JoystickPolicy):
 
     _newest: Tick | None = None
 
-    def on_tick(self, tick: Tick) -> TickFrame:
+    def on_tick(self, tick: Tick) -> TickFrame | None:
         self._newest = tick
         return super().on_tick(tick)
 

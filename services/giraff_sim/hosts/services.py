@@ -30,7 +30,7 @@ from giraff_schemas.topics import (
     TILT,
     WHEELS,
 )
-from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind, RangeFrame, TiltFrame
+from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind, Frame, RangeFrame, TiltFrame
 from giraff_sim.hosts.process import Process
 
 if TYPE_CHECKING:
@@ -59,7 +59,8 @@ class Joystick(Process):
         for lease in self._leases.take():
             self._policy.on_lease(lease)
         for tick in self._ticks.take():
-            self._write(self._port, self._policy.on_tick(tick))
+            if (down := self._policy.on_tick(tick)) is not None:
+                self._write(self._port, down)
         if self._pace.due(now):
             self._say(self._topic, self._policy.command(now))
 
@@ -79,7 +80,8 @@ class Ranger(Process):
                 if (sample := self._policy.on_frame(frame)) is not None:
                     self._say(self._topics[sample.sensor], sample)
         for tick in self._ticks.take():
-            self._write(self._port, self._policy.on_tick(tick))
+            if (down := self._policy.on_tick(tick)) is not None:
+                self._write(self._port, down)
 
 
 class Guard(Process):
@@ -145,10 +147,9 @@ class Base(Process):
         for command in self._commands.take():
             observer.heard(self, command)
             policy.on_command(command, robot_time)
-        for sample in policy.on_frames(frames, robot_time):
-            self._say(WHEELS, sample)
-        if (frame := policy.next_frame(robot_time)) is not None:
-            self._write(self._port, frame)
+        self._read(frames, robot_time)
+        if (answer := policy.next_frame(robot_time)) is not None:
+            self._write(self._port, answer)
         changed = policy.latch is not self._on_disk
         if changed:
             self._on_disk = self.host.disk["estop"] = policy.latch
@@ -156,6 +157,12 @@ class Base(Process):
             self._say(ESTOP, policy.estop())
         if self._state_pace.due(now):
             self._say(BASE, policy.state())
+
+    def _read(self, frames: list[Frame], now: RobotTime) -> None:
+        for frame in frames:
+            self.loop.observer.read(self, frame)
+        for sample in self._policy.on_frames(frames, now):
+            self._say(WHEELS, sample)
 
     def _stop_and_release(self, now: RobotTime) -> None:
         """Answer what is asked of the emergency stop; this disk is written at once."""

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import ASKS_NOTHING, KEY_LASTS, LINK_SILENCE, Key
-from giraff_schemas.messages import DriveCommand, RobotTime
+from giraff_schemas.messages import DriveCommand, RobotTime, Tick
 from tests.robots import ROBOT
 from tests.unit.keyboard.keyboards import EPOCH, Person, person
 
@@ -111,6 +111,17 @@ def test_without_ticks_for_half_a_second_the_robot_is_lost() -> None:
     assert_fault(commands[-1], "no tick", "base", "network")
     assert_fault(someone.press(Key.FORWARD), "no tick")
     assert someone.wait(0.02)[0].source == "hand"
+
+
+def test_old_ticks_that_come_again_are_no_sign_of_the_robot() -> None:
+    someone = person()
+    last = someone.tick_now
+    for _ in range(30):
+        someone.wait(0.02, ticks=False)
+        someone.policy.on_tick(Tick(epoch=EPOCH, robot_ns=last.robot_ns - 2_000_000_000))
+    command = someone.policy.command(someone.now)
+    assert_fault(command, "no tick")
+    assert command.tick == last
 
 
 def test_nobody_takes_the_robot_by_starting_a_program() -> None:

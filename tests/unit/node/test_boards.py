@@ -31,12 +31,23 @@ def test_the_way_between_two_counters_survives_their_wrap(counter: int, way: int
 
 def test_ticks_are_numbered_and_the_numbers_wrap() -> None:
     down = TickDown()
-    sequences = [down.frame(Tick(epoch=7, robot_ns=n)).seq for n in range(70_000)]
+    frames = [down.frame(Tick(epoch=7, robot_ns=n)) for n in range(70_000)]
+    sequences = [frame.seq for frame in frames if frame is not None]
+    assert len(sequences) == len(frames)
     assert sequences[0] == 1
     assert all((after - before) % (1 << 16) == 1 for before, after in itertools.pairwise(sequences))
     assert max(sequences) == (1 << 16) - 1
-    sent = down.frame(Tick(epoch=7, robot_ns=123))
+    sent = frames[123]
+    assert sent is not None
     assert (sent.epoch, sent.robot_ns) == (7, 123)
+
+
+def test_a_tick_that_was_overtaken_or_comes_again_does_not_go_down() -> None:
+    down = TickDown()
+    ticks = (7, 100), (7, 100), (7, 99), (8, 50), (7, 98), (8, 49), (7, 101), (8, 51)
+    sent = [down.frame(Tick(epoch=epoch, robot_ns=robot_ns)) for epoch, robot_ns in ticks]
+    assert [(frame.epoch, frame.robot_ns) for frame in sent if frame] == [(7, 100), (8, 50), (7, 101), (8, 51)]
+    assert [frame.seq for frame in sent if frame] == [1, 2, 3, 4]
 
 
 def test_a_board_without_a_tick_proves_no_moment() -> None:

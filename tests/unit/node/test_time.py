@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_node.freshness import age, fade
+from giraff_node.freshness import Clock, age, fade
 from giraff_node.pacing import Pacer
-from giraff_schemas.messages import RobotTime
+from giraff_schemas.messages import RobotTime, Tick
 
 NOW = RobotTime(epoch=7, robot_ns=5_000_000_000)
 
@@ -52,6 +52,15 @@ def test_what_proves_nothing_is_infinitely_old(tick: RobotTime | None) -> None:
 def test_nobodys_clock_proves_nothing() -> None:
     nobody = RobotTime(epoch=0, robot_ns=NOW.robot_ns)
     assert age(nobody, nobody) == math.inf
+
+
+@given(st.lists(st.tuples(st.integers(1, 8), st.integers(0, 50)), max_size=60))
+def test_only_ticks_that_are_newer_than_all_of_their_start_of_base_count(said: list[tuple[int, int]]) -> None:
+    clock = Clock()
+    newest: dict[int, int] = {}
+    for epoch, robot_ns in said:
+        assert clock.advances(Tick(epoch=epoch, robot_ns=robot_ns)) == (robot_ns > newest.get(epoch, -1))
+        newest[epoch] = max(robot_ns, newest.get(epoch, -1))
 
 
 @given(st.floats(0.0, math.inf), st.floats(0.01, 10.0))
