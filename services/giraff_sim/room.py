@@ -178,6 +178,16 @@ class Room:
                 best, from_x, from_y, norm = to_centre - post.radius, offset_x, offset_y, to_centre or 1.0
         return best, from_x / norm, from_y / norm
 
+    def distance(self, surface: int, x: float, y: float) -> float:
+        """m from a point to one surface."""
+        if surface >= len(self._segments):
+            post = self._posts[surface - len(self._segments)]
+            return math.hypot(x - post.x, y - post.y) - post.radius
+        segment = self._segments[surface]
+        offset_x, offset_y = x - segment.x, y - segment.y
+        part = min(segment.length, max(0.0, offset_x * segment.along_x + offset_y * segment.along_y))
+        return math.hypot(offset_x - part * segment.along_x, offset_y - part * segment.along_y)
+
     def facing(self, x: float, y: float) -> list[float]:
         """Directions (radians) from a point to every surface point whose normal aims back at it."""
         directions = [math.atan2(post.y - y, post.x - x) for post in self._posts]

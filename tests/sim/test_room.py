@@ -134,6 +134,7 @@ def test_nothing_faces_a_point_nearer_than_the_nearest_surface(x: float, y: floa
     assert len(room.facing(x, y)) == 2
     distances = [hit.distance for way in room.facing(x, y) if (hit := room.ray(x, y, way, 20.0)) is not None]
     assert min(distances) == pytest.approx(room.clearance(x, y))
+    assert min(room.distance(surface, x, y) for surface in (0, 1)) == pytest.approx(room.clearance(x, y))
     normal = room.nearest(x, y)
     assert math.hypot(normal[1], normal[2]) == pytest.approx(1.0)
 

@@ -17,16 +17,13 @@ from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, 
 from giraff_sim.closed_loop import Settings
 from giraff_sim.dst.explain import Explainer, Twist
 from giraff_sim.dst.freedom import Freedom
-from giraff_sim.dst.ledger import Ledger, Passed
+from giraff_sim.dst.ledger import BASE, Ledger, Passed
 from giraff_sim.dst.obstacles import Obstacles
 from giraff_sim.dst.stops import ROBOT_US, Stops
 from giraff_sim.dst.story import Story, kind_of
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.process import Process
 from giraff_sim.simulation import Simulation
-
-BASE: Final = "base"
-"""Name of the base process that has the board; another one is a fault."""
 
 _WIRE_US: Final = 10_000  # a frame's way to the board, and the simulation's steps
 _OUTLIVES_US: Final = (ECHO_MAX_AGE_MS + COMMAND_TIMEOUT_MS) * 1000 + _WIRE_US
@@ -163,7 +160,7 @@ class Judge(Ledger):
         if self._engaged_us is not None:
             self._violated("d", f"{base.instance} sends {frame.left_level}, {frame.right_level} while stopped")
         twist = Twist(frame, self._settings.robot)
-        wrong, passed = self._explainer.why_not(twist, reversed(self.heard_by_base[base]), now_us)
+        wrong, passed = self._explainer.why_not(twist, self.heard_by_base(base), now_us)
         if passed is None:
             self._violated(wrong[0], f"{frame.left_level}, {frame.right_level} at the board: {wrong[3:]}")
         else:

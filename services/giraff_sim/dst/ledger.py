@@ -6,6 +6,7 @@ Kept beside the samples, by maker and number: no policy sees any of it. All time
 from __future__ import annotations
 
 from collections import defaultdict, deque
+from collections.abc import Iterator
 from typing import Any, Final, NamedTuple
 
 from giraff_schemas.messages import (
@@ -17,12 +18,18 @@ from giraff_schemas.messages import (
     Lease,
     Range,
 )
-from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFrame
+from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFrame, WheelsFrame
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.process import Observer, Process
 
-_HEARD: Final = 40  # commands of a guard that base may still stand on
+_HEARD_US: Final = (
+    1_000_000  # for how long what base was handed can explain what it does, or show what is wrong with it
+)
+_STEADY_US: Final = 100_000  # between two reports of the base board, which come every 10 ms
 _LONGEST_GAP_US: Final = 150_000  # between two neutral commands of one held neutral
+
+BASE: Final = "base"
+"""Name of the base process that has the board; another one is a fault."""
 
 Made = tuple[str, int]
 """Maker's instance and the sample's number."""
@@ -96,7 +103,10 @@ class Ledger(Observer):
         self._ranges_of: dict[Process, dict[str, tuple[Range, int]]] = defaultdict(dict)
         self._newest_of: dict[Process, dict[str, Given]] = defaultdict(dict)
         self._passed: dict[Made, Passed] = {}
-        self.heard_by_base: dict[Process, deque[Passed]] = defaultdict(lambda: deque(maxlen=_HEARD))
+        self._heard_by_base: dict[Process, deque[tuple[int, Passed]]] = defaultdict(deque)
+        self._read_us: dict[Process, int] = {}
+        self.reported_us: dict[Process, int] = defaultdict(int)
+        """By process of base: for how long its board's reports have come steadily, gaps left out."""
         self.readings: dict[str, deque[Heard]] = defaultdict(lambda: deque(maxlen=3))
         """By sensor: the last ones that any guard was handed."""
         self.neutral: dict[str, Neutral] = defaultdict(Neutral)
@@ -117,6 +127,10 @@ class Ledger(Observer):
             self._measured[process] = self._boot_us(BoardKind.JOYSTICK, frame.boot_id) + frame.board_us
         elif isinstance(frame, RangeFrame):
             self._measured[process] = self._boot_us(BoardKind.RANGER, frame.boot_id) + frame.board_us
+        elif isinstance(frame, WheelsFrame):
+            last_us, self._read_us[process] = self._read_us.get(process), self._agenda.now_us
+            if last_us is not None and self._agenda.now_us - last_us <= _STEADY_US:
+                self.reported_us[process] += self._agenda.now_us - last_us
 
     def said(self, process: Process, sample: Any) -> None:
         match sample:
@@ -144,7 +158,7 @@ class Ledger(Observer):
             case Range():
                 self._on_range(process, sample)
             case GuardedCommand():
-                self.heard_by_base[process].append(self.passed(sample))
+                self._heard_by_base[process].append((self._agenda.now_us, self.passed(sample)))
                 self.on_guarded(process, sample)
             case EStopEngage():
                 self.on_engage(sample)
@@ -158,6 +172,13 @@ class Ledger(Observer):
     def passed(self, command: GuardedCommand) -> Passed:
         """What a guard's command stands on."""
         return self._passed[command.instance, command.seq]
+
+    def heard_by_base(self, base: Process) -> Iterator[Passed]:
+        """What it was handed lately, newest first."""
+        heard = self._heard_by_base[base]
+        while heard and self._agenda.now_us - heard[0][0] > _HEARD_US:
+            heard.popleft()
+        return (passed for _, passed in reversed(heard))
 
     # What a judge listens to.
 

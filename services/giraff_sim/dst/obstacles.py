@@ -64,34 +64,35 @@ class Obstacles:
                     continue
                 if now_us - heard.at_us < _REACTION_US or now_us - heard.born_us > _TWO_CYCLES_US:
                     continue
-                if self._is_true(pose, heard) and self._nears(twist.linear, stopping):
-                    clearance = self._world.plant.clearance
-                    return (
-                        f"{twist.linear:.2f} m/s towards what {name} heard at {told:.2f} m "
-                        f"{(now_us - heard.at_us) / 1e6:.3f} s ago, now {clearance:.2f} m from the body"
-                    )
+                for surface in self._surfaces(pose, heard):
+                    clearance = self._clearance(surface)
+                    nearer = self._clearance(surface, math.copysign(_A_LITTLE, twist.linear)) < clearance
+                    if nearer and clearance < stopping:
+                        return (
+                            f"{twist.linear:.2f} m/s towards what {name} heard at {told:.2f} m "
+                            f"{(now_us - heard.at_us) / 1e6:.3f} s ago, now {clearance:.2f} m from the body"
+                        )
         return ""
 
-    def _is_true(self, mount: SensorPose, heard: Heard) -> bool:
-        """Whether a surface was, and is, where the reading tells, facing the sensor."""
+    def _surfaces(self, mount: SensorPose, heard: Heard) -> set[int]:
+        """Those that were, and are, where the reading tells, facing the sensor."""
         then = next((pose for at_us, pose in self._poses if at_us >= heard.born_us), self._world.plant.pose)
         cos, sin = math.cos(then.yaw), math.sin(then.yaw)
         x, y = then.x + cos * mount.x - sin * mount.y, then.y + sin * mount.x + cos * mount.y
         axis = then.yaw + mount.yaw
         room = self._world.room
+        found = set()
         for ray in range(_RAYS):
             hit = room.ray(x, y, axis + HALF_CONE * (2.0 * ray / (_RAYS - 1) - 1.0), 4.0)
             if hit is None or abs(hit.distance - (heard.reading.range or 0.0)) > _SAME:
                 continue
-            if hit.round or room.incidence(hit.surface, axis) >= _SURE:
-                return True
-        return False
+            # A post's edge is slanted, however it stands: a ray that grazes it mostly does not come back.
+            if (hit.incidence if hit.round else room.incidence(hit.surface, axis)) >= _SURE:
+                found.add(hit.surface)
+        return found
 
-    def _nears(self, linear: float, stopping: float) -> bool:
-        """Whether something is nearer than the stopping distance, and comes nearer still."""
-        plant = self._world.plant
-        if plant.clearance >= stopping:
-            return False
-        step = math.copysign(_A_LITTLE, linear)
-        x, y = plant.pose.x + step * math.cos(plant.pose.yaw), plant.pose.y + step * math.sin(plant.pose.yaw)
-        return self._world.room.clearance(x, y) < self._world.room.clearance(plant.pose.x, plant.pose.y)
+    def _clearance(self, surface: int, step: float = 0.0) -> float:
+        """m between the body and a surface, now or after `step` m ahead."""
+        x, y, yaw = self._world.plant.pose
+        distance = self._world.room.distance(surface, x + step * math.cos(yaw), y + step * math.sin(yaw))
+        return distance - self._robot.footprint_radius

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.dst.faults import Course, Kind, fault
+from giraff_sim.dst.ledger import BASE
 from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Way
 from giraff_sim.sonar import SonarFault
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 KINDS: Final[list[Kind]] = []
 
 _SERVED: Final = {BoardKind.BASE: "base", BoardKind.JOYSTICK: "joystick", BoardKind.RANGER: "ranger"}
-_CUTOFF_US: Final = 5_500_000  # 5 s below the cut-off, and a stop
+_CUTOFF_US: Final = 5_500_000  # 5 s of reports below the cut-off, and a stop
 _FLAT_VOLTS: Final = 19.0
 _LOW_VOLTS: Final = 21.0
 _BODY: Final = 0.3  # m
@@ -130,7 +131,13 @@ def battery(drill: Drill, chance: Random) -> Course:
     plant.open_volts = chance.choice((_FLAT_VOLTS, _LOW_VOLTS))
     told = f"the battery falls to {plant.open_volts:g} V"
     flat = plant.open_volts == _FLAT_VOLTS
-    with drill.stops(told, _CUTOFF_US, "any", lambda: flat):
+    before_us = dict(drill.judge.reported_us)
+
+    def is_known() -> bool:
+        base = drill.loop.processes.get(BASE)
+        return base is not None and drill.judge.reported_us[base] - before_us.get(base, 0) > _CUTOFF_US
+
+    with drill.stops(told, _CUTOFF_US, "any", lambda: flat and is_known()):
         yield told
     plant.open_volts = before
 

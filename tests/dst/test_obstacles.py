@@ -1,0 +1,81 @@
+"""What counts as driving at something that was heard: that surface, not another one beside the body."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+
+import pytest
+
+from giraff_schemas.messages import Range
+from giraff_schemas.wire import DriveFrame
+from giraff_sim.config import SimConfig
+from giraff_sim.dst.explain import Twist
+from giraff_sim.dst.ledger import Heard
+from giraff_sim.dst.obstacles import Obstacles
+from giraff_sim.hand import StillHand
+from giraff_sim.room import Pose, Room
+from giraff_sim.world import World
+from tests.dst.stage import SETTINGS
+
+SENSOR = SETTINGS.robot.sensors["front_left"]
+RADIUS = SETTINGS.robot.footprint_radius
+HEARD_US, NOW_US = 1_000_000, 1_100_000
+SLOWLY, FAST = 30, 70
+"""Levels: 0.26 and 0.60 m/s, which stop within 0.02 and 0.12 m."""
+
+
+def ahead(room: Room, distance: float, level: int) -> str:
+    """What the judge finds in a frame 0.1 s after the left sensor heard something at `distance`, in m."""
+    world = World(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    obstacles = Obstacles(world, SETTINGS)
+    obstacles.note(HEARD_US)
+    reading = Range(sensor="front_left", state="echo", range=distance, echo_us=1, reason="", tick=None)
+    readings = {name: deque[Heard]() for name in SETTINGS.robot.sensors}
+    readings["front_left"].append(Heard(reading, HEARD_US, HEARD_US))
+    return obstacles.ahead(Twist(DriveFrame(0, 0, 0, level, level), SETTINGS.robot), readings, NOW_US)
+
+
+def room_with_wall(clearance: float) -> Room:
+    """A wall across the way, that far from the body."""
+    room = Room("wall", Pose(0.0, 0.0, 0.0))
+    room.add_wall("wall", [(RADIUS + clearance, -3.0), (RADIUS + clearance, 3.0)])
+    return room
+
+
+@pytest.mark.parametrize(
+    ("clearance", "level", "found"), [(0.10, FAST, True), (0.10, SLOWLY, False), (0.01, SLOWLY, True)]
+)
+def test_a_wall_ahead_nearer_than_the_stopping_distance_is_found(clearance: float, level: int, found: bool) -> None:
+    told = ahead(room_with_wall(clearance), RADIUS + clearance - SENSOR.x, level)
+    assert bool(told) is found
+    if found:
+        assert f"now {clearance:.2f} m from the body" in told
+
+
+def test_it_is_not_found_where_nothing_was_heard_there() -> None:
+    assert ahead(room_with_wall(0.01), 0.5, FAST) == ""
+
+
+def test_backing_away_from_it_is_right() -> None:
+    assert ahead(room_with_wall(0.01), RADIUS + 0.01 - SENSOR.x, -FAST) == ""
+
+
+def test_what_touches_the_side_is_not_what_was_heard_ahead() -> None:
+    clearance = 0.2
+    room = room_with_wall(clearance)
+    room.add_post("beside", 0.1, RADIUS + 0.05, 0.05)
+    assert room.clearance(0.0, 0.0) < RADIUS + 0.02
+    assert ahead(room, RADIUS + clearance - SENSOR.x, FAST) == ""
+
+
+def test_a_post_that_the_cone_only_grazes_was_not_heard_for_sure() -> None:
+    room = Room("post", Pose(0.0, 0.0, 0.0))
+    radius, distance = 0.10, 0.22
+    off = math.radians(7.0) + math.asin(radius / distance)
+    x, y = SENSOR.x + distance * math.cos(off), SENSOR.y - distance * math.sin(off)
+    room.add_post("between the cones", x, y, radius)
+    hit = room.ray(SENSOR.x, SENSOR.y, math.radians(-7.5), 1.0)
+    assert hit is not None
+    assert hit.incidence < math.cos(math.radians(60.0))
+    assert ahead(room, hit.distance, FAST) == ""
