@@ -21,7 +21,7 @@ run: setup ## Drive the simulated robot, e.g. make run ARGS="--for 30"
 
 test: lint ## Everything that must hold before a commit lands
 	$(MAKE) --no-print-directory -C firmware check
-	$(VENV)/pytest $(ARGS)
+	@tests/run $(ARGS)
 
 lint: setup ## Style and types
 	$(VENV)/ruff check
