@@ -18,7 +18,7 @@ from giraff_schemas.wire import BASE_BAUD, BoardKind
 
 
 def main() -> None:
-    with Node("base", BaseConfig) as node:
+    with Node("base", BaseConfig, steady=True) as node:
         epoch = secrets.randbelow(0xFFFFFFFF) + 1
         directory = state_directory(node.robot.name)
         policy = BasePolicy(node.config, node.robot, read_latch(directory))

@@ -11,7 +11,7 @@ from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, RANGE
 
 
 def main() -> None:
-    with Node("guard", GuardConfig) as node:
+    with Node("guard", GuardConfig, steady=True) as node:
         policy = GuardPolicy(node.config, node.robot, first_lease=secrets.randbits(32))
         # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
         ticks, ranges = node.inbox(TICK), node.inbox(RANGE)

@@ -63,9 +63,12 @@ class Publisher(Generic[SampleT]):
 
 
 class Node(Generic[ConfigT]):
-    """One service's process. `service` names its configuration table and its liveliness token."""
+    """One service's process. `service` names its configuration table and its liveliness token.
 
-    def __init__(self, service: str, config: type[ConfigT]) -> None:
+    `steady`: nothing that may hold it up for longer than a turn is done in it; for those that drive the motors.
+    """
+
+    def __init__(self, service: str, config: type[ConfigT], *, steady: bool = False) -> None:
         self.service = service
         self._process = Process(service)  # before the session: opening it takes a moment
         self.log, self.instance = self._process.log, self._process.instance
@@ -86,7 +89,7 @@ class Node(Generic[ConfigT]):
         routed = network.router and not network.local and not network.session_file
         self._router = RouterLink(network.router, network.site, self._sees_router) if routed else None
         own = network.local or network.session_file
-        self._reunion = None if own else Reunion(self.session, network, self.robot.name)
+        self._reunion = None if own else Reunion(self.session, network, self.robot.name, visits=not steady)
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
     def __enter__(self) -> Self:

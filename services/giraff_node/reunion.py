@@ -4,7 +4,8 @@ When a cable is cut for a second, some links between two hosts expire and some o
 told of, but only when that one is news to whoever tells; and it asks around by multicast every 8 s, where it asks at
 all. So two services stayed deaf to each other while others of their hosts were not: for good, without multicast. A
 visit, a session of a moment such as `giraff why` has, is news to everybody: through it both hear of each other, and
-dial.
+dial. One of a host is enough; over a slow cable it holds up its own process for a tenth of a second and more, so those
+that drive the motors leave it to the others.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from giraff_node.config import ConfigError
 from giraff_node.dead_links import limit_dead_links
 from giraff_node.session import NetworkConfig, close_session, open_session
 
-_STAYS: Final = 2.0
-"""s; who was linked for less was a visitor, and has left."""
+_STAYS: Final = 6.0
+"""s; who was linked for less was a visitor, like `giraff estop`, and has left."""
 _VISITS_EVERY: Final = 1.0  # s; the first may come before the other end has noticed
 _GIVES_UP: Final = 12.0
 """s; then it was ended, alone of its host. A program that is not ours may hold a dead link for 10 s."""
@@ -65,8 +66,8 @@ class Partings:
 class Reunion:
     """Looks after the links of a session: a dead one is let go, and visits are made, one at a time, in a thread."""
 
-    def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str) -> None:
-        self._session, self._network, self._robot = session, network, robot
+    def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str, *, visits: bool) -> None:
+        self._session, self._network, self._robot, self._visits = session, network, robot, visits
         # One visit mends the links of all: not all who miss somebody make theirs at the same moment.
         self._partings = Partings(int(str(session.zid())[-2:], 16) / 256 * _LOOK * 2)
         self._under_way: threading.Thread | None = None
@@ -78,6 +79,8 @@ class Reunion:
             return
         self._next = now + _LOOK
         limit_dead_links()
+        if not self._visits:
+            return
         links = hosts_of((str(link.zid), link.dst) for link in self._session.info.links())
         if self._partings.look(now, links) and (self._under_way is None or not self._under_way.is_alive()):
             whom = (self._network, self._robot)

@@ -39,7 +39,9 @@ def manager(tmp_path: Path) -> Iterator[FakeManager]:
 def sleep(peers: Peers, seconds: float) -> None:
     """Let the service's loop hang for a while."""
     request = encode(EStopEngage(by="test", reason=str(seconds)))
-    peers.session.get(key_of(ROBOT, ESTOP_ENGAGE), lambda _reply: None, payload=request, timeout=0.1)
+    querier = peers.session.declare_querier(key_of(ROBOT, ESTOP_ENGAGE), timeout=0.1)
+    wait(lambda: bool(querier.matching_status))  # before they have met, a question reaches nobody
+    querier.get(lambda _reply: None, payload=request)
 
 
 def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
