@@ -11,13 +11,16 @@ from giraff_node.lease import ASK
 from giraff_schemas.messages import DriveCommand, RobotTime
 
 _COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1 again
+_MOST_AHEAD: Final = 1000
+"""Commands that a holder may have given since its last one, within the second after which silence ends its lease."""
 _HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
 
 
 class Authority:
     """The lease: (instance of the operator, this guard, counter).
 
-    A late, repeated or foreign command neither keeps the lease alive nor stands in the way of the holder's next one.
+    A late, repeated or foreign command neither keeps the lease alive nor stands in the way of the holder's next one,
+    and neither does one whose number lies so far ahead that the holder cannot have given it.
     The holder's newest word always replaces the one before it: where its age is not proven, nothing is asked any more.
     """
 
@@ -43,7 +46,7 @@ class Authority:
         """Take a command of any operator."""
         self.review(now)
         theirs = bool(self.holder) and command.instance == self.holder and command.lease_counter == self.counter
-        if theirs and command.seq <= self._seq:
+        if theirs and not self._seq < command.seq <= self._seq + _MOST_AHEAD:
             return
         if theirs:
             self.command, self._seq = command, command.seq

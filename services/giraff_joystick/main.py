@@ -27,7 +27,7 @@ def main() -> None:
             for lease in leases.take():
                 policy.on_lease(lease)
             for tick in ticks.take():
-                if (down := policy.on_tick(tick)) is not None:
+                if (down := policy.on_tick(tick, now)) is not None:
                     link.send(down)
             if pace.due(now):
                 command = policy.command(now)

@@ -82,9 +82,9 @@ class JoystickPolicy:
         """Why the robot does not obey this joystick; empty when it does."""
         return self._lease.refusal
 
-    def on_tick(self, tick: Tick) -> TickFrame | None:
+    def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock as it goes down to the board, which puts the last one into each frame."""
-        return self._tick_down.frame(tick)
+        return self._tick_down.frame(tick, now)
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""

@@ -62,7 +62,7 @@ def _drive(node: Node[KeyboardConfig], terminal: Terminal, stopping: Stopping) -
             break
         _take(pressed, policy, stopping, now)
         for tick in ticks.take():
-            policy.on_tick(tick)
+            policy.on_tick(tick, now)
         for lease in leases.take():
             policy.on_lease(lease)
         for sample in (sample for inbox in told for sample in inbox.take()):

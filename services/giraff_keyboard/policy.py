@@ -56,7 +56,6 @@ class KeyboardPolicy:
         """Name of the operator that holds the lease; empty: none."""
         self._clock = Clock()
         self._tick: RobotTime | None = None
-        self._ticked = False
         self._heard = -math.inf
         self._stopping = False
         # The press in force: what it asks, since when, and the robot's time at that moment, never renewed.
@@ -77,11 +76,11 @@ class KeyboardPolicy:
         fastest_turn = min(robot.max_angular_speed, robot.fastest_spin)
         return share * robot.max_wheel_speed, share * fastest_turn
 
-    def on_tick(self, tick: Tick) -> None:
+    def on_tick(self, tick: Tick, now: float) -> None:
         """Take the robot's clock as it arrives."""
-        if self._clock.advances(tick):
+        if self._clock.advances(tick, now):
             self._tick = tick.time
-            self._ticked = True
+            self._heard = now
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""
@@ -90,7 +89,6 @@ class KeyboardPolicy:
 
     def on_key(self, key: Key, now: float) -> None:
         """Take a press at its moment. Whatever it is, the one before it no longer counts."""
-        self._note_tick(now)
         self._asks = (0.0, 0.0)
         self._pressed = -math.inf
         if key is Key.STOP:
@@ -124,7 +122,6 @@ class KeyboardPolicy:
         return self._made((0.0, 0.0), "fault", reason, self._tick, wishes=False)
 
     def _fault(self, now: float) -> str:
-        self._note_tick(now)
         if self._stopping:
             return _STOPPING
         return _LOST if now - self._heard > LINK_SILENCE else ""
@@ -134,10 +131,6 @@ class KeyboardPolicy:
         if now - self._pressed > KEY_LASTS or self._tick is None:
             return False
         return age(self._pressed_tick, self._tick) <= KEY_LASTS
-
-    def _note_tick(self, now: float) -> None:
-        if self._ticked:
-            self._heard, self._ticked = now, False
 
     def _made(
         self, twist: tuple[float, float], source: Source, reason: str, tick: RobotTime | None, *, wishes: bool

@@ -8,6 +8,8 @@ from typing import Final
 from giraff_schemas.messages import RobotTime, Tick
 
 _EPOCHS: Final = 8  # of base's starts that are remembered: what an older one once said is not met any more
+_HOLDS: Final = 0.2
+"""s; ten ticks. A false one that lies ahead makes nobody deaf for longer."""
 
 
 def age(tick: RobotTime | None, now: RobotTime) -> float:
@@ -28,15 +30,21 @@ class Clock:
     """
 
     def __init__(self) -> None:
-        self._newest: dict[int, int] = {}  # robot_ns by epoch: each start of base has its own
+        self._newest: dict[int, tuple[int, float]] = {}  # robot_ns, and when it came, by epoch: one for each base
 
-    def advances(self, tick: Tick) -> bool:
-        """Whether this tick is newer than all others of its epoch; only then does it count."""
-        newest = self._newest.pop(tick.epoch, -1)
-        self._newest[tick.epoch] = max(newest, tick.robot_ns)
+    def advances(self, tick: Tick, now: float) -> bool:
+        """Whether this tick is newer than those of its epoch that came just before; only then does it count.
+
+        `now`: s of any one monotonic clock.
+        """
+        newest, at = self._newest.pop(tick.epoch, (-1, 0.0))
+        if old := tick.robot_ns <= newest and now - at <= _HOLDS:
+            self._newest[tick.epoch] = newest, at
+        else:
+            self._newest[tick.epoch] = tick.robot_ns, now
         if len(self._newest) > _EPOCHS:
             del self._newest[next(iter(self._newest))]
-        return tick.robot_ns > newest
+        return not old
 
 
 def fade(age_s: float, budget: float) -> float:

@@ -25,9 +25,12 @@ class TickDown:
         self._seq = 0
         self._clock = Clock()
 
-    def frame(self, tick: Tick) -> TickFrame | None:
-        """The robot's clock for the board, which puts the last one into each of its frames; None for an old tick."""
-        if not self._clock.advances(tick):
+    def frame(self, tick: Tick, now: float) -> TickFrame | None:
+        """The robot's clock for the board, which puts the last one into each of its frames; None for an old tick.
+
+        `now`: s of any one monotonic clock.
+        """
+        if not self._clock.advances(tick, now):
             return None
         self._seq = (self._seq + 1) & 0xFFFF
         return TickFrame(seq=self._seq, epoch=tick.epoch, robot_ns=tick.robot_ns)

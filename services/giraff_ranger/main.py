@@ -23,7 +23,7 @@ def main() -> None:
                 if isinstance(frame, RangeFrame) and (sample := policy.on_frame(frame)) is not None:
                     ranges[sample.sensor].put(sample)
             for tick in ticks.take():
-                if (down := policy.on_tick(tick)) is not None:
+                if (down := policy.on_tick(tick, now)) is not None:
                     link.send(down)
             for name, message in (("board", link.fault), *policy.faults.items()):
                 node.set_fault(name, message)

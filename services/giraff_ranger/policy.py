@@ -33,9 +33,9 @@ class RangerPolicy:
         self.faults: dict[str, str] = {}
         """What the newest frame of each sensor complains of; empty when it does not."""
 
-    def on_tick(self, tick: Tick) -> TickFrame | None:
+    def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock as it goes down to the board, which puts the last one into each frame."""
-        return self._tick_down.frame(tick)
+        return self._tick_down.frame(tick, now)
 
     def on_frame(self, frame: RangeFrame) -> Range | None:
         """The reading in `frame`; None when the robot file knows no such sensor."""

@@ -47,9 +47,9 @@ class RenewingJoystick(JoystickPolicy):
 
     _newest: Tick | None = None
 
-    def on_tick(self, tick: Tick) -> TickFrame | None:
+    def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         self._newest = tick
-        return super().on_tick(tick)
+        return super().on_tick(tick, now)
 
     def command(self, now: float) -> DriveCommand:
         self._heard = now  # and does not mind that its board is silent

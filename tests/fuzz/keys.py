@@ -134,6 +134,6 @@ def _deliver(
     for taker in loop.network.takers(type(message)):
         taker.receive(message)
     if isinstance(message, Tick):
-        keyboard.on_tick(message)
+        keyboard.on_tick(message, loop.simulation.now_us * 1e-6)
     elif isinstance(message, Lease):
         keyboard.on_lease(message)

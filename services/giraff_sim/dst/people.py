@@ -46,7 +46,7 @@ class Keyboard(Process):
             self._pressed_us = now_us
             self._policy.on_key(key, now)
         for tick in self._ticks.take():
-            self._policy.on_tick(tick)
+            self._policy.on_tick(tick, now)
         for lease in self._leases.take():
             self._policy.on_lease(lease)
         if self._pace.due(now) or pressed:
@@ -81,7 +81,7 @@ class Double(Process):
         for lease in self._leases.take():
             self._policy.on_lease(lease)
         for tick in self._ticks.take():
-            self._policy.on_tick(tick)
+            self._policy.on_tick(tick, now)
             self._tick = tick.time
         if self._pace.due(now):
             self._say(self._topic, self._policy.command(now))

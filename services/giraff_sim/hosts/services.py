@@ -59,7 +59,7 @@ class Joystick(Process):
         for lease in self._leases.take():
             self._policy.on_lease(lease)
         for tick in self._ticks.take():
-            if (down := self._policy.on_tick(tick)) is not None:
+            if (down := self._policy.on_tick(tick, now)) is not None:
                 self._write(self._port, down)
         if self._pace.due(now):
             self._say(self._topic, self._policy.command(now))
@@ -80,7 +80,7 @@ class Ranger(Process):
                 if (sample := self._policy.on_frame(frame)) is not None:
                     self._say(self._topics[sample.sensor], sample)
         for tick in self._ticks.take():
-            if (down := self._policy.on_tick(tick)) is not None:
+            if (down := self._policy.on_tick(tick, now)) is not None:
                 self._write(self._port, down)
 
 

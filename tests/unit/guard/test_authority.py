@@ -107,6 +107,15 @@ def test_a_high_number_that_is_not_the_holders_does_not_shut_it_out(held: Room) 
     assert held.passes == -0.3
 
 
+def test_a_number_far_ahead_does_not_shut_out_the_holder(held: Room) -> None:
+    held.say("A", FIRST, 0.5, seq=10)
+    for age in (0.0, 2.0):
+        held.say("A", FIRST, 0.1, seq=10_000, age=age)
+        assert held.passes == 0.5
+    held.say("A", FIRST, -0.3, seq=1010)
+    assert held.passes == -0.3
+
+
 @pytest.mark.parametrize("source", ["hand", "fault"])
 def test_the_holders_newest_word_ends_the_one_before_even_where_its_age_is_not_proven(
     held: Room, source: Source

@@ -149,7 +149,7 @@ def test_a_silent_board_is_a_fault_with_its_last_tick() -> None:
 def test_a_repeated_command_keeps_the_tick_of_its_frame() -> None:
     joystick = policy()
     joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
-    joystick.on_tick(Tick(epoch=EPOCH, robot_ns=99))
+    joystick.on_tick(Tick(epoch=EPOCH, robot_ns=99), 0.0)
     assert joystick.command(0.0) == joystick.command(0.1)
     assert joystick.command(0.1).tick == RobotTime(epoch=EPOCH, robot_ns=1)
 
@@ -191,7 +191,7 @@ def test_frames_across_the_wrap_of_their_sequence_all_count() -> None:
 
 def test_ticks_go_down_as_they_are_and_their_sequence_wraps() -> None:
     joystick = policy()
-    ticks = (joystick.on_tick(Tick(epoch=EPOCH, robot_ns=ns)) for ns in range(0x10001))
+    ticks = (joystick.on_tick(Tick(epoch=EPOCH, robot_ns=ns), 0.0) for ns in range(0x10001))
     frames = [frame for frame in ticks if frame is not None]
     assert [frame.seq for frame in (frames[0], frames[-3], frames[-2], frames[-1])] == [1, 65535, 0, 1]
     assert Decoder().feed(encode(frames[5].pack())) == [TickFrame(seq=6, epoch=EPOCH, robot_ns=5)]

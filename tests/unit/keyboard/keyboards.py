@@ -19,7 +19,7 @@ class Person:
         self.robot_ns = 5_000_000_000
 
     def tick(self) -> None:
-        self.policy.on_tick(Tick(epoch=EPOCH, robot_ns=self.robot_ns))
+        self.policy.on_tick(Tick(epoch=EPOCH, robot_ns=self.robot_ns), self.now)
 
     def wait(self, seconds: float, *, ticks: bool = True) -> list[DriveCommand]:
         """Let time pass in steps of 20 ms; the command of each."""

@@ -31,7 +31,7 @@ def test_the_way_between_two_counters_survives_their_wrap(counter: int, way: int
 
 def test_ticks_are_numbered_and_the_numbers_wrap() -> None:
     down = TickDown()
-    frames = [down.frame(Tick(epoch=7, robot_ns=n)) for n in range(70_000)]
+    frames = [down.frame(Tick(epoch=7, robot_ns=n), 0.02 * n) for n in range(70_000)]
     sequences = [frame.seq for frame in frames if frame is not None]
     assert len(sequences) == len(frames)
     assert sequences[0] == 1
@@ -45,7 +45,7 @@ def test_ticks_are_numbered_and_the_numbers_wrap() -> None:
 def test_a_tick_that_was_overtaken_or_comes_again_does_not_go_down() -> None:
     down = TickDown()
     ticks = (7, 100), (7, 100), (7, 99), (8, 50), (7, 98), (8, 49), (7, 101), (8, 51)
-    sent = [down.frame(Tick(epoch=epoch, robot_ns=robot_ns)) for epoch, robot_ns in ticks]
+    sent = [down.frame(Tick(epoch=epoch, robot_ns=robot_ns), 1.0) for epoch, robot_ns in ticks]
     assert [(frame.epoch, frame.robot_ns) for frame in sent if frame] == [(7, 100), (8, 50), (7, 101), (8, 51)]
     assert [frame.seq for frame in sent if frame] == [1, 2, 3, 4]
 

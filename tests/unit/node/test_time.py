@@ -59,8 +59,18 @@ def test_only_ticks_that_are_newer_than_all_of_their_start_of_base_count(said: l
     clock = Clock()
     newest: dict[int, int] = {}
     for epoch, robot_ns in said:
-        assert clock.advances(Tick(epoch=epoch, robot_ns=robot_ns)) == (robot_ns > newest.get(epoch, -1))
+        assert clock.advances(Tick(epoch=epoch, robot_ns=robot_ns), 5.0) == (robot_ns > newest.get(epoch, -1))
         newest[epoch] = max(robot_ns, newest.get(epoch, -1))
+
+
+def test_a_tick_that_lies_ahead_holds_for_a_moment() -> None:
+    clock = Clock()
+    false = Tick(epoch=7, robot_ns=1 << 60)
+    assert clock.advances(Tick(epoch=7, robot_ns=100), 1.0)
+    assert clock.advances(false, 1.02)
+    assert not clock.advances(Tick(epoch=7, robot_ns=102), 1.2)
+    assert clock.advances(Tick(epoch=7, robot_ns=103), 1.24)
+    assert not clock.advances(Tick(epoch=7, robot_ns=102), 1.25)
 
 
 @given(st.floats(0.0, math.inf), st.floats(0.01, 10.0))

@@ -123,7 +123,7 @@ def test_frames_across_the_wrap_of_their_sequence_all_count() -> None:
 
 def test_ticks_go_down_as_they_are_and_their_sequence_wraps() -> None:
     ranger = RangerPolicy(ROBOT)
-    ticks = (ranger.on_tick(Tick(epoch=7, robot_ns=ns)) for ns in range(0x10001))
+    ticks = (ranger.on_tick(Tick(epoch=7, robot_ns=ns), 0.0) for ns in range(0x10001))
     frames = [frame for frame in ticks if frame is not None]
     assert [frame.seq for frame in (frames[0], frames[-3], frames[-2], frames[-1])] == [1, 65535, 0, 1]
     assert Decoder().feed(encode(frames[5].pack())) == [TickFrame(seq=6, epoch=7, robot_ns=5)]
