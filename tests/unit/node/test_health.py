@@ -7,6 +7,7 @@ import socket
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -39,8 +40,8 @@ def manager(tmp_path: Path) -> Iterator[FakeManager]:
 def sleep(peers: Peers, seconds: float) -> None:
     """Let the service's loop hang for a while."""
     request = encode(EStopEngage(by="test", reason=str(seconds)))
-    querier = peers.session.declare_querier(key_of(ROBOT, ESTOP_ENGAGE), timeout=0.1)
-    wait(lambda: bool(querier.matching_status))  # before they have met, a question reaches nobody
+    querier: Any = peers.session.declare_querier(key_of(ROBOT, ESTOP_ENGAGE), timeout=0.1)  # its stubs are wrong
+    wait(lambda: bool(querier.matching_status.matching))  # before they have met, a question reaches nobody
     querier.get(lambda _reply: None, payload=request)
 
 
