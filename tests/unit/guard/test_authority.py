@@ -102,7 +102,7 @@ def test_a_repeated_or_reordered_command_does_not_count(held: Room, seq: int) ->
 
 def test_a_high_number_that_is_not_the_holders_does_not_shut_it_out(held: Room) -> None:
     held.say("B", FIRST, 0.5, seq=20_000)
-    held.say("A", FIRST - 1, 0.5, seq=30_000)
+    held.say("A", FIRST - 1, 0.5, seq=300)
     held.say("A", FIRST, -0.3, seq=11)
     assert held.passes == -0.3
 
