@@ -29,8 +29,8 @@ class Room:
     def wait(self, seconds: float) -> None:
         self.robot_ns += round(seconds * 1e9)
 
-    def ago(self, seconds: float) -> RobotTime:
-        return RobotTime(epoch=EPOCH, robot_ns=self.robot_ns - round(seconds * 1e9))
+    def ago(self, seconds: float, epoch: int = EPOCH) -> RobotTime:
+        return RobotTime(epoch=epoch, robot_ns=self.robot_ns - round(seconds * 1e9))
 
     def say(
         self,
@@ -42,6 +42,7 @@ class Room:
         source: Source = "hand",
         age: float = 0.0,
         seq: int | None = None,
+        epoch: int = EPOCH,
     ) -> DriveCommand:
         self._seq += 1
         command = DriveCommand(
@@ -53,7 +54,7 @@ class Room:
             angular_z=0.0,
             source=source,
             reason="the hand is lost" if source == "fault" else "",
-            tick=self.ago(age) if math.isfinite(age) else None,
+            tick=self.ago(age, epoch) if math.isfinite(age) else None,
         )
         self.authority.on_command(command, self.now)
         return command

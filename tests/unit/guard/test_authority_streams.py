@@ -58,18 +58,7 @@ def test_only_what_the_holder_freshly_says_under_its_lease_ever_passes(
     for instance, counter, linear, source, age, seq, name, pause, epoch in story:
         room.wait(pause)
         before = room.authority.counter
-        command = DriveCommand(
-            seq=seq,
-            instance=instance,
-            operator=name,
-            lease_counter=counter,
-            linear_x=linear,
-            angular_z=0.0,
-            source=source,
-            reason="",
-            tick=msgspec.structs.replace(room.ago(age), epoch=epoch),
-        )
-        room.authority.on_command(command, room.now)
+        room.say(instance, counter, linear, name=name, source=source, age=age, seq=seq, epoch=epoch)
         fresh = epoch == EPOCH and 0.0 <= age <= 0.4
         room.authority.review(room.now)
         if room.authority.counter not in (before, 0):
