@@ -24,16 +24,18 @@ class ControlServer:
         self._answer = answer
         self._clients: dict[int, tuple[socket.socket, bytearray]] = {}
         path.parent.mkdir(parents=True, exist_ok=True)
-        with contextlib.suppress(FileNotFoundError):
-            path.unlink()
+        fresh = path.with_name(f"{path.name}.new")
+        fresh.unlink(missing_ok=True)
         self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
-            self._listener.bind(os.fspath(path))
+            self._listener.bind(os.fspath(fresh))
+            self._listener.listen()
+            self._listener.setblocking(False)
+            fresh.replace(path)  # whoever sees it can ask there
         except OSError as error:
             self._listener.close()
+            fresh.unlink(missing_ok=True)
             raise ValueError(f"{path}: cannot be a control socket: {error}") from error
-        self._listener.listen()
-        self._listener.setblocking(False)
 
     @property
     def listener(self) -> int:

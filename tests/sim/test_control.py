@@ -2,6 +2,7 @@
 
 import json
 import math
+import socket
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -183,6 +184,30 @@ def test_several_clients_at_once(socket_path: Path) -> None:
 def test_a_missing_simulator_is_named(tmp_path: Path) -> None:
     with pytest.raises(SimulatorError, match=r"no simulator at .*nowhere"):
         SimulatorClient(tmp_path / "nowhere")
+
+
+def test_whoever_sees_the_socket_can_ask_there(
+    tmp_path: Path, control: Control, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "control"
+    seen: list[bool] = []
+    listen = socket.socket.listen
+
+    def late(listener: socket.socket) -> None:
+        seen.append(path.exists())
+        listen(listener)
+
+    monkeypatch.setattr(socket.socket, "listen", late)
+    ControlServer(path, control.answer).close()
+    assert seen == [False]
+
+
+def test_a_path_that_is_taken_by_a_directory_is_named_and_left(tmp_path: Path, control: Control) -> None:
+    path = tmp_path / "control"
+    path.mkdir()
+    with pytest.raises(ValueError, match="cannot be a control socket"):
+        ControlServer(path, control.answer)
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_path_that_is_too_long_for_a_socket_is_named(tmp_path: Path, control: Control) -> None:

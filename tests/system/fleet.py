@@ -15,7 +15,6 @@ from giraff_schemas.topics import (
     OPERATOR_CMD_VEL,
     TICK,
     TOPICS,
-    Topic,
     alive_key,
     key_of,
 )
@@ -46,6 +45,14 @@ JOYSTICK, DOCTOR = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("doctor"
 EVERY = (*(topic for topic in TOPICS if not topic.names), JOYSTICK, DOCTOR)
 SEVERAL = ("giraff/{}/cmd_vel/*", "giraff/{}/*", "giraff/{}/**", "giraff/*/cmd_vel", "giraff/*/cmd_vel/joystick", "**")
 
+_OF, _LAWLESS = "of", "lawless"
+_WAYS = (
+    ((_OF, _LAWLESS), "anne-pc", ANNE, TICK, ("laptop", "desk")),
+    ((_OF, _LAWLESS), "laptop", ANNE, JOYSTICK, ("anne-pc",)),
+    ((_OF, _LAWLESS), "doctor", ANNE, DOCTOR, ("anne-pc",)),
+    ((_LAWLESS,), "doctor", BOB, DOCTOR, ("bob-pc",)),  # its own rules are of anne
+)
+"""Which sessions of whom speak, of which robot, on which topic, and who hears them."""
 
 NO_RULES = {"access_control": {"enabled": False}}
 """A host that does not keep to the rules itself: those of the others must do."""
@@ -73,20 +80,22 @@ class Fleet:
         self.all_meet()
 
     def all_meet(self) -> float:
-        """s until both ends of anne's way hear each other."""
-        robot, laptop = self.of["anne-pc"], self.of["laptop"]
+        """s until each session of a robot hears each of its operators', and each of its readers' hears the robot."""
+        waiting = {
+            (listener, key_of(robot, topic), f"{kind} {speaker}")
+            for kinds, speaker, robot, topic, listeners in _WAYS
+            for kind in kinds
+            for name in listeners
+            for listener in (self.of[name], self.lawless[name])
+        }
 
         def met() -> bool:
-            robot.ask("put", "meeting", key_of(ANNE, TICK))
-            laptop.ask("put", "meeting", key_of(ANNE, JOYSTICK))
-            return met_by(robot, JOYSTICK) and met_by(laptop, TICK)
-
-        heard: set[Host] = set()
-
-        def met_by(host: Host, topic: Topic[Any]) -> bool:
-            if [key_of(ANNE, topic), "meeting"] in host.ask("heard"):
-                heard.add(host)
-            return host in heard
+            for kinds, speaker, robot, topic, _ in _WAYS:
+                for kind in kinds:
+                    getattr(self, kind)[speaker].ask("put", f"{kind} {speaker}", key_of(robot, topic))
+            for listener in {listener for listener, _, _ in waiting}:
+                waiting.difference_update((listener, key, text) for key, text in listener.ask("heard"))
+            return not waiting
 
         return wait(met)
 
