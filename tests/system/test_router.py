@@ -77,9 +77,14 @@ def test_whoever_is_named_may_stop_and_operators_reset(world: Fleet, host: str, 
 
 @pytest.mark.parametrize("host", ["desk", "anne-pc"])
 def test_each_side_sees_who_is_on_the_other_and_nobody_poses_as_the_robot(world: Fleet, host: str) -> None:
-    real = [alive_key(ANNE, "base", "one"), alive_key(ANNE, "joystick", "one")]
-    wait(lambda: set(world.of[host].ask("alive", alive_key(ANNE))) >= set(real))  # a token takes its own time
-    assert world.of[host].ask("alive", alive_key(ANNE)) == real
+    seen: set[str] = set()
+
+    def all_there() -> bool:
+        seen.update(world.of[host].ask("alive", alive_key(ANNE)))  # to one question Zenoh may pass on a part of it
+        return len(seen) >= 2
+
+    wait(all_there)
+    assert seen == {alive_key(ANNE, "base", "one"), alive_key(ANNE, "joystick", "one")}
 
 
 def test_the_router_says_who_is_here_and_who_may_do_nothing(world: Fleet) -> None:
