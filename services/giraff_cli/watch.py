@@ -19,8 +19,8 @@ from giraff_cli.watch_report import ReportSight
 from giraff_cli.watch_view import WatchSight
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
-from giraff_node.dead_links import limit_dead_links
 from giraff_node.host_addresses import AddressWatch, host_addresses
+from giraff_node.tcp_links import tune_links
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK, TILT, TOPICS, WHEELS
 
 _LOOK_EVERY: Final = 0.5  # s; a picture costs 7 ms of a core
@@ -106,7 +106,7 @@ class Watch:
         now = time.monotonic()
         if math.isinf(self._seconds) and self._addresses.due(now) and self._addresses.moved(now, host_addresses()):
             raise MovedError
-        limit_dead_links()
+        tune_links()
         there = self._roster.names
         self._find()
         self._watcher.pass_on(self._telemetry)

@@ -18,8 +18,8 @@ from typing import Final, NamedTuple
 import zenoh
 
 from giraff_node.config import ConfigError
-from giraff_node.dead_links import limit_dead_links
 from giraff_node.session import NetworkConfig, close_session, open_session
+from giraff_node.tcp_links import tune_links
 
 _STAYS: Final = 6.0
 """s; who was linked for less was a visitor, like `giraff estop`, and has left."""
@@ -78,7 +78,7 @@ class Reunion:
         if now < self._next:
             return
         self._next = now + _LOOK
-        limit_dead_links()
+        tune_links()
         if not self._visits:
             return
         links = hosts_of((str(link.zid), link.dst) for link in self._session.info.links())

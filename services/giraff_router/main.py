@@ -13,11 +13,11 @@ from typing import Any
 import zenoh
 
 from giraff_node.config import ConfigError, load
-from giraff_node.dead_links import limit_dead_links
 from giraff_node.key_bundle import ExpiryWatch
 from giraff_node.pacing import Pacer
 from giraff_node.process import Process
 from giraff_node.session import certificates, settings
+from giraff_node.tcp_links import tune_links
 from giraff_router.config import RouterConfig
 from giraff_router.policy import Visitors, gateway, rules
 
@@ -64,7 +64,7 @@ def main() -> None:
         for now in process.turns(pace):
             if not pace.due(now):
                 continue
-            limit_dead_links()
+            tune_links()
             links = [(link.auth_identifier or "somebody", link.dst) for link in session.info.links()]
             for news in visitors.look(links):
                 process.log.info("%s", news)

@@ -13,7 +13,7 @@ from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN
 from giraff_sim.messages import BoardName
-from tests.hosts.machine import LabError
+from tests.hosts.machine import LabError, let_first
 from tests.system.robot import FULL_TILT, PROVING_ROOM
 
 PORTS: Final = Path("/dev/giraff-hosts")
@@ -42,6 +42,7 @@ class Hardware:
         arguments += ["--seed", "1", "--boards", "host", "--hand", "still"]
         environment = os.environ | ROBOT | {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")}
         self._children.start("simulator", "giraff_sim", arguments, environment)
+        let_first(self._children.pid("simulator"))
         deadline = time.monotonic() + _READY_WITHIN
         while b"\n" not in self._children.output("simulator").read_bytes():
             if self._children.reap() or time.monotonic() > deadline:

@@ -17,8 +17,8 @@ import msgpack
 import msgspec
 import zenoh
 
-from giraff_node.dead_links import limit_dead_links
 from giraff_node.session import NetworkConfig, open_session
+from giraff_node.tcp_links import tune_links
 
 
 def main(robot: str, key: str, network: str) -> None:
@@ -31,7 +31,7 @@ def main(robot: str, key: str, network: str) -> None:
     session = open_session(msgspec.json.decode(network, type=NetworkConfig), robot, visiting=True)
     with session, session.declare_subscriber(f"giraff/{robot}/{key}", on_sample):
         while not threading.Event().wait(0.5):
-            limit_dead_links()
+            tune_links()
 
 
 if __name__ == "__main__":

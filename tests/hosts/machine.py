@@ -94,6 +94,8 @@ class Machine:
         # Containers take the host's network, and the host has no other.
         command += ["--bridge=none", "--iptables=false", "--ip6tables=false", "--ip-forward=false"]
         command += ["--cgroup-parent", f"/{_CGROUP}/{self.name}"]
+        _give_weight(_CGROUP)
+        _give_weight(f"{_CGROUP}/{self.name}")
         with (self.directory / "dockerd.log").open("ab") as log:
             self._daemon = self.start(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
 
@@ -145,11 +147,27 @@ class Machine:
         return Path(f"/proc/{first}/comm").read_text().strip() == "docker-init"
 
 
+def let_first(pid: int) -> None:
+    """Let a process of one thread run as soon as it wants to: boards and cables share no processor with anybody."""
+    os.sched_setscheduler(pid, os.SCHED_RR, os.sched_param(1))
+
+
 def kill(process: subprocess.Popen[bytes]) -> None:
     """End a program that `Machine.start` has started: it is a child of what was started, and in its group."""
     if process.poll() is None:  # else its number may be another's by now
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+
+
+def _give_weight(group: str) -> None:
+    """As on a host of its own, where each container stands beside the Docker daemon: here a machine's are one group,
+    and all machines' are one, which would share what a single process of this machine gets.
+    """
+    controller = _CGROUPS / "cpu"
+    if controller.is_dir():  # cgroups 1; in 2 a group's weight is counted against groups, not against processes
+        place = controller / group
+        place.mkdir(exist_ok=True)
+        (place / "cpu.shares").write_text("10240")
 
 
 def _remove_cgroups(name: str) -> None:

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Final
 
-from tests.hosts.machine import Machine, run
+from tests.hosts.machine import Machine, let_first, run
 
 NETWORK: Final = "10.77.0"
 _TABLE: Final = "netdev giraff_hosts"
@@ -51,6 +51,7 @@ class Switch:
             [sys.executable, "-I", str(_BAD_CABLE), *ends], stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
         self._bad_cables[machine.name] = cable
+        let_first(cable.pid)
         assert cable.stdout is not None
         assert cable.stdout.readline() == b"ready\n", "no TAP devices: see above"
         self._connect(machine, number)

@@ -1,0 +1,44 @@
+"""What the kernel is to do for a link, where its defaults are for downloads and not for a robot.
+
+A link that is dead. To a host that has vanished the kernel tries for a quarter of an hour, and Zenoh's close of that
+link waits for it: up to 10 s by its SO_LINGER, with TLS until its last word fits into a buffer that is full. So long it
+holds a thread, and the links that share it. And so long this process believes to be linked: it dials nobody there, and
+when the cable is back it takes a new link for the old one, and ends both. With TCP_USER_TIMEOUT the kernel gives up
+when Zenoh does.
+
+A link that loses packets. One whose repetition is lost, too, is sent once more after 0.2 s at the least, and then after
+twice as long each time, and all that was sent later waits for it: more than a command may be old. Of a stream of a few
+small packets (`tcp_thin_linear_timeouts` in the kernel's networking/tcp-thin.rst) the wait need not grow, and where the
+kernel knows TCP_RTO_MIN_US (Linux 6.15) it begins at RTO_MIN beyond the round trip.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+from pathlib import Path
+from typing import Final
+
+from giraff_node.session import LEASE
+
+RTO_MIN: Final = 0.05
+"""s; a round trip through a home varies by less."""
+_THIN_LINEAR_TIMEOUTS: Final = 16  # linux/tcp.h
+_RTO_MIN_US: Final = 45
+_WAIT: Final = round(LEASE * 1000)  # ms
+
+
+def tune_links() -> None:
+    """Tell it for all TCP connections of this process."""
+    for entry in Path("/proc/self/fd").iterdir():
+        with contextlib.suppress(OSError):  # closed since it was listed, of another kind, or the kernel is an older one
+            if str(entry.readlink()).startswith("socket:"):
+                _tune(os.dup(int(entry.name)))
+
+
+def _tune(descriptor: int) -> None:
+    with socket.socket(fileno=descriptor) as ours:
+        ours.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, _WAIT)
+        ours.setsockopt(socket.IPPROTO_TCP, _THIN_LINEAR_TIMEOUTS, 1)
+        ours.setsockopt(socket.IPPROTO_TCP, _RTO_MIN_US, round(RTO_MIN * 1e6))
