@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 import socket
+import struct
 
 from giraff_node.session import LEASE
 from giraff_node.tcp_links import RTO_MIN, tune_links
@@ -18,9 +19,11 @@ def test_every_connection_ends_with_the_lease_and_repeats_soon() -> None:
         socket.socket(socket.AF_UNIX) as another,
     ):
         assert one.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT) == 0
+        one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 10))  # as Zenoh has it
         tune_links()
         assert one.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT) == LEASE * 1000 == 1500
         assert one.getsockopt(socket.IPPROTO_TCP, THIN_LINEAR_TIMEOUTS) == 1
+        assert struct.unpack("ii", one.getsockopt(socket.SOL_SOCKET, socket.SO_LINGER, 8))[0] == 0
         major, minor = map(int, platform.release().split(".")[:2])
         if (major, minor) >= (6, 15):
             assert one.getsockopt(socket.IPPROTO_TCP, RTO_MIN_US) * 1e-6 < RTO_MIN + 0.01
