@@ -16,6 +16,7 @@ from typing import Final
 import msgspec
 
 from giraff_health.ask import socket_path
+from giraff_node.unix_socket import listen_at
 from giraff_schemas.messages import Health
 
 RETRY: Final = 1.0  # s between two attempts to become the one who answers
@@ -82,18 +83,10 @@ class HealthSocket:
         path.parent.mkdir(parents=True, exist_ok=True)
         # The kernel lets go of a dead process's lock, so whoever holds it may replace whatever socket is there.
         lock = os.open(path.with_suffix(".lock"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
-        listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            fresh = path.with_suffix(".new")
-            with contextlib.suppress(FileNotFoundError):
-                fresh.unlink()
-            listener.setblocking(False)
-            listener.bind(os.fspath(fresh))
-            listener.listen()
-            fresh.replace(path)  # whoever sees it can ask there
+            listener = listen_at(path)
         except OSError:
-            listener.close()
             os.close(lock)
             raise
         self._lock = lock

@@ -1,8 +1,8 @@
 """What the kernel is to do for a link, where its defaults are for downloads and not for a robot.
 
 A link that ends. Zenoh's close of it waits until the other end has acknowledged the last word, up to 10 s by its
-SO_LINGER, in a thread that all links of the process share: over a cable that loses packets nothing reached guard for
-0.2 s whenever some visitor left. Without it the kernel sends the last word by itself.
+SO_LINGER, in a thread that links of the process share. Over a cable that loses packets nothing reached guard for 0.2 s,
+up to three times a minute, and no longer does without it: then the kernel sends the last word by itself.
 
 A link that is dead. To a host that has vanished the kernel tries for a quarter of an hour, and with TLS Zenoh's close
 waits until its last word fits into a buffer that is full. So long this process believes to be linked: it dials nobody

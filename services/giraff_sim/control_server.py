@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import socket
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Final
 
 import msgspec
 
+from giraff_node.unix_socket import listen_at
 from giraff_sim import messages
 
 _LONGEST_LINE: Final = 65536
@@ -23,18 +23,9 @@ class ControlServer:
         self._path = path
         self._answer = answer
         self._clients: dict[int, tuple[socket.socket, bytearray]] = {}
-        path.parent.mkdir(parents=True, exist_ok=True)
-        fresh = path.with_name(f"{path.name}.new")
-        fresh.unlink(missing_ok=True)
-        self._listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
-            self._listener.bind(os.fspath(fresh))
-            self._listener.listen()
-            self._listener.setblocking(False)
-            fresh.replace(path)  # whoever sees it can ask there
+            self._listener = listen_at(path)
         except OSError as error:
-            self._listener.close()
-            fresh.unlink(missing_ok=True)
             raise ValueError(f"{path}: cannot be a control socket: {error}") from error
 
     @property

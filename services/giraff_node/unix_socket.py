@@ -1,0 +1,30 @@
+"""A Unix socket that can be asked as soon as it can be seen."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+from pathlib import Path
+
+
+def listen_at(path: Path) -> socket.socket:
+    """A listener in place of whatever socket is at `path`. It never waits. Raises OSError, and then leaves nothing.
+
+    Between bind and listen a client is refused: it is made beside the path, and moved there once it listens.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fresh = path.with_name(f"{path.name}.new")
+    fresh.unlink(missing_ok=True)
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    try:
+        listener.setblocking(False)
+        listener.bind(os.fspath(fresh))
+        listener.listen()
+        fresh.replace(path)
+    except OSError:
+        listener.close()
+        with contextlib.suppress(OSError):
+            fresh.unlink()
+        raise
+    return listener
