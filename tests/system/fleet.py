@@ -67,6 +67,7 @@ class Fleet:
             behind.certify(host, behind.address(site))
         self.of = {host: behind.join(host, site, robot) for host, (site, robot) in PLACES.items()}
         self.lawless = {host: behind.join(host, site, robot, **NO_RULES) for host, (site, robot) in PLACES.items()}
+        self.kinds = {_OF: self.of, _LAWLESS: self.lawless}
         for host, robot in (("anne-pc", ANNE), ("bob-pc", BOB)):
             for session in (self.of[host], self.lawless[host]):
                 session.ask("subscribe", *(key_of(other, topic) for other in (ANNE, BOB) for topic in TOPICS))
@@ -92,7 +93,7 @@ class Fleet:
         def met() -> bool:
             for kinds, speaker, robot, topic, _ in _WAYS:
                 for kind in kinds:
-                    getattr(self, kind)[speaker].ask("put", f"{kind} {speaker}", key_of(robot, topic))
+                    self.kinds[kind][speaker].ask("put", f"{kind} {speaker}", key_of(robot, topic))
             for listener in {listener for listener, _, _ in waiting}:
                 waiting.difference_update((listener, key, text) for key, text in listener.ask("heard"))
             return not waiting

@@ -22,9 +22,7 @@ from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFr
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.process import Observer, Process
 
-_HEARD_US: Final = (
-    1_000_000  # for how long what base was handed can explain what it does, or show what is wrong with it
-)
+_HEARD_US: Final = 1_000_000  # for so long what base was handed explains what it does, or shows what is wrong with it
 _STEADY_US: Final = 100_000  # between two reports of the base board, which come every 10 ms
 _LONGEST_GAP_US: Final = 150_000  # between two neutral commands of one held neutral
 
