@@ -117,6 +117,9 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Oldest moment among the ranges that what the operator asks relies on; one that never came counts as robot_ns 0.
     None: it relies on none."""
     source: Source
+    faults: int
+    """How often `source` has come to be a fault since the guard began; another number than before disarms. The word of
+    a fault may come late or be lost: its count is in every word after it."""
     hand_neutral: bool
     """The operator's own command is a hand's and neutral: what arms the robot when held."""
     reason: str

@@ -21,6 +21,7 @@ class Arming:
         self.armed = False
         self._why = "base has just started"  # what disarmed last
         self._holder = ("", 0)
+        self._faults = 0
         self._since: RobotTime | None = None  # when the first command after the disarming came
         self._neutral_from: RobotTime | None = None
         self._neutral_to: RobotTime | None = None
@@ -44,6 +45,9 @@ class Arming:
         if holder != self._holder:
             self.disarm("another operator took over" if command.operator != self._holder[0] else "a new lease")
             self._holder = holder
+        if command.faults != self._faults:
+            self.disarm("the operator's side was at fault")
+            self._faults = command.faults
         if command.source == "fault":
             self.disarm("the operator's side reports a fault")
         elif command.lease_counter == 0:

@@ -21,7 +21,8 @@ class Authority:
 
     A late, repeated or foreign command neither keeps the lease alive nor stands in the way of the holder's next one,
     and neither does one whose number lies so far ahead that the holder cannot have given it.
-    The holder's newest word always replaces the one before it: where its age is not proven, nothing is asked any more.
+    The holder's newest word always replaces the one before it: where its age is not proven, or where it is not given
+    under the lease in force, nothing is asked any more.
     """
 
     def __init__(self, config: GuardConfig, first_lease: int) -> None:
@@ -33,6 +34,8 @@ class Authority:
         """What its commands must carry; 0: the lease is free."""
         self.command: DriveCommand | None = None
         """The holder's newest command, whether or not it is fresh."""
+        self.faults = 0
+        """How often a holder's side has come to be at fault."""
         self._config = config
         self._next = (first_lease - 1) % _COUNTERS + 1
         self._seq = -1
@@ -45,10 +48,12 @@ class Authority:
     def on_command(self, command: DriveCommand, now: RobotTime) -> None:
         """Take a command of any operator."""
         self.review(now)
-        theirs = bool(self.holder) and command.instance == self.holder and command.lease_counter == self.counter
+        theirs = bool(self.holder) and command.instance == self.holder
         if theirs and not self._seq < command.seq <= self._seq + _MOST_AHEAD:
             return
         if theirs:
+            if command.source == "fault" and (self.command is None or self.command.source != "fault"):
+                self.faults += 1
             self.command, self._seq = command, command.seq
         old = age(command.tick, now)
         if old > self._config.operator_budget:
@@ -56,7 +61,7 @@ class Authority:
                 self._complain(command, old, now)
         elif command.lease_counter == ASK:
             self._consider(command, now)
-        elif theirs:
+        elif theirs and command.lease_counter == self.counter:
             self._count(command, now)
 
     def review(self, now: RobotTime) -> None:
@@ -84,6 +89,8 @@ class Authority:
             return None, self.reason(now)
         if command is not None and command.source == "fault":
             return None, f"{self.operator}: {command.reason}"
+        if command is not None and command.lease_counter != self.counter:
+            return None, f"{self.operator} has not heard under which lease it drives; check its link"
         if command is None or age(command.tick, now) > self._config.operator_budget:
             return None, self._recent_complaint(now) or f"no fresh command of {self.operator}; check its link"
         return command, ""

@@ -65,9 +65,10 @@ class Direction:
             return self._verdict(self._regained, verdict.sensor, reason)
         return verdict
 
-    def relied_on(self) -> RobotTime | None:
-        """The oldest moment among the newest readings of this way's sensors."""
-        ticks = [sensor.tick for sensor in self.sensors if sensor.tick is not None]
+    def relied_on(self, now: RobotTime) -> RobotTime | None:
+        """The oldest moment among the newest readings of this way's sensors, robot_ns 0 for one that never came."""
+        never = RobotTime(epoch=now.epoch, robot_ns=0)
+        ticks = [sensor.tick or never for sensor in self.sensors]
         return min(ticks, key=lambda tick: tick.robot_ns, default=None)
 
     def freer_side(self) -> str:

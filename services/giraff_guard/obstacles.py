@@ -108,7 +108,7 @@ class Obstacles:
                 share = allowed / abs(linear)  # of both: the curvature is the operator's
                 linear, angular = linear * share, angular * share
                 reason = f"{direction.way} slowed: {why or f'this robot drives at {allowed:g} m/s at most'}"
-            range_tick = direction.relied_on()
+            range_tick = direction.relied_on(now)
         if linear == 0.0:
             turn = self._verdicts.turn_left
             if abs(angular) > turn.allowed:

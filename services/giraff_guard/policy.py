@@ -30,6 +30,7 @@ class GuardPolicy:
         self._identity = Identity(config, robot)
         self._authority = Authority(config, first_lease)
         self._obstacles = Obstacles(config, robot)
+        self._replacements = 0  # how often `fault` has come to be
         self.fault = ""
         """Two processes where one may be, as `decide` found it, with the way out; empty when there are not."""
 
@@ -57,7 +58,8 @@ class GuardPolicy:
         now = self._identity.now(robot_ns)
         authority = self._authority
         authority.review(now)
-        self.fault = self._identity.fault(robot_ns)
+        before, self.fault = self.fault, self._identity.fault(robot_ns)
+        self._replacements += bool(self.fault) and not before
         verdicts = self._obstacles.judge(now)
         asked, refusal = self._asked(now)
         wish = (asked.linear_x, asked.angular_z) if asked is not None else (0.0, 0.0)
@@ -72,6 +74,7 @@ class GuardPolicy:
             operator_tick=newest.tick if newest is not None else None,
             range_tick=limited.range_tick,
             source="fault" if self.fault or newest is None else newest.source,
+            faults=authority.faults + self._replacements,
             hand_neutral=asked is not None and asked.neutral,
             reason=refusal or limited.reason,
         )

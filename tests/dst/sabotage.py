@@ -77,8 +77,9 @@ class OpenGuard(GuardPolicy):
 
     def on_command(self, command: DriveCommand, robot_ns: int) -> None:
         super().on_command(command, robot_ns)
-        if self._authority.holder:
-            self._authority.command = command
+        authority = self._authority
+        if authority.holder:
+            authority.command = msgspec.structs.replace(command, lease_counter=authority.counter)
 
 
 class DeafBase(BasePolicy):

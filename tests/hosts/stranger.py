@@ -49,6 +49,7 @@ class Stranger:
             operator_tick=self._tick,
             range_tick=None,
             source="hand",
+            faults=0,
             hand_neutral=False,
             reason="",
         )

@@ -208,6 +208,7 @@ class Rig:
         self.epoch = EPOCH
         self.linear = self.angular = 0.0
         self.source: Source = "hand"
+        self.faults = 0
         self.hand_neutral: bool | None = None
         """None: as the twist says."""
         self.reason = ""
@@ -240,6 +241,7 @@ class Rig:
             operator_tick=self.operator_tick or self.ago(self.operator_age),
             range_tick=self.ago(self.range_age) if self.linear else None,
             source=self.source,
+            faults=self.faults,
             hand_neutral=neutral if self.hand_neutral is None else self.hand_neutral,
             reason=self.reason,
         )

@@ -175,6 +175,10 @@ def fault(rig: Rig) -> None:
     rig.source = "hand"
 
 
+def fault_between_two_words(rig: Rig) -> None:
+    rig.faults += 1
+
+
 def stale_operator(rig: Rig) -> None:
     rig.freeze(1.0)
 
@@ -219,6 +223,7 @@ DISARMING: list[tuple[Callable[[Rig], None], str]] = [
     (other_guard, "guard-2"),
     (second_guard, "guard-2"),
     (fault, "fault"),
+    (fault_between_two_words, "was at fault"),
     (stale_operator, "stale"),
     (stale_operator_while_the_board_is_silent, "stale"),
     (silent_guard, "stale"),

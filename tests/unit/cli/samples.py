@@ -80,6 +80,7 @@ def command(operator_ns: int | None, *, reason: str = "", epoch: int = EPOCH) ->
         operator_tick=tick,
         range_tick=None,
         source="hand",
+        faults=0,
         hand_neutral=False,
         reason=reason,
     )

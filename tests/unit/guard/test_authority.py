@@ -26,6 +26,32 @@ def test_the_asking_command_itself_moves_nothing(room: Room) -> None:
     assert room.passes == 0.5
 
 
+@pytest.mark.parametrize("counter", [0, FIRST - 1])
+def test_a_holder_that_was_told_of_an_old_lease_asks_for_nothing_until_it_hears_of_its_own(
+    held: Room, counter: int
+) -> None:
+    held.say("A", FIRST, 0.5, seq=10)
+    held.say("A", counter, -0.5, seq=12)
+    assert held.passes is None
+    assert "joystick has not heard under which lease it drives" in held.authority.asked(held.now)[1]
+    held.say("A", FIRST, 0.5, seq=11)  # overtaken
+    assert held.passes is None
+    again = held.say("A", FIRST, -0.5, seq=13)
+    assert held.authority.asked(held.now) == (again, "")
+    assert held.authority.counter == FIRST
+
+
+def test_faults_of_holders_are_counted(held: Room) -> None:
+    counts = []
+    for source in ("hand", "fault", "fault", "hand", "fault"):
+        held.say("A", FIRST, source=source)
+        counts.append(held.authority.faults)
+    held.say("A", FIRST, source="hand")
+    held.say("A", FIRST, source="fault", age=math.inf)  # of no known age, but its newest word
+    held.say("B", 0, source="fault")  # holds nothing
+    assert (counts, held.authority.faults) == ([0, 1, 1, 1, 2], 3)
+
+
 @pytest.mark.parametrize("counter", [1, FIRST - 1, FIRST, FIRST + 1])
 def test_one_who_has_not_asked_moves_nothing(room: Room, counter: int) -> None:
     for _ in range(5):
@@ -102,7 +128,6 @@ def test_a_repeated_or_reordered_command_does_not_count(held: Room, seq: int) ->
 
 def test_a_high_number_that_is_not_the_holders_does_not_shut_it_out(held: Room) -> None:
     held.say("B", FIRST, 0.5, seq=20_000)
-    held.say("A", FIRST - 1, 0.5, seq=300)
     held.say("A", FIRST, -0.3, seq=11)
     assert held.passes == -0.3
 

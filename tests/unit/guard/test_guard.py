@@ -209,6 +209,7 @@ def test_a_hand_over_has_another_lease_and_begins_neutral() -> None:
     command, _ = rig.decide()
     assert command.neutral
     assert (command.operator, command.lease_counter) == ("operator-2", FIRST_LEASE + 1)
+    assert (command.operator_tick, command.source) == (None, "fault")  # nothing of the last holder's
     rig.ask(0.0, 0.5, counter=FIRST_LEASE)
     rig.ask(0.0, 0.5, counter=FIRST_LEASE + 1)
     assert rig.decide()[0].neutral
@@ -253,6 +254,20 @@ def test_a_second_base_stops_the_robot_and_is_named_while_both_speak() -> None:
         rig.ask(0.5, 0.5)
     assert rig.decide()[0].linear_x == 0.5
     assert rig.guard.fault == ""
+
+
+def test_a_fault_that_no_command_shows_is_counted() -> None:
+    rig = Rig()
+    rig.ask(0.5)
+    assert rig.decide()[0].faults == 0
+    rig.ask(0.0, source="fault", reason="shaken")
+    rig.ask(0.5)
+    command = rig.decide()[0]
+    assert (command.source, command.faults) == ("hand", 1)
+    for _ in range(3):
+        rig.tick(EPOCH + 1)  # a second base
+        command = rig.decide()[0]
+        assert (command.source, command.faults) == ("fault", 2)
 
 
 def test_a_second_ranger_stops_the_robot_and_is_named_while_both_speak() -> None:

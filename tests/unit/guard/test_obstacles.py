@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -55,6 +56,17 @@ def test_the_ranges_moment_is_the_oldest_that_the_motion_relies_on(linear: float
     senses.judge()
     limited = senses.limit(linear, 1.0)
     assert limited.range_tick == (None if expected is None else senses.ago(expected))
+
+
+def test_a_sensor_that_was_never_heard_is_relied_on_since_the_beginning_of_time() -> None:
+    senses = opened()
+    senses.obstacles.forget()
+    senses.wait(CYCLE)
+    senses.hear(FAR, "front_left")
+    senses.judge()
+    never = msgspec.structs.replace(senses.ago(0.0), robot_ns=0)
+    assert senses.limit(0.6, 0.0).range_tick == never
+    assert senses.limit(-0.6, 0.0).range_tick == never
 
 
 def test_before_anything_is_judged_nothing_passes() -> None:

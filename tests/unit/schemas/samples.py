@@ -94,6 +94,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "operator_tick": _TIME,
         "range_tick": None,
         "source": "hand",
+        "faults": 0,
         "hand_neutral": False,
         "reason": "",
     },
