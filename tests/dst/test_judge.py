@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import pytest
+
 from giraff_schemas.messages import EStopReset
 from giraff_sim.closed_loop import Policies
+from giraff_sim.config import SimConfig
+from giraff_sim.dst.freedom import Freedom
+from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Stop, Stops
 from giraff_sim.hand import LEVEL
+from giraff_sim.simulation import Simulation
+from giraff_sim.world import World
 from tests.dst import sabotage
 from tests.dst.courses import cut, engage, kill, replay, reset_board, stop, typing, unplug
-from tests.dst.stage import BACKWARD, FORWARD, at, driving, hall, level, rules, stage
+from tests.dst.stage import BACKWARD, FORWARD, SETTINGS, at, driving, hall, level, rules, stage
 
 
 def test_a_sound_robot_violates_nothing_and_drives() -> None:
@@ -85,3 +92,34 @@ def test_driving_at_what_has_echoed_is_seen() -> None:
 
 def test_a_free_way_that_is_refused_is_seen() -> None:
     assert rules(stage(policies=Policies(guard=sabotage.TimidGuard))) == {"f"}
+
+
+def test_something_thin_ahead_is_no_free_way() -> None:
+    room = hall()
+    room.add_post("table leg", 2.0, 2.12, 0.03)
+    outcome = stage(room=room, seconds=6.0)
+    assert rules(outcome) == set()
+    assert outcome.path < 0.6
+
+
+def test_what_an_obstacle_left_behind_is_waited_for_whatever_else_befalls() -> None:
+    freedom = Freedom(World(hall(), SETTINGS.robot, SimConfig(), level(), 1), SETTINGS)
+    assert freedom.is_calm(0)
+    freedom.disturb()
+    freedom.disturb()
+    freedom.calm(from_us=18_000_000)
+    assert not freedom.is_calm(20_000_000)
+    freedom.calm(from_us=16_000_000)
+    assert not freedom.is_calm(17_999_999)
+    assert freedom.is_calm(18_000_000)
+
+
+@pytest.mark.parametrize(("second_at", "is_late"), [(0.0, True), (0.3, False)])
+def test_of_two_faults_the_later_has_its_own_bound(second_at: float, is_late: bool) -> None:
+    world = World(hall(), SETTINGS.robot, SimConfig(), level(), 1)
+    stops = Stops(Simulation({}, world))
+    stops.begin(Stop("the network is cut", 0, BEYOND_US, "any", lambda: True))
+    stops.begin(Stop("base is unplugged", round(second_at * 1e6), ROBOT_US, "any", lambda: True))
+    assert stops.overdue(550_000) == ""
+    assert bool(stops.overdue(600_000)) is is_late
+    assert stops.overdue(670_000)

@@ -43,7 +43,6 @@ _FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
 _LAST_FAULT: Final = 1.5  # s before the end
 _HOUR_NS: Final = 3_600_000_000_000
 _RELEASE_US: Final = 500_000
-_FOR_EVER_US: Final = 1 << 62
 _DRIVES: Final = 0.2  # m of path that count as driving
 
 _GIVEN: Final = {
@@ -115,7 +114,6 @@ class Drill:
         self.button = button
         self.loop.launch("button", lambda *_: button, button.host)
         self._names = 0
-        self._disturbances = 0
         self._claims: list[Any] = []  # of the fault that begins
         self._claimed: list[Any] = []
         for befall in scenario.befalls:
@@ -188,8 +186,7 @@ class Drill:
             if not told:
                 return
             self._claimed += claims
-            self._disturbances += 1
-            freedom.calm_from_us = _FOR_EVER_US
+            freedom.disturb()
             self.story.count(f"fault: {kind.name}")
             self.story.tell(f"{told}, for {lasts_us / 1e6:.2f} s" if lasts_us else told)
             self.loop.agenda.at(at_us + lasts_us, partial(end, claims))
@@ -199,9 +196,7 @@ class Drill:
             for claim in claims:
                 self._claimed.remove(claim)
             self.story.tell(f"{kind.name} is over")
-            self._disturbances -= 1
-            if not self._disturbances:
-                freedom.calm_from_us = self.loop.agenda.now_us + round(kind.calm_after * 1e6)
+            freedom.calm(self.loop.agenda.now_us + round(kind.calm_after * 1e6))
 
         self.loop.agenda.at(at_us, begin)
 

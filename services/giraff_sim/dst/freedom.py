@@ -21,7 +21,7 @@ _STRAIGHT: Final = 0.3  # rad/s asked for
 _AHEAD: Final = 1.0  # m free of the body
 _ASIDE: Final = 0.15  # m free beside and behind it
 _FAN: Final = math.radians(50.0)
-_RAYS: Final = 9
+_RAYS: Final = 101  # two are 2 cm apart where the body would end: nothing that echoes lies between them
 
 
 class Freedom:
@@ -32,8 +32,20 @@ class Freedom:
         self._robot = settings.robot
         self._refused_us: int | None = None
         self._looked_us = 0
-        self.calm_from_us = 0
-        """When everything is proven again after the last fault; the far future while there is one."""
+        self._disturbances = 0
+        self._calm_us = 0
+
+    def disturb(self) -> None:
+        """A fault begins: nothing is sure to be proven."""
+        self._disturbances += 1
+
+    def calm(self, from_us: int) -> None:
+        """One ends, and what it has left behind is proven again from then on."""
+        self._disturbances -= 1
+        self._calm_us = max(self._calm_us, from_us)
+
+    def is_calm(self, now_us: int) -> bool:
+        return not self._disturbances and now_us >= self._calm_us
 
     def moved(self, now_us: int) -> None:
         """A motor has power."""
@@ -57,7 +69,7 @@ class Freedom:
 
     def _is_due(self, passed: Passed, state: BaseState, now_us: int) -> bool:
         given = passed.given
-        if not state.armed or given is None or now_us < self.calm_from_us or now_us - given.born_us > _FRESH_US:
+        if not state.armed or given is None or not self.is_calm(now_us) or now_us - given.born_us > _FRESH_US:
             return False
         command = given.command
         if abs(command.linear_x) < _WISH or abs(command.angular_z) > _STRAIGHT or not command.lease_counter:

@@ -59,17 +59,27 @@ class Stops:
     def overdue(self, now_us: int) -> str:
         """A stop that should have happened, with the motors now under power; empty when none is."""
         for stop in self._stops:
-            passed_us = now_us - stop.since_us - _STEPS_US
-            if passed_us <= stop.bound_us or not stop.applies() or not self._goes(stop.way):
+            due_us = stop.since_us + stop.bound_us + _STEPS_US
+            if now_us <= due_us or not stop.applies() or not self._goes(stop.way):
                 continue
-            if passed_us > TWO_US or not self._is_one_of_two(stop):
-                return f"power {passed_us / 1e6:.3f} s after: {stop.what}"
+            if now_us > self._due_beside_others_us(stop):
+                return f"power {(now_us - stop.since_us) / 1e6:.3f} s after: {stop.what}"
         return ""
 
-    def _is_one_of_two(self, stop: Stop) -> bool:
-        if self._changed_us >= stop.since_us:
-            return True
-        return any(other is not stop and other.applies() for other in self._stops)
+    def _due_beside_others_us(self, stop: Stop) -> int:
+        """When a stop is due if others befell the robot before it was: of two at once within `TWO_US`.
+
+        One of the robot's side that came later may have cut off the layer that was about to stop it: what lies below
+        has that one's own bound, from its own beginning.
+        """
+        due_us = stop.since_us + stop.bound_us
+        others = [other for other in self._stops if other is not stop and other.applies() and other.since_us <= due_us]
+        if others or self._changed_us >= stop.since_us:
+            due_us = stop.since_us + TWO_US
+        for other in others:
+            if other.bound_us <= ROBOT_US:
+                due_us = max(due_us, other.since_us + other.bound_us)
+        return due_us + _STEPS_US
 
     def _goes(self, way: Way) -> bool:
         if way == "any":
