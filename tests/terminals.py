@@ -7,10 +7,11 @@ import pty
 import subprocess
 import sys
 import termios
-import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from tests.waiting import wait
 
 _IN_ITS_TERMINAL = """
 import fcntl, os, sys, termios
@@ -54,10 +55,12 @@ class Screen:
         self.text = ""
 
     def wait_for(self, text: str, seconds: float = 10.0) -> None:
-        deadline = time.monotonic() + seconds
-        while text not in self.read():
-            assert time.monotonic() < deadline, f"{text!r} is not shown: {self.text[-2000:]}\n{self._log.read_text()}"
-            time.sleep(0.01)
+        wait(
+            lambda: text in self.read(),
+            seconds,
+            what=lambda: f"{text!r} is not shown: {self.text[-2000:]}\n{self._log.read_text()}",
+            every=0.01,
+        )
 
     def type(self, data: bytes) -> None:
         os.write(self._master, data)

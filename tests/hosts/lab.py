@@ -23,6 +23,7 @@ from tests.hosts.hardware import BOARDS, PORTS, ROBOT, Hardware
 from tests.hosts.images import KEPT, images
 from tests.hosts.machine import LabError, Machine, kill
 from tests.hosts.switch import NETWORK, Switch
+from tests.waiting import wait
 
 NAME: Final = "sim-lab"
 NUMBERS: Final = {"laptop": 11, "robot": 12, "desk": 13}
@@ -67,7 +68,7 @@ class Listener:
             fresh[:] = [one for one in self.heard(moment) if one.age < _FRESH]
             return bool(fresh)
 
-        wait(f"samples after {moment:.2f}", arrived, within)
+        wait(arrived, within, what=f"samples after {moment:.2f}")
         return fresh[0].at - moment
 
     def longest_gap(self, since: float, until: float) -> float:
@@ -161,7 +162,7 @@ class Lab:
             return all(on_each) and None not in (one.well_since for one in told)
 
         try:
-            wait("healthy containers", well, within, every=0.5)  # to ask costs some 0.1 s of a core
+            wait(well, within, what="healthy containers", every=0.5)  # to ask costs some 0.1 s of a core
         except AssertionError as error:
             logs = "".join(self.compose(host, "logs", "--tail", "20") for host in hosts)
             raise AssertionError(f"{error}: {told}\n{logs}") from error
@@ -249,12 +250,3 @@ class Lab:
 
 def address(host: str) -> str:
     return f"{NETWORK}.{NUMBERS[host]}"
-
-
-def wait(what: str, holds: Callable[[], bool], seconds: float, every: float = 0.02) -> float:
-    """Wait until it holds; the s that took. AssertionError after `seconds`."""
-    began = time.monotonic()
-    while not holds():
-        assert time.monotonic() - began < seconds, f"{what}: not within {seconds:g} s"
-        time.sleep(every)
-    return time.monotonic() - began

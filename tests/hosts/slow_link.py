@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from tests.hosts.bad_cable import BAD
-from tests.hosts.lab import NAME, NUMBERS, Lab, wait
+from tests.hosts.lab import NAME, NUMBERS, Lab
 from tests.hosts.machine import kill
 from tests.system.stalls import StallProbe
+from tests.waiting import wait
 
 BULK: Final = Path(__file__).with_name("bulk.py")
 CIRCLE: Final = (4.0, 3.0)
@@ -86,7 +87,7 @@ def slow_link(lab: Lab) -> Iterator[Bulk]:
     lab.wait_until_healthy("robot", "laptop")
     lab.reset_emergency_stop()
     bulk = Bulk(lab, "robot", "desk")
-    wait("the stream on the desk", lambda: bulk.come() > 0, 20.0)
+    wait(lambda: bulk.come() > 0, 20.0, what="the stream on the desk")
     yield bulk
     bulk.close()
     lab.down("robot")

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import pytest
 
 from tests.hosts.images import CURRENT_COMPOSE
-from tests.hosts.lab import NUMBERS, Lab, Listener, wait
+from tests.hosts.lab import NUMBERS, Lab, Listener
+from tests.waiting import wait
 
 Figure = Callable[[str, float, float, str], None]
 
@@ -39,7 +40,7 @@ class Up(NamedTuple):
 def up(lab: Lab, desk: Listener) -> Up:
     last = max(lab.on_each(NUMBERS, lab.up).values())
     healthy = lab.wait_until_healthy(*NUMBERS) - last
-    wait("odometry on the desk", lambda: bool(desk.heard()), 30.0)
+    wait(lambda: bool(desk.heard()), 30.0, what="odometry on the desk")
     return Up(healthy, desk.heard()[0].at - last)
 
 
@@ -69,7 +70,7 @@ def test_all_are_up_at_once(up: Up, figure: Figure) -> None:
 
 
 def test_the_desk_logs_the_robot(lab: Lab) -> None:
-    wait("a line of the robot", lambda: "EMERGENCY STOP" in lab.compose("desk", "logs", "watch"), 10.0)
+    wait(lambda: "EMERGENCY STOP" in lab.compose("desk", "logs", "watch"), 10.0, what="a line of the robot")
 
 
 def test_a_tilt_on_the_laptop_turns_the_wheels(lab: Lab, figure: Figure) -> None:
@@ -80,7 +81,7 @@ def test_a_tilt_on_the_laptop_turns_the_wheels(lab: Lab, figure: Figure) -> None
 def test_a_cut_cable_stops_the_robot(lab: Lab, seconds: float, figure: Figure) -> None:
     boards = lab.hardware
     with lab.listen("laptop", "odom") as laptop:
-        wait("odometry on the laptop", lambda: bool(laptop.heard()), 10.0)
+        wait(lambda: bool(laptop.heard()), 10.0, what="odometry on the laptop")
         cut_us = drive(lab)
         lab.switch.cut(lab.machines["laptop"])
         time.sleep(seconds)
@@ -118,7 +119,7 @@ def test_a_service_starts_soon(lab: Lab, desk: Listener, figure: Figure) -> None
     lab.compose("robot", "stop", "odometry")
     stopped = time.monotonic()
     lab.compose("robot", "start", "odometry")
-    wait("odometry on the desk", lambda: bool(desk.heard(stopped)), 20.0)
+    wait(lambda: bool(desk.heard(stopped)), 20.0, what="odometry on the desk")
     started = next(one.started for one in lab.containers("robot") if one.service == "odometry")
     figure("a service's container started -> first sample", desk.heard(stopped)[0].at - started, 2.0, "s")
 
@@ -141,7 +142,7 @@ def test_a_service_needs_little(lab: Lab, figure: Figure) -> None:
 def test_a_laptop_that_vanishes_holds_up_nobody(lab: Lab, desk: Listener, figure: Figure) -> None:
     boards = lab.hardware
     control = lab.listen("robot", "odom")
-    wait("odometry on the robot", lambda: bool(control.heard()), 10.0)
+    wait(lambda: bool(control.heard()), 10.0, what="odometry on the robot")
     off_us, off = drive(lab), time.monotonic()
     lab.power_off("laptop")
     time.sleep(12.0)  # as long as the links of a dead host linger in close
@@ -201,6 +202,8 @@ def test_a_whole_robot_without_hardware(lab: Lab) -> None:
     with lab.listen("laptop", "odom", robot="sim-desk") as watched:
         lab.up("desk")
         lab.wait_until_healthy("desk")
-        wait("its odometry on the laptop", lambda: bool(watched.heard()), 20.0)
+        wait(lambda: bool(watched.heard()), 20.0, what="its odometry on the laptop")
     gone = re.compile(r"path +(?!0\.00)[\d.]+ m")
-    wait("a way that it went", lambda: gone.search(lab.compose("desk", "logs", "sim")) is not None, 30.0, every=1.0)
+    wait(
+        lambda: gone.search(lab.compose("desk", "logs", "sim")) is not None, 30.0, what="a way that it went", every=1.0
+    )

@@ -20,9 +20,10 @@ from giraff_node.access import AccessConfig
 from giraff_node.key_bundle import BACKDATED
 from giraff_node.session import NetworkConfig, session_config
 from tests.hosts.clone import clone
-from tests.hosts.lab import NAME, NUMBERS, Lab, address, wait
+from tests.hosts.lab import NAME, NUMBERS, Lab, address
 from tests.hosts.machine import Machine
 from tests.hosts.switch import NETWORK
+from tests.waiting import wait
 
 Figure = Callable[[str, float, float, str], None]
 
@@ -186,7 +187,7 @@ def test_up_one_after_another_without_multicast(lab: Lab, order: tuple[str, ...]
         time.sleep(1.0)
     network = {"mode": "fixed", "connect": [address("robot")]}
     with lab.listen("desk", "odom", network=network) as desk:
-        wait("odometry on the desk", lambda: bool(desk.heard()), 30.0)
+        wait(lambda: bool(desk.heard()), 30.0, what="odometry on the desk")
         lab.hardware.drive()
         figure(f"up as {', '.join(order)}, without multicast -> driven", time.monotonic() - last, 20.0, "s")
 
@@ -199,7 +200,7 @@ def test_driven_with_certificates(lab: Lab, secured: None, figure: Figure) -> No
 def test_a_cut_cable_with_certificates(lab: Lab, secured: None, keys: Path, seconds: float, figure: Figure) -> None:  # noqa: ARG001
     network = {"mode": "secured", "connect": [address("robot")], "keys": str(keys / "laptop"), "access": RIGHTS}
     with lab.listen("laptop", "odom", network=network) as laptop:
-        wait("odometry on the laptop", lambda: bool(laptop.heard()), 10.0)
+        wait(lambda: bool(laptop.heard()), 10.0, what="odometry on the laptop")
         lab.hardware.drive()
         lab.switch.cut(lab.machines["laptop"])
         time.sleep(seconds)
@@ -243,9 +244,9 @@ def test_who_is_known_does_no_more_than_it_may(
     assert attempt.heard > 100, "it may read"
     assert lab.hardware.last_driven(began_us) is None
     wait(
-        f"{host} in the robot's log",
         lambda: all(said(lab, f"refused {host}", f"put on giraff/{NAME}/{key};") for key in (refused, "cmd_vel")),
         20.0,
+        what=f"{host} in the robot's log",
         every=1.0,
     )
     lab.hardware.drive()

@@ -5,8 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.board import Implementation
 from giraff_sim.client import SimulatorClient, SimulatorError
 from giraff_sim.sonar import SonarFault
+from tests.waiting import wait
 
 ROOT = Path(__file__).parents[2]
 LIVING_ROOM = ROOT / "deploy" / "worlds" / "living_room.toml"
@@ -46,14 +46,6 @@ def simulator(directory: Path, *more: str) -> Iterator[subprocess.Popen[str]]:
         process.communicate()
 
 
-def until(happened: Callable[[], bool], what: str, within: float = 30.0) -> None:
-    """Waits for it; how long a busy machine takes is no matter of the simulator's."""
-    end = time.monotonic() + within
-    while not happened():
-        assert time.monotonic() < end, what
-        time.sleep(0.005)
-
-
 def hello_of(path: Path, wheels: int = 0) -> HelloFrame:
     """The answer of a base board that is asked for its hello, once at least so many frames of its wheels came, too."""
     descriptor = os.open(path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
@@ -71,7 +63,7 @@ def hello_of(path: Path, wheels: int = 0) -> HelloFrame:
 
     try:
         os.write(descriptor, encode(HelloRequestFrame(seq=1).pack()))
-        until(complete, "the base board does not answer, or does not report its wheels")
+        wait(complete, 30.0, what="its hello, and reports of its wheels", every=0.005)
     finally:
         os.close(descriptor)
     return hellos[0]
@@ -82,7 +74,7 @@ def test_it_offers_ports_and_control_and_ends_cleanly(tmp_path: Path, implementa
         assert hello_of(tmp_path / "ports" / "base", wheels=11).board == BoardKind.BASE
         with SimulatorClient(tmp_path / "control") as client:
             first = client.now()
-            until(lambda: client.now() > first + 100_000, "its time stands still")
+            wait(lambda: client.now() > first + 100_000, 30.0, what="its time going on")
             state = client.state()
             assert set(state.boards) == {"base", "joystick", "ranger"}
             assert all(board.state == "running" and board.plugged for board in state.boards.values())
@@ -149,7 +141,7 @@ def test_it_ends_with_its_parent(tmp_path: Path) -> None:
     assert (tmp_path / "control").exists()
     parent.kill()
     parent.communicate()
-    until(lambda: not (tmp_path / "control").exists(), "the simulator has outlived its parent", 10.0)
+    wait(lambda: not (tmp_path / "control").exists(), what="the simulator's end, without its parent")
 
 
 @pytest.mark.parametrize(

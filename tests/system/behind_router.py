@@ -7,8 +7,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Final
@@ -42,15 +41,6 @@ class Host:
         for pipe in (self._process.stdin, self._process.stdout):
             assert pipe is not None
             pipe.close()
-
-
-def wait(holds: Callable[[], bool], seconds: float = 10.0) -> float:
-    """s until it holds."""
-    began = time.monotonic()
-    while not holds():
-        assert time.monotonic() - began < seconds, f"not within {seconds:g} s"
-        time.sleep(0.02)
-    return time.monotonic() - began
 
 
 class BehindRouter:

@@ -18,8 +18,9 @@ from giraff_schemas.topics import (
     alive_key,
     key_of,
 )
-from tests.system.behind_router import BehindRouter, Host, wait
+from tests.system.behind_router import BehindRouter, Host
 from tests.system.sites import ROUTER, Sites
+from tests.waiting import wait
 
 HOME, CLINIC, AWAY = "home", "clinic", "away"
 ANNE, BOB = "sim-anne", "sim-bob"

@@ -25,6 +25,7 @@ from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN
 from tests.system.cable import Cable
 from tests.system.observer import Observer
+from tests.waiting import wait
 
 SERVICES = ("base", "guard", "joystick", "ranger", "odometry")
 FULL_TILT = 7.5
@@ -134,12 +135,7 @@ class ProcessRobot:
 
     def wait(self, what: str, holds: Callable[[], bool], seconds: float) -> float:
         """Wait until `holds`; the wall seconds that took. AssertionError with the logs' ends after `seconds`."""
-        began = time.monotonic()
-        while not holds():
-            if time.monotonic() - began > seconds:
-                raise AssertionError(f"{what}: not within {seconds:g} s{self._last_words()}")
-            time.sleep(0.01)
-        return time.monotonic() - began
+        return wait(holds, seconds, what=lambda: f"{what}{self._last_words()}", every=0.01)
 
     def run(self, seconds: float) -> None:
         """Let simulated time pass."""

@@ -9,6 +9,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
+from tests.waiting import wait
+
 ROUTER: Final = "router"
 _PATIENCE: Final = 10.0  # s
 
@@ -73,10 +75,11 @@ class Sites:
 
     def await_link(self, site: str, state: str) -> None:
         """Until the site's host has noticed its cable, UP or DOWN: the kernel takes up to a second."""
-        deadline = time.monotonic() + _PATIENCE
-        while f"state {state}" not in self._run(site, "ip", "-o", "link", "show", "uplink"):
-            assert time.monotonic() < deadline, f"the link of {site} is not {state}"
-            time.sleep(0.05)
+
+        def is_so() -> bool:
+            return f"state {state}" in self._run(site, "ip", "-o", "link", "show", "uplink")
+
+        wait(is_so, _PATIENCE, what=f"the link of {site} {state}", every=0.05)
 
     @property
     def router_addresses(self) -> list[str]:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.system.behind_router import wait
 from tests.system.remote_robot import RemoteRobot
 from tests.system.robot import FULL_TILT
 from tests.system.sites import Sites
+from tests.waiting import wait
 
 HOME, AWAY = "home", "away"
 NAME = "sim-late"

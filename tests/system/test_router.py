@@ -13,9 +13,10 @@ import pytest
 
 from giraff_cli.keys import make_authority, make_bundle
 from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, ODOM, TILT, Topic, alive_key, key_of
-from tests.system.behind_router import BehindRouter, wait
+from tests.system.behind_router import BehindRouter
 from tests.system.fleet import ANNE, AWAY, BOB, DOCTOR, EVERY, HOME, JOYSTICK, NO_RULES, PLACES, SEVERAL, Fleet, fleet
 from tests.system.sites import ROUTER, Sites
+from tests.waiting import wait
 
 
 @pytest.fixture(scope="module")

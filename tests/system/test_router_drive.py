@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 
 from giraff_schemas.topics import ODOM, key_of
-from tests.system.behind_router import BehindRouter, wait
+from tests.system.behind_router import BehindRouter
 from tests.system.remote_robot import RemoteRobot
 from tests.system.sites import ROUTER, Sites
+from tests.waiting import wait
 
 HOME, AWAY = "home", "away"
 ROBOT = "sim-remote"

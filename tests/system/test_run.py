@@ -14,7 +14,7 @@ import subprocess
 import sys
 import termios
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +28,7 @@ from giraff_schemas import topics
 from giraff_schemas.topics import alive_key
 from giraff_sim.board import ROOT
 from tests.system.stalls import without_stall
+from tests.waiting import wait
 
 GIRAFF = Path(sys.executable).with_name("giraff")
 PROCESSES = len(SERVICES) + 2  # with the simulator, and the one that started all
@@ -113,13 +114,6 @@ def command(tmp_path: Path) -> Iterator[Command]:
             os.kill(pid, signal.SIGKILL)
 
 
-def wait(what: str, holds: Callable[[], bool], seconds: float = 10.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.02)
-
-
 def read_summary(path: Path) -> dict[str, Any]:
     told: dict[str, Any] = msgspec.json.decode(path.read_bytes())
     return told
@@ -185,7 +179,7 @@ def test_being_killed_it_takes_everything_along(command: Command) -> None:
     with command.start() as process:
         command.wait_until_it_drives(process)
         process.kill()
-    wait("the end of all children", lambda: not command.pids(), 3.0)
+    wait(lambda: not command.pids(), 3.0, what="the end of all children")
     assert list(command.left.iterdir()), "nobody could remove it"
     code, _, err = command.run("--for", "0.5")
     assert (code, err) == (0, "")
@@ -200,7 +194,7 @@ def test_a_signal_at_its_very_start_ends_it_without_a_traceback(
     """What the interpreter itself says before it has come to our first line is not ours to change."""
     with command.start() as process:
         maps = Path(f"/proc/{process.pid}/maps")
-        wait("its first import", lambda: re.search("lib-dynload|site-packages", maps.read_text()) is not None)
+        wait(lambda: re.search("lib-dynload|site-packages", maps.read_text()) is not None, what="its first import")
         time.sleep(later)
         process.send_signal(number)
         _, err = process.communicate(timeout=30.0)
@@ -342,10 +336,10 @@ def test_in_a_terminal_there_is_a_live_view_and_ctrl_c_gives_the_terminal_back(c
     picture = command.directory / "picture.svg"
     window = Window(command, "--picture", str(picture))
     try:
-        wait("driving", lambda: window.shows("driving"), 30.0)
-        wait("the rate of odom", lambda: window.shows(r"odom +(100|99|101)\.\d"), 30.0)
+        wait(lambda: window.shows("driving"), 30.0, what="driving")
+        wait(lambda: window.shows(r"odom +(100|99|101)\.\d"), 30.0, what="the rate of odom")
         os.write(window.ours, b"\x03")
-        wait("the end", lambda: window.shows("rates in Hz") and window.process.poll() is not None, 15.0)
+        wait(lambda: window.shows("rates in Hz") and window.process.poll() is not None, 15.0, what="the end")
         assert window.process.returncode == 0
         on, off = window.text.index("\x1b[?1049h"), window.text.rindex("\x1b[?1049l")
         assert on < window.text.index("GUARD") < off < window.text.index("distance")

@@ -32,6 +32,7 @@ from giraff_schemas.topics import (
     key_of,
 )
 from giraff_sim.board import ROOT
+from tests.waiting import wait
 
 NAME = "sim-estop"
 
@@ -92,10 +93,7 @@ class Base:
         return msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)
 
     def wait(self, holds: Callable[[], bool]) -> None:
-        deadline = time.monotonic() + 15.0
-        while not holds():
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        wait(holds, 15.0)
 
     def _ask(self, query: Query[RequestT, AnswerT], request: RequestT) -> AnswerT:
         asking = Asking(self.session, NAME, query, request)

@@ -7,12 +7,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from giraff_cli.children import Children
+from tests.waiting import wait
 
 STUBBORN = """
 import signal, time
@@ -54,13 +55,6 @@ def start(children: Children, directory: Path, name: str) -> None:
     children.start(name, name, [], os.environ | {"PYTHONPATH": str(directory)})
 
 
-def wait(what: str, holds: Callable[[], bool], seconds: float = 10.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.01)
-
-
 def is_up(children: Children, name: str) -> bool:
     return children.output(name).read_bytes() == b"up\n"
 
@@ -78,7 +72,7 @@ def test_one_that_ignores_sigterm_is_killed_in_bounded_time(children: Children, 
     start(children, tmp_path, "stubborn")
     start(children, tmp_path, "obedient")
     pids = [children.pid("stubborn"), children.pid("obedient")]
-    wait("both are up", lambda: is_up(children, "stubborn") and is_up(children, "obedient"))
+    wait(lambda: is_up(children, "stubborn") and is_up(children, "obedient"), what="both are up")
     began = time.monotonic()
     troubles = children.stop_all(grace=0.3)
     assert time.monotonic() - began < 3.0
@@ -89,14 +83,14 @@ def test_one_that_ignores_sigterm_is_killed_in_bounded_time(children: Children, 
 
 def test_one_that_ends_with_an_error_when_told_to_is_named(children: Children, tmp_path: Path) -> None:
     start(children, tmp_path, "clumsy")
-    wait("it is up", lambda: is_up(children, "clumsy"))
+    wait(lambda: is_up(children, "clumsy"), what="it is up")
     assert children.stop(["clumsy"], grace=5.0) == ["clumsy ended with exit code 3 when it was told to end"]
 
 
 def test_only_the_named_ones_are_stopped(children: Children, tmp_path: Path) -> None:
     start(children, tmp_path, "stubborn")
     start(children, tmp_path, "obedient")
-    wait("both are up", lambda: is_up(children, "stubborn") and is_up(children, "obedient"))
+    wait(lambda: is_up(children, "stubborn") and is_up(children, "obedient"), what="both are up")
     assert children.stop(["obedient", "absent"], grace=5.0) == []
     assert is_running(children.pid("stubborn"))
 
@@ -104,7 +98,7 @@ def test_only_the_named_ones_are_stopped(children: Children, tmp_path: Path) -> 
 def test_one_that_ends_by_itself_is_named_once_with_its_last_words(children: Children, tmp_path: Path) -> None:
     start(children, tmp_path, "dying")
     start(children, tmp_path, "obedient")
-    wait("it has ended", lambda: bool(children.reap()))
+    wait(lambda: bool(children.reap()), what="it has ended")
     ended = children.ended["dying"]
     assert ended.how == "exit code 1"
     assert ended.last_words == ("line 6", "line 7", "line 8", "line 9", "the port is gone")
@@ -115,9 +109,9 @@ def test_one_that_ends_by_itself_is_named_once_with_its_last_words(children: Chi
 
 def test_a_signal_that_ended_one_is_named(children: Children, tmp_path: Path) -> None:
     start(children, tmp_path, "obedient")
-    wait("it is up", lambda: is_up(children, "obedient"))
+    wait(lambda: is_up(children, "obedient"), what="it is up")
     os.kill(children.pid("obedient"), signal.SIGKILL)
-    wait("it has ended", lambda: bool(children.reap()))
+    wait(lambda: bool(children.reap()), what="it has ended")
     assert str(children.ended["obedient"]) == "obedient ended by itself (SIGKILL)"
 
 
@@ -134,11 +128,11 @@ def test_nothing_outlives_its_parent(children: Children, tmp_path: Path, number:
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as parent:
         assert parent.stdout is not None
         pids = [int(word) for word in parent.stdout.readline().split()]
-        wait("both are up", lambda: is_up(children, "stubborn") and is_up(children, "obedient"))
+        wait(lambda: is_up(children, "stubborn") and is_up(children, "obedient"), what="both are up")
         parent.send_signal(number)
         parent.wait(5.0)
     assert len(pids) == 2
-    wait("the end of both", lambda: not any(map(is_running, pids)), 2.0)
+    wait(lambda: not any(map(is_running, pids)), 2.0, what="the end of both")
 
 
 def test_one_whose_parent_has_ended_before_it_began_does_not_begin(tmp_path: Path) -> None:

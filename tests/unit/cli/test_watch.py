@@ -5,8 +5,7 @@ from __future__ import annotations
 import errno
 import os
 import threading
-import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
 from tests.unit.cli.samples import base, estop, guard, lease, odometry, verdict, wheels
+from tests.waiting import wait
 
 
 @pytest.fixture
@@ -184,12 +184,6 @@ def test_who_does_not_read_ends_it(
 def test_the_roster_follows_robots_that_come_and_go(session: zenoh.Session, network: NetworkConfig) -> None:
     visitor = open_session(network, "*", visiting=True)
     roster = Roster(visitor)
-
-    def wait(holds: Callable[[], bool]) -> None:
-        deadline = time.monotonic() + 10.0
-        while not holds():
-            assert time.monotonic() < deadline, roster.names
-            time.sleep(0.01)
 
     assert roster.settled == []
     with talking(session, "otto"):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import secrets
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 import zenoh
@@ -16,6 +16,7 @@ from giraff_node.session import NetworkConfig, open_session, session_config
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, alive_key, key_of
+from tests.waiting import wait
 
 ROBOT = f"sim-{secrets.token_hex(4)}"
 
@@ -43,13 +44,6 @@ def other(watcher: Watcher, network: NetworkConfig) -> Iterator[zenoh.Session]: 
         yield session
 
 
-def wait(what: str, holds: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + 10.0
-    while not holds():
-        assert time.monotonic() < deadline, what
-        time.sleep(0.02)
-
-
 def test_samples_and_services_are_told(watcher: Watcher, other: zenoh.Session) -> None:
     telemetry = Telemetry()
     watcher.listen()
@@ -63,10 +57,10 @@ def test_samples_and_services_are_told(watcher: Watcher, other: zenoh.Session) -
         watcher.pass_on(telemetry)
         return sorted(telemetry.alive)
 
-    wait("the tick", heard)
+    wait(heard, what="the tick")
     with other.liveliness().declare_token(alive_key(ROBOT, "base", "one")):
-        wait("the token", lambda: alive() == ["base"])
-    wait("its end", lambda: not alive())
+        wait(lambda: alive() == ["base"], what="the token")
+    wait(lambda: not alive(), what="its end")
     assert watcher.complaints == []
 
 
@@ -77,7 +71,7 @@ def test_what_cannot_be_decoded_is_named(watcher: Watcher, other: zenoh.Session)
         other.put(key_of(ROBOT, TICK), b"\x93")
         return bool(watcher.complaints)
 
-    wait("the complaint", named)
+    wait(named, what="the complaint")
     assert watcher.complaints[0].startswith(key_of(ROBOT, TICK))
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -18,6 +17,7 @@ from giraff_node.session import NetworkConfig, open_session
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import Topic, alive_key, health_key, key_of
 from giraff_sim.board import ROOT
+from tests.waiting import wait
 
 ROBOT = "sim-node"
 SERVICE = Path(__file__).with_name("service_under_test.py")
@@ -78,10 +78,3 @@ class Peers:
             return holds()
 
         wait(put_and_look)
-
-
-def wait(holds: Callable[[], bool], seconds: float = 10.0) -> None:
-    deadline = time.monotonic() + seconds
-    while not holds():
-        assert time.monotonic() < deadline, "it did not come about in time"
-        time.sleep(0.02)

@@ -14,6 +14,7 @@ from giraff_cli.watcher import free_port
 from giraff_node.access import AccessConfig
 from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, OPERATOR_CMD_VEL, TICK, TOPICS, key_of
+from tests.waiting import wait
 
 ROBOT: Final = "sim-secured"
 HOSTS: Final = ("robot", "laptop", "desk", "unnamed")
@@ -71,10 +72,7 @@ class Network:
         ):
             self.sessions[host].put(several, host)
         self.sessions["robot"].put(key_of(ROBOT, TICK), "the last")
-        deadline = time.monotonic() + 10.0
-        while (TICK.key, "the last") not in self.heard:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        wait(lambda: (TICK.key, "the last") in self.heard)
         time.sleep(0.2)  # another host's link may be slower than the robot's own
         return {key for key, maker in self.heard if maker == host}
 

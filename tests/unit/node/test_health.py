@@ -20,7 +20,8 @@ from giraff_schemas.messages import EStopEngage, Health
 from giraff_schemas.topics import ESTOP_ENGAGE, key_of
 from tests.unit.health.answering import check
 from tests.unit.node.manager import FakeManager
-from tests.unit.node.peers import ROBOT, Peers, wait
+from tests.unit.node.peers import ROBOT, Peers
+from tests.waiting import wait
 
 
 @pytest.fixture

@@ -13,6 +13,7 @@ import pytest
 
 from giraff_node.estop import RELEASED, EStopLatch
 from giraff_node.state import LATCH_FILE, LatchSaver, read_latch, state_directory, write_file_durably, write_latch
+from tests.waiting import wait
 
 ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar")
 WHOLE = b'{"engaged":false,"id":7,"by":"carer","reason":""}'
@@ -129,11 +130,15 @@ def test_a_file_keeps_its_permissions_and_its_links(tmp_path: Path) -> None:
 
 
 def outcome_of(saver: LatchSaver) -> tuple[EStopLatch, str]:
-    deadline = time.monotonic() + 10.0
-    while (outcome := saver.outcome()) is None:
-        assert time.monotonic() < deadline
-        time.sleep(0.001)
-    return outcome
+    outcomes: list[tuple[EStopLatch, str]] = []
+
+    def is_told() -> bool:
+        outcome = saver.outcome()
+        outcomes.extend([outcome] if outcome else [])
+        return bool(outcomes)
+
+    wait(is_told, every=0.001)
+    return outcomes[0]
 
 
 def test_the_saver_writes_and_tells(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from giraff_node.session import close_session, open_session
 from giraff_schemas.topics import CMD_VEL, ODOM, key_of
 from giraff_sim.board import ROOT
 from tests.unit.node.secured import ACCESS, ANOTHERS, MINE, ROBOT, Network, authority
+from tests.waiting import wait
 
 
 class Sentry:
@@ -47,10 +48,11 @@ class Sentry:
         return [json.loads(line)["message"] for line in self._log.read_text().splitlines()]
 
     def wait_for(self, text: str) -> None:
-        deadline = time.monotonic() + 20.0
-        while not any(text in message for message in self.messages()):
-            assert time.monotonic() < deadline, f"{text!r} is not in {self.messages()}"
-            time.sleep(0.05)
+        wait(
+            lambda: any(text in message for message in self.messages()),
+            20.0,
+            what=lambda: f"{text!r} is not in {self.messages()}",
+        )
 
     def close(self) -> None:
         self._process.terminate()
@@ -72,12 +74,13 @@ def test_who_commands_without_being_allowed_to_is_named(sentry: Sentry, host: st
     key = key_of(ROBOT, topic)  # type: ignore[arg-type]
     session = sentry.network.sessions[host]
     with session.declare_publisher(key) as publisher:
-        deadline = time.monotonic() + 20.0
-        while not any(told.startswith(f"refused {host}") and f"put on {key};" in told for told in sentry.messages()):
-            assert time.monotonic() < deadline, sentry.messages()
+
+        def is_named() -> bool:
             session.put(key, "drive")
             publisher.put("drive")
-            time.sleep(0.1)
+            return any(told.startswith(f"refused {host}") and f"put on {key};" in told for told in sentry.messages())
+
+        wait(is_named, 20.0, what=sentry.messages, every=0.1)
 
 
 def test_a_caller_who_is_not_of_this_network_is_told(sentry: Sentry) -> None:

@@ -1,0 +1,22 @@
+"""Waiting for what takes its time, and no longer than it may."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+
+def wait(
+    holds: Callable[[], object],
+    within: float = 10.0,
+    *,
+    what: str | Callable[[], object] = "it did not come about",
+    every: float = 0.02,
+) -> float:
+    """Until it holds; the s that took. AssertionError after `within` s, which names `what`. Looks again `every` s."""
+    began = time.monotonic()
+    while not holds():
+        if time.monotonic() - began >= within:
+            raise AssertionError(f"{what() if callable(what) else what}: not within {within:g} s")
+        time.sleep(every)
+    return time.monotonic() - began
