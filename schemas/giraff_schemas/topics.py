@@ -85,6 +85,11 @@ def key_of(robot: str, topic: Topic[Any] | Query[Any, Any]) -> str:
     return f"{ROOT}/{require_chunk(robot)}/{topic.key}"
 
 
+def all_keys(robot: str) -> str:
+    """Of everything that a robot says."""
+    return f"{ROOT}/{require_chunk(robot)}/**"
+
+
 def alive_key(robot: str, service: str = "*", instance: str = "*") -> str:
     """Liveliness token of one process."""
     return f"{ROOT}/{robot}/alive/{service}/{instance}"

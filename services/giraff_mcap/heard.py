@@ -1,0 +1,75 @@
+"""One sample as it came over the network, and how many of a key have come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import msgspec
+
+
+class Heard(NamedTuple):
+    """A sample with what it takes to say it again."""
+
+    at_ns: int
+    """time.monotonic_ns when it came."""
+    key: str
+    payload: bytes
+    encoding: str
+    priority: int
+    """Zenoh's: 1 (real time) to 7 (background)."""
+    express: bool
+
+
+class Start(NamedTuple):
+    """What every sample of Giraff starts with."""
+
+    seq: int
+    stamp_ns: int
+    instance: str
+
+
+def start_of(content: Any) -> Start | None:
+    """Of a decoded payload; None: it is none of Giraff's."""
+    if not isinstance(content, dict):
+        return None
+    seq, stamp_ns, instance = content.get("seq"), content.get("stamp_ns"), content.get("instance")
+    if not (isinstance(seq, int) and isinstance(stamp_ns, int) and isinstance(instance, str)):
+        return None
+    return Start(seq, stamp_ns, instance) if seq >= 0 and 0 <= stamp_ns < 1 << 63 else None
+
+
+@dataclass
+class _Flow:
+    """Samples of one maker on one key."""
+
+    first: int
+    last: int
+    count: int = 0
+
+
+@dataclass
+class Tally:
+    """Counts the samples of one key, and by their numbers those that are missing."""
+
+    count: int = 0
+    _flows: dict[str, _Flow] = field(default_factory=dict)
+
+    def add(self, start: Start | None) -> None:
+        self.count += 1
+        if start is not None:
+            flow = self._flows.setdefault(start.instance, _Flow(start.seq, start.seq))
+            flow.first, flow.last = min(flow.first, start.seq), max(flow.last, start.seq)
+            flow.count += 1
+
+    @property
+    def lost(self) -> int:
+        """Numbers that never came between the first and the last of each maker."""
+        return sum(max(0, flow.last - flow.first + 1 - flow.count) for flow in self._flows.values())
+
+
+class Count(msgspec.Struct, frozen=True):
+    """Of one key in a recording."""
+
+    samples: int
+    lost: int

@@ -1,0 +1,68 @@
+"""The messages' JSON Schemas, in the plain form that Foxglove takes.
+
+Its parser wants a `type` at each field: it knows neither `$ref` nor `anyOf`, an `enum` only beside a type, and an array
+by one type of its items. So what is referred to stands where it is used, and a field that may be null has the type that
+it has when it is not.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from functools import cache
+from typing import Any, Final
+
+import msgspec
+
+from giraff_schemas.topics import TOPICS, Topic
+
+ENCODING: Final = "jsonschema"
+FOREIGN: Final = "unknown"
+"""Name of the schema of what no row of the topics table describes."""
+_ANYTHING: Final[dict[str, Any]] = {"type": "object", "properties": {}}
+
+
+def name_of(type_: type[msgspec.Struct]) -> str:
+    """As in the encoding that travels with each sample."""
+    return f"giraff.{type_.__name__}"
+
+
+def schema_of(type_: type[msgspec.Struct] | None) -> bytes:
+    """The JSON Schema of a message; of None, one that says nothing."""
+    if type_ is None:
+        return msgspec.json.encode({"title": FOREIGN, **_ANYTHING})
+    _, components = msgspec.json.schema_components([type_])
+    return msgspec.json.encode(_plain(components[type_.__name__], components))
+
+
+def topic_of(below: str) -> Topic[Any] | None:
+    """The row of the table that a key below the robot's name belongs to."""
+    for topic in TOPICS:
+        head, star, _ = topic.key.partition("*")
+        if below == topic.key or (star and below.startswith(head) and "/" not in below.removeprefix(head)):
+            return topic
+    return None
+
+
+@cache
+def tables_hash() -> str:
+    """SHA-256 over all keys and schemas: recordings with the same one speak the same language."""
+    digest = hashlib.sha256()
+    for topic in TOPICS:
+        digest.update(topic.key.encode() + b"\0" + schema_of(topic.schema) + b"\0")
+    return digest.hexdigest()
+
+
+def _plain(schema: dict[str, Any], components: dict[str, Any]) -> dict[str, Any]:
+    if "$ref" in schema:
+        return _plain(components[schema["$ref"].rpartition("/")[2]], components)
+    if "anyOf" in schema:
+        (only,) = (choice for choice in schema["anyOf"] if choice != {"type": "null"})
+        return _plain(only, components)
+    plain = {name: value for name, value in schema.items() if name not in {"prefixItems", "items", "required"}}
+    if "enum" in schema:
+        return {"type": "string", **plain}
+    if "prefixItems" in schema or schema.get("type") == "array":
+        return {**plain, "items": _plain((schema.get("prefixItems") or [schema["items"]])[0], components)}
+    if schema.get("type") == "object":
+        return {**plain, "properties": {k: _plain(v, components) for k, v in schema.get("properties", {}).items()}}
+    return plain

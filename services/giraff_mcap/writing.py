@@ -1,0 +1,140 @@
+"""Writes a recording: one channel a key, each message as JSON, with its schema, when it was heard and when it was made.
+
+A chunk is closed and on disk with each `sync`: what ends this process or the machine costs what came after the last.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import IO, Any, Final, Self, cast
+
+import msgspec
+from mcap.writer import CompressionType, Writer
+
+from giraff_mcap.durable import DurableFile
+from giraff_mcap.heard import Count, Heard, Tally, start_of
+from giraff_mcap.schemas import ENCODING, FOREIGN, name_of, schema_of, topic_of
+from giraff_schemas.topics import ROOT
+
+PROFILE: Final = "giraff"
+ABOUT: Final = "giraff"
+"""Name of the metadata that tells of robot and recorder; written at once."""
+SUMMARY: Final = "giraff.summary"
+"""Name of the metadata that tells how it ended, and what was lost; only in a file that was closed."""
+
+_INDEX_OF_A_CHUNK: Final = 100  # bytes of the summary, and a few for each channel
+_INDEX_OF_A_KEY: Final = 10
+_SUMMARY: Final = 20_000  # bytes that end a file, besides: schemas, channels, counts
+
+
+class RecordingWriter:
+    """One file. Its `add` touches no disk; the others raise OSError, and then the file holds what it held before."""
+
+    def __init__(self, path: Path, about: Mapping[str, str]) -> None:
+        """Makes the file, which must not be there yet. `about`: what whoever reads it should know."""
+        self.path = path
+        self.counts: dict[str, Tally] = {}
+        """By key below the robot's name."""
+        self.unreadable: dict[str, str] = {}
+        """By key: why its newest payload that is not in the file could not be read."""
+        self._file = DurableFile(path)
+        self._writer = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, chunk_size=1 << 22)
+        self._schemas: dict[str, int] = {}
+        self._channels: dict[str, int] = {}
+        self._chunks = self._largest = 0
+        # The wall clock as of the beginning, gone on by the monotonic one: it stays even when somebody sets the clock.
+        self._to_wall_ns = time.time_ns() - time.monotonic_ns()
+        self.first_ns: int | None = None
+        """When the first sample was heard, wall clock."""
+        self.last_ns: int | None = None
+        self._writer.start(PROFILE, f"giraff {about.get('version', '')}".strip())
+        self._writer.add_metadata(ABOUT, dict(about))
+        self._file.sync()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._file.close()
+
+    @property
+    def size(self) -> int:
+        """Bytes it would have if it were closed now, and never less."""
+        chunk = _INDEX_OF_A_CHUNK + _INDEX_OF_A_KEY * len(self._channels)
+        return self._file.tell() + self._largest + (self._chunks + 1) * chunk + _SUMMARY
+
+    @property
+    def seconds(self) -> float:
+        """s from the first sample to the last."""
+        return 0.0 if self.first_ns is None or self.last_ns is None else (self.last_ns - self.first_ns) * 1e-9
+
+    def add(self, samples: Iterable[Heard]) -> None:
+        """Take samples, in any order of keys."""
+        for sample in sorted(samples):
+            self._add(sample)
+
+    def sync(self) -> None:
+        """Put all that was taken on disk."""
+        before = self._file.tell()
+        self._writer.flush()
+        self._chunks += 1
+        self._largest = max(self._largest, self._file.tell() - before)
+        self._file.sync()
+
+    def close(self, ended_by: str) -> None:
+        """End the file with its index and what was counted."""
+        summary = {"ended_by": ended_by, "counts": msgspec.json.encode(self.totals).decode()}
+        self._writer.flush()
+        self._writer.add_metadata(SUMMARY, summary)
+        self._writer.finish()
+        self._file.sync()
+        self._file.close()
+
+    @property
+    def totals(self) -> dict[str, Count]:
+        """By key."""
+        return {key: Count(tally.count, tally.lost) for key, tally in sorted(self.counts.items())}
+
+    def _add(self, sample: Heard) -> None:
+        below = below_robot(sample.key)
+        try:
+            content: Any = msgspec.msgpack.decode(sample.payload)
+            data = msgspec.json.encode(content)
+        except (msgspec.MsgspecError, UnicodeError, RecursionError, TypeError, ValueError, OverflowError) as error:
+            self.unreadable[below] = f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {error}"
+            return
+        start = start_of(content)
+        at_ns = sample.at_ns + self._to_wall_ns
+        if self.first_ns is None:
+            self.first_ns = at_ns
+        self.last_ns = at_ns
+        self.counts.setdefault(below, Tally()).add(start)
+        self._writer.add_message(
+            self._channels.get(sample.key) or self._channel(sample, below),
+            log_time=at_ns,
+            data=data,
+            publish_time=start.stamp_ns if start else at_ns,
+            sequence=start.seq & 0xFFFFFFFF if start else 0,
+        )
+
+    def _channel(self, sample: Heard, below: str) -> int:
+        topic = topic_of(below)
+        name = FOREIGN if topic is None else name_of(topic.schema)
+        if name not in self._schemas:
+            schema = schema_of(None if topic is None else topic.schema)
+            self._schemas[name] = self._writer.register_schema(name, ENCODING, schema)
+        how = {"encoding": sample.encoding, "priority": str(sample.priority), "express": str(sample.express).lower()}
+        channel = self._writer.register_channel(sample.key, "json", self._schemas[name], how)
+        self._channels[sample.key] = channel
+        return channel
+
+
+def below_robot(key: str) -> str:
+    """A key without root and robot's name."""
+    root, _, rest = key.partition("/")
+    return rest.partition("/")[2] if root == ROOT else key
