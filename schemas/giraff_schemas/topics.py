@@ -85,9 +85,9 @@ def key_of(robot: str, topic: Topic[Any] | Query[Any, Any]) -> str:
     return f"{ROOT}/{require_chunk(robot)}/{topic.key}"
 
 
-def all_keys(robot: str) -> str:
-    """Of everything that a robot says."""
-    return f"{ROOT}/{require_chunk(robot)}/**"
+def key_below(robot: str, below: str) -> str:
+    """The whole key of what a robot says on `below`: of any key, or key expression, that is in this table or not."""
+    return f"{ROOT}/{require_chunk(robot)}/{below}"
 
 
 def alive_key(robot: str, service: str = "*", instance: str = "*") -> str:

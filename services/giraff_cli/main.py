@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from giraff_cli.record_commands import add_to as add_recording
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -28,6 +30,7 @@ app.add_typer(estop, name="estop")
 app.add_typer(check, name="check")
 keys = typer.Typer(no_args_is_help=True)
 app.add_typer(keys, name="keys")
+add_recording(app)
 
 _REFUSED = 2  # exit code: nothing was started
 

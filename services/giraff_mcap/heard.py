@@ -16,9 +16,6 @@ class Heard(NamedTuple):
     key: str
     payload: bytes
     encoding: str
-    priority: int
-    """Zenoh's: 1 (real time) to 7 (background)."""
-    express: bool
 
 
 class Start(NamedTuple):
@@ -58,9 +55,15 @@ class Tally:
     def add(self, start: Start | None) -> None:
         self.count += 1
         if start is not None:
-            flow = self._flows.setdefault(start.instance, _Flow(start.seq, start.seq))
-            flow.first, flow.last = min(flow.first, start.seq), max(flow.last, start.seq)
+            seq = start.seq
+            flow = self._flows.get(start.instance)
+            if flow is None:
+                flow = self._flows[start.instance] = _Flow(seq, seq)
             flow.count += 1
+            if seq > flow.last:
+                flow.last = seq
+            elif seq < flow.first:
+                flow.first = seq
 
     @property
     def lost(self) -> int:

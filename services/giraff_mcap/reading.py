@@ -60,8 +60,8 @@ class Recorded:
     seq: int
     data: bytes
     """JSON."""
-    channel: dict[str, str]
-    """How it was published: `encoding`, `priority`, `express`."""
+    encoding: str
+    """Zenoh's, of the payload."""
 
     def content(self) -> Any:
         return msgspec.json.decode(self.data)
@@ -103,6 +103,8 @@ class Recording:
         if len(robots) > 1:
             raise RecordingError(f"{path}: of several robots ({', '.join(robots)}), one at a time is read")
         self.robot = robots[0]
+        self.keys = tuple(sorted(below_robot(topic) for topic in topics))
+        """Below the robot's name; of each there may be a sample."""
 
     @cached_property
     def counts(self) -> dict[str, Count]:
@@ -120,9 +122,10 @@ class Recording:
 
     def samples(self, keys: Sequence[str] = ()) -> Iterator[Recorded]:
         """Those of these keys (`range/*` stands for all below it), or all; in the order in which they were heard."""
+        wanted = self.matching(keys)
         for channel, message in self._messages():
             key = below_robot(channel.topic)
-            if keys and not any(fnmatchcase(key, pattern) for pattern in keys):
+            if key not in wanted:
                 continue
             yield Recorded(
                 topic=channel.topic,
@@ -131,8 +134,12 @@ class Recording:
                 stamp_ns=message.publish_time,
                 seq=message.sequence,
                 data=message.data,
-                channel=channel.metadata,
+                encoding=channel.metadata.get("encoding", "application/msgpack"),
             )
+
+    def matching(self, patterns: Sequence[str]) -> set[str]:
+        """The keys that any of these patterns stands for; of no pattern: all."""
+        return {key for key in self.keys if not patterns or any(fnmatchcase(key, pattern) for pattern in patterns)}
 
     def _messages(self) -> Iterator[tuple[Channel, Message]]:
         with self._open() as file:

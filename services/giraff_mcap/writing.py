@@ -33,8 +33,12 @@ _SUMMARY: Final = 20_000  # bytes that end a file, besides: schemas, channels, c
 class RecordingWriter:
     """One file. Its `add` touches no disk; the others raise OSError, and then the file holds what it held before."""
 
-    def __init__(self, path: Path, about: Mapping[str, str]) -> None:
-        """Makes the file, which must not be there yet. `about`: what whoever reads it should know."""
+    def __init__(self, path: Path, about: Mapping[str, str], to_wall_ns: int | None = None) -> None:
+        """Makes the file, which must not be there yet.
+
+        `about`: what whoever reads it should know. `to_wall_ns`: what makes a wall clock's time of `Heard.at_ns`;
+        None: what does so now.
+        """
         self.path = path
         self.counts: dict[str, Tally] = {}
         """By key below the robot's name."""
@@ -43,10 +47,10 @@ class RecordingWriter:
         self._file = DurableFile(path)
         self._writer = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, chunk_size=1 << 22)
         self._schemas: dict[str, int] = {}
-        self._channels: dict[str, int] = {}
+        self._channels: dict[str, tuple[int, Tally]] = {}
         self._chunks = self._largest = 0
         # The wall clock as of the beginning, gone on by the monotonic one: it stays even when somebody sets the clock.
-        self._to_wall_ns = time.time_ns() - time.monotonic_ns()
+        self._to_wall_ns = time.time_ns() - time.monotonic_ns() if to_wall_ns is None else to_wall_ns
         self.first_ns: int | None = None
         """When the first sample was heard, wall clock."""
         self.last_ns: int | None = None
@@ -101,37 +105,40 @@ class RecordingWriter:
         return {key: Count(tally.count, tally.lost) for key, tally in sorted(self.counts.items())}
 
     def _add(self, sample: Heard) -> None:
-        below = below_robot(sample.key)
         try:
             content: Any = msgspec.msgpack.decode(sample.payload)
             data = msgspec.json.encode(content)
         except (msgspec.MsgspecError, UnicodeError, RecursionError, TypeError, ValueError, OverflowError) as error:
-            self.unreadable[below] = f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {error}"
+            self.unreadable[below_robot(sample.key)] = (
+                f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {error}"
+            )
             return
         start = start_of(content)
         at_ns = sample.at_ns + self._to_wall_ns
         if self.first_ns is None:
             self.first_ns = at_ns
         self.last_ns = at_ns
-        self.counts.setdefault(below, Tally()).add(start)
+        channel, tally = self._channels.get(sample.key) or self._channel(sample)
+        tally.add(start)
         self._writer.add_message(
-            self._channels.get(sample.key) or self._channel(sample, below),
+            channel,
             log_time=at_ns,
             data=data,
             publish_time=start.stamp_ns if start else at_ns,
             sequence=start.seq & 0xFFFFFFFF if start else 0,
         )
 
-    def _channel(self, sample: Heard, below: str) -> int:
+    def _channel(self, sample: Heard) -> tuple[int, Tally]:
+        below = below_robot(sample.key)
         topic = topic_of(below)
         name = FOREIGN if topic is None else name_of(topic.schema)
         if name not in self._schemas:
             schema = schema_of(None if topic is None else topic.schema)
             self._schemas[name] = self._writer.register_schema(name, ENCODING, schema)
-        how = {"encoding": sample.encoding, "priority": str(sample.priority), "express": str(sample.express).lower()}
+        how = {"encoding": sample.encoding}
         channel = self._writer.register_channel(sample.key, "json", self._schemas[name], how)
-        self._channels[sample.key] = channel
-        return channel
+        self._channels[sample.key] = channel, self.counts.setdefault(below, Tally())
+        return self._channels[sample.key]
 
 
 def below_robot(key: str) -> str:

@@ -36,7 +36,7 @@ def odometry(seq: int, instance: str = "made") -> Odometry:
 
 def heard(sample: Sample, at_ns: int, topic: Topic[Odometry] = ODOM) -> Heard:
     """As it comes over the network."""
-    return Heard(at_ns, key_of(ROBOT, topic), encode(sample), encoding_of(type(sample)), 4, express=False)
+    return Heard(at_ns, key_of(ROBOT, topic), encode(sample), encoding_of(type(sample)))
 
 
 def record(path: Path, *batches: list[Heard], close: bool = True) -> RecordingWriter:

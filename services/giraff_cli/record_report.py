@@ -1,0 +1,72 @@
+"""What became of a recording, for people and for programs."""
+
+from __future__ import annotations
+
+from io import StringIO
+from typing import Self
+
+import msgspec
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from giraff_mcap.heard import Count
+from giraff_mcap.writing import RecordingWriter
+
+
+class Report(msgspec.Struct, frozen=True, kw_only=True):
+    """Of one file."""
+
+    file: str
+    bytes: int
+    seconds: float
+    samples: int
+    lost: int
+    """Numbers that are missing between the first and the last sample of each maker on each key."""
+    overrun: int
+    """Of the lost: heard, but the disk was too slow for too long."""
+    ended_by: str
+    keys: dict[str, Count]
+    unreadable: dict[str, str]
+    """By key: why its payloads are not in the file."""
+
+    @classmethod
+    def of(cls, writer: RecordingWriter, ended_by: str, overrun: int) -> Self:
+        totals = writer.totals
+        return cls(
+            file=str(writer.path),
+            bytes=writer.path.stat().st_size,
+            seconds=round(writer.seconds, 3),
+            samples=sum(count.samples for count in totals.values()),
+            lost=sum(count.lost for count in totals.values()),
+            overrun=overrun,
+            ended_by=ended_by,
+            keys=totals,
+            unreadable=writer.unreadable,
+        )
+
+
+def told(report: Report, *, as_json: bool) -> str:
+    """The report as text."""
+    if as_json:
+        return msgspec.json.format(msgspec.json.encode(report), indent=2).decode() + "\n"
+    table = Table.grid(padding=(0, 2, 0, 0))
+    for justify in ("left", "right", "right", "left"):
+        table.add_column(justify=justify, no_wrap=True)
+    for key, count in report.keys.items():
+        rate = f"{count.samples / report.seconds:.1f} Hz" if report.seconds > 0.0 else ""
+        table.add_row(Text(key), str(count.samples), rate, f"{count.lost} lost" if count.lost else "")
+    text = StringIO()
+    console = Console(file=text, width=120, highlight=False)
+    console.print(table)
+    for key, why in report.unreadable.items():
+        console.print(Text(f"not recorded: {key}: {why}"))
+    slow = f", {report.overrun} of them because the disk was too slow" if report.overrun else ""
+    console.print(
+        Text(
+            f"{report.file}: {report.seconds:.1f} s, {report.samples} samples, {report.bytes / 1e6:.2f} MB, "
+            f"{report.lost} lost{slow}; ended by {report.ended_by}"
+        ),
+        soft_wrap=True,
+    )
+    return text.getvalue()

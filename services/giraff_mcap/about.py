@@ -1,0 +1,41 @@
+"""What a recording says of where it is from."""
+
+from __future__ import annotations
+
+import platform
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+
+import msgspec
+
+from giraff_mcap.schemas import tables_hash
+from giraff_node.config import ConfigError, read_tables
+
+_SECRETS = "network"  # where keys lie and who may do what is nobody's business who is given a recording
+
+
+def about(robot: str) -> dict[str, str]:
+    """Of a recording that begins now on this machine. `tables`: the robot file with this host's overrides, as JSON."""
+    told = {
+        "robot": robot,
+        "version": _version("giraff"),
+        "zenoh": _version("eclipse-zenoh"),
+        "schemas_sha256": tables_hash(),
+        "host": platform.node(),
+        "began": datetime.now(UTC).isoformat(timespec="seconds"),
+    }
+    try:
+        tables = read_tables()
+    except ConfigError:  # on a desk there is none
+        return told
+    if tables.get("robot", {}).get("name", robot) != robot:  # of another robot than this
+        return told
+    tables.pop(_SECRETS, None)
+    return told | {"tables": msgspec.json.encode(tables).decode()}
+
+
+def _version(distribution: str) -> str:
+    try:
+        return version(distribution)
+    except PackageNotFoundError:
+        return "unknown"
