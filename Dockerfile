@@ -43,6 +43,7 @@ WORKDIR /tmp
 
 # A stage for each, which docker-compose asks for by the same word.
 FROM run AS robot
+FROM run AS recorder
 FROM run AS laptop
 
 

@@ -43,6 +43,7 @@ test-hosts: setup ## docker-compose up on three hosts of this machine, as root; 
 lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest
 	$(COMPILE) --all-extras --group dev --output-file requirements/dev.lock
 	$(PART) --extra serial --output-file requirements/robot.lock
+	$(PART) --extra serial --extra record --output-file requirements/recorder.lock
 	$(PART) --extra serial --extra cli --output-file requirements/laptop.lock
 	$(PART) --extra serial --extra cli --extra sim --output-file requirements/sim.lock
 

@@ -18,7 +18,20 @@ import msgspec
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
-TABLES = ("robot", "network", "joystick", "keyboard", "base", "ranger", "odometry", "guard", "sentry", "router", "sim")
+TABLES = (
+    "robot",
+    "network",
+    "joystick",
+    "keyboard",
+    "base",
+    "ranger",
+    "odometry",
+    "guard",
+    "recorder",
+    "sentry",
+    "router",
+    "sim",
+)
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
 DEFAULT_FILE = Path("deploy/robot.toml")
 """The robot file below the working directory, where GIRAFF_CONFIG names no other."""

@@ -14,7 +14,12 @@ from packaging.utils import canonicalize_name
 from tests.rules.repository import ROOT, pyproject
 
 PIN = re.compile(r"(?P<name>[a-z0-9-]+)==(?P<version>[\w.]+)( ; [\w.'<>=! ]+)? \\")
-PARTS = {"robot": ["serial"], "laptop": ["serial", "cli"], "sim": ["serial", "cli", "sim"]}
+PARTS = {
+    "robot": ["serial"],
+    "recorder": ["serial", "record"],
+    "laptop": ["serial", "cli"],
+    "sim": ["serial", "cli", "sim"],
+}
 """Lock of what a kind of host needs -> the extras that it pins."""
 HASH = re.compile(r"    --hash=sha256:[0-9a-f]{64}( \\)?")
 

@@ -1,0 +1,3 @@
+from giraff_recorder.main import main
+
+main()

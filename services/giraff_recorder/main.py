@@ -1,0 +1,127 @@
+"""giraff_recorder: everything that the robot says -> files of the moments that matter."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+import msgspec
+import zenoh
+
+from giraff_mcap.about import about
+from giraff_mcap.ear import Ear, step_back
+from giraff_mcap.heard import Heard
+from giraff_mcap.writing import RecordingWriter
+from giraff_node import Node, Pacer
+from giraff_node.state import state_directory
+from giraff_recorder.config import RecorderConfig
+from giraff_recorder.policy import Incident, Incidents, Memory, surplus
+from giraff_schemas.codec import DecodeError, decode
+from giraff_schemas.messages import Health
+from giraff_schemas.topics import BASE, ESTOP, alive_key, health_key, key_below, key_of
+
+_LOOK_HZ: Final = 5.0
+_AT_ONCE: Final = 2000
+"""Samples that one turn writes: the loop goes on turning meanwhile."""
+_FOLDER: Final = "incidents"
+
+
+def main() -> None:
+    step_back()
+    with Node("recorder", RecorderConfig) as node:
+        ear = Ear(node.session, [key_below(node.robot.name, "**")])
+        incidents, memory = Incidents(node.config), Memory(node.config)
+        others = Others(node)
+        folder = state_directory(node.robot.name) / _FOLDER
+        pace, health_pace = Pacer(_LOOK_HZ), Pacer(1.0 / node.config.health_period)
+        writing: Iterator[None] | None = None
+        for now in node.turns(pace):
+            if not pace.due(now):
+                continue
+            heard = ear.take()
+            memory.add(heard)
+            for sample in heard:
+                tell_of(sample, node.robot.name, incidents)
+            others.tell(incidents, now, ask=health_pace.due(now))
+            if writing is None and (incident := incidents.due(now)) is not None:
+                writing = write(node, folder, incident, memory.since(incident.since_ns))
+            if writing is not None:
+                writing = advanced(node, writing)
+
+
+class Others:
+    """The robot's other services: who goes, and how they are."""
+
+    def __init__(self, node: Node[RecorderConfig]) -> None:
+        self._node = node
+        self._gone: deque[str] = deque()
+        self._healths: deque[Health] = deque()
+        key = alive_key(node.robot.name)
+        self._tokens = node.session.liveliness().declare_subscriber(key, self._on_token)
+
+    def tell(self, incidents: Incidents, now: float, *, ask: bool) -> None:
+        """Pass on what has come."""
+        for _ in range(len(self._gone)):
+            incidents.on_gone(self._gone.popleft(), now)
+        for _ in range(len(self._healths)):
+            incidents.on_health(self._healths.popleft(), now)
+        if ask:
+            self._node.session.get(health_key(self._node.robot.name), self._on_reply, timeout=2.0)
+
+    def _on_token(self, sample: zenoh.Sample) -> None:
+        if sample.kind == zenoh.SampleKind.DELETE:
+            self._gone.append(str(sample.key_expr).split("/")[3])
+
+    def _on_reply(self, reply: zenoh.Reply) -> None:
+        if reply.ok is not None:
+            with suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):  # of another version
+                self._healths.append(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health))
+
+
+def tell_of(sample: Heard, robot: str, incidents: Incidents) -> None:
+    """Let `incidents` know of a sample that may be one."""
+    at = sample.at_ns * 1e-9
+    with suppress(DecodeError):  # of somebody else; base's own next word comes in a moment
+        if sample.key == key_of(robot, ESTOP):
+            incidents.on_estop(decode(ESTOP, sample.key, sample.payload), at)
+        elif sample.key == key_of(robot, BASE):
+            incidents.on_base(decode(BASE, sample.key, sample.payload), at)
+
+
+def write(node: Node[RecorderConfig], folder: Path, incident: Incident, samples: Sequence[Heard]) -> Iterator[None]:
+    """Write a file, a part with each step. Raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{datetime.now(UTC):%Y%m%d-%H%M%S}-{incident.kind}.mcap"
+    node.log.warning("%s: writing %s", incident.text, path)
+    with RecordingWriter(path, about(node.robot.name) | {"incident": incident.text}) as writer:
+        for begin in range(0, len(samples), _AT_ONCE):
+            writer.add(samples[begin : begin + _AT_ONCE])
+            writer.sync()
+            yield
+        writer.close(incident.text)
+    files = sorted(folder.glob("*.mcap"))
+    for name in surplus([(file.name, file.stat().st_size) for file in files], node.config):
+        (folder / name).unlink(missing_ok=True)
+        node.log.info("%s went, to keep the limits of [recorder]", folder / name)
+    node.log.info("wrote %s: %.0f s", path, writer.seconds)
+
+
+def advanced(node: Node[RecorderConfig], writing: Iterator[None]) -> Iterator[None] | None:
+    """One step further; None: it has ended."""
+    try:
+        next(writing)
+    except StopIteration:
+        node.set_fault("disk", "")
+        return None
+    except OSError as error:
+        node.set_fault("disk", f"{error.filename or 'incidents'}: {error.strerror}; make room, or correct its rights")
+        return None
+    return writing
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,146 @@
+"""The flight recorder: what it remembers, what is an incident, which files go."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_mcap.heard import Heard
+from giraff_recorder.config import RecorderConfig
+from giraff_recorder.policy import Incident, Incidents, Memory, surplus
+from giraff_schemas.messages import BaseState, BoardState, EStop, Health
+
+CONFIG = RecorderConfig()
+BOARD = BoardState(
+    connected=True,
+    boot_id=1,
+    drive_state="active",
+    latch="none",
+    last_refusal="none",
+    accepted=1,
+    refused=0,
+    line_errors=0,
+)
+
+
+def estop(*, engaged: bool) -> EStop:
+    return EStop(engaged=engaged, id=1, by="anna", reason="a cat")
+
+
+def base(*, armed: bool = True, **board: Any) -> BaseState:
+    return BaseState(
+        armed=armed,
+        driving=False,
+        reason="no word",
+        guard="g",
+        round_trip=None,
+        budget_left=None,
+        board=msgspec.structs.replace(BOARD, **board),
+    )
+
+
+def health(*faults: str) -> Health:
+    return Health(service="guard", instance="i", host="h", pid=1, uptime=1.0, ok=not faults, faults=faults)
+
+
+def first_due(incidents: Incidents, begin: float, end: float) -> tuple[float, Incident]:
+    """When an incident is due, to 0.1 s."""
+    now = begin
+    while (incident := incidents.due(now)) is None:
+        now += 0.1
+        assert now < end
+    return now, incident
+
+
+def test_an_emergency_stop_is_written_with_the_minute_before_and_what_follows() -> None:
+    incidents = Incidents(CONFIG)
+    incidents.on_estop(estop(engaged=False), 100.0)
+    incidents.on_estop(estop(engaged=True), 200.0)
+    at, incident = first_due(incidents, 200.0, 300.0)
+    assert at == pytest.approx(205.0, abs=0.2)
+    assert incident == Incident("estop", "emergency stop by anna: a cat", 140_000_000_000)
+    incidents.on_estop(estop(engaged=True), 206.0)
+    assert incidents.due(1000.0) is None
+
+
+def test_a_stop_that_was_there_before_is_none() -> None:
+    incidents = Incidents(CONFIG)
+    for now in (1.0, 2.0):
+        incidents.on_estop(estop(engaged=True), now)
+    assert incidents.due(100.0) is None
+
+
+def test_what_repeats_itself_fills_one_file_a_minute_and_misses_no_second() -> None:
+    incidents = Incidents(CONFIG)
+    files = []
+    for tenth in range(10_000):
+        now = 1000.0 + tenth / 10.0
+        incidents.on_estop(estop(engaged=tenth // 10 % 2 == 1), now)
+        if (incident := incidents.due(now)) is not None:
+            files.append((incident.since_ns * 1e-9, now))
+    assert len(files) == pytest.approx(1000.0 / 60.0, abs=1.5)
+    for (_, ended), (began, _) in pairwise(files):
+        assert began == pytest.approx(ended)
+
+
+@pytest.mark.parametrize(
+    ("board", "kind"),
+    [({"latch": "left_stuck"}, "board"), ({"connected": False}, "board"), ({"latch": "estop"}, None), ({}, None)],
+)
+def test_a_fault_of_the_base_board_is_one(board: dict[str, Any], kind: str | None) -> None:
+    incidents = Incidents(CONFIG)
+    incidents.on_base(base(), 1.0)
+    incidents.on_base(base(**board), 2.0)
+    incident = incidents.due(100.0)
+    assert (incident.kind if incident else None) == kind
+
+
+def test_a_service_that_finds_a_fault_in_itself_is_one_and_one_that_had_it_before_is_none() -> None:
+    incidents = Incidents(CONFIG)
+    incidents.on_health(health("old"), 1.0)
+    incidents.on_health(health("old"), 2.0)
+    assert incidents.due(50.0) is None
+    incidents.on_health(health("new"), 3.0)
+    assert incidents.due(50.0) == Incident("fault", "guard: new", -57_000_000_000)
+
+
+@pytest.mark.parametrize(
+    ("service", "armed", "is_one"), [("guard", True, True), ("guard", False, False), ("watch", True, False)]
+)
+def test_a_service_that_goes_is_one_while_the_robot_is_armed(service: str, armed: bool, is_one: bool) -> None:
+    incidents = Incidents(CONFIG)
+    incidents.on_base(base(armed=armed), 1.0)
+    incidents.on_gone(service, 2.0)
+    assert (incidents.due(50.0) is not None) == is_one
+
+
+@given(st.lists(st.tuples(st.integers(0, 10_000_000_000), st.integers(0, 3000)), max_size=60))
+def test_memory_is_bounded_in_time_and_bytes(steps: list[tuple[int, int]]) -> None:
+    memory = Memory(RecorderConfig(before=20.0, after=1.0, memory=10_000))
+    at_ns = 0
+    for step, size in steps:
+        at_ns += step
+        memory.add([Heard(at_ns, "k", bytes(size), "")])
+        kept = memory.since(-1)
+        assert sum(len(sample.payload) for sample in kept) <= 10_000
+        assert not kept or at_ns - kept[0].at_ns <= 21_000_000_000
+        assert not kept or kept[-1].at_ns == at_ns
+
+
+def test_the_oldest_files_go() -> None:
+    config = RecorderConfig(files=3, disk=100)
+    assert surplus([], config) == []
+    assert surplus([("a", 1), ("b", 1), ("c", 1), ("d", 1)], config) == ["a"]
+    assert surplus([("a", 60), ("b", 60)], config) == ["a"]
+    assert surplus([("a", 500)], config) == []
+
+
+@pytest.mark.parametrize("field", RecorderConfig.__struct_fields__)
+def test_a_limit_of_nothing_is_refused(field: str) -> None:
+    with pytest.raises(ValueError, match=field):
+        RecorderConfig(**{field: 0})
