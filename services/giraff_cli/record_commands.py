@@ -34,6 +34,7 @@ def add_to(app: typer.Typer) -> None:
     """Make them words of `giraff`."""
     app.command()(record)
     app.command()(play)
+    app.command()(replay)
 
 
 def record(
@@ -92,6 +93,23 @@ def play(
     from giraff_cli.play import play as it  # noqa: PLC0415
 
     raise typer.Exit(it(file, robot, connect or (), topics or (), rate, loop=loop, as_json=as_json))
+
+
+def replay(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="That `giraff record` has written.")],
+    least: Annotated[
+        float, typer.Option(metavar="SHARE", min=0.0, max=1.0, help="That must agree, of each key.")
+    ] = 0.98,
+    as_json: Json = False,
+) -> None:
+    """A recording through the policies of today's odometry and guard: do they say what was said then?
+
+    Exit code: 0 they do, but for the share that timing leaves open; 1 they do not; 2 nothing could be compared.
+    """
+    _require_mcap("replay")
+    from giraff_cli.replay import replay as it  # noqa: PLC0415
+
+    raise typer.Exit(it(file, least, as_json=as_json))
 
 
 def bytes_of(size: str) -> int:
