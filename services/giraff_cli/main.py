@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from giraff_cli.options import Connect, Robot
 from giraff_cli.record_commands import add_to as add_recording
 
 if TYPE_CHECKING:
@@ -34,18 +35,6 @@ add_recording(app)
 
 _REFUSED = 2  # exit code: nothing was started
 
-Robot = Annotated[
-    str | None,
-    typer.Option(
-        metavar="NAME",
-        help="Else GIRAFF_ROBOT_NAME, else the robot file's, else the only one on the network.",
-        show_default=False,
-    ),
-]
-Connect = Annotated[
-    list[str] | None,
-    typer.Option(metavar="HOST", help="Like 192.168.1.20, where multicast does not reach.", show_default=False),
-]
 Folder = Annotated[Path, typer.Option(metavar="FOLDER", help="Where the CA and all bundles are kept.")]
 Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, help="How long to try.")]
 

@@ -8,22 +8,11 @@ from typing import Annotated, Final
 
 import typer
 
+from giraff_cli.options import AsJson, Connect, Robot
+
 _REFUSED: Final = 2
 _UNITS: Final = {"k": 1_000, "M": 1_000_000, "G": 1_000_000_000}
 
-Robot = Annotated[
-    str | None,
-    typer.Option(
-        metavar="NAME",
-        help="Else GIRAFF_ROBOT_NAME, else the robot file's, else the only one on the network.",
-        show_default=False,
-    ),
-]
-Connect = Annotated[
-    list[str] | None,
-    typer.Option(metavar="HOST", help="Like 192.168.1.20, where multicast does not reach.", show_default=False),
-]
-Json = Annotated[bool, typer.Option("--json", help="For programs: one JSON document.")]
 Topics = Annotated[
     list[str] | None,
     typer.Option(metavar="KEY", help="Only these: odom, range/*; once for each.", show_default=False),
@@ -54,7 +43,7 @@ def record(
         Path | None,
         typer.Option(metavar="FILE", help="Instead: make a whole one of what a crash has left.", show_default=False),
     ] = None,
-    as_json: Json = False,
+    as_json: AsJson = False,
 ) -> None:
     """Record what a robot says into an MCAP file, which Foxglove and other tools open. See docs/recording.md.
 
@@ -82,7 +71,7 @@ def play(
     topics: Topics = None,
     rate: Annotated[float, typer.Option(metavar="N", min=0.01, max=100.0, help="Times as fast.")] = 1.0,
     loop: Annotated[bool, typer.Option("--loop", help="Again and again, until Ctrl-C.")] = False,
-    as_json: Json = False,
+    as_json: AsJson = False,
 ) -> None:
     """Say again what a recording holds: order, rhythm and bytes as they were, under the name of a replay.
 
@@ -100,7 +89,7 @@ def replay(
     least: Annotated[
         float, typer.Option(metavar="SHARE", min=0.0, max=1.0, help="That must agree, of each key.")
     ] = 0.98,
-    as_json: Json = False,
+    as_json: AsJson = False,
 ) -> None:
     """A recording through the policies of today's odometry and guard: do they say what was said then?
 
