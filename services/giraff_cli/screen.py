@@ -13,6 +13,7 @@ from typing import Final, Protocol
 from rich.console import Console, RenderableType
 from rich.live import Live
 
+from giraff_cli.output import drop_output
 from giraff_cli.words import printable
 
 _PICTURE_COLUMNS: Final = 100
@@ -94,13 +95,6 @@ def say(text: str) -> None:
         print(text, flush=True)
     except OSError:
         drop_output()
-
-
-def drop_output() -> None:
-    """Nobody takes standard output any more: forget what waits there, or Python complains of it at its exit."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, sys.stdout.fileno())
-    os.close(nowhere)
 
 
 def as_svg(picture: RenderableType) -> str:

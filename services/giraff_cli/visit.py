@@ -9,6 +9,7 @@ from typing import Final
 
 import zenoh
 
+from giraff_cli.output import written
 from giraff_cli.robots import NoRobotError, find_way, only_robot
 from giraff_cli.watcher import Watcher
 from giraff_node.config import ConfigError
@@ -47,13 +48,12 @@ def join(robot: str | None, connect: Sequence[str], act: Callable[[Watcher], int
         return complain(f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect")
     watcher = Watcher(way.robot, session)
     try:
-        code = act(watcher)
+        code = written(lambda: act(watcher))
     except MovedError:
         watcher.close(_CLOSE_WITHIN)
         start_anew()
     except NoRobotError as error:
         code = complain(str(error))
-    sys.stdout.flush()
     if not watcher.close(_CLOSE_WITHIN):  # Zenoh would hold the process, and nothing is left to do
         os._exit(code)
     return code

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import gc
 import math
 import time
@@ -10,8 +9,9 @@ from collections.abc import Sequence
 from contextlib import closing
 from typing import Final
 
+from giraff_cli.output import DONE
 from giraff_cli.robots import Roster, only_one, unheard
-from giraff_cli.screen import Lines, Screen, Terminal, drop_output, open_screen
+from giraff_cli.screen import Lines, Screen, Terminal, open_screen
 from giraff_cli.stopping import Stopping
 from giraff_cli.telemetry import Snapshot, Telemetry
 from giraff_cli.visit import MovedError, complain, join
@@ -31,10 +31,6 @@ _NOTICED_FOR: Final = 3_000_000_000  # ns
 
 _NOT_NEEDED: Final = (TICK, TILT, OPERATOR_CMD_VEL, CMD_VEL, WHEELS)
 """Two thirds of all samples, and each costs a tenth of a millisecond."""
-
-_DONE: Final = 0
-_UNWRITABLE: Final = 1
-_READER_GONE: Final = (errno.EPIPE, errno.EIO)  # a pipe's, a terminal's
 
 
 def watch(robot: str | None, connect: Sequence[str], seconds: float | None, *, as_json: bool) -> int:
@@ -64,19 +60,12 @@ class Watch:
     def go(self) -> int:
         """The whole of it; the exit code. Raises NoRobotError where several are there and none is named; MovedError."""
         gc.freeze()  # what is imported stays: a tenth of what a picture costs is looking through it
-        try:
-            self._meet()
-            with closing(Lines() if self._as_json else open_screen()) as screen:
-                sight = self._show_on(screen)
-        except OSError as error:
-            drop_output()
-            if error.errno in _READER_GONE:
-                return _DONE
-            complain(f"cannot write to standard output: {error.strerror}")
-            return _UNWRITABLE
+        self._meet()
+        with closing(Lines() if self._as_json else open_screen()) as screen:
+            sight = self._show_on(screen)
         if sight.waiting and not self._stopping.asked:
             return complain(f"{sight.waiting} (waited {self._seconds:g} s)")
-        return _DONE
+        return DONE
 
     def _meet(self) -> None:
         """Hear all of a robot that is there before anything of it is shown."""

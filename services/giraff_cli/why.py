@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from contextlib import suppress
 from typing import Final
 
 import msgspec
 import zenoh
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from giraff_cli.diagnosis import Diagnosis, diagnose
 from giraff_cli.evidence import Evidence
+from giraff_cli.page import Page
 from giraff_cli.robots import robots_alive, unheard
 from giraff_cli.scene import Standing
 from giraff_cli.visit import complain
@@ -27,7 +26,6 @@ _DRIVES: Final = 0
 _STOPPED: Final = 1
 _FIRST_WITHIN: Final = 3.0  # s until the first word of a robot that is there
 _LOOK_EVERY: Final = 0.05  # s
-_PIPE_WIDTH: Final = 1000  # characters: a line stays a line for whoever searches them
 _STYLES: Final[dict[Standing, str]] = {
     "ok": "green",
     "limits": "yellow",
@@ -76,7 +74,7 @@ def listen(watcher: Watcher, seconds: float) -> Evidence:
 
 
 def _show(diagnosis: Diagnosis, unreadable: list[str]) -> None:
-    console = Console(highlight=False, width=None if sys.stdout.isatty() else _PIPE_WIDTH)
+    console = Page()
     table = Table.grid(padding=(0, 2, 0, 0))
     table.add_column(justify="right", no_wrap=True)
     table.add_column(no_wrap=True)

@@ -14,6 +14,7 @@ import msgspec
 import pytest
 import zenoh
 
+from giraff_cli import output
 from giraff_cli import watch as it
 from giraff_cli.robots import Roster
 from giraff_cli.screen import Lines
@@ -176,7 +177,7 @@ def test_who_does_not_read_ends_it(
         raise OSError(number, os.strerror(number))
 
     monkeypatch.setattr(Lines, "show", fail)
-    monkeypatch.setattr(it, "drop_output", lambda: None)
+    monkeypatch.setattr(output, "drop_output", lambda: None)
     with talking(session, "otto"):
         assert watched(capfd, "otto", 5.0) == (code, [], told)
 
