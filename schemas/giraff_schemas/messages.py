@@ -342,6 +342,17 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """What is wrong with it now, each with its way out."""
     notices: tuple[str, ...] = ()
     """What it waits for or finds wrong elsewhere, each with its way out."""
+    # What follows is for looking at a robot. An older service leaves it out.
+    publishes: tuple[str, ...] = ()
+    """Keys of the topics table on which it speaks, whether or not it has said anything."""
+    subscribes: tuple[str, ...] = ()
+    """Keys that it listens to."""
+    answers: tuple[str, ...] = ()
+    """Keys of the queries that it answers."""
+    cpu_time: float = 0.0
+    """s that a processor has worked for it."""
+    rss_bytes: int = 0
+    """Memory that it has in use; 0: unknown."""
 
 
 def _require_finite(**values: float) -> None:

@@ -1,4 +1,4 @@
-"""How a service is: what is wrong with itself, and what it only notices of others."""
+"""How a service is: what is wrong with itself, what it only notices of others, what it speaks of and listens to."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import logging
 import os
 import socket
 import time
+from pathlib import Path
 
 from giraff_schemas.messages import Health
 
@@ -20,6 +21,10 @@ class Condition:
         self._started = time.monotonic()
         self._faults: dict[str, str] = {}
         self._notices: dict[str, str] = {}
+        self.publishes: list[str] = []
+        """Keys of the topics table; the same one may be told twice."""
+        self.subscribes: list[str] = []
+        self.answers: list[str] = []
 
     def set_fault(self, name: str, message: str) -> None:
         """State what is wrong with `name` of this service itself, or with "" that nothing is."""
@@ -40,6 +45,11 @@ class Condition:
             ok=not faults,
             faults=faults,
             notices=tuple(self._notices.values()),
+            publishes=tuple(dict.fromkeys(self.publishes)),
+            subscribes=tuple(dict.fromkeys(self.subscribes)),
+            answers=tuple(dict.fromkeys(self.answers)),
+            cpu_time=time.process_time(),
+            rss_bytes=_resident(),
         )
 
     @property
@@ -57,3 +67,12 @@ class Condition:
         else:
             told.pop(name, None)  # another subscriber's thread may have done so just now
             self._log.info("recovered: %s", name)
+
+
+def _resident() -> int:
+    """Bytes of memory that this process has in use; 0 where the kernel does not tell."""
+    try:
+        pages = int(Path("/proc/self/statm").read_bytes().split()[1])
+    except OSError:
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")

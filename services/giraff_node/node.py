@@ -108,6 +108,7 @@ class Node(Generic[ConfigT]):
         self._process.end(self.session, kind, error, trace)
 
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]:
+        self._process.condition.publishes.append(topic.key)
         return Publisher(self, topic)
 
     def inbox(self, topic: Topic[SampleT], limit: int = 200) -> Inbox[SampleT]:
@@ -139,6 +140,7 @@ class Node(Generic[ConfigT]):
             except Exception as error:  # noqa: BLE001  Zenoh would print and forget it; here it ends the process
                 self.fail(error)
 
+        self._process.condition.subscribes.append(topic.key)
         self._declared.append(self.session.declare_subscriber(pattern, on_sample))
 
     def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
@@ -156,6 +158,7 @@ class Node(Generic[ConfigT]):
             inbox.accept(Asked(asked, request))
             self._process.wake()
 
+        self._process.condition.answers.append(query.key)
         self._declared.append(self.session.declare_queryable(key_of(self.robot.name, query), on_query))
         return inbox
 

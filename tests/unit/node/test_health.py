@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import psutil
 import pytest
 
 from giraff_health.ask import ask
@@ -70,12 +71,23 @@ def test_a_fault_that_is_no_text_is_told_all_the_same() -> None:
     assert msgspec.json.decode(msgspec.json.encode(condition.health()), type=Health).faults == ("/dev/?: no such port",)
 
 
+def test_a_service_tells_what_it_speaks_of_and_listens_to_and_what_it_takes(peers: Peers) -> None:
+    process = peers.start("talker")
+    wait(lambda: peers.alive() == ["base"])
+    health = peers.health("base")
+    assert (health.publishes, health.subscribes, health.answers) == (("tick",), ("tick",), ("estop/engage",))
+    seen = psutil.Process(process.pid)
+    assert health.rss_bytes == pytest.approx(seen.memory_info().rss, rel=0.1)
+    assert 0.0 < health.cpu_time <= sum(seen.cpu_times()[:2]) + 0.01  # the kernel counts in steps of 10 ms
+
+
 def test_the_socket_tells_what_the_network_is_told(peers: Peers, tmp_path: Path) -> None:
     process = peers.start("talker", RUNTIME_DIRECTORY=str(tmp_path / "run"))
     wait((tmp_path / "run" / "base.sock").exists)
     local = msgspec.json.decode(ask(str(tmp_path / "run" / "base.sock")), type=Health)
     remote = peers.health("base")
-    assert local == msgspec.structs.replace(remote, uptime=local.uptime)
+    now = {name: getattr(local, name) for name in ("uptime", "cpu_time", "rss_bytes")}
+    assert local == msgspec.structs.replace(remote, **now)
     assert check(tmp_path / "run", "base")[0] == 0
     process.send_signal(signal.SIGTERM)
     assert process.wait(timeout=2.0) == 0
