@@ -11,6 +11,8 @@ import typer
 
 from giraff_cli.options import Connect, Robot
 from giraff_cli.record_commands import add_to as add_recording
+from giraff_cli.ask_commands import add_to as add_asking
+from giraff_cli.options import Connect, Robot
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -32,6 +34,7 @@ app.add_typer(check, name="check")
 keys = typer.Typer(no_args_is_help=True)
 app.add_typer(keys, name="keys")
 add_recording(app)
+add_asking(app)
 
 _REFUSED = 2  # exit code: nothing was started
 

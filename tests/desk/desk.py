@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 
 from giraff_cli.watcher import free_port
 from tests.system.elsewhere import GIRAFF, clean
+
+WordsT = TypeVar("WordsT")
 
 Done = subprocess.CompletedProcess[str]
 
@@ -68,3 +71,10 @@ class Desk:
                 yield process
             finally:
                 process.kill()
+
+
+def run_beside(run: Callable[[WordsT], Done], all_words: Iterable[WordsT]) -> dict[WordsT, Done]:
+    """Commands, most of whose time is patience, some beside each other."""
+    all_words = list(all_words)
+    with ThreadPoolExecutor(4) as runners:
+        return dict(zip(all_words, runners.map(run, all_words), strict=True))

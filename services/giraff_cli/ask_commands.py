@@ -1,0 +1,140 @@
+"""The words and options of `giraff topic`. What they do is imported when it is asked for."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from giraff_cli.options import AsJson, Connect, Robot
+
+topic = typer.Typer(no_args_is_help=True, help="What is said on a robot's network: who says it, how often, how much.")
+
+Key = Annotated[str, typer.Argument(metavar="KEY", help="Below giraff/<robot>/, like odom, range/rear or range/*.")]
+AnyKey = Annotated[
+    str | None,
+    typer.Argument(metavar="[KEY]", help="Like odom, range/rear or range/*; else all.", show_default=False),
+]
+
+
+def add_to(app: typer.Typer) -> None:
+    """Make them words of `giraff`."""
+    app.add_typer(topic, name="topic")
+
+
+@topic.command("list")
+def list_topics(
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 1.5,
+    as_json: AsJson = False,
+) -> None:
+    """The keys of a robot: type, rate by the table and now, who publishes and who listens.
+
+    Exit code: 0; 2 there is no robot to tell of.
+    """
+    from giraff_cli import topic_list as it  # noqa: PLC0415
+
+    raise typer.Exit(it.list_topics(robot, connect or (), seconds, as_json=as_json))
+
+
+@topic.command()
+def info(
+    key: Key,
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 1.5,
+    as_json: AsJson = False,
+) -> None:
+    """What a key carries: fields and units, rate, quality of service, who publishes it and who listens.
+
+    Exit code: 0; 2 nobody publishes it.
+    """
+    from giraff_cli import topic_list as it  # noqa: PLC0415
+
+    raise typer.Exit(it.info(key, robot, connect or (), seconds, as_json=as_json))
+
+
+@topic.command()
+def echo(
+    key: Key,
+    robot: Robot = None,
+    connect: Connect = None,
+    count: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="End after so many samples.", show_default=False)
+    ] = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option("--for", metavar="SECONDS", min=0.1, help="End after so long; else with Ctrl-C."),
+    ] = None,
+    field: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="Only this, like x or board.latch; once for each.", show_default=False),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """The samples of a key as they come; with --json an object a line.
+
+    Exit code: 0; 2 nobody publishes it, or nothing came.
+    """
+    from giraff_cli.topic_echo import echo as it  # noqa: PLC0415
+
+    raise typer.Exit(it(key, robot, connect or (), count, seconds, field or (), as_json=as_json))
+
+
+@topic.command()
+def hz(
+    key: AnyKey = None,
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to count.")] = 5.0,
+    as_json: AsJson = False,
+) -> None:
+    """How often a key is published, and what comes of it: counted by its maker's own numbers and stamps.
+
+    Exit code: 0 all that was sent came, once and in order; 1 not; 2 nobody publishes it, or nothing came.
+    """
+    from giraff_cli.topic_rates import hz as it  # noqa: PLC0415
+
+    raise typer.Exit(it(key, robot, connect or (), seconds, as_json=as_json))
+
+
+@topic.command()
+def bw(
+    key: AnyKey = None,
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to weigh.")] = 5.0,
+    as_json: AsJson = False,
+) -> None:
+    """How many bytes a second the payloads of a key take.
+
+    Exit code: 0; 2 nobody publishes it, or nothing came.
+    """
+    from giraff_cli.topic_rates import bw as it  # noqa: PLC0415
+
+    raise typer.Exit(it(key, robot, connect or (), seconds, as_json=as_json))
+
+
+@topic.command()
+def pub(
+    key: Key,
+    sample: Annotated[str, typer.Argument(metavar="JSON", help="Its fields, like '{\"voltage\": 24.1}'.")],
+    robot: Robot = None,
+    connect: Connect = None,
+    rate: Annotated[
+        float | None,
+        typer.Option(metavar="HZ", min=0.01, max=1000.0, help="Again and again; else once.", show_default=False),
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="End after so many; else with Ctrl-C.", show_default=False)
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Publish a sample in the name of a robot; never what a robot that is there says itself, or is driven by.
+
+    Exit code: 0 published; 1 ended because the robot came; 2 refused.
+    """
+    from giraff_cli.topic_pub import pub as it  # noqa: PLC0415
+
+    raise typer.Exit(it(key, sample, robot, connect or (), rate, count, as_json=as_json))

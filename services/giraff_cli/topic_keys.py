@@ -1,0 +1,107 @@
+"""What somebody means who types a key: rows of the topics table. And which of them nobody may say but the robot."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+from giraff_schemas.topics import (
+    BASE,
+    BATTERY,
+    CMD_VEL,
+    ESTOP,
+    GUARD,
+    LEASE,
+    ODOM,
+    OPERATOR_CMD_VEL,
+    QUERIES,
+    RANGE,
+    ROOT,
+    TICK,
+    TOPICS,
+    WHEELS,
+    Topic,
+    require_chunk,
+)
+
+_COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key)
+_ROBOTS_OWN: Final = tuple(topic.key for topic in (TICK, LEASE, RANGE, WHEELS, ODOM, BASE, BATTERY, GUARD, ESTOP))
+_PLAYER: Final = "play"  # the service of a robot that is only played from a recording
+_NEAR: Final = 0.5
+
+
+class UnknownKeyError(Exception):
+    """No topic has this key. The message says which are near, or there."""
+
+
+def row_of(key: str) -> Topic[Any] | None:
+    """The row of the table that a key is one of: itself, or `range/*` of `range/rear`."""
+    for topic in TOPICS:
+        head, star, _ = topic.key.partition("*")
+        if key == topic.key or (star and key.startswith(head) and _is_chunk(key.removeprefix(head))):
+            return topic
+    return None
+
+
+def find_topic(key: str, there: Iterable[str] = ()) -> Topic[Any]:
+    """The topic of a key like `odom`, `range/rear` or `range/*`. Raises UnknownKeyError.
+
+    `there`: keys that are known beside the table's.
+    """
+    if key.startswith(f"{ROOT}/"):
+        raise UnknownKeyError(f"{key}: leave out {ROOT}/<robot>/, --robot names the robot; like odom or range/*")
+    if key in (query.key for query in QUERIES):
+        raise UnknownKeyError(f"{key} is asked, not published: `giraff node list` shows who answers")
+    if (row := row_of(key)) is None:
+        raise UnknownKeyError(no_such_key(key, (*(topic.key for topic in TOPICS), *there)))
+    return row if row.key == key else row.at(key.rpartition("/")[2])
+
+
+def no_such_key(key: str, there: Iterable[str]) -> str:
+    """What to say of a key that is none of these."""
+    known = list(dict.fromkeys(there))
+    near = difflib.get_close_matches(key, known, n=2, cutoff=_NEAR)
+    hint = f"did you mean {' or '.join(near)}? " if near else ""
+    return f"there is no key {key!r}; {hint}there are: {', '.join(known)}"
+
+
+def covers(pattern: str, key: str) -> bool:
+    """Whether what is said on `key` is heard by who listens to `pattern`; both may have a `*`."""
+    ours, theirs = pattern.split("/"), key.split("/")
+    return len(ours) == len(theirs) and all("*" in (a, b) or a == b for a, b in zip(ours, theirs, strict=True))
+
+
+def is_live(services: Iterable[str]) -> bool:
+    """Whether a robot of which these services are on the network is more than a recording that is played."""
+    return any(service != _PLAYER for service in services)
+
+
+def refusal(topic: Topic[Any], live: Mapping[str, Iterable[str]]) -> str:
+    """Why a tool may not publish a topic in the name of a robot; empty: it may.
+
+    `live`: by service that is on the network, the keys that it publishes. What moves a robot, what it decides by and
+    what it says of itself is its own, whether or not the service that says so is there just now.
+    """
+    if not is_live(live):
+        return ""
+    there = ", ".join(sorted(live))
+    row = row_of(topic.key) or topic
+    if row.key in _COMMANDS:
+        return (
+            f"{topic.key} drives, and the robot is there ({there}): only an operator may; "
+            "a program of yours is one with giraff_client"
+        )
+    speakers = sorted(service for service, keys in live.items() if any(covers(key, topic.key) for key in keys))
+    if speakers or row.key in _ROBOTS_OWN:
+        says = f"is said by {', '.join(speakers)}" if speakers else "is the robot's own word"
+        return f"{topic.key} {says}, and the robot is there ({there}): publish it under another name, --robot NAME"
+    return ""
+
+
+def _is_chunk(name: str) -> bool:
+    try:
+        require_chunk(name)
+    except ValueError:
+        return False
+    return True

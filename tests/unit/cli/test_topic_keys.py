@@ -1,0 +1,117 @@
+"""Which topic somebody means, and what nobody may say in a robot's name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from giraff_cli.topic_keys import UnknownKeyError, covers, find_topic, refusal
+from giraff_cli.topic_pub import NotASampleError, parse_sample
+from giraff_schemas.messages import Battery, DriveCommand
+from giraff_schemas.topics import BATTERY, CMD_VEL, OPERATOR_CMD_VEL, RANGE, TILT, TOPICS, Topic
+
+STRANGE = '{"state": "clear", "range": null, "echo_us": 0, "reason": "", "tick": {"epoch": 1, "robot_ns": 1, "s": 1}}'
+SERVICES = {"base": ["tick", "wheels"], "guard": ["cmd_vel"], "joystick": ["tilt", "cmd_vel/joystick"]}
+
+
+@pytest.mark.parametrize(
+    ("key", "topic"),
+    [
+        ("odom", "odom"),
+        ("range/*", "range/*"),
+        ("range/rear", "range/rear"),
+        ("cmd_vel", "cmd_vel"),
+        ("cmd_vel/anna", "cmd_vel/anna"),
+    ],
+)
+def test_a_key_is_found(key: str, topic: str) -> None:
+    assert find_topic(key).key == topic
+
+
+@pytest.mark.parametrize(
+    ("key", "said"),
+    [
+        ("odmo", "there is no key 'odmo'; did you mean odom? there are: tick, tilt,"),
+        ("xyz", "there is no key 'xyz'; there are: tick, tilt,"),
+        ("range", "did you mean range/*"),
+        ("range/a/b", "there is no key 'range/a/b'"),
+        ("range/", "there is no key 'range/'"),
+        ("", "there is no key ''"),
+        ("giraff/otto/odom", "leave out giraff/<robot>/"),
+        ("estop/engage", "asked, not published"),
+        ("**", "there is no key"),
+    ],
+)
+def test_an_unknown_key_is_told_with_what_is_near(key: str, said: str) -> None:
+    with pytest.raises(UnknownKeyError) as raised:
+        find_topic(key)
+    assert said in str(raised.value)
+
+
+def test_what_covers_what() -> None:
+    assert covers("range/*", "range/rear")
+    assert covers("range/rear", "range/*")
+    assert not covers("cmd_vel", "cmd_vel/anna")
+    assert not covers("odom", "base")
+
+
+@pytest.mark.parametrize("topic", [topic for topic in TOPICS if topic is not TILT], ids=lambda topic: topic.key)
+def test_nothing_of_a_live_robots_own_is_said_for_it(topic: Topic[Any]) -> None:
+    """By whichever of its services there is."""
+    topic = topic.at("x") if "*" in topic.key else topic
+    assert refusal(topic, SERVICES)
+    assert refusal(topic, {"base": []})
+    assert refusal(topic, {"odometry": []})
+    assert refusal(topic, {}) == ""
+    assert refusal(topic, {"play": [topic.key]}) == ""
+    assert refusal(topic, {"play": [], "base": []})
+
+
+@pytest.mark.parametrize("topic", [CMD_VEL, OPERATOR_CMD_VEL.at("anna")])
+def test_whoever_wants_to_drive_is_shown_how(topic: Topic[Any]) -> None:
+    assert "giraff_client" in refusal(topic, SERVICES)
+
+
+def test_what_is_no_robots_own_is_refused_while_somebody_says_it() -> None:
+    assert "is said by joystick" in refusal(TILT, SERVICES)
+    assert refusal(TILT, {"base": ["tick"]}) == ""
+
+
+def test_a_sample_is_typed_as_its_fields() -> None:
+    assert parse_sample(BATTERY, '{"voltage": 24}') == Battery(voltage=24.0)
+    text = '{"lease_counter": 0, "linear_x": 0, "angular_z": 0, "source": "hand", "reason": "", "tick": null}'
+    command = parse_sample(OPERATOR_CMD_VEL.at("anna"), text)
+    assert isinstance(command, DriveCommand)
+    assert command.operator == "anna"
+
+
+@pytest.mark.parametrize(
+    ("topic", "text", "said"),
+    [
+        (BATTERY, "", "not JSON"),
+        (BATTERY, "voltage: 24", "not JSON"),
+        (BATTERY, "24", "a Battery is a JSON object"),
+        (BATTERY, "{}", "missing required field `voltage`"),
+        (BATTERY, '{"voltage": "24"}', "Expected `float`"),
+        (BATTERY, '{"voltage": 24, "volts": 3}', "a Battery has no volts; it has"),
+        (BATTERY, '{"voltage": 24, "seq": 3}', "seq: filled in"),
+        (BATTERY, '{"voltage": NaN}', "not JSON"),
+        (BATTERY, '{"voltage": 1e999}', "not"),
+        (BATTERY, "[" * 100_000, "not JSON"),
+        (
+            RANGE.at("rear"),
+            '{"sensor": "left", "state": "clear", "range": null, "echo_us": 0, "reason": "", "tick": null}',
+            "sensor is 'left', and the key says otherwise",
+        ),
+        (
+            RANGE.at("rear"),
+            STRANGE,
+            "a Range has no tick.s",
+        ),
+    ],
+)
+def test_what_is_no_sample_is_told(topic: Topic[Any], text: str, said: str) -> None:
+    with pytest.raises(NotASampleError) as raised:
+        parse_sample(topic, text)
+    assert said in str(raised.value)

@@ -1,0 +1,22 @@
+"""The fields of a sample in the words of its source."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from giraff_schemas.fields import Field, fields_of
+from giraff_schemas.messages import Battery, Health
+from giraff_schemas.topics import TOPICS, Topic
+
+
+def test_a_field_has_its_type_and_its_unit() -> None:
+    assert fields_of(Battery)[-1] == Field("voltage", "float", "V.")
+    assert [field.name for field in fields_of(Battery)] == ["seq", "stamp_ns", "instance", "voltage"]
+    assert fields_of(Health)[0] == Field("service", "str", "")
+
+
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.key)
+def test_every_field_is_told(topic: Topic[Any]) -> None:
+    assert {field.name for field in fields_of(topic.schema)} == set(topic.schema.__struct_fields__)
