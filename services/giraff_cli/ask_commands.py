@@ -1,4 +1,4 @@
-"""The words and options of `giraff topic`. What they do is imported when it is asked for."""
+"""The words and options of `giraff topic`, `node` and `graph`. What they do is imported when it is asked for."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import typer
 from giraff_cli.options import AsJson, Connect, Robot
 
 topic = typer.Typer(no_args_is_help=True, help="What is said on a robot's network: who says it, how often, how much.")
+node = typer.Typer(no_args_is_help=True, help="The services of a robot: where they run, how they are, what they say.")
 
 Key = Annotated[str, typer.Argument(metavar="KEY", help="Below giraff/<robot>/, like odom, range/rear or range/*.")]
 AnyKey = Annotated[
@@ -20,6 +21,8 @@ AnyKey = Annotated[
 def add_to(app: typer.Typer) -> None:
     """Make them words of `giraff`."""
     app.add_typer(topic, name="topic")
+    app.add_typer(node, name="node")
+    app.command()(graph)
 
 
 @topic.command("list")
@@ -138,3 +141,46 @@ def pub(
     from giraff_cli.topic_pub import pub as it  # noqa: PLC0415
 
     raise typer.Exit(it(key, sample, robot, connect or (), rate, count, as_json=as_json))
+
+
+@node.command("list")
+def list_nodes(robot: Robot = None, connect: Connect = None, as_json: AsJson = False) -> None:
+    """The services of a robot that are on the network, with host, pid and health.
+
+    Exit code: 0 all are well; 1 one is not, or does not answer; 2 there is no robot to tell of.
+    """
+    from giraff_cli.node_report import list_nodes as it  # noqa: PLC0415
+
+    raise typer.Exit(it(robot, connect or (), as_json=as_json))
+
+
+@node.command("info")
+def node_info(
+    service: Annotated[str, typer.Argument(metavar="SERVICE", help="Like guard, or an instance.")],
+    robot: Robot = None,
+    connect: Connect = None,
+    as_json: AsJson = False,
+) -> None:
+    """What one service tells of itself: host, faults and notices, what it says, listens to and answers, and to whom.
+
+    Exit code: 0 it is well; 1 it is not, or does not answer; 2 it is not there.
+    """
+    from giraff_cli.node_report import info as it  # noqa: PLC0415
+
+    raise typer.Exit(it(service, robot, connect or (), as_json=as_json))
+
+
+def graph(
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 1.5,
+    dot: Annotated[bool, typer.Option("--dot", help="For Graphviz: giraff graph --dot | dot -Tsvg.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Which service hears which, on what key.
+
+    Exit code: 0; 2 there is no robot to tell of.
+    """
+    from giraff_cli.graph import graph as it  # noqa: PLC0415
+
+    raise typer.Exit(it(robot, connect or (), seconds, as_dot=dot, as_json=as_json))

@@ -110,6 +110,10 @@ class Survey:
         heard = self.tallies[key].counts if key in self.tallies else ()
         return sorted(self.maker(instance) for instance in {*told, *heard})
 
+    def publishers_of(self, pattern: str) -> list[Maker]:
+        """Those of all keys that a `*` covers."""
+        return sorted({maker for key in self.keys if covers(pattern, key) for maker in self.publishers(key)})
+
     def subscribers(self, key: str) -> list[Maker]:
         """Those who say that they listen to it."""
         return sorted(

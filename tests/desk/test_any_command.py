@@ -19,6 +19,9 @@ ASKING: tuple[tuple[str, ...], ...] = (
     ("topic", "echo", "odom", "--for", "3"),
     ("topic", "hz", "odom", "--for", "1"),
     ("topic", "bw", "--for", "1"),
+    ("node", "list"),
+    ("node", "info", "base"),
+    ("graph",),
 )
 """Every command that asks a robot and changes nothing, with what it needs to be of use and to end by itself."""
 
