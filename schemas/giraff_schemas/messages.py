@@ -7,7 +7,7 @@ decoding (an older reader keeps working); a missing field, a wrong type or a num
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Final, Literal
 
 import msgspec
 
@@ -353,6 +353,34 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """s that a processor has worked for it."""
     rss_bytes: int = 0
     """Memory that it has in use; 0: unknown."""
+
+
+ODOM_FRAME: Final = "odom"
+"""Where the robot was when odometry began."""
+BASE_FRAME: Final = "base_link"
+"""The middle between the wheels, on the floor."""
+
+
+def range_frame(sensor: str) -> str:
+    """The frame of an ultrasonic sensor."""
+    return f"range_{sensor}_link"
+
+
+class Transform(msgspec.Struct, frozen=True, kw_only=True):
+    """Answer to who asks where a frame is: its pose in its parent."""
+
+    parent: str
+    child: str
+    x: float
+    """m."""
+    y: float
+    yaw: float
+    """rad, counter-clockwise positive."""
+    fixed: bool
+    """It is a part's place on the robot, and stays; else it is where the robot is now."""
+
+    def __post_init__(self) -> None:
+        _require_finite(x=self.x, y=self.y, yaw=self.yaw)
 
 
 def _require_finite(**values: float) -> None:

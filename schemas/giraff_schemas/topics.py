@@ -100,6 +100,11 @@ def health_key(robot: str, service: str = "*") -> str:
     return f"{ROOT}/{robot}/health/{service}"
 
 
+def frame_key(robot: str, child: str = "*") -> str:
+    """Queryable that answers with a `Transform`: where a frame is in its parent."""
+    return f"{ROOT}/{robot}/frame/{child}"
+
+
 def require_chunk(name: str) -> str:
     """`name`, if it can be one chunk of a key; else ValueError."""
     if not name or not name.isascii() or any(c in "/*$?# " or not c.isprintable() for c in name):

@@ -1,4 +1,4 @@
-"""The words and options of `giraff topic`, `node` and `graph`. What they do is imported when it is asked for."""
+"""The words and options of `giraff topic`, `node`, `graph` and `frames`. What they do is imported when asked for."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ def add_to(app: typer.Typer) -> None:
     app.add_typer(topic, name="topic")
     app.add_typer(node, name="node")
     app.command()(graph)
+    app.command()(frames)
 
 
 @topic.command("list")
@@ -184,3 +185,18 @@ def graph(
     from giraff_cli.graph import graph as it  # noqa: PLC0415
 
     raise typer.Exit(it(robot, connect or (), seconds, as_dot=dot, as_json=as_json))
+
+
+def frames(
+    robot: Robot = None,
+    connect: Connect = None,
+    dot: Annotated[bool, typer.Option("--dot", help="For Graphviz: giraff frames --dot | dot -Tsvg.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """The tree of the robot's frames, from odom to the sensors, and where each is in its parent.
+
+    Exit code: 0; 1 they are no tree; 2 nobody tells where they are.
+    """
+    from giraff_cli.frames import frames as it  # noqa: PLC0415
+
+    raise typer.Exit(it(robot, connect or (), as_dot=dot, as_json=as_json))

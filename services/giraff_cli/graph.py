@@ -77,15 +77,15 @@ def graph_of(survey: Survey) -> Graph:
 
 def dot(drawn: Graph) -> str:
     """For Graphviz: `giraff graph --dot | dot -Tsvg`."""
-    lines = [f"digraph {_quoted(drawn.robot)} {{", "  rankdir=LR;", "  node [shape=ellipse];"]
-    lines += [f"  {_quoted(name)};" for name in drawn.nodes]
+    lines = [f"digraph {quoted(drawn.robot)} {{", "  rankdir=LR;", "  node [shape=ellipse];"]
+    lines += [f"  {quoted(name)};" for name in drawn.nodes]
     unheard = sorted({edge.key for edge in drawn.edges if not edge.target})
-    lines += [f"  {_quoted(key)} [shape=box, style=dashed];" for key in unheard]
+    lines += [f"  {quoted(key)} [shape=box, style=dashed];" for key in unheard]
     for edge in drawn.edges:
         if edge.target:
-            lines.append(f"  {_quoted(edge.source)} -> {_quoted(edge.target)} [label={_quoted(edge.key)}];")
+            lines.append(f"  {quoted(edge.source)} -> {quoted(edge.target)} [label={quoted(edge.key)}];")
         else:
-            lines.append(f"  {_quoted(edge.source)} -> {_quoted(edge.key)} [style=dashed];")
+            lines.append(f"  {quoted(edge.source)} -> {quoted(edge.key)} [style=dashed];")
     return "\n".join([*lines, "}"])
 
 
@@ -99,6 +99,7 @@ def _show(drawn: Graph) -> None:
     print_table(("service", "says", "heard by"), rows)
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
+    """As Graphviz takes a name."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
     return f'"{escaped}"'

@@ -17,6 +17,7 @@ from giraff_schemas.topics import (
     ROOT,
     TILT,
     alive_key,
+    frame_key,
     health_key,
     require_chunk,
 )
@@ -64,7 +65,9 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
         _rule("all are told", "egress", _TELLS, everything),
         _rule("all are asked", "egress", (*_ASKS, "query"), everything),
         _rule("all may listen", "ingress", _ASKS, everything),
-        _rule("all may stop", "ingress", ("query",), f"{below}/{ESTOP_ENGAGE.key}", health_key(robot)),
+        _rule(
+            "all may stop", "ingress", ("query",), f"{below}/{ESTOP_ENGAGE.key}", health_key(robot), frame_key(robot)
+        ),
         _rule("the robot tells", "ingress", (*_TELLS, "query"), everything),
     ]
     subjects = [_subject("known", access.hosts), _subject("robot", access.robot)]

@@ -35,8 +35,19 @@ from giraff_node.router_link import RouterLink
 from giraff_node.session import NetworkConfig, open_session
 from giraff_node.watch import Selectable
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
-from giraff_schemas.messages import Health
-from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic, alive_key, health_key, key_of
+from giraff_schemas.messages import Health, Transform
+from giraff_schemas.topics import (
+    ROOT,
+    AnswerT,
+    Query,
+    RequestT,
+    SampleT,
+    Topic,
+    alive_key,
+    frame_key,
+    health_key,
+    key_of,
+)
 
 _MOST_REQUESTS = 20  # that wait for their answers; the oldest goes without
 
@@ -161,6 +172,17 @@ class Node(Generic[ConfigT]):
         self._process.condition.answers.append(query.key)
         self._declared.append(self.session.declare_queryable(key_of(self.robot.name, query), on_query))
         return inbox
+
+    def frame(self, child: str, where: Transform | Callable[[], Transform]) -> None:
+        """Tell whoever asks where the frame `child` is; of one that moves, by a call in Zenoh's thread."""
+        key = frame_key(self.robot.name, child)
+
+        def on_query(asked: zenoh.Query) -> None:
+            with asked:
+                asked.reply(key, encode(where() if callable(where) else where), encoding=encoding_of(Transform))
+
+        self._process.condition.answers.append(key.removeprefix(f"{ROOT}/{self.robot.name}/"))
+        self._declared.append(self.session.declare_queryable(key, on_query))
 
     def turns(self, *pacers: Pacer, link: Selectable | None = None) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a pacer may be due, the link is readable or an inbox was filled.

@@ -5,6 +5,7 @@ import time
 from giraff_node import Node
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
+from giraff_schemas.messages import BASE_FRAME
 from giraff_schemas.topics import ODOM, WHEELS
 
 SILENCE = 1.0  # s without a sample that is worth a word
@@ -14,6 +15,7 @@ SETTLED = 1.0  # s without a notice after which it is over: one that flickers is
 def main() -> None:
     with Node("odometry", OdometryConfig) as node:
         policy = OdometryPolicy(node.config, node.robot)
+        node.frame(BASE_FRAME, policy.transform)
         wheels = node.inbox(WHEELS)
         out = node.publisher(ODOM)
         heard = noticed = time.monotonic()

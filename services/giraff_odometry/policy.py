@@ -14,7 +14,7 @@ from giraff_node.counters import signed32
 from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.dead_reckoning import Estimate, advance, less_sure
-from giraff_schemas.messages import Odometry, Wheels
+from giraff_schemas.messages import BASE_FRAME, ODOM_FRAME, Odometry, Transform, Wheels
 
 __all__ = ["Estimate", "OdometryPolicy", "advance"]
 
@@ -46,6 +46,11 @@ class OdometryPolicy:
         """How often the counters could not be followed, or only over a gap."""
         self.notice = ""
         """What was wrong with the newest sample, and what to do; empty when nothing was."""
+
+    def transform(self) -> Transform:
+        """Where the robot is now; safe to ask from any thread."""
+        now = self.estimate
+        return Transform(parent=ODOM_FRAME, child=BASE_FRAME, x=now.x, y=now.y, yaw=now.yaw, fixed=False)
 
     def on_wheels(self, wheels: Wheels) -> Odometry | None:
         """Where the robot is at this sample; None when it repeats one already taken, or is older."""

@@ -17,6 +17,8 @@ def main() -> None:
         link = BoardLink(node.config.port, RANGER_BAUD, BoardKind.RANGER)
         policy = RangerPolicy(node.robot)
         ticks = node.inbox(TICK, limit=1)
+        for transform in policy.transforms():
+            node.frame(transform.child, transform)
         ranges = {name: node.publisher(RANGE.at(name)) for name in node.robot.sensors}
         for now in node.turns(link=link):
             for frame in link.poll(now):

@@ -6,7 +6,7 @@ from typing import Final
 
 from giraff_node.robot import RobotConfig
 from giraff_node.tick_down import TickDown, moment_of
-from giraff_schemas.messages import Range, RangeState, Tick
+from giraff_schemas.messages import BASE_FRAME, Range, RangeState, Tick, Transform, range_frame
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
 from giraff_schemas.wire import RangeState as WireState
 
@@ -28,10 +28,18 @@ class RangerPolicy:
     """Turns the board's frames into samples."""
 
     def __init__(self, robot: RobotConfig) -> None:
+        self._sensors = robot.sensors
         self._names = {pose.index: name for name, pose in robot.sensors.items()}
         self._tick_down = TickDown()
         self.faults: dict[str, str] = {}
         """What the newest frame of each sensor complains of; empty when it does not."""
+
+    def transforms(self) -> list[Transform]:
+        """Where the sensors are on the robot."""
+        return [
+            Transform(parent=BASE_FRAME, child=range_frame(name), x=pose.x, y=pose.y, yaw=pose.yaw, fixed=True)
+            for name, pose in self._sensors.items()
+        ]
 
     def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock as it goes down to the board, which puts the last one into each frame."""

@@ -22,6 +22,7 @@ ASKING: tuple[tuple[str, ...], ...] = (
     ("node", "list"),
     ("node", "info", "base"),
     ("graph",),
+    ("frames",),
 )
 """Every command that asks a robot and changes nothing, with what it needs to be of use and to end by itself."""
 

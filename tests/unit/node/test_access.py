@@ -24,6 +24,7 @@ from giraff_schemas.topics import (
     TILT,
     Topic,
     alive_key,
+    frame_key,
     key_of,
 )
 from tests.unit.node.secured import ACCESS, MINE, ROBOT, Network, authority
@@ -68,6 +69,15 @@ def test_whoever_is_named_reads(network: Network, host: str, hears: bool) -> Non
         network.base.put(key_of(ROBOT, ODOM), "odometry")
         time.sleep(0.3)
     assert heard == (["odometry"] if hears else [])
+
+
+@pytest.mark.parametrize(("host", "told"), [("robot", True), ("laptop", True), ("desk", True), ("unnamed", False)])
+def test_whoever_is_named_is_told_where_the_frames_are(network: Network, host: str, told: bool) -> None:
+    key = frame_key(ROBOT, "base_link")
+    with network.base.declare_queryable(key, lambda query: query.reply(query.key_expr, "here")):
+        time.sleep(0.3)
+        replies = network.sessions[host].get(frame_key(ROBOT), timeout=0.7)
+        assert [reply.ok is not None for reply in replies] == ([True] if told else [])
 
 
 @pytest.mark.parametrize(
