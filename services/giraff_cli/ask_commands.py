@@ -1,4 +1,4 @@
-"""The words and options of `giraff topic`, `node`, `graph` and `frames`. What they do is imported when asked for."""
+"""The words and options of `giraff topic`, `node`, `graph`, `frames` and `top`. What they do is imported on demand."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ def add_to(app: typer.Typer) -> None:
     app.add_typer(node, name="node")
     app.command()(graph)
     app.command()(frames)
+    app.command()(top)
 
 
 @topic.command("list")
@@ -200,3 +201,23 @@ def frames(
     from giraff_cli.frames import frames as it  # noqa: PLC0415
 
     raise typer.Exit(it(robot, connect or (), as_dot=dot, as_json=as_json))
+
+
+def top(
+    robot: Robot = None,
+    connect: Connect = None,
+    seconds: Annotated[
+        float | None,
+        typer.Option("--for", metavar="SECONDS", min=0.1, help="End after so long; else with Ctrl-C."),
+    ] = None,
+    once: Annotated[bool, typer.Option("--once", help="Show it once, and end.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """A live board of a robot: what its services take of processor and memory, rates, losses and ages of its topics.
+
+    In a terminal a live view, else one line a second; with --json an object a second. Exit code: 0; 2 there is no
+    robot to tell of.
+    """
+    from giraff_cli.top import top as it  # noqa: PLC0415
+
+    raise typer.Exit(it(robot, connect or (), seconds, once=once, as_json=as_json))

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any, Final, NoReturn
 
 import msgspec
-from rich.console import Console
+from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
@@ -34,17 +34,27 @@ def print_json(document: Any) -> None:
     print(msgspec.json.format(msgspec.json.encode(document), indent=2).decode())
 
 
-def print_table(headings: Iterable[str], rows: Iterable[Sequence[str]]) -> None:
+def table_of(headings: Iterable[str], rows: Iterable[Sequence[str | Text]]) -> Table:
     """Columns under their headings; one that begins with ">" has figures, and stands to the right."""
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
     for heading in headings:
         right = heading.startswith(">")
         table.add_column(heading.removeprefix(">"), justify="right" if right else "left", overflow="fold")
     for row in rows:
-        table.add_row(*(Text(printable(cell)) for cell in row))
+        table.add_row(*(cell if isinstance(cell, Text) else Text(printable(cell)) for cell in row))
+    return table
+
+
+def print_table(headings: Iterable[str], rows: Iterable[Sequence[str | Text]]) -> None:
+    """The same on standard output."""
+    print_trimmed(table_of(headings, rows))
+
+
+def print_trimmed(shown: RenderableType) -> None:
+    """Without the blanks that Rich ends lines with."""
     page = Page()
     with page.capture() as captured:
-        page.print(table)
+        page.print(shown)
     for line in captured.get().splitlines():
         print(line.rstrip())
 

@@ -23,6 +23,7 @@ ASKING: tuple[tuple[str, ...], ...] = (
     ("node", "info", "base"),
     ("graph",),
     ("frames",),
+    ("top", "--for", "3"),
 )
 """Every command that asks a robot and changes nothing, with what it needs to be of use and to end by itself."""
 
