@@ -31,7 +31,7 @@ def add_to(app: typer.Typer) -> None:
 def list_topics(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 1.5,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 2.0,
     as_json: AsJson = False,
 ) -> None:
     """The keys of a robot: type, rate by the table and now, who publishes and who listens.
@@ -48,7 +48,7 @@ def info(
     key: Key,
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 1.5,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 2.0,
     as_json: AsJson = False,
 ) -> None:
     """What a key carries: fields and units, rate, quality of service, who publishes it and who listens.
@@ -175,7 +175,7 @@ def node_info(
 def graph(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 1.5,
+    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 2.0,
     dot: Annotated[bool, typer.Option("--dot", help="For Graphviz: giraff graph --dot | dot -Tsvg.")] = False,
     as_json: AsJson = False,
 ) -> None:

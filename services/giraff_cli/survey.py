@@ -89,6 +89,12 @@ class Survey:
         return set(self.alive) <= set(self.healths)
 
     @property
+    def complete(self) -> bool:
+        """Whether that, and whoever is heard has a token."""
+        makers = {instance for tally in self.tallies.values() for instance in tally.counts}
+        return self.answered and makers <= set(self.alive)
+
+    @property
     def spoken(self) -> dict[str, list[str]]:
         """By service that is there, the keys that it publishes."""
         found: dict[str, list[str]] = {service: [] for service in self.alive.values()}
@@ -159,9 +165,10 @@ class Surveyor:
             self._ask()
 
     def go(self, seconds: float, stopping: Stopping) -> Survey:
-        """Look for `seconds` from the first word on. Raises NoRobotError when there is none."""
+        """Look for `seconds` from the first word on, and for those who are met late. Raises NoRobotError."""
         self.meet(stopping)
         self._until(time.monotonic() + seconds, stopping)
+        self._until(time.monotonic() + _ANSWER_WITHIN, stopping, complete=True)
         return self.survey
 
     def inquire(self, stopping: Stopping) -> Survey:
@@ -169,7 +176,7 @@ class Surveyor:
         self.meet(stopping)
         now = time.monotonic()
         self._until(now + _SETTLED, stopping)
-        self._until(now + _ANSWER_WITHIN, stopping, answered=True)
+        self._until(now + _ANSWER_WITHIN, stopping, complete=True)
         return self.survey
 
     def wait(self, seconds: float, stopping: Stopping) -> None:
@@ -184,10 +191,10 @@ class Surveyor:
             if now > deadline or stopping.wait(_LOOK_EVERY):
                 raise NoRobotError(unheard(self.survey.robot, robots_alive(self._watcher.session)))
 
-    def _until(self, deadline: float, stopping: Stopping, *, answered: bool = False) -> None:
+    def _until(self, deadline: float, stopping: Stopping, *, complete: bool = False) -> None:
         while True:
             self.look(now := time.monotonic())
-            if answered and self.survey.answered:
+            if stopping.asked or (complete and self.survey.complete):
                 return
             if now >= deadline or stopping.wait(min(_LOOK_EVERY, deadline - now)):
                 return

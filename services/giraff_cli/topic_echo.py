@@ -122,7 +122,7 @@ class Echo:
         else:
             print(f"{key}: {(robot_now_ns() - at_ns) * 1e-6:.0f} ms ago")
             for name, value in content.items():
-                print(printable(f"  {name}: {_text(value)}"))
+                print(printable(f"  {name}: {_text(value)}".rstrip()))
         sys.stdout.flush()
 
     def _mention(self) -> None:
