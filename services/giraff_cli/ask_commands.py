@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 import typer
@@ -11,6 +12,21 @@ from giraff_cli.options import AsJson, Connect, Robot
 topic = typer.Typer(no_args_is_help=True, help="What is said on a robot's network: who says it, how often, how much.")
 node = typer.Typer(no_args_is_help=True, help="The services of a robot: where they run, how they are, what they say.")
 
+
+def finite(number: float | None) -> float | None:
+    """An option's number, if it is one that something can end after."""
+    if number is not None and not math.isfinite(number):
+        raise typer.BadParameter(f"{number:g} is no number to count with; leave it out to go on until Ctrl-C")
+    return number
+
+
+Listen = Annotated[
+    float, typer.Option("--for", metavar="SECONDS", min=0.1, callback=finite, help="How long to listen.")
+]
+Ending = Annotated[
+    float | None,
+    typer.Option("--for", metavar="SECONDS", min=0.1, callback=finite, help="End after so long; else with Ctrl-C."),
+]
 Key = Annotated[str, typer.Argument(metavar="KEY", help="Below giraff/<robot>/, like odom, range/rear or range/*.")]
 AnyKey = Annotated[
     str | None,
@@ -31,7 +47,7 @@ def add_to(app: typer.Typer) -> None:
 def list_topics(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 2.0,
+    seconds: Listen = 2.0,
     as_json: AsJson = False,
 ) -> None:
     """The keys of a robot: type, rate by the table and now, who publishes and who listens.
@@ -48,7 +64,7 @@ def info(
     key: Key,
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 2.0,
+    seconds: Listen = 2.0,
     as_json: AsJson = False,
 ) -> None:
     """What a key carries: fields and units, rate, quality of service, who publishes it and who listens.
@@ -68,10 +84,7 @@ def echo(
     count: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="End after so many samples.", show_default=False)
     ] = None,
-    seconds: Annotated[
-        float | None,
-        typer.Option("--for", metavar="SECONDS", min=0.1, help="End after so long; else with Ctrl-C."),
-    ] = None,
+    seconds: Ending = None,
     field: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME", help="Only this, like x or board.latch; once for each.", show_default=False),
@@ -92,7 +105,7 @@ def hz(
     key: AnyKey = None,
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to count.")] = 5.0,
+    seconds: Listen = 5.0,
     as_json: AsJson = False,
 ) -> None:
     """How often a key is published, and what comes of it: counted by its maker's own numbers and stamps.
@@ -109,7 +122,7 @@ def bw(
     key: AnyKey = None,
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to weigh.")] = 5.0,
+    seconds: Listen = 5.0,
     as_json: AsJson = False,
 ) -> None:
     """How many bytes a second the payloads of a key take.
@@ -129,7 +142,14 @@ def pub(
     connect: Connect = None,
     rate: Annotated[
         float | None,
-        typer.Option(metavar="HZ", min=0.01, max=1000.0, help="Again and again; else once.", show_default=False),
+        typer.Option(
+            metavar="HZ",
+            min=0.01,
+            max=1000.0,
+            callback=finite,
+            help="Again and again; else once.",
+            show_default=False,
+        ),
     ] = None,
     count: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="End after so many; else with Ctrl-C.", show_default=False)
@@ -175,7 +195,7 @@ def node_info(
 def graph(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.1, help="How long to listen.")] = 2.0,
+    seconds: Listen = 2.0,
     dot: Annotated[bool, typer.Option("--dot", help="For Graphviz: giraff graph --dot | dot -Tsvg.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -206,10 +226,7 @@ def frames(
 def top(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[
-        float | None,
-        typer.Option("--for", metavar="SECONDS", min=0.1, help="End after so long; else with Ctrl-C."),
-    ] = None,
+    seconds: Ending = None,
     once: Annotated[bool, typer.Option("--once", help="Show it once, and end.")] = False,
     as_json: AsJson = False,
 ) -> None:

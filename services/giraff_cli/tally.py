@@ -12,6 +12,7 @@ from giraff_cli.flow import Ages
 
 _RECALLED: Final = 10_000
 """Samples back that a late one is known to be late, and not lost or a double."""
+_KEPT_NS: Final = 10_000_000_000  # of marks, by which the rate of now is told
 _ENOUGH: Final = 0.25  # s of a maker's stamps that tell a rate
 
 
@@ -49,7 +50,6 @@ class Count:
         self._first = self._last = head
         self._heard = 0
         self._missing: set[int] = set()
-        self._given_up = 0
         self._marks: deque[Head] = deque()
 
     def add(self, arrival: Arrival, head: Head) -> None:
@@ -108,9 +108,6 @@ class Count:
                 self._marks.popleft()
 
 
-_KEPT_NS: Final = 10_000_000_000
-
-
 class Tally:
     """All that comes on one key."""
 
@@ -147,11 +144,6 @@ class Tally:
         """Of the payloads, as they come; None: too few to tell."""
         took = self._last_at - self._first_at
         return (self.bytes - self._first_size) / took if took > 0.0 else None
-
-    @property
-    def last_at(self) -> float:
-        """When the newest came; monotonic, s."""
-        return self._last_at
 
 
 def _rate(first: Head, last: Head) -> float | None:

@@ -118,9 +118,10 @@ class Echo:
             print(msgspec.json.encode({"key": key, "sample": content}).decode(), flush=True)
             return
         if self._fields:
-            print(f"{key}: {printable('  '.join(f'{name}: {_text(value)}' for name, value in content.items()))}")
+            values = "  ".join(f"{name}: {_text(value)}" for name, value in content.items())
+            print(printable(f"{key}: {values}"))
         else:
-            print(f"{key}: {(robot_now_ns() - at_ns) * 1e-6:.0f} ms ago")
+            print(f"{printable(key)}: {(robot_now_ns() - at_ns) * 1e-6:.0f} ms ago")
             for name, value in content.items():
                 print(printable(f"  {name}: {_text(value)}".rstrip()))
         sys.stdout.flush()
@@ -130,7 +131,7 @@ class Echo:
         for complaint in self._watcher.complaints:
             if complaint not in self._complained and len(self._complained) < 10:
                 self._complained.add(complaint)
-                complain(f"unreadable: {complaint}")
+                complain(printable(f"unreadable: {complaint}"))
 
 
 def _value(sample: dict[str, Any], field: str) -> Any:

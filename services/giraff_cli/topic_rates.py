@@ -15,6 +15,7 @@ from giraff_cli.tally import Count
 from giraff_cli.topic_keys import UnknownKeyError, find_topic, row_of
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
+from giraff_cli.words import printable
 from giraff_schemas.topics import Topic
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
@@ -187,7 +188,7 @@ def _show_rates(rates: Rates) -> None:
         ),
     )
     for key, number in rates.unreadable.items():
-        complain(f"unreadable on {key}: {number}")
+        complain(printable(f"unreadable on {key}: {number}"))
 
 
 def _show_bandwidths(widths: Sequence[Bandwidth]) -> None:

@@ -43,7 +43,7 @@ class Desk:
         network = {"GIRAFF_NETWORK_LOCAL": "true", "GIRAFF_NETWORK_RENDEZVOUS": self.rendezvous}
         return clean(dict(os.environ)) | network | named
 
-    def run(self, *words: str, timeout: float = 30.0, **popen: Any) -> Done:
+    def run(self, *words: str, timeout: float = 60.0, **popen: Any) -> Done:
         """The command, once it has ended."""
         streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         return subprocess.run(

@@ -92,7 +92,7 @@ def unread(desk: Desk) -> Mapping[Run, tuple[int, str]]:
             assert process.stdout is not None
             assert process.stderr is not None
             process.stdout.close()
-            code = process.wait(20.0)
+            code = process.wait(60.0)
             return Done(words, code, "", process.stderr.read())
 
     return {words: (done.returncode, done.stderr) for words, done in run_beside(run, ASKING).items()}
