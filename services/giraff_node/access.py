@@ -22,7 +22,7 @@ from giraff_schemas.topics import (
     require_chunk,
 )
 
-_OPERATORS_SERVICES: Final = ("joystick", "keyboard")
+_OPERATORS_SERVICES: Final = ("joystick", "keyboard", "client")
 
 _ASKS: Final = ("declare_subscriber", "declare_liveliness_subscriber", "liveliness_query")
 _TELLS: Final = ("put", "delete", "reply", "declare_queryable", "liveliness_token")

@@ -57,11 +57,12 @@ _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA
 class Publisher(Generic[SampleT]):
     """Stamps and publishes the samples of one topic. Never blocks: what cannot be sent at once is dropped."""
 
-    def __init__(self, node: Node[Any], topic: Topic[SampleT]) -> None:
-        self._instance = node.instance
+    def __init__(self, session: zenoh.Session, robot: str, topic: Topic[SampleT], instance: str) -> None:
+        """`instance`: of the maker."""
+        self._instance = instance
         self._seq = 0
-        self._publisher = node.session.declare_publisher(
-            key_of(node.robot.name, topic),
+        self._publisher = session.declare_publisher(
+            key_of(robot, topic),
             encoding=encoding_of(topic.schema),
             congestion_control=zenoh.CongestionControl.DROP,
             priority=_PRIORITIES[topic.qos],
@@ -120,7 +121,7 @@ class Node(Generic[ConfigT]):
 
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]:
         self._process.condition.publishes.append(topic.key)
-        return Publisher(self, topic)
+        return Publisher(self.session, self.robot.name, topic, self.instance)
 
     def inbox(self, topic: Topic[SampleT], limit: int = 200) -> Inbox[SampleT]:
         """Each sample of a topic, or the newest with a `limit` of 1; its arrival wakes the loop."""

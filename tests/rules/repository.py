@@ -10,7 +10,15 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE_ROOTS = ("schemas", "services")
-NOT_SERVICES = {"giraff_schemas", "giraff_health", "giraff_node", "giraff_mcap", "giraff_sim", "giraff_cli"}
+NOT_SERVICES = {
+    "giraff_schemas",
+    "giraff_health",
+    "giraff_node",
+    "giraff_mcap",
+    "giraff_sim",
+    "giraff_cli",
+    "giraff_client",
+}
 
 
 @cache

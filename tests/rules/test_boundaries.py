@@ -78,7 +78,7 @@ def test_contracts_name_every_package() -> None:
     linter = pyproject()["tool"]["importlinter"]
     assert sorted(linter["root_packages"]) == packages()
     layers, forbidden = linter["contracts"]
-    assert sorted(layers["layers"][2].split(" | ")) == services()
+    assert sorted(layers["layers"][3].split(" | ")) == services()
     assert sorted(forbidden["forbidden_modules"]) == services()
 
 
@@ -114,7 +114,7 @@ OF_ONE_SERVICE = {"giraff_recorder": {"mcap", "lz4", "zstandard", "_cffi_backend
 """What only requirements/recorder.lock installs."""
 
 
-@pytest.mark.parametrize("package", ["giraff_schemas", "giraff_node", *services()])
+@pytest.mark.parametrize("package", ["giraff_schemas", "giraff_node", "giraff_client", *services()])
 def test_the_robots_side_needs_the_robots_lock_only(package: str) -> None:
     statement = f"""
 import importlib, pkgutil, {package}

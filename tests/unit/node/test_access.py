@@ -91,7 +91,8 @@ def test_whoever_is_named_may_stop_and_operators_reset(network: Network, host: s
 
 
 @pytest.mark.parametrize(
-    ("host", "service", "seen"), [("laptop", "joystick", True), ("laptop", "base", False), ("desk", "base", False)]
+    ("host", "service", "seen"),
+    [("laptop", "joystick", True), ("laptop", "client", True), ("laptop", "base", False), ("desk", "base", False)],
 )
 def test_nobody_poses_as_a_service_of_the_robot(network: Network, host: str, service: str, seen: bool) -> None:
     with network.sessions[host].liveliness().declare_token(alive_key(ROBOT, service, "one")):

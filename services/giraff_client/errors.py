@@ -1,0 +1,42 @@
+"""Why the robot does not do what a script asks. Each message names the cause and the way out."""
+
+from __future__ import annotations
+
+from giraff_schemas.messages import EStop
+
+
+class RobotError(Exception):
+    """Whatever stands between a script and its robot."""
+
+
+class NoRobotError(RobotError):
+    """No robot is heard, or not any more, or it cannot be told which is meant."""
+
+
+class SilentError(RobotError):
+    """The robot is there, and what the script wants to read is not."""
+
+
+class RefusedError(RobotError):
+    """Another operator drives, or this one's lease has ended."""
+
+    def __init__(self, holder: str, reason: str) -> None:
+        super().__init__(reason)
+        self.holder = holder
+        """Name of the operator that drives; empty: nobody does."""
+
+
+class NotArmedError(RobotError):
+    """The robot has the script's command and does not obey it: something has disarmed it."""
+
+
+class EmergencyStopError(RobotError):
+    """The emergency stop is engaged."""
+
+    def __init__(self, state: EStop) -> None:
+        super().__init__(
+            f"emergency stop, engaged by {state.by}: {state.reason}; see that the robot may move, "
+            "then `giraff estop reset` and robot.arm()"
+        )
+        self.by = state.by
+        self.reason = state.reason

@@ -1,0 +1,245 @@
+"""`Robot`: reads what the robot says and drives it, from a script of one's own."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import math
+import secrets
+import threading
+import time
+from collections.abc import Callable, Sequence
+from types import TracebackType
+from typing import Any, Final, Self
+
+import msgspec
+import zenoh
+
+from giraff_cli.robots import NoRobotError as UnknownRobotError
+from giraff_cli.robots import find_way, only_robot, others, unheard
+from giraff_client.errors import NoRobotError, RobotError, SilentError
+from giraff_client.policy import OperatorPolicy
+from giraff_node import Publisher
+from giraff_node.config import ConfigError
+from giraff_node.session import close_session, open_session
+from giraff_schemas.codec import DecodeError, decode
+from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Odometry, Range, Sample
+from giraff_schemas.topics import (
+    BASE,
+    ESTOP,
+    GUARD,
+    LEASE,
+    ODOM,
+    OPERATOR_CMD_VEL,
+    RANGE,
+    TICK,
+    SampleT,
+    Topic,
+    alive_key,
+    key_of,
+    require_chunk,
+)
+
+_PERIOD: Final = 1.0 / OPERATOR_CMD_VEL.rate_hz  # s
+_FIRST_WITHIN: Final = 2.0  # s in which a robot that is there has said everything once
+_FRESH: Final = 1.0  # s; what was said longer ago says nothing of now
+_LOOK: Final = 0.01  # s
+_HEARD: Final[tuple[Topic[Any], ...]] = (TICK, LEASE, BASE, ESTOP, GUARD, ODOM, RANGE)
+
+
+class Robot:
+    """One robot, for one script and one thread. Nothing is asked of the robot before the first `arm` or `drive`.
+
+    `name`: of the robot; else GIRAFF_ROBOT_NAME, else the robot file's, else the only one on the network.
+    `connect`: hosts like "192.168.1.20", where multicast does not reach. `operator`: the name under which the script
+    drives. `patience`: s to find the robot, and to get it armed.
+    """
+
+    def __init__(
+        self,
+        name: str | None = None,
+        *,
+        connect: Sequence[str] = (),
+        operator: str = "script",
+        patience: float = 5.0,
+    ) -> None:
+        self.name = name or ""
+        """Of the robot; once it is found, if it was not given."""
+        self._connect = connect
+        self._operator = require_chunk(operator)
+        self._patience = patience
+        self._instance = secrets.token_hex(8)
+        self._policy = OperatorPolicy(operator, self._instance)
+        self._lock = threading.Lock()  # Zenoh's threads tell the policy what they hear
+        self._newest: dict[str, tuple[Sample, float]] = {}  # by key, with when it was heard
+        self._declared: list[Any] = []  # a subscriber that nobody references ends
+        self._session: zenoh.Session | None = None
+        self._commands: Publisher[DriveCommand] | None = None
+        self._has_armed = False
+
+    def __enter__(self) -> Self:
+        """Raises NoRobotError."""
+        try:
+            way = find_way(self.name or None, self._connect)
+            if way.warning:
+                logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)
+            self._session = open_session(way.network, way.robot or "*", visiting=True)
+            self.name = way.robot or only_robot(self._session, self._patience)
+            self._listen(self._session)
+        except (UnknownRobotError, ConfigError) as error:
+            self._close()
+            raise NoRobotError(str(error)) from error
+        except zenoh.ZError as error:
+            raise NoRobotError(
+                f"no Zenoh session: {error}; check the table [network] of the robot file, and `connect`"
+            ) from error
+        except BaseException:
+            self._close()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop, and let others drive."""
+        if self._commands is not None:
+            self._commands.put(self._policy.farewell())
+        self._close()
+
+    def odom(self) -> Odometry:
+        """Pose in `odom` and twist, newest first heard within the last second. Raises SilentError."""
+        return self._fresh(ODOM, "check that giraff_odometry and giraff_base run")
+
+    def ranges(self) -> dict[str, Range]:
+        """By sensor, the newest reading; of one that was silent for a second it is a fault, and has no range.
+
+        Raises SilentError where no sensor was ever heard.
+        """
+        prefix = RANGE.key.removesuffix("*")
+        self._wait_for(lambda: any(key.startswith(prefix) for key in self._newest))
+        now = time.monotonic()
+        readings: dict[str, Range] = {}
+        for key, (sample, heard) in sorted(self._newest.copy().items()):
+            if isinstance(sample, Range):
+                old = now - heard
+                silent = f"{key} is silent for {old:.1f} s; check giraff_ranger and its board"
+                readings[sample.sensor] = (
+                    sample
+                    if old <= _FRESH
+                    else msgspec.structs.replace(sample, state="fault", range=None, echo_us=0, reason=silent)
+                )
+        if not readings:
+            raise SilentError("no range was ever heard; check that giraff_ranger runs and sees its board")
+        return readings
+
+    def base(self) -> BaseState:
+        """Whether base drives, and if not, why. Raises SilentError."""
+        return self._fresh(BASE, "check that giraff_base runs")
+
+    def guard(self) -> GuardState:
+        """What the guard allows in each direction, and why not more. Raises SilentError."""
+        return self._fresh(GUARD, "check that giraff_guard runs on base's machine")
+
+    def arm(self) -> None:
+        """Ask for the lease and hold still until the robot is armed, about half a second. The first `drive` does so.
+
+        After an emergency stop, or when another operator had the robot, only this makes it drive again: nothing moves
+        because somebody has reset something. Raises RobotError.
+        """
+        deadline = time.monotonic() + self._patience
+        with self._lock:
+            self._policy.begin(time.monotonic())
+        while time.monotonic() < deadline:
+            with self._lock:
+                command = self._policy.step(time.monotonic())
+            if command is None:
+                self._has_armed = True
+                return
+            self._put(command)
+        raise self._policy.gave_up()
+
+    def drive(self, linear_x: float, angular_z: float) -> None:
+        """Drive so from now on, m/s and rad/s (left positive), and return after 1/30 s.
+
+        It holds for 0.4 s, fading out in the second half: a script that does not call again in time, because it
+        hangs, waits or has died, stops the robot. The guard may let through less, see `guard`; it is no error.
+        Raises RobotError where the robot does not obey this script any more, ValueError for what is no number.
+        """
+        if not (math.isfinite(linear_x) and math.isfinite(angular_z)):
+            raise ValueError(f"drive({linear_x}, {angular_z}): both must be finite numbers, m/s and rad/s")
+        if not self._has_armed:
+            self.arm()
+        with self._lock:
+            command = self._policy.drive(linear_x, angular_z, time.monotonic())
+        self._put(command)
+
+    def stop(self) -> None:
+        """Stand still now. The robot stays armed for a second; see `rest`."""
+        if self._has_armed:
+            with contextlib.suppress(RobotError):  # whoever is not obeyed drives nothing, either
+                self.drive(0.0, 0.0)
+
+    def rest(self, seconds: float) -> None:
+        """Stand still for so long, and stay armed: what a script that drives uses in the place of `time.sleep`."""
+        until = time.monotonic() + seconds
+        self.drive(0.0, 0.0)
+        while time.monotonic() < until:
+            self.drive(0.0, 0.0)
+
+    def _put(self, command: DriveCommand) -> None:
+        """Publish, and wait until the next one may come."""
+        if self._commands is None:
+            if self._session is None:
+                raise NoRobotError("not on the network; use it as `with Robot() as robot:`")
+            topic = OPERATOR_CMD_VEL.at(self._operator)
+            self._commands = Publisher(self._session, self.name, topic, self._instance)
+        self._commands.put(command)
+        time.sleep(_PERIOD)
+
+    def _fresh(self, topic: Topic[SampleT], way_out: str) -> SampleT:
+        self._wait_for(lambda: topic.key in self._newest)
+        sample, heard = self._newest.get(topic.key, (None, 0.0))
+        if sample is None:
+            raise SilentError(f"{topic.key} was never heard; {way_out}")
+        if (old := time.monotonic() - heard) > _FRESH:
+            raise SilentError(f"{topic.key} is silent for {old:.1f} s; {way_out}")
+        assert isinstance(sample, topic.schema)  # noqa: S101  it was decoded as one
+        return sample
+
+    def _wait_for(self, holds: Callable[[], bool], seconds: float = _FIRST_WITHIN) -> bool:
+        until = time.monotonic() + seconds
+        while not holds() and time.monotonic() < until:
+            time.sleep(_LOOK)
+        return holds()
+
+    def _listen(self, session: zenoh.Session) -> None:
+        """Hear all that a script may ask for, until the robot's clock has come. Raises UnknownRobotError."""
+        for topic in _HEARD:
+            self._declared.append(session.declare_subscriber(key_of(self.name, topic), self._hearer(topic)))
+        token = alive_key(self.name, "client", self._instance)
+        self._declared.append(session.liveliness().declare_token(token))
+        if not self._wait_for(lambda: TICK.key in self._newest, self._patience):
+            raise UnknownRobotError(unheard(self.name, ()) + others(session, self.name))
+
+    def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
+        prefix = key_of(self.name, TICK).removesuffix(TICK.key)
+
+        def on_sample(received: zenoh.Sample) -> None:
+            key = str(received.key_expr)
+            try:
+                sample = decode(topic, key, bytes(received.payload), str(received.encoding))
+            except DecodeError as error:
+                logging.getLogger(__package__).debug("%s", error)
+                return
+            now = time.monotonic()
+            self._newest[key.removeprefix(prefix)] = sample, now
+            with self._lock:
+                self._policy.take(sample, now)
+
+        return on_sample
+
+    def _close(self) -> None:
+        self._declared.clear()
+        if self._session is not None:
+            close_session(self._session)
+            self._session = None

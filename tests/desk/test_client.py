@@ -1,0 +1,195 @@
+"""`giraff_client` against the simulated robot: the examples as people run them, and a script that hangs or dies."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from giraff_client import EmergencyStopError, NoRobotError, RefusedError, Robot
+from giraff_schemas.topics import BASE, LEASE
+from giraff_sim.board import ROOT
+from tests.system.robot import ProcessRobot, process_robot
+
+EXAMPLES = ROOT / "examples"
+HALL = """
+name = "hall"
+start = { x = 0.0, y = 0.0, yaw_deg = 4.0 }
+
+[[walls]]
+name = "room"
+points = [[5.0, 0.85], [-3.0, 0.85], [-3.0, -4.0], [5.0, -4.0]]
+closed = true
+"""
+"""The wall on the left is 0.6 m from the sensors of a robot that faces it."""
+STOPS_WITHIN = 0.6
+"""s from a script's last word to PWM zero: 0.4 s by the operator's budget, and what a busy machine takes to see it."""
+
+
+@pytest.fixture(scope="module")
+def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
+    with process_robot(tmp_path_factory.mktemp("hall"), HALL, boards="host") as made:
+        made.stop("joystick")
+        made.observer.follow(LEASE)
+        yield made
+
+
+@pytest.fixture
+def alone(robot: ProcessRobot, monkeypatch: pytest.MonkeyPatch) -> ProcessRobot:
+    """The robot that a script of this process finds, at the place from which it starts, driven by nobody."""
+    for name, value in robot.environment.items():
+        if name.startswith("GIRAFF_"):
+            monkeypatch.setenv(name, value)
+    robot.wait("nobody who drives", lambda: (lease := robot.observer.newest(LEASE)) is not None and not lease.holder, 5)
+    return robot
+
+
+def example(robot: ProcessRobot, name: str, *words: str) -> str:
+    """What an example says."""
+    command = [sys.executable, str(EXAMPLES / name), *words]
+    done = subprocess.run(
+        command, check=False, capture_output=True, text=True, env=robot.environment, cwd=robot.directory, timeout=90.0
+    )
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout
+    return done.stdout
+
+
+def test_an_example_is_twenty_lines_at_most() -> None:
+    lengths = {path.name: sum(map(bool, path.read_text().splitlines())) for path in EXAMPLES.glob("*.py")}
+    assert len(lengths) == 3
+    assert max(lengths.values()) <= 20, lengths
+
+
+def test_it_follows_a_wall_at_half_a_metre(alone: ProcessRobot) -> None:
+    """Of the sensors, which are 0.25 m ahead of the robot's centre when it faces the wall."""
+    said = example(alone, "follow_wall.py", "3").splitlines()
+    assert len(said) == 3
+    distances = [float(line.partition(" ")[0]) for line in said]
+    print(distances)
+    assert distances[-1] == pytest.approx(0.5, abs=0.06), distances
+    truth = alone.simulator.state()
+    assert truth.x > 0.8
+    assert 0.85 - truth.y - 0.25 == pytest.approx(0.5, abs=0.08)
+
+
+def test_it_patrols_where_the_path_is_free(alone: ProcessRobot) -> None:
+    alone.simulator.place(0.0, -2.0)
+    said = example(alone, "patrol.py").splitlines()
+    assert [line.partition(";")[0] for line in said] == ["at 1, 0", "at 1, 1", "at 0, 1", "at 0, 0"]
+    truth = alone.simulator.state()
+    assert math.hypot(truth.x, truth.y + 2.0) < 0.3
+
+
+def test_it_draws_the_path_that_another_drives(alone: ProcessRobot) -> None:
+    alone.simulator.place(0.0, -2.0)
+    file = alone.directory / "path.svg"
+    command = [sys.executable, str(EXAMPLES / "plot_path.py"), "4", str(file)]
+    with subprocess.Popen(command, env=alone.environment) as drawing, Robot() as robot:
+        for _ in range(60):
+            robot.drive(0.2, 0.3)
+        assert drawing.wait(20.0) == 0
+    points = [point.split(",") for point in file.read_text().split('points="')[1].split('"')[0].split()]
+    assert len(points) > 20
+    assert math.dist(*[[float(value) for value in point] for point in (points[0], points[-1])]) > 0.15
+
+
+def test_it_is_one_operator_among_others_and_lets_go_when_it_leaves(alone: ProcessRobot) -> None:
+    with Robot(operator="first") as first:
+        first.drive(0.0, 0.0)
+        with Robot(operator="second") as second, pytest.raises(RefusedError, match="held by first") as refused:
+            second.drive(0.2, 0.0)
+        assert refused.value.holder == "first"
+        first.rest(1.5)  # more than the lease lasts without a word
+        first.drive(0.1, 0.0)
+    with Robot(operator="second", patience=5.0) as second:
+        assert not second.base().armed
+        alone.wait("a free robot", lambda: not getattr(alone.observer.newest(LEASE), "holder", ""), 3.0)
+        second.drive(0.1, 0.0)
+        assert second.base().guard
+        assert set(second.ranges()) == {"front_left", "front_right", "rear"}
+        for bad in (math.nan, math.inf):
+            with pytest.raises(ValueError, match="finite"):
+                second.drive(0.1, bad)
+
+
+def test_an_emergency_stop_is_told_and_a_reset_moves_nothing(alone: ProcessRobot) -> None:
+    with Robot() as robot:
+        robot.drive(0.1, 0.0)
+        assert alone.giraff("estop", "engage", "--reason", "a cat") == 0
+        with pytest.raises(EmergencyStopError, match="a cat"):
+            drive_for(robot, 2.0)
+        assert alone.giraff("estop", "reset") == 0
+        stopped_us = alone.simulator.now()
+        until = time.monotonic() + 1.5
+        while time.monotonic() < until:
+            with pytest.raises(Exception, match=r"robot\.arm"):
+                robot.drive(0.1, 0.0)
+            robot.stop()
+            time.sleep(0.05)
+        assert alone.simulator.record(stopped_us).driven_ms == 0
+        robot.arm()
+        drive_for(robot, 0.5)
+        assert alone.drives()
+
+
+def drive_for(robot: Robot, seconds: float) -> None:
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        robot.drive(0.15, 0.0)
+
+
+SCRIPT = """
+import sys, time
+from giraff_client import Robot
+with Robot() as robot:
+    for _ in range(45):
+        robot.drive(0.0, 0.6)
+    print("driving", flush=True)
+    while "{how}" != "hangs":
+        robot.drive(0.0, 0.6)
+    time.sleep(60.0)
+"""
+
+
+@pytest.mark.parametrize("how", ["hangs", "SIGSTOP", "SIGKILL"])
+def test_a_script_that_is_no_more_stops_the_robot(alone: ProcessRobot, how: str) -> None:
+    command = [sys.executable, "-c", SCRIPT.format(how=how)]
+    with subprocess.Popen(command, env=alone.environment, stdout=subprocess.PIPE, text=True) as script:
+        try:
+            assert script.stdout is not None
+            assert script.stdout.readline() == "driving\n"
+            assert alone.drives()
+            ended_us = alone.simulator.now()
+            if how != "hangs":
+                os.kill(script.pid, getattr(signal, how))
+            alone.run(1.5)
+            last = alone.simulator.record(ended_us).last_driven_us
+            took = ((last or ended_us) - ended_us) * 1e-6
+            print(f"{how}: PWM 0 after {took:.3f} s")
+            assert took <= STOPS_WITHIN
+        finally:
+            script.kill()
+
+
+@pytest.mark.usefixtures("alone")
+def test_where_there_is_no_robot_it_says_so() -> None:
+    with (
+        pytest.raises(NoRobotError, match=r"no robot called nobody is heard .*--robot sim-test"),
+        Robot("nobody", patience=1.0),
+    ):
+        pass
+
+
+def test_guard_stands_between_it_and_the_wall(alone: ProcessRobot) -> None:
+    alone.simulator.place(3.6, -2.0)
+    with Robot() as robot:
+        drive_for(robot, 7.0)
+        assert robot.guard().forward.freedom == "blocked"
+        assert alone.observer.newest(BASE) is not None
+    assert alone.simulator.state().x < 5.0 - 0.3
