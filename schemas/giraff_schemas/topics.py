@@ -10,6 +10,7 @@ from typing import Any, Generic, Literal, TypeVar
 import msgspec
 
 from giraff_schemas import messages as m
+from giraff_schemas import params as p
 
 SampleT = TypeVar("SampleT", bound=m.Sample)
 
@@ -45,6 +46,11 @@ class Query(msgspec.Struct, Generic[RequestT, AnswerT], frozen=True):
     request: type[RequestT]
     answer: type[AnswerT]
 
+    def at(self, service: str) -> Query[RequestT, AnswerT]:
+        """The row of one service."""
+        require_chunk(service)
+        return msgspec.structs.replace(self, key=self.key.replace("*", service))
+
 
 TICK = Topic("tick", m.Tick, 50, "control")
 TILT = Topic("tilt", m.Tilt, 50, "state")
@@ -78,6 +84,15 @@ ESTOP_ENGAGE = Query("estop/engage", m.EStopEngage, m.EStopAnswer)
 ESTOP_RESET = Query("estop/reset", m.EStopReset, m.EStopAnswer)
 
 QUERIES: tuple[Query[Any, Any], ...] = (ESTOP_ENGAGE, ESTOP_RESET)
+"""Of base."""
+
+# Apart, because access is granted by key: who may read a parameter may not set it.
+PARAM_DESCRIBE = Query("param/*", p.ParamDescribe, p.ParamAnswer)
+PARAM_SET = Query("param/*/set", p.ParamSet, p.ParamAnswer)
+PARAM_SAVE = Query("param/*/save", p.ParamSave, p.ParamAnswer)
+
+PARAM_QUERIES: tuple[Query[Any, Any], ...] = (PARAM_DESCRIBE, PARAM_SET, PARAM_SAVE)
+"""Of every service that is a `Node`."""
 
 
 def key_of(robot: str, topic: Topic[Any] | Query[Any, Any]) -> str:

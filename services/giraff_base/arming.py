@@ -26,6 +26,10 @@ class Arming:
         self._neutral_from: RobotTime | None = None
         self._neutral_to: RobotTime | None = None
 
+    def reconfigure(self, config: BaseConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+
     @property
     def refusal(self) -> str:
         """Why the robot is not armed, and how to arm it; empty when it is."""

@@ -36,6 +36,12 @@ class Authority:
         self._newest_ns = 0
         self._clock_trusted_ns = 0
 
+    def reconfigure(self, config: BaseConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+        for part in (self.arming, self.binding, self.battery):
+            part.reconfigure(config)
+
     @property
     def faults(self) -> dict[str, str]:
         """What is wrong, with the way out; empty where nothing is."""

@@ -42,6 +42,10 @@ class BatteryWatch:
         self._volts = 0.0
         self._low, self._empty = _Held(), _Held()
 
+    def reconfigure(self, config: BaseConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+
     @property
     def share(self) -> float:
         """Of the speed."""

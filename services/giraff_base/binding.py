@@ -21,6 +21,10 @@ class Binding:
         self._intruder = ""
         self._intruder_heard_ns = 0
 
+    def reconfigure(self, config: BaseConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+
     @property
     def intruder(self) -> str:
         """Another guard was heard lately while the one in charge was alive; empty: none was."""

@@ -35,11 +35,14 @@ class Ramp:
     """The twist that is asked of the motors now, on its way to the one that may be driven."""
 
     def __init__(self, linear_acceleration: float, angular_acceleration: float) -> None:
+        self.limit(linear_acceleration, angular_acceleration)
+        self.linear = self.angular = 0.0
+        self._at_ns = 0
+
+    def limit(self, linear_acceleration: float, angular_acceleration: float) -> None:
         """m/s², rad/s²; of starts only."""
         self._linear_acceleration = linear_acceleration
         self._angular_acceleration = angular_acceleration
-        self.linear = self.angular = 0.0
-        self._at_ns = 0
 
     def stop(self) -> None:
         self.linear = self.angular = 0.0

@@ -22,6 +22,7 @@ def main() -> None:
         epoch = secrets.randbelow(0xFFFFFFFF) + 1
         directory = state_directory(node.robot.name)
         policy = BasePolicy(node.config, node.robot, read_latch(directory))
+        node.on_reconfigured = policy.reconfigure
         desk = EStopDesk(policy, LatchSaver(partial(write_latch, directory)))
         link = BoardLink(node.config.port, BASE_BAUD, BoardKind.BASE)
         commands, engages, resets = node.inbox(CMD_VEL), node.requests(ESTOP_ENGAGE), node.requests(ESTOP_RESET)

@@ -61,6 +61,12 @@ class BasePolicy:
         self._next_configure_ns = 0
         self._reason = _NO_REPORT
 
+    def reconfigure(self, config: BaseConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+        self._authority.reconfigure(config)
+        self._ramp.limit(config.linear_acceleration, config.angular_acceleration)
+
     @property
     def latch(self) -> EStopLatch:
         """The emergency stop in force; what belongs on disk."""

@@ -13,6 +13,7 @@ from giraff_cli.options import Connect, Robot
 from giraff_cli.record_commands import add_to as add_recording
 from giraff_cli.ask_commands import add_to as add_asking
 from giraff_cli.options import Connect, Robot
+from giraff_cli.param_commands import param
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,6 +36,7 @@ keys = typer.Typer(no_args_is_help=True)
 app.add_typer(keys, name="keys")
 add_recording(app)
 add_asking(app)
+app.add_typer(param, name="param")
 
 _REFUSED = 2  # exit code: nothing was started
 

@@ -45,6 +45,10 @@ class Authority:
         self._complaint = ""
         self._complaint_ns = 0
 
+    def reconfigure(self, config: GuardConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+
     def on_command(self, command: DriveCommand, now: RobotTime) -> None:
         """Take a command of any operator."""
         self.review(now)

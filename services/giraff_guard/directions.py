@@ -39,8 +39,12 @@ class Direction:
         self._blocked = True
         self._blocker = ""
         """The sensor that blocked this way last."""
-        self._regained = config.creep_linear
-        """m/s that its readings since then allow."""
+        self._regained = 0.0
+        """m/s beyond creeping that its readings since then allow."""
+
+    def reconfigure(self, config: GuardConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
 
     def on_reading(self, sensor: str) -> None:
         """A sensor was heard."""
@@ -59,10 +63,10 @@ class Direction:
         verdict = min(verdicts, key=lambda each: each.allowed)
         self._blocked = verdict.freedom == "blocked"
         if self._blocked:
-            self._blocker, self._regained = verdict.sensor, self._config.creep_linear
-        elif self._regained < verdict.allowed:
+            self._blocker, self._regained = verdict.sensor, 0.0
+        elif (allowed := self._config.creep_linear + self._regained) < verdict.allowed:
             reason = "this way was blocked until just now; speeding up"
-            return self._verdict(self._regained, verdict.sensor, reason)
+            return self._verdict(allowed, verdict.sensor, reason)
         return verdict
 
     def relied_on(self, now: RobotTime) -> RobotTime | None:

@@ -46,9 +46,14 @@ class Echoes:
     """Remembers, merges and forgets."""
 
     def __init__(self, config: GuardConfig, footprint_radius: float) -> None:
-        self._config = config
-        self._reach = footprint_radius + config.memory_margin
+        self._footprint_radius = footprint_radius
+        self.reconfigure(config)
         self._echoes: list[_Echo] = []
+
+    def reconfigure(self, config: GuardConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+        self._reach = self._footprint_radius + config.memory_margin
 
     def clear(self) -> None:
         self._echoes.clear()

@@ -13,6 +13,7 @@ from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, RANGE
 def main() -> None:
     with Node("guard", GuardConfig, steady=True) as node:
         policy = GuardPolicy(node.config, node.robot, first_lease=secrets.randbits(32))
+        node.on_reconfigured = policy.reconfigure
         # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
         ticks, ranges = node.inbox(TICK), node.inbox(RANGE)
         wheels, commands = node.inbox(WHEELS), node.inbox(OPERATOR_CMD_VEL)

@@ -59,6 +59,10 @@ class Motion:
         self.breaks = 0
         """How often the wheels' counters could not be followed."""
 
+    def reconfigure(self, config: GuardConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+
     def on_wheels(self, wheels: Wheels) -> None:
         """Follow a report that is newer than the last."""
         last, self._wheels = self._wheels, wheels

@@ -45,6 +45,16 @@ class Obstacles:
         self._robot = robot
         self._begin()
 
+    def reconfigure(self, config: GuardConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+        self._motion.reconfigure(config)
+        self._echoes.reconfigure(config)
+        self._forward.reconfigure(config)
+        self._backward.reconfigure(config)
+        for sensor in self._sensors.values():
+            sensor.reconfigure(config)
+
     def on_range(self, reading: Range, now: RobotTime) -> None:
         """A reading newer than the last of its sensor. One of a sensor that the robot file lacks says nothing."""
         sensor = self._sensors.get(reading.sensor)

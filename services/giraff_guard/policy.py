@@ -34,6 +34,11 @@ class GuardPolicy:
         self.fault = ""
         """Two processes where one may be, as `decide` found it, with the way out; empty when there are not."""
 
+    def reconfigure(self, config: GuardConfig) -> None:
+        """Judge by this from now on."""
+        self._authority.reconfigure(config)
+        self._obstacles.reconfigure(config)
+
     def on_tick(self, tick: Tick, robot_ns: int) -> None:
         """Take base's clock."""
         if self._identity.on_tick(tick, robot_ns):

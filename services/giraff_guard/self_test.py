@@ -31,6 +31,10 @@ class SelfTest:
         self.wild = False
         """Most readings jump farther than the robot's motion and a person's walk explain."""
 
+    def reconfigure(self, config: GuardConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+
     def on_reading(self, echo_us: int | None, place: Place, axis: float, jumped: bool) -> None:
         """`echo_us`: None where nothing answered. `jumped`: it does not follow from the reading before."""
         self._jumps.append(jumped)

@@ -40,6 +40,11 @@ class Sensor:
         self._lost: tuple[Place, float] | None = None  # where the robot was when a touching echo was lost, m
         self._self_test = SelfTest(config)
 
+    def reconfigure(self, config: GuardConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+        self._self_test.reconfigure(config)
+
     @property
     def tick(self) -> RobotTime | None:
         """Moment of the newest reading."""

@@ -51,9 +51,12 @@ class Attention:
     """Feed it each reading of a running sensor; `forget` when there was none."""
 
     def __init__(self, stillness: float) -> None:
-        """`stillness`: m/s² rms over 1 s, below which a thing lies and no hand holds it."""
-        self._still_counts = stillness * TILT_LSB_PER_M_S2
+        self.require(stillness)
         self.forget()
+
+    def require(self, stillness: float) -> None:
+        """m/s² rms over 1 s, below which a thing lies and no hand holds it."""
+        self._still_counts = stillness * TILT_LSB_PER_M_S2
 
     def forget(self) -> None:
         """Readings were missing: what came before says nothing about what comes now."""

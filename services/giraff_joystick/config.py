@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import msgspec
 
 from giraff_node.config import require_positive
+from giraff_node.live import Live
 from giraff_schemas.topics import require_chunk
 
 Curve = Literal["angle", "source"]
@@ -15,19 +16,19 @@ Curve = Literal["angle", "source"]
 class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the joystick board is, and what a tilt means."""
 
-    port: str = "/dev/giraff-joystick"
+    port: Annotated[str, Live.FIXED] = "/dev/giraff-joystick"
     """Path of the board's serial port."""
-    operator: str = "joystick"
+    operator: Annotated[str, Live.FIXED] = "joystick"
     """Name under which this operator's commands are published: `cmd_vel/<operator>`."""
-    curve: Curve = "angle"
+    curve: Annotated[Curve, Live.FIXED] = "angle"
     """`angle`: speed grows with the angle between `dead_zone_deg` and `full_tilt_deg`; yaw is capped at the
     robot's `max_angular_speed`. `source`: the published curve, exactly: speed grows with the acceleration from
     4.5 to 9.5 m/s², which is 27 to 76 degrees; yaw is limited by the wheels alone."""
-    dead_zone_deg: float = 8.0
+    dead_zone_deg: Annotated[float, Live.UP] = 8.0
     """Degrees from the zero within which nothing moves; of the curve `angle`."""
-    full_tilt_deg: float = 35.0
+    full_tilt_deg: Annotated[float, Live.UP] = 35.0
     """Degrees from the zero at which full speed is reached; of the curve `angle`."""
-    stillness: float = 0.045
+    stillness: Annotated[float, Live.UP] = 0.045
     """m/s², rms over 1 s: what moves less while it asks to drive has been laid down. Twice the sensor's own noise
     (0.021), and below the tremor of most hands (0.07). A steadier hand needs less."""
 

@@ -16,6 +16,7 @@ def main() -> None:
     with Node("joystick", JoystickConfig) as node:
         link = BoardLink(node.config.port, JOYSTICK_BAUD, BoardKind.JOYSTICK)
         policy = JoystickPolicy(node.config, node.robot, node.instance)
+        node.on_reconfigured = policy.reconfigure
         ticks, leases = node.inbox(TICK, limit=1), node.inbox(LEASE, limit=10)
         tilts = node.publisher(TILT)
         commands = node.publisher(OPERATOR_CMD_VEL.at(node.config.operator))

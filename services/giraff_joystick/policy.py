@@ -77,6 +77,11 @@ class JoystickPolicy:
         self._command = self._fault(self._silence)
         self._tick_down = TickDown()
 
+    def reconfigure(self, config: JoystickConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+        self._attention.require(config.stillness)
+
     @property
     def refusal(self) -> str:
         """Why the robot does not obey this joystick; empty when it does."""

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import msgspec
 
+from giraff_node.live import Live
 from giraff_schemas.topics import require_chunk
 
 
 class KeyboardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How fast a key drives."""
+
+    LIVE: ClassVar = Live.FIXED
 
     operator: str = "keyboard"
     """Name under which this operator's commands are published: `cmd_vel/<operator>`."""

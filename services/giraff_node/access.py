@@ -13,6 +13,8 @@ import msgspec
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     OPERATOR_CMD_VEL,
+    PARAM_DESCRIBE,
+    PARAM_QUERIES,
     QUERIES,
     ROOT,
     TILT,
@@ -66,7 +68,12 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
         _rule("all are asked", "egress", (*_ASKS, "query"), everything),
         _rule("all may listen", "ingress", _ASKS, everything),
         _rule(
-            "all may stop", "ingress", ("query",), f"{below}/{ESTOP_ENGAGE.key}", health_key(robot), frame_key(robot)
+            "all may stop",
+            "ingress",
+            ("query",),
+            *(f"{below}/{query.key}" for query in (ESTOP_ENGAGE, PARAM_DESCRIBE)),
+            health_key(robot),
+            frame_key(robot),
         ),
         _rule("the robot tells", "ingress", (*_TELLS, "query"), everything),
     ]
@@ -103,10 +110,14 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
                 *(
                     key
                     for service in _OPERATORS_SERVICES
-                    for key in (alive_key(robot, service), health_key(robot, service))
+                    for key in (
+                        alive_key(robot, service),
+                        health_key(robot, service),
+                        *(f"{below}/{query.at(service).key}" for query in PARAM_QUERIES),
+                    )
                 ),
             ),
-            _rule(asks, "ingress", ("query",), *(f"{below}/{query.key}" for query in QUERIES)),
+            _rule(asks, "ingress", ("query",), *(f"{below}/{query.key}" for query in (*QUERIES, *PARAM_QUERIES))),
         ]
         subjects.append(_subject(subject, (host,)))
         policies.append(_policy(subject, drives, present, asks))

@@ -28,15 +28,21 @@ from giraff_node.host_addresses import AddressWatch, host_addresses
 from giraff_node.inbox import Asked, Inbox
 from giraff_node.key_bundle import ExpiryWatch
 from giraff_node.pacing import Pacer
+from giraff_node.param_desk import ParamDesk
+from giraff_node.params import Params
 from giraff_node.process import Process
 from giraff_node.reunion import Reunion
 from giraff_node.robot import RobotConfig
 from giraff_node.router_link import RouterLink
 from giraff_node.session import NetworkConfig, open_session
+from giraff_node.state import state_directory
 from giraff_node.watch import Selectable
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.messages import Health, Transform
 from giraff_schemas.topics import (
+    PARAM_DESCRIBE,
+    PARAM_SAVE,
+    PARAM_SET,
     ROOT,
     AnswerT,
     Query,
@@ -85,7 +91,7 @@ class Node(Generic[ConfigT]):
         self._process = Process(service)  # before the session: opening it takes a moment
         self.log, self.instance = self._process.log, self._process.instance
         try:
-            self.config = load(service, config)
+            filed = load(service, config)
             self.robot = load("robot", RobotConfig)
             network = load("network", NetworkConfig)
             self._addresses = None if network.local else AddressWatch(host_addresses())
@@ -96,6 +102,11 @@ class Node(Generic[ConfigT]):
         except zenoh.ZError as error:
             self.log.error("no Zenoh session: %s; check the table [network] of the robot file", error)
             sys.exit(2)
+        self._params = Params(service, filed, self.robot)
+        self._desk = ParamDesk(service, self.instance, self._params, state_directory(self.robot.name), self.log)
+        self.set_fault("params", self._desk.fault)
+        self.on_reconfigured: Callable[[ConfigT], None] | None = None
+        """Takes `config` in the loop's turn whenever it has become another; None: no parameter changes live."""
         secured = network.mode == "secured" and not network.session_file
         self._keys = ExpiryWatch(Path(network.keys)) if secured else None
         routed = network.router and not network.local and not network.session_file
@@ -104,10 +115,19 @@ class Node(Generic[ConfigT]):
         self._reunion = None if own else Reunion(self.session, network, self.robot.name, visits=not steady)
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
+    @property
+    def config(self) -> ConfigT:
+        """What is in force: another object once a parameter was set."""
+        return self._params.config
+
     def __enter__(self) -> Self:
         self._declared.append(
             self.session.declare_queryable(health_key(self.robot.name, self.service), self._on_health_query)
         )
+        # Before the token: whoever finds the service in the graph may ask it.
+        self._describes = self.requests(PARAM_DESCRIBE.at(self.service))
+        self._sets = self.requests(PARAM_SET.at(self.service))
+        self._saves = self.requests(PARAM_SAVE.at(self.service))
         self._declared.append(
             self.session.liveliness().declare_token(alive_key(self.robot.name, self.service, self.instance))
         )
@@ -208,6 +228,7 @@ class Node(Generic[ConfigT]):
         self._process.fail(error)
 
     def _look(self, now: float) -> None:
+        self._desk.turn(self._describes, self._sets, self._saves, self.on_reconfigured)
         if self._keys is not None:
             self.set_notice("keys", self._keys.warning(datetime.now(UTC)))
         if self._router is not None:

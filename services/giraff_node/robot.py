@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 import msgspec
 
 from giraff_node.config import require_not_negative, require_positive
+from giraff_node.live import Live
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS, Wiring
 
@@ -28,6 +30,8 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Geometry, limits and wiring of one robot. SI units unless the name says otherwise."""
+
+    LIVE: ClassVar = Live.FIXED
 
     name: str
     track_width: float

@@ -16,6 +16,7 @@ def main() -> None:
     with Node("odometry", OdometryConfig) as node:
         policy = OdometryPolicy(node.config, node.robot)
         node.frame(BASE_FRAME, policy.transform)
+        node.on_reconfigured = policy.reconfigure
         wheels = node.inbox(WHEELS)
         out = node.publisher(ODOM)
         heard = noticed = time.monotonic()

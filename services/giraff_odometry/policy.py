@@ -52,6 +52,10 @@ class OdometryPolicy:
         now = self.estimate
         return Transform(parent=ODOM_FRAME, child=BASE_FRAME, x=now.x, y=now.y, yaw=now.yaw, fixed=False)
 
+    def reconfigure(self, config: OdometryConfig) -> None:
+        """Judge by this from now on."""
+        self._config = config
+
     def on_wheels(self, wheels: Wheels) -> Odometry | None:
         """Where the robot is at this sample; None when it repeats one already taken, or is older."""
         self.notice = ""

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import msgspec
+
+from giraff_node.live import Live
 
 
 class RangerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the ranger board is."""
+
+    LIVE: ClassVar = Live.FIXED
 
     port: str = "/dev/giraff-ranger"
     """Path of the board's serial port."""

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import msgspec
 
 from giraff_node.config import require_positive
+from giraff_node.live import Live
 
 
 class SentryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How often the same refusal is told."""
 
-    again: float = 10.0
+    again: Annotated[float, Live.FREE] = 10.0
     """s until a refusal that goes on is told again, with its count."""
 
     def __post_init__(self) -> None:

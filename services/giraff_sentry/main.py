@@ -48,6 +48,7 @@ def main() -> None:
     log = ZenohLog()  # before the session, whose threads log
     with Node("sentry", SentryConfig) as node:
         refusals = Refusals(node.config.again)
+        node.on_reconfigured = lambda config: setattr(refusals, "again", config.again)
         # Whoever publishes on these keys without being allowed to sends it here, too, and Zenoh drops it at this door.
         node.subscribe(CMD_VEL, lambda _: None)
         node.subscribe(OPERATOR_CMD_VEL, lambda _: None)

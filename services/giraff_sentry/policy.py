@@ -33,7 +33,8 @@ class Refusals:
     """Counts what was refused, and tells it when it is new and then now and then."""
 
     def __init__(self, again: float) -> None:
-        self._again = again
+        self.again = again
+        """s until a refusal that goes on is told again."""
         self._counts: dict[Refusal, int] = {}
         self._told: dict[Refusal, float] = {}
         self._others = 0
@@ -55,10 +56,10 @@ class Refusals:
             for refusal in thread.settled():
                 self._count(refusal)
         for refusal, count in list(self._counts.items()):
-            if count and now - self._told.get(refusal, -self._again) >= self._again:
+            if count and now - self._told.get(refusal, -self.again) >= self.again:
                 self._told[refusal], self._counts[refusal] = now, 0
                 yield refusal, count
-            elif not count and now - self._told[refusal] >= self._again:
+            elif not count and now - self._told[refusal] >= self.again:
                 del self._counts[refusal], self._told[refusal]
         if self._others:
             yield ("", "more", ""), self._others

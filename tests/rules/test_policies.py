@@ -16,7 +16,7 @@ IMPURE = {
 }
 PURE_RUNTIME = {
     *{"giraff_node.base_frames", "giraff_node.counters", "giraff_node.estop", "giraff_node.freshness"},
-    *{"giraff_node.lease", "giraff_node.robot", "giraff_node.tick_down"},
+    *{"giraff_node.lease", "giraff_node.live", "giraff_node.robot", "giraff_node.tick_down"},
     *{"giraff_node.access", "giraff_node.site"},
 }
 PURE_CHECKS = {"require_positive", "require_not_negative"}  # of giraff_node.config

@@ -33,11 +33,11 @@ def test_every_topic_is_in_the_table_once() -> None:
     assert len(keys) == len(set(keys))
 
 
-HEADS = [
-    topics.alive_key("robot").split("/")[2],
-    topics.health_key("robot").split("/")[2],
-    topics.frame_key("robot").split("/")[2],
-] + [topic.key.removesuffix("/*") for topic in topics.TOPICS if topic.key.endswith("/*")]
+HEADS = (
+    [key.split("/")[2] for key in (topics.alive_key("robot"), topics.health_key("robot"), topics.frame_key("robot"))]
+    + [topics.PARAM_DESCRIBE.key.removesuffix("/*")]
+    + [topic.key.removesuffix("/*") for topic in topics.TOPICS if topic.key.endswith("/*")]
+)
 KEY = re.compile(
     # Below a key with one row for each operator or sensor, or below the root.
     rf"({topics.ROOT}|{'|'.join(HEADS)})/.*"

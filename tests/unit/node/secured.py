@@ -13,7 +13,16 @@ from giraff_cli.keys import make_authority, make_bundle
 from giraff_cli.watcher import free_port
 from giraff_node.access import AccessConfig
 from giraff_node.session import NetworkConfig, close_session, open_session
-from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, OPERATOR_CMD_VEL, TICK, TOPICS, key_of
+from giraff_schemas.topics import (
+    ESTOP_ENGAGE,
+    ESTOP_RESET,
+    OPERATOR_CMD_VEL,
+    PARAM_QUERIES,
+    TICK,
+    TOPICS,
+    Query,
+    key_of,
+)
 from tests.waiting import wait
 
 ROBOT: Final = "sim-secured"
@@ -47,7 +56,8 @@ class Network:
         self._declared: list[Any] = []
         for topic in TOPICS:
             self._declared.append(self.base.declare_subscriber(key_of(ROBOT, topic), self._on_sample))
-        for query in (ESTOP_ENGAGE, ESTOP_RESET):
+        queries: list[Query[Any, Any]] = [ESTOP_ENGAGE, ESTOP_RESET, *(query.at("guard") for query in PARAM_QUERIES)]
+        for query in queries:
             self._declared.append(self.base.declare_queryable(key_of(ROBOT, query), self._on_query))
         time.sleep(1.0)  # until all have met; that no link comes about has no event to wait for
 

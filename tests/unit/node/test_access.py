@@ -20,6 +20,9 @@ from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
     ODOM,
+    PARAM_DESCRIBE,
+    PARAM_SAVE,
+    PARAM_SET,
     TICK,
     TILT,
     Topic,
@@ -88,6 +91,32 @@ def test_whoever_is_named_may_stop_and_operators_reset(network: Network, host: s
     for query, answered in ((ESTOP_ENGAGE, stops), (ESTOP_RESET, resets)):
         replies = network.sessions[host].get(key_of(ROBOT, query), timeout=0.7)
         assert [reply.ok is not None for reply in replies] == ([True] if answered else [])
+
+
+@pytest.mark.parametrize(
+    ("host", "reads", "sets"),
+    [("robot", True, True), ("laptop", True, True), ("desk", True, False), ("unnamed", False, False)],
+)
+def test_whoever_is_named_reads_parameters_and_operators_set_them(
+    network: Network, host: str, reads: bool, sets: bool
+) -> None:
+    for query, answered in ((PARAM_DESCRIBE, reads), (PARAM_SET, sets), (PARAM_SAVE, sets)):
+        replies = network.sessions[host].get(key_of(ROBOT, query.at("guard")), timeout=0.7)
+        assert [reply.ok is not None for reply in replies] == ([True] if answered else []), query.key
+
+
+def test_a_joystick_answers_for_its_parameters_and_for_no_other_service(network: Network) -> None:
+    for service, answered in (("joystick", True), ("base", False)):
+        key = key_of(ROBOT, PARAM_DESCRIBE.at(service))
+        with network.sessions["laptop"].declare_queryable(key, _answer):
+            time.sleep(0.3)
+            replies = network.base.get(key, timeout=0.7)
+            assert [reply.ok is not None for reply in replies] == ([True] if answered else [])
+
+
+def _answer(query: zenoh.Query) -> None:
+    with query:
+        query.reply(query.key_expr, "mine")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,137 @@
+"""Parameters as people and programs read them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Final, NamedTuple
+
+from giraff_schemas.params import Param
+
+_SHARED: Final = "robot."
+_MAY: Final = {
+    "up": "safety: may be raised live",
+    "down": "safety: may be lowered live",
+    "free": "may change live",
+    "fixed": "robot file and restart",
+}
+
+
+class Shown(NamedTuple):
+    """One parameter of one service."""
+
+    service: str
+    host: str
+    param: Param
+
+    @property
+    def is_shared(self) -> bool:
+        """Of the table [robot], which all services go by."""
+        return self.param.name.startswith(_SHARED)
+
+    @property
+    def name(self) -> str:
+        """As people call it: guard.margin, robot.track_width."""
+        return self.param.name if self.is_shared else f"{self.service}.{self.param.name}"
+
+    def is_meant(self, name: str) -> bool:
+        """By a name that is a parameter's, or a whole table's."""
+        return name in (self.name, self.name.partition(".")[0])
+
+    def sentence(self) -> str:
+        """Where its value stands now."""
+        param = self.param
+        state = _state(param)
+        return f"{self.name} {text(param.value)}{f' ({state})' if state else ''}"
+
+
+def listed(shown: Sequence[Shown]) -> str:
+    """One line each: name, value, what may be done to it, and where it is not the robot file's."""
+    lines = [(one.name, text(one.param.value), _MAY[one.param.live], _state(one.param)) for one in _once(shown)]
+    widths = [max((len(line[column]) for line in lines), default=0) for column in range(3)]
+    return "\n".join(
+        "  ".join((*(cell.ljust(width) for cell, width in zip(line, widths, strict=False)), line[3])).rstrip()
+        for line in lines
+    )
+
+
+def values(shown: Sequence[Shown]) -> str:
+    """The values alone."""
+    return "\n".join(text(one.param.value) for one in _once(shown))
+
+
+def described(shown: Sequence[Shown]) -> str:
+    """Some lines each."""
+    return "\n".join(
+        f"{one.name} = {text(one.param.value)}\n"
+        + "".join(f"    {line}\n" for line in _lines(one.param) if line).rstrip("\n")
+        for one in _once(shown)
+    )
+
+
+def as_objects(shown: Iterable[Shown]) -> list[dict[str, Any]]:
+    """For programs: every service's, also of what they share."""
+    return [
+        {
+            "name": one.name,
+            "service": one.service,
+            "host": one.host,
+            "value": one.param.value,
+            "robot_file": one.param.filed,
+            "saved": one.param.saved,
+            "type": one.param.kind,
+            "live": one.param.live,
+            "doc": one.param.doc,
+        }
+        for one in shown
+    ]
+
+
+def differing(shown: Iterable[Shown]) -> list[str]:
+    """Of what services should share: a word for each that they do not."""
+    by_name: dict[str, list[Shown]] = {}
+    for one in shown:
+        if one.is_shared:
+            by_name.setdefault(one.name, []).append(one)
+    return [
+        f"{name} differs: {', '.join(f'{text(one.param.value)} in {one.service} on {one.host}' for one in ones)}; "
+        "give all hosts the same robot file, and restart"
+        for name, ones in by_name.items()
+        if any(one.param.value != ones[0].param.value for one in ones)
+    ]
+
+
+def text(value: Any) -> str:
+    """As in the robot file; `none` for no value."""
+    match value:
+        case None:
+            return "none"
+        case bool():
+            return str(value).lower()
+        case float():
+            return f"{value:g}"
+        case str():
+            return value
+        case dict():
+            return "{" + ", ".join(f"{name}: {text(field)}" for name, field in value.items()) + "}"
+        case list() | tuple():
+            return "[" + ", ".join(map(text, value)) + "]"
+        case _:
+            return str(value)
+
+
+def _state(param: Param) -> str:
+    if param.value != param.filed:
+        return f"robot file: {text(param.filed)}; {'saved' if param.saved else 'NOT SAVED, until the service ends'}"
+    return "" if param.saved else "NOT SAVED: another value was, and comes again after a restart"
+
+
+def _lines(param: Param) -> tuple[str, ...]:
+    return (param.doc, f"{param.kind}; {_MAY[param.live]}", _state(param))
+
+
+def _once(shown: Iterable[Shown]) -> list[Shown]:
+    """What services share is shown once for each value."""
+    found: dict[tuple[str, str], Shown] = {}
+    for one in shown:
+        found.setdefault((one.name, text(one.param.value)), one)
+    return sorted(found.values(), key=lambda one: (one.is_shared, one.service if not one.is_shared else ""))

@@ -1,0 +1,141 @@
+"""The parameters of one service: what they are, and what may be done to them while it runs. No I/O.
+
+A safety value can only be tightened, and a tightening can be taken back as far as the robot file goes: what the robot
+file says is what somebody answers for. Whatever was saved counts after a restart only where it is no looser than that.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import inspect
+from collections.abc import Iterable, Mapping
+from typing import Any, Final, Generic
+
+import msgspec
+
+from giraff_node.config import ConfigT
+from giraff_node.live import Live, live_fields, loosens
+from giraff_node.robot import RobotConfig
+from giraff_schemas.params import Param
+
+_SHARED: Final = "robot."
+
+
+class ParamError(Exception):
+    """A parameter is not set. The message names the rule, and the way out."""
+
+
+class Params(Generic[ConfigT]):
+    """`filed`: the service's table as the robot file and the environment have it; `service`: its name."""
+
+    def __init__(self, service: str, filed: ConfigT, robot: RobotConfig) -> None:
+        self.config = filed
+        """What is in force."""
+        self.saved: dict[str, Any] = {}
+        """What is kept over restarts, by field."""
+        self._service = service
+        self._filed = filed
+        self._live = live_fields(type(filed))
+        self._documented = {**_described(type(filed)), **_described(type(robot), _SHARED)}
+        self._robot = robot
+
+    def restore(self, saved: Mapping[str, Any]) -> list[str]:
+        """Put in force what was saved, as far as it may be; what of it is not, and why."""
+        ignored = []
+        for name, value in saved.items():
+            try:
+                self.set(name, value)
+            except ParamError as error:
+                ignored.append(str(error))
+            else:
+                self.saved[name] = value
+        return ignored
+
+    def set(self, name: str, value: Any) -> None:
+        """Put another value in force. Raises ParamError."""
+        full = f"{self._service}.{name}"
+        if name not in self._live:
+            raise ParamError(self._unknown(name))
+        live = self._live[name] or Live.FIXED
+        if live is Live.FIXED:
+            raise ParamError(f"{full} cannot change while the service runs: it takes the robot file and a restart")
+        values: dict[str, Any] = {**_plain(self.config), name: value}
+        try:
+            changed = msgspec.convert(values, type(self.config), strict=False)
+        except msgspec.ValidationError as error:
+            raise ParamError(f"{full} {value}: {error}") from error
+        before, after = getattr(self._filed, name), getattr(changed, name)
+        if live is not Live.FREE and loosens(live, before, after):
+            raise ParamError(
+                f"{full} {_shown(after)} is looser than {_shown(before)}: "
+                "loosening takes the robot file, standstill and a restart"
+            )
+        self.config = changed
+
+    def to_save(self, names: Iterable[str]) -> dict[str, Any]:
+        """What is kept once these are saved, all where none is named: what the robot file says is not."""
+        wanted = set(names)
+        for name in wanted:
+            if name not in self._live:
+                raise ParamError(self._unknown(name))
+        now, filed = _plain(self.config), _plain(self._filed)
+        kept = dict(self.saved)
+        for name in wanted or self._live:
+            kept.pop(name, None)
+            if now[name] != filed[name]:
+                kept[name] = now[name]
+        return kept
+
+    def describe(self, names: Iterable[str] = ()) -> tuple[Param, ...]:
+        """As they are now; all of them where none is named."""
+        now, filed, shared = _plain(self.config), _plain(self._filed), _plain(self._robot)
+        own = [
+            self._described(name, now[name], filed[name], saved=self.saved.get(name, filed[name]) == now[name])
+            for name in self._live
+        ]
+        own += [self._described(_SHARED + name, value, value, saved=True) for name, value in shared.items()]
+        wanted = set(names)
+        return tuple(param for param in own if not wanted or param.name in wanted)
+
+    def _described(self, name: str, value: Any, filed: Any, *, saved: bool) -> Param:
+        kind, doc = self._documented[name]
+        live = self._live.get(name) or Live.FIXED
+        return Param(name=name, value=value, filed=filed, saved=saved, kind=kind, live=live.value, doc=doc)
+
+    def _unknown(self, name: str) -> str:
+        if name in self._documented:
+            return f"{name} is shared by all services: it takes the robot file and a restart"
+        close = difflib.get_close_matches(name, self._live, n=1)
+        hint = f"did you mean {self._service}.{close[0]}?" if close else f"there are: {', '.join(self._live)}"
+        return f"{self._service} has no parameter {name}; {hint}"
+
+
+def _plain(config: msgspec.Struct) -> dict[str, Any]:
+    """By field, what JSON has."""
+    plain: dict[str, Any] = msgspec.to_builtins(config)
+    return plain
+
+
+def _shown(value: Any) -> str:
+    return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _described(config: type[msgspec.Struct], prefix: str = "") -> dict[str, tuple[str, str]]:
+    """By field with its prefix: its type in words, and what its docstring says."""
+    kinds, docs = {}, {}
+    body = ast.parse(inspect.getsource(config)).body[0]
+    assert isinstance(body, ast.ClassDef)  # noqa: S101  a Struct is a class
+    field = ""
+    for statement in body.body:
+        match statement:
+            case ast.AnnAssign(target=ast.Name(id=field), annotation=annotation):
+                if isinstance(annotation, ast.Subscript) and ast.unparse(annotation.value) == "Annotated":
+                    assert isinstance(annotation.slice, ast.Tuple)  # noqa: S101  the type, and Live
+                    annotation = annotation.slice.elts[0]
+                kinds[field] = ast.unparse(annotation)
+            case ast.Expr(value=ast.Constant(value=str(text))):
+                docs[field] = " ".join(text.split())
+            case _:
+                field = ""
+    return {prefix + name: (kinds.get(name, ""), docs.get(name, "")) for name in config.__struct_fields__}

@@ -1,0 +1,135 @@
+"""The parameters of one service: what may be set, what is kept, and what a service says that was asked for them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+import msgspec
+import pytest
+
+from giraff_node.config import require_positive
+from giraff_node.live import Live
+from giraff_node.params import ParamError, Params
+from giraff_schemas.params import Param
+from tests.robots import ROBOT
+
+
+class Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    margin: Annotated[float, Live.UP] = 0.25
+    """m kept
+    free."""
+    fast: Annotated[float | None, Live.DOWN] = 1.5
+    noise: Annotated[int, Live.FREE] = 3
+    """Counts."""
+    port: Annotated[str, Live.FIXED] = "/dev/tty"
+
+    def __post_init__(self) -> None:
+        require_positive(self, "margin")
+        if self.noise > 100:
+            raise ValueError(f"noise is {self.noise}: it must be 100 at most")
+
+
+@pytest.fixture
+def params() -> Params[Config]:
+    return Params("guard", Config(), ROBOT)
+
+
+def described(params: Params[Config], name: str) -> Param:
+    [param] = params.describe((name,))
+    return param
+
+
+def test_what_is_set_is_another_configuration(params: Params[Config]) -> None:
+    before = params.config
+    params.set("margin", "0.5")
+    params.set("fast", 1)
+    params.set("noise", 7)
+    assert before == Config()
+    assert params.config == Config(margin=0.5, fast=1.0, noise=7)
+    params.set("fast", None)
+    assert params.config.fast is None
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "why"),
+    [
+        (
+            "margin",
+            0.1,
+            "guard.margin 0.1 is looser than 0.25: loosening takes the robot file, standstill and a restart",
+        ),
+        ("margin", 0, "margin is 0.0: it must be a positive number"),
+        ("margin", None, "Expected `float`, got `null`"),
+        ("margin", {"a": 1}, "Expected `float`, got `object`"),
+        ("fast", 1.6, "looser than 1.5"),
+        ("noise", 101, "it must be 100 at most"),
+        ("noise", 2.5, "Expected `int`"),
+        ("port", "/dev/null", "guard.port cannot change while the service runs: it takes the robot file and a restart"),
+        ("robot.track_width", 1.0, "is shared by all services"),
+        ("robot.track", 1.0, "guard has no parameter robot.track; there are: margin, fast, noise, port"),
+        ("marign", 1.0, "guard has no parameter marign; did you mean guard.margin?"),
+        ("", 1.0, "there are: margin"),
+    ],
+)
+def test_what_is_refused_changes_nothing(params: Params[Config], name: str, value: Any, why: str) -> None:
+    with pytest.raises(ParamError) as refused:
+        params.set(name, value)
+    assert why in str(refused.value)
+    assert params.config == Config()
+
+
+def test_what_is_not_known_is_not_loosened() -> None:
+    params = Params("guard", Config(fast=None), ROBOT)
+    with pytest.raises(ParamError, match="1 is looser than none"):
+        params.set("fast", 1.0)
+
+
+def test_a_tightening_is_taken_back_as_far_as_the_robot_file_goes(params: Params[Config]) -> None:
+    params.set("margin", 0.5)
+    params.set("margin", 0.3)
+    params.set("margin", 0.25)
+    with pytest.raises(ParamError, match=r"looser than 0\.25"):
+        params.set("margin", 0.24)
+
+
+def test_what_was_saved_comes_again_unless_the_robot_file_is_tighter() -> None:
+    params = Params("guard", Config(margin=0.4), ROBOT)
+    ignored = params.restore({"margin": 0.3, "noise": 9, "port": "/dev/null", "gone": 1, "fast": "x"})
+    assert params.config == Config(margin=0.4, noise=9)
+    assert params.saved == {"noise": 9}
+    assert [why.partition(":")[0].split()[0] for why in ignored] == [
+        "guard.margin",
+        "guard.port",
+        "guard",
+        "guard.fast",
+    ]
+
+
+def test_only_what_is_not_the_robot_files_is_saved(params: Params[Config]) -> None:
+    params.set("margin", 0.5)
+    params.set("noise", 9)
+    assert params.to_save(()) == {"margin": 0.5, "noise": 9}
+    assert params.to_save(("noise",)) == {"noise": 9}
+    params.saved = params.to_save(())
+    params.set("margin", 0.25)
+    assert params.to_save(("noise",)) == {"margin": 0.5, "noise": 9}
+    assert params.to_save(()) == {"noise": 9}
+    with pytest.raises(ParamError, match=r"did you mean guard\.noise"):
+        params.to_save(("nose",))
+
+
+def test_it_says_what_each_is_and_whether_it_lasts(params: Params[Config]) -> None:
+    assert described(params, "margin") == Param(
+        name="margin", value=0.25, filed=0.25, saved=True, kind="float", live="up", doc="m kept free."
+    )
+    assert (described(params, "fast").kind, described(params, "fast").doc) == ("float | None", "")
+    params.set("margin", 0.5)
+    assert (described(params, "margin").value, described(params, "margin").saved) == (0.5, False)
+    params.saved = params.to_save(())
+    assert described(params, "margin").saved
+    params.set("margin", 0.25)
+    assert not described(params, "margin").saved  # 0.5 comes again
+    names = [param.name for param in params.describe()]
+    assert names[:5] == ["margin", "fast", "noise", "port", "robot.name"]
+    shared = described(params, "robot.track_width")
+    assert (shared.live, shared.value, shared.doc) == ("fixed", 0.47, "m between the wheels' contact points.")
