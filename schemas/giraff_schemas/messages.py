@@ -157,6 +157,25 @@ class EStop(Sample, frozen=True, kw_only=True):
     reason: str
 
 
+class SerialLine(Sample, frozen=True, kw_only=True):
+    """A line of text that a board has printed, without its end."""
+
+    name: str
+    """Of the port, as in the key."""
+    text: str
+    goes_on: bool = False
+    """It was too long: the next sample has the rest of it."""
+    replaced: int = 0
+    """Places in it that were no UTF-8, and are U+FFFD now."""
+
+
+class SerialWrite(Sample, frozen=True, kw_only=True):
+    """A text for a board, without the end that the gateway puts after it."""
+
+    name: str
+    text: str
+
+
 class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
     """Asks base to stop at once and stay so."""
 

@@ -64,6 +64,8 @@ BASE = Topic("base", m.BaseState, 10, "state")
 BATTERY = Topic("battery", m.Battery, 2, "state")
 GUARD = Topic("guard", m.GuardState, 10, "state")
 ESTOP = Topic("estop", m.EStop, 2, "control")
+SERIAL = Topic("serial/*", m.SerialLine, 0, "state", "name")
+SERIAL_WRITE = Topic("serial_write/*", m.SerialWrite, 0, "state", "name")
 
 TOPICS: tuple[Topic[Any], ...] = (
     TICK,
@@ -78,6 +80,8 @@ TOPICS: tuple[Topic[Any], ...] = (
     BATTERY,
     GUARD,
     ESTOP,
+    SERIAL,
+    SERIAL_WRITE,
 )
 
 ESTOP_ENGAGE = Query("estop/engage", m.EStopEngage, m.EStopAnswer)

@@ -29,6 +29,7 @@ TABLES = (
     "guard",
     "recorder",
     "sentry",
+    "gateway",
     "router",
     "sim",
 )

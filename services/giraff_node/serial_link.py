@@ -84,6 +84,11 @@ class SerialLink:
             self._waiting = frame
             self.flush()
 
+    @property
+    def is_idle(self) -> bool:
+        """The port is open, and all that was sent is the kernel's."""
+        return self._port is not None and not self._unsent and not self._waiting
+
     def flush(self) -> None:
         """Go on with what could not be sent at once."""
         if self._port is None:

@@ -83,6 +83,8 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     m.DriveCommand: _START
     | _TWIST
     | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": "", "tick": _TIME},
+    m.SerialLine: _START | {"name": "arduino", "text": "23.5 °C", "goes_on": False, "replaced": 0},
+    m.SerialWrite: _START | {"name": "arduino", "text": "led on"},
     m.Lease: _START | {"holder": "b2", "operator": "joystick", "counter": 9, "reason": ""},
     m.EStop: _START | {"engaged": True, "id": 5, "by": "operator", "reason": "space bar"},
     m.GuardedCommand: _START

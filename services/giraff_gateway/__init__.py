@@ -1,0 +1,1 @@
+"""Lines of text between any Arduino and the network."""

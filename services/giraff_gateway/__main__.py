@@ -1,0 +1,3 @@
+from giraff_gateway.main import main
+
+main()
