@@ -1,9 +1,12 @@
-"""The viewer is imported inside the functions that draw, so that nothing else pays for it or needs it."""
+"""Only giraff_viewer imports rerun, and that is imported only where somebody has asked to see: nobody else needs it."""
 
 from __future__ import annotations
 
 import ast
+import subprocess
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -27,11 +30,16 @@ def imports_at_module_level(node: ast.AST) -> Iterator[str]:
 
 def imports_viewer(source: str) -> bool:
     imported = imports_at_module_level(ast.parse(source))
-    return any(module.partition(".")[0] == "rerun" for module in imported)
+    return any(module.partition(".")[0] in {"rerun", "rerun_cli", "giraff_viewer"} for module in imported)
 
 
-def test_no_module_imports_the_viewer() -> None:
-    modules = sources(".py", under=SOURCE_ROOTS)
+def may_draw(path: Path) -> bool:
+    """The viewer's own package, and the command's part that is imported when somebody has asked to see."""
+    return path.parent.name == "giraff_viewer" or path.name in {"viewing.py", "view_recording.py"}
+
+
+def test_no_other_module_imports_the_viewer() -> None:
+    modules = [path for path in sources(".py", under=SOURCE_ROOTS) if not may_draw(path)]
     assert [name(path) for path in modules if imports_viewer(path.read_text())] == []
 
 
@@ -40,6 +48,7 @@ def test_no_module_imports_the_viewer() -> None:
     [
         ("import rerun as rr", True),
         ("from rerun.blueprint import Blueprint", True),
+        ("from giraff_viewer.show import Show", True),
         ("try:\n    import rerun\nexcept ImportError:\n    pass", True),
         ("class Viewer:\n    import rerun", True),
         ("def draw() -> None:\n    import rerun", False),
@@ -49,3 +58,8 @@ def test_no_module_imports_the_viewer() -> None:
 )
 def test_the_check_tells_module_level_from_inside_a_function(source: str, expected: bool) -> None:
     assert imports_viewer(source) is expected
+
+
+def test_the_command_line_starts_without_the_viewer() -> None:
+    script = "import sys, giraff_cli.main; sys.exit('rerun' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
