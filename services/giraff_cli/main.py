@@ -14,6 +14,7 @@ from giraff_cli.record_commands import add_to as add_recording
 from giraff_cli.ask_commands import add_to as add_asking
 from giraff_cli.options import Connect, Robot
 from giraff_cli.param_commands import param
+from giraff_cli.view_commands import view
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -37,6 +38,7 @@ app.add_typer(keys, name="keys")
 add_recording(app)
 add_asking(app)
 app.add_typer(param, name="param")
+app.command()(view)
 
 _REFUSED = 2  # exit code: nothing was started
 

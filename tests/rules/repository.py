@@ -15,6 +15,7 @@ NOT_SERVICES = {
     "giraff_health",
     "giraff_node",
     "giraff_mcap",
+    "giraff_viewer",
     "giraff_sim",
     "giraff_cli",
     "giraff_client",

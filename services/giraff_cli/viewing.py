@@ -1,0 +1,192 @@
+"""`giraff view`: hears a robot, or reads a recording of one, and has it drawn."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, Final, NamedTuple, NoReturn
+
+import msgspec
+
+from giraff_cli.robots import unheard
+from giraff_cli.stopping import Stopping
+from giraff_cli.visit import complain, visit
+from giraff_cli.watcher import Watcher, free_port
+from giraff_node import robot_now_ns
+from giraff_node.config import ConfigError, load
+from giraff_node.robot import RobotConfig
+from giraff_node.tcp_links import tune_links
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import Topic
+from giraff_viewer.memory import require_memory
+from giraff_viewer.scene import stock
+from giraff_viewer.show import Show, require_screen
+from giraff_viewer.window import ViewerError, Window
+
+_TURN: Final = 0.03  # s between two looks at what was heard
+_FIND_WITHIN: Final = 3.0  # s
+_TELL_AFTER: Final = 3.0  # s without a word of the robot
+
+DONE: Final = 0
+FAILED: Final = 1
+
+
+class Options(NamedTuple):
+    """What was asked for on the command line."""
+
+    save: Path | None
+    picture: Path | None
+    web: bool
+    port: int
+    memory: str
+    seconds: float | None
+    as_json: bool
+
+
+def show(recording: Path | None, robot: str | None, connect: Sequence[str], options: Options) -> int:
+    """The whole of it; the exit code."""
+    if refusal := _refusal(recording, options):
+        return complain(refusal)
+    with Stopping() as stopping:
+        if recording is not None:
+            from giraff_cli.view_recording import Tape  # noqa: PLC0415  needs the extra `record`
+
+            return Tape(recording, options, stopping).go()
+        return visit(robot, connect, _FIND_WITHIN, lambda watcher: Live(watcher, options, stopping).go())
+
+
+class Stage(ExitStack):
+    """Where one robot is shown, as asked for. All is closed with it."""
+
+    def __init__(self, robot: RobotConfig, options: Options, *, live: bool) -> None:
+        """Raises ViewerError."""
+        super().__init__()
+        self._options = options
+        self.name = robot.name
+        self.show = Show(robot, live=live)
+        self.window: Window | None = None
+        self.address = ""
+        if options.save is not None:
+            self.show.to_file(options.save)
+        elif options.web:
+            self.address = self.show.to_browsers(options.port, options.port + 1, options.memory)
+            print(f"giraff view: open {self.address}", file=sys.stderr, flush=True)
+        else:
+            if options.picture is None:
+                require_screen()
+            headless = options.picture is not None
+            self.window = self.enter_context(Window(free_port(), options.memory, headless=headless))
+            self.show.to_window(self.window.url)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether anybody may still look. Raises ViewerError."""
+        return self.window is None or self.window.is_open()
+
+    @property
+    def lasts(self) -> bool:
+        """There is something to look at after everything was drawn."""
+        return self._options.save is None and self._options.picture is None
+
+    def end(self, *, hurried: bool) -> int:
+        """Everything was drawn; the exit code. `hurried`: without a picture. Raises ViewerError."""
+        self.show.close()
+        if self.window is not None and self._options.picture is not None and not hurried:
+            self.window.picture(self._options.picture, self.show.newest)
+        if self._options.as_json:
+            told = {
+                "robot": self.name,
+                "samples": self.show.heard,
+                "address": self.address or None,
+                "file": str(self._options.save or self._options.picture or "") or None,
+            }
+            print(msgspec.json.encode(told).decode(), flush=True)
+        return DONE
+
+
+class Live:
+    """A robot that is heard now."""
+
+    def __init__(self, watcher: Watcher, options: Options, stopping: Stopping) -> None:
+        self._watcher = watcher
+        self._options = options
+        self._stopping = stopping
+        self._stage: Stage | None = None
+        self._ahead_ns = 0
+        """Wall clock minus the robot's, which what is heard is stamped with."""
+
+    def go(self) -> int:
+        """Until Ctrl-C, the viewer's end or --for; the exit code."""
+        try:
+            stage = Stage(known_robot(self._watcher.robot), self._options, live=True)
+        except ViewerError as error:
+            return complain(str(error))
+        try:
+            with stage as self._stage:
+                self._watcher.listen()
+                self._draw(self._stage)
+                if not self._stage.show.heard and not self._stopping.asked:
+                    return complain(unheard(self._watcher.robot, ()))
+                return self._stage.end(hurried=self._stopping.asked > 0) if self._stage.is_open else DONE
+        except ViewerError as error:
+            give_up(error)
+
+    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        """Of the watcher."""
+        del key
+        assert self._stage is not None  # noqa: S101  it is there as long as anybody listens
+        self._stage.show.hear(topic, sample, at_ns + self._ahead_ns)
+
+    def announce(self, service: str, instance: str, *, present: bool) -> None:
+        """Of the watcher."""
+        assert self._stage is not None  # noqa: S101
+        self._stage.show.announce(service, instance, time.time_ns(), present=present)
+
+    def _draw(self, stage: Stage) -> None:
+        began, told = time.monotonic(), False
+        until = began + (math.inf if self._options.seconds is None else self._options.seconds)
+        while (now := time.monotonic()) < until and stage.is_open and not self._stopping.wait(_TURN):
+            tune_links()
+            self._ahead_ns = time.time_ns() - robot_now_ns()
+            self._watcher.pass_on(self)
+            stage.show.look(time.time_ns())
+            if not told and not stage.show.heard and now - began > _TELL_AFTER:
+                told = True
+                complain(f"{unheard(self._watcher.robot, ())}; waiting for it")
+
+
+def give_up(error: ViewerError) -> NoReturn:
+    """End with what the viewer has failed with, at once: rerun would go on trying to send to it what is left."""
+    complain(str(error))
+    sys.stdout.flush()
+    os._exit(FAILED)
+
+
+def known_robot(name: str) -> RobotConfig:
+    """Its geometry, as far as this machine has a robot file; else a stock Giraff's."""
+    try:
+        return msgspec.structs.replace(load("robot", RobotConfig), name=name)
+    except ConfigError:
+        return stock(name)
+
+
+def _refusal(recording: Path | None, options: Options) -> str:
+    """What is wrong with what was asked for."""
+    if options.seconds is not None and not (math.isfinite(options.seconds) and options.seconds > 0.0):
+        return f"--for {options.seconds:g}: give a positive number of seconds, or leave it out to go on until Ctrl-C"
+    if recording is not None and options.seconds is not None:
+        return "--for is for a live robot; a recording is drawn to its end"
+    if options.picture is not None and recording is None and options.seconds is None:
+        return "--picture of a live robot: say when, with --for SECONDS"
+    if sum((options.save is not None, options.picture is not None, options.web)) > 1:
+        return "--save, --picture and --web: one at a time"
+    try:
+        require_memory(options.memory)
+    except ValueError as error:
+        return f"--memory: {error}"
+    return ""

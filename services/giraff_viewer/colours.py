@@ -1,0 +1,26 @@
+"""The colours of everything, so that a thing has the same one wherever it is drawn."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_viewer.cones import ConeState
+
+Colour = tuple[int, int, int]
+
+WHITE: Final[Colour] = (230, 230, 230)
+GREY: Final[Colour] = (120, 120, 120)
+GREEN: Final[Colour] = (40, 190, 80)
+AMBER: Final[Colour] = (255, 176, 0)
+RED: Final[Colour] = (240, 50, 50)
+VIOLET: Final[Colour] = (170, 90, 230)
+BLUE: Final[Colour] = (70, 140, 255)
+CYAN: Final[Colour] = (0, 200, 220)
+PINK: Final[Colour] = (255, 110, 180)
+
+ROBOT: Final = WHITE
+PATH: Final = BLUE
+TILT: Final = PINK
+
+CONES: Final[dict[ConeState, Colour]] = {"free": GREEN, "near": AMBER, "blocked": RED, "fault": VIOLET}
+LEVELS: Final[dict[str, Colour]] = {"INFO": WHITE, "WARN": AMBER, "ERROR": RED}

@@ -1,0 +1,49 @@
+"""How the screen is laid out."""
+
+from __future__ import annotations
+
+import rerun.blueprint as rrb
+
+from giraff_viewer.plots import PLOTS
+from giraff_viewer.scene import FLOOR, GUARD, HAND, LOG
+
+TIMELINE = "time"
+"""When it was heard, by the wall clock of whoever heard it."""
+
+
+LIVE_WINDOW = 60.0
+"""s that the lines of a live robot go back: more cannot be told apart, and takes longer to draw."""
+
+
+def blueprint(*, live: bool) -> rrb.Blueprint:
+    """The newest moment is followed until somebody looks back."""
+    floor = rrb.Spatial2DView(origin=FLOOR, name="floor")
+    hand = rrb.Spatial2DView(
+        origin=HAND, name="hand, g", visual_bounds=rrb.VisualBounds2D(x_range=[-1.1, 1.1], y_range=[-1.1, 1.1])
+    )
+    words = rrb.TextDocumentView(origin=GUARD, name="guard and base")
+    log = rrb.TextLogView(origin=LOG, name="log", columns=rrb.TextLogColumns(text_log_columns=["LogLevel", "Body"]))
+    plots = [
+        rrb.TimeSeriesView(
+            origin=f"plots/{plot}",
+            name=title,
+            plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
+            time_ranges=_of_late() if live else None,
+        )
+        for plot, (title, _) in PLOTS.items()
+    ]
+    left = rrb.Vertical(floor, rrb.Horizontal(hand, words, column_shares=[1, 3]), row_shares=[5, 3])
+    right = rrb.Vertical(rrb.Grid(*plots, grid_columns=2), log, row_shares=[3, 1])
+    return rrb.Blueprint(
+        rrb.Horizontal(left, right, column_shares=[1, 1]),
+        rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),
+        rrb.SelectionPanel(state="collapsed"),
+        rrb.BlueprintPanel(state="collapsed"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _of_late() -> rrb.VisibleTimeRange:
+    since = rrb.TimeRangeBoundary.cursor_relative(seconds=-LIVE_WINDOW)
+    return rrb.VisibleTimeRange(TIMELINE, start=since, end=rrb.TimeRangeBoundary.cursor_relative(seconds=0.0))

@@ -1,0 +1,190 @@
+"""Samples in, rerun's archetypes out. Nothing is sent from here: the rows say what is drawn where.
+
+Frames are REP-105's, `odom` → `base_link` → `range_<sensor>_link`. A drawing's y points down, theirs up: `floor` is
+`odom` turned about x.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import msgspec
+import rerun as rr
+
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tilt
+from giraff_schemas.topics import Topic
+from giraff_viewer.colours import CONES, GREY, LEVELS, PATH, ROBOT, TILT, WHITE
+from giraff_viewer.cones import Cone, ConeState
+from giraff_viewer.plots import Values, series
+from giraff_viewer.shapes import arc, cone, outline
+from giraff_viewer.story import Line, Story
+from giraff_viewer.trail import Trail
+
+Row = tuple[str, Any]
+"""Path of an entity, and the archetype that is logged there."""
+
+FLOOR: Final = "floor"
+LOG: Final = "log"
+GUARD: Final = "guard"
+HAND: Final = "hand"
+
+_PLOT_EVERY: Final = 40_000_000  # ns between two points of a line; a screen shows no more
+_TRAIL_EVERY: Final = 500_000_000  # ns
+_GRAVITY: Final = 9.81  # m/s²
+
+
+class Scene:
+    """One robot. Times are ns of one clock, that of whoever heard it."""
+
+    def __init__(self, robot: RobotConfig) -> None:
+        self._robot = robot
+        self._cones = {sensor: Cone(sensor) for sensor in robot.sensors}
+        self._drawn: dict[str, tuple[ConeState, float | None]] = {}
+        self._trail = Trail()
+        self._moved = False
+        self._story = Story()
+        self._page = ""
+        self._values = Values()
+        self._last: dict[str, int] = {}
+
+    def begin(self) -> list[Row]:
+        """What never changes: frames that are fixed, outlines, the colours of the lines."""
+        body = outline(self._robot.footprint_radius, self._robot.track_width)
+        upside_up = _turned(1.0, 0.0, 0.0, math.pi)
+        rows: list[Row] = [
+            (FLOOR, rr.CoordinateFrame("floor")),
+            ("frames/odom", rr.Transform3D(**upside_up, parent_frame="floor", child_frame="odom")),
+            (f"{FLOOR}/path", rr.CoordinateFrame("odom")),
+            (f"{FLOOR}/robot", rr.CoordinateFrame("base_link")),
+            (f"{FLOOR}/robot", rr.LineStrips2D(body, colors=[ROBOT], radii=[0.015])),
+            (f"{HAND}/level", rr.LineStrips2D([arc(1.0, math.tau, 48), arc(0.5, math.tau, 48)], colors=[GREY])),
+        ]
+        for sensor, pose in self._robot.sensors.items():
+            frame = f"range_{sensor}_link"
+            turned = _turned(0.0, 0.0, 1.0, pose.yaw)
+            at = rr.Transform3D(
+                translation=[pose.x, pose.y, 0.0], **turned, parent_frame="base_link", child_frame=frame
+            )
+            rows += [(f"frames/{frame}", at), (f"{FLOOR}/{frame}", rr.CoordinateFrame(frame))]
+        for line in series(tuple(self._robot.sensors)):
+            rows.append((line.path, rr.SeriesLines(colors=[line.colour], names=[line.name], widths=[1.5])))
+        return rows
+
+    def hear(self, topic: Topic[Any], sample: Sample, at_ns: int) -> list[Row]:
+        """What a sample changes."""
+        values = self._values.of(sample)
+        rows = [(path, rr.Scalars([value])) for path, value in values if self._due(path, _PLOT_EVERY, at_ns)]
+        match sample:
+            case Odometry():
+                rows += self._move(sample, at_ns)
+            case Range(sensor=sensor) if sensor in self._cones:
+                self._cones[sensor].read(sample, at_ns)
+                rows += self._draw_cones(at_ns)
+            case Tilt() if self._due(HAND, _PLOT_EVERY, at_ns):
+                rows.append((f"{HAND}/tilt", _tilt(sample)))
+            case GuardState():
+                for each in self._cones.values():
+                    each.judge(sample)
+                rows += self._draw_cones(at_ns)
+        lines = self._story.hear(sample)
+        if isinstance(sample, Range):
+            level = "INFO" if sample.state != "fault" else "WARN"
+            lines += self._story.tell(topic.key.replace("*", sample.sensor), (level, sample.reason or "well"))
+        return rows + self._say(lines)
+
+    def announce(self, service: str, instance: str, *, present: bool) -> list[Row]:
+        """A service has come or gone."""
+        there = ("INFO", f"is there, {instance}") if present else ("WARN", f"is gone, {instance}")
+        return self._say(self._story.tell(f"service {service}", there))
+
+    def look(self, now_ns: int) -> list[Row]:
+        """What the time that passes changes: a sensor that is silent, a way that is longer than its line."""
+        return self._draw_cones(now_ns) + self._draw_trail(now_ns)
+
+    def _move(self, odometry: Odometry, at_ns: int) -> list[Row]:
+        rows: list[Row] = []
+        if self._due("frames/base_link", _PLOT_EVERY, at_ns):
+            where = rr.Transform3D(
+                translation=[odometry.x, odometry.y, 0.0],
+                **_turned(0.0, 0.0, 1.0, odometry.yaw),
+                parent_frame="odom",
+                child_frame="base_link",
+            )
+            rows.append(("frames/base_link", where))
+        self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.instance)
+        return rows + self._draw_trail(at_ns)
+
+    def _draw_trail(self, at_ns: int) -> list[Row]:
+        if not (self._moved and self._due("trail", _TRAIL_EVERY, at_ns)):
+            return []
+        self._moved = False
+        return [(f"{FLOOR}/path", rr.LineStrips2D([self._trail.points], colors=[PATH], radii=[0.02]))]
+
+    def _draw_cones(self, now_ns: int) -> list[Row]:
+        rows: list[Row] = []
+        for sensor, each in self._cones.items():
+            state = each.state(now_ns)
+            if self._drawn.get(sensor) == (state, each.distance):
+                continue
+            if self._drawn.get(sensor, ("", None))[0] != state:
+                why = each.reason(now_ns)
+                level = "WARN" if state in ("fault", "blocked") else "INFO"
+                rows += self._log([(level, f"cone {sensor}: {state}{f', {why}' if why else ''}")])
+            self._drawn[sensor] = state, each.distance
+            strips = cone(None if state == "fault" else each.distance)
+            lines = rr.LineStrips2D(strips, colors=[CONES[state]], radii=[0.008])
+            rows.append((f"{FLOOR}/range_{sensor}_link", lines))
+        return rows
+
+    def _say(self, lines: list[Line]) -> list[Row]:
+        rows = self._log(lines)
+        if (page := self._story.page) != self._page:
+            self._page = page
+            rows.append((GUARD, rr.TextDocument(page, media_type=rr.MediaType.MARKDOWN)))
+        return rows
+
+    def _log(self, lines: list[Line]) -> list[Row]:
+        return [(LOG, rr.TextLog(text, level=level, color=LEVELS[level])) for level, text in lines]
+
+    def _due(self, what: str, every: int, at_ns: int) -> bool:
+        """Whether it is time to draw it again; a clock that was set back does not stop it."""
+        last = self._last.get(what)
+        if last is not None and 0 <= at_ns - last < every:
+            return False
+        self._last[what] = at_ns
+        return True
+
+
+def _turned(x: float, y: float, z: float, angle: float) -> dict[str, Any]:
+    """A rotation about an axis."""
+    return {"rotation_axis_angle": rr.RotationAxisAngle(axis=[x, y, z], radians=angle)}
+
+
+def _tilt(tilt: Tilt) -> Any:
+    """Where the hand leans, in g: forward is up, left is left."""
+    return rr.Arrows2D(
+        vectors=[[-tilt.y / _GRAVITY, -tilt.x / _GRAVITY]], colors=[TILT if tilt.status == "running" else WHITE]
+    )
+
+
+def stock(name: str) -> RobotConfig:
+    """A Giraff as it is sold, for desks that have no robot file."""
+    return msgspec.convert(_STOCK | {"name": name}, RobotConfig)
+
+
+_STOCK: Final = {
+    "track_width": 0.470,
+    "ticks_per_metre": 2002.0594,
+    "max_wheel_speed": 0.6,
+    "max_level": 70,
+    "max_angular_speed": 1.57,
+    "footprint_radius": 0.30,
+    "battery_volts_per_count": 0.0,
+    "sensors": {
+        "front_left": {"index": 0, "x": 0.25, "y": 0.15, "yaw": 0.0},
+        "front_right": {"index": 1, "x": 0.25, "y": -0.15, "yaw": 0.0},
+        "rear": {"index": 2, "x": -0.25, "y": 0.0, "yaw": math.pi},
+    },
+}

@@ -1,0 +1,43 @@
+"""Lines of the floor plan, in metres, each in its own frame (REP-103: x forward, y left)."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_viewer.trail import Point
+
+Strip = list[Point]
+
+HALF_CONE: Final = math.radians(7.5)
+"""rad; an HC-SR04 hears this far off its axis."""
+REACH: Final = 4.0
+"""m; what it reaches."""
+
+_RAYS: Final = 8
+_RINGS: Final = 4
+
+
+def outline(radius: float, track_width: float) -> list[Strip]:
+    """The robot seen from above: its footprint, its wheels, and a nose that points forward."""
+    half, wheel = track_width / 2.0, min(0.1, radius / 3.0)
+    wheels: list[Strip] = [[(-wheel, side * half), (wheel, side * half)] for side in (1.0, -1.0)]
+    nose: Strip = [(radius * 0.5, radius * 0.3), (radius * 0.95, 0.0), (radius * 0.5, -radius * 0.3)]
+    return [arc(radius, math.tau, 48), nose, *wheels]
+
+
+def cone(distance: float | None) -> list[Strip]:
+    """What a sensor looks at, up to what it heard, in the sensor's frame."""
+    length = REACH if distance is None else min(distance, REACH)
+    bearings = [HALF_CONE * (2.0 * ray / _RAYS - 1.0) for ray in range(_RAYS + 1)]
+    rays: list[Strip] = [[(0.0, 0.0), _at(length, bearing)] for bearing in bearings]
+    return [*rays, *(arc(length * ring / _RINGS, 2.0 * HALF_CONE, _RAYS) for ring in range(1, _RINGS + 1))]
+
+
+def arc(radius: float, angle: float, pieces: int) -> Strip:
+    """About the origin and the x axis."""
+    return [_at(radius, angle * (piece / pieces - 0.5)) for piece in range(pieces + 1)]
+
+
+def _at(distance: float, bearing: float) -> Point:
+    return distance * math.cos(bearing), distance * math.sin(bearing)

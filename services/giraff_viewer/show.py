@@ -1,0 +1,129 @@
+"""Where a scene is sent: to a window, to browsers, or into a file."""
+
+from __future__ import annotations
+
+import os
+import socket
+from pathlib import Path
+from typing import Any, Final
+
+import rerun as rr
+
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import Topic
+from giraff_viewer.desk import TIMELINE, blueprint
+from giraff_viewer.scene import Row, Scene
+from giraff_viewer.window import ViewerError
+
+_LOOK_EVERY: Final = 100_000_000  # ns
+_SEND_EVERY: Final = 0.08  # s; smaller parcels cost the viewer more than what is in them
+_FLUSH_WITHIN: Final = 5.0  # s
+
+
+class Show:
+    """Draws one robot. Times are ns since 1970, when each thing was heard."""
+
+    def __init__(self, robot: RobotConfig, *, live: bool) -> None:
+        self._blueprint = blueprint(live=live)
+        self.heard = 0
+        """Samples."""
+        self._scene = Scene(robot)
+        batches = rr.ChunkBatcherConfig.LOW_LATENCY()
+        batches.flush_tick = _SEND_EVERY
+        self._stream = rr.RecordingStream(f"giraff {robot.name}", batcher_config=batches)
+        self._now_ns = 0
+        self._looked_ns = 0
+
+    @property
+    def newest(self) -> float:
+        """s since 1970 of the newest that was drawn."""
+        return self._now_ns * 1e-9
+
+    def to_window(self, url: str) -> None:
+        """Into a viewer that listens there."""
+        self._stream.connect_grpc(url, default_blueprint=self._blueprint)
+        self._begin()
+
+    def to_file(self, path: Path) -> None:
+        """Into a file that `rerun FILE` opens. Raises ViewerError."""
+        try:
+            path.open("wb").close()  # rerun itself would say nothing of a folder that is not there
+            self._stream.save(path, default_blueprint=self._blueprint)
+        except (OSError, RuntimeError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise ViewerError(f"{path} cannot be written: {reason}") from error
+        self._begin()
+
+    def to_browsers(self, port: int, data_port: int, memory: str) -> str:
+        """To any browser that asks; the address for it. Raises ViewerError."""
+        host = socket.gethostname()
+        require_free(port)
+        require_free(data_port)
+        try:
+            self._stream.serve_grpc(
+                grpc_port=data_port,
+                default_blueprint=self._blueprint,
+                server_memory_limit=memory,
+                cors_allow_origin=[f"http://*:{port}"],
+            )
+            rr.serve_web_viewer(web_port=port, open_browser=False)
+        except RuntimeError as error:
+            raise ViewerError(f"no web viewer at port {port}: {error}") from error
+        self._begin()
+        return f"http://{host}:{port}/?url=rerun%2Bhttp://{host}:{data_port}/proxy"
+
+    def hear(self, topic: Topic[Any], sample: Sample, at_ns: int) -> None:
+        """Draw what a sample changes."""
+        self.heard += 1
+        self._log(self._scene.hear(topic, sample, at_ns), at_ns)
+
+    def announce(self, service: str, instance: str, at_ns: int, *, present: bool) -> None:
+        """Tell that a service has come or gone."""
+        self._log(self._scene.announce(service, instance, present=present), at_ns)
+
+    def look(self, now_ns: int) -> None:
+        """Draw what the time that passes changes; to be called often."""
+        if not 0 <= now_ns - self._looked_ns < _LOOK_EVERY:
+            self._looked_ns = now_ns
+            self._log(self._scene.look(now_ns), now_ns)
+
+    def flush(self) -> None:
+        """Until all has been sent, and no longer than a viewer that hangs deserves. Raises ViewerError."""
+        try:
+            self._stream.flush(timeout_sec=_FLUSH_WITHIN)
+        except (RuntimeError, TimeoutError) as error:
+            raise ViewerError(f"not everything reached the viewer: {error}") from error
+
+    def close(self) -> None:
+        """The last word; a file is whole after it."""
+        self.flush()
+        self._stream.disconnect()
+
+    def _begin(self) -> None:
+        for path, what in self._scene.begin():
+            self._stream.log(path, what, static=True)
+
+    def _log(self, rows: list[Row], at_ns: int) -> None:
+        if not rows:
+            return
+        self._now_ns = max(self._now_ns, at_ns)
+        self._stream.set_time(TIMELINE, timestamp=at_ns * 1e-9)
+        for path, what in rows:
+            self._stream.log(path, what)
+
+
+def require_screen() -> None:
+    """ViewerError where no window could be seen."""
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise ViewerError("no screen here, neither DISPLAY nor WAYLAND_DISPLAY is set; give --web, --save or --picture")
+
+
+def require_free(port: int) -> None:
+    """ViewerError where another program listens."""
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind(("", port))
+        except OSError as error:
+            raise ViewerError(f"port {port}: {error.strerror}; name another with --port") from error

@@ -1,0 +1,133 @@
+"""What guard and base say, in words: a page for now, and a line of the log for each change."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from giraff_schemas.messages import BaseState, EStop, Freedom, GuardState, Lease, Sample, Verdict
+from giraff_viewer.glyphs import drawable
+
+Line = tuple[str, str]
+"""Level (INFO, WARN or ERROR) and text."""
+
+_NUMBER: Final = re.compile(r"\d+")
+
+
+class Story:
+    """The newest of each, and what was told of it already."""
+
+    def __init__(self) -> None:
+        self._guard: GuardState | None = None
+        self._base: BaseState | None = None
+        self._estop: EStop | None = None
+        self._lease: Lease | None = None
+        self._told: dict[str, Line] = {}
+
+    def hear(self, sample: Sample) -> list[Line]:
+        """What has changed with it."""
+        match sample:
+            case GuardState():
+                self._guard = sample
+                return self._changes(_of_guard(sample))
+            case BaseState():
+                self._base = sample
+                return self._changes(_of_base(sample))
+            case EStop():
+                self._estop = sample
+                return self._changes({"e-stop": _of_estop(sample)})
+            case Lease():
+                self._lease = sample
+                holder = sample.operator or "nobody"
+                return self._changes({"lease": ("INFO", f"{holder} drives{_because(sample.reason)}")})
+            case _:
+                return []
+
+    def tell(self, subject: str, line: Line) -> list[Line]:
+        """The same of anything else."""
+        return self._changes({subject: line})
+
+    @property
+    def page(self) -> str:
+        """As of now, in Markdown."""
+        parts = []
+        if self._estop is not None and self._estop.engaged:
+            parts += ["# EMERGENCY STOP", f"{self._estop.by}: {self._estop.reason}"]
+        if self._base is not None:
+            parts.append(f"**base** {_base_word(self._base)}{_because(self._base.reason)}")
+        if self._lease is not None:
+            parts.append(f"**operator** {self._lease.operator or 'nobody'}")
+        if self._guard is not None and self._guard.reason:
+            parts.append(f"**guard** {self._guard.reason}")
+        told = [drawable(part) for part in parts]
+        if self._guard is not None:
+            told.append("\n".join(drawable(row) for row in _table(self._guard)))
+        return "\n\n".join(told)
+
+    def _changes(self, said: dict[str, Line]) -> list[Line]:
+        """Those that are new; a number that changes within a text is none."""
+        new = []
+        for who, (level, text) in said.items():
+            gist = (level, _NUMBER.sub("", text))
+            if self._told.get(who) != gist:
+                self._told[who] = gist
+                new.append((level, drawable(f"{who}: {text}")))
+        return new
+
+
+def verdicts(guard: GuardState) -> dict[str, Verdict]:
+    """By direction."""
+    return {
+        "forward": guard.forward,
+        "backward": guard.backward,
+        "turn left": guard.turn_left,
+        "turn right": guard.turn_right,
+    }
+
+
+def _of_guard(guard: GuardState) -> dict[str, Line]:
+    """What the guard says, without what changes with every reading."""
+    said = {f"guard {way}": _of_verdict(verdict) for way, verdict in verdicts(guard).items()}
+    for sensor, reason in guard.sensors.items():
+        said[f"sensor {sensor}"] = ("WARN", reason) if reason else ("INFO", "trusted")
+    return said
+
+
+def _of_verdict(verdict: Verdict) -> Line:
+    by = f" by {verdict.sensor}" if verdict.sensor and verdict.freedom != "free" else ""
+    return ("WARN" if verdict.freedom == "blocked" else "INFO"), f"{verdict.freedom}{by}"
+
+
+def _of_base(base: BaseState) -> dict[str, Line]:
+    return {"base": ("WARN" if base.reason else "INFO", f"{_base_word(base)}{_because(base.reason)}")}
+
+
+def _of_estop(estop: EStop) -> Line:
+    return ("ERROR", f"engaged by {estop.by}: {estop.reason}") if estop.engaged else ("INFO", "released")
+
+
+def _base_word(base: BaseState) -> str:
+    if not base.armed:
+        return "not armed"
+    return "driving" if base.driving else "armed, at rest"
+
+
+def _because(reason: str) -> str:
+    return f": {reason}" if reason else ""
+
+
+def _table(guard: GuardState) -> list[str]:
+    rows = [
+        f"| {way} | {_strong(each.freedom)} | {each.allowed:.2f} | {_cell(each.sensor)} "
+        f"| {_cell('; '.join(filter(None, (each.reason, each.way_out))))} |"
+        for way, each in verdicts(guard).items()
+    ]
+    return ["| way | is | m/s, rad/s | sensor | why |", "|---|---|---|---|---|", *rows]
+
+
+def _strong(freedom: Freedom) -> str:
+    return freedom if freedom == "free" else f"**{freedom}**"
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "/") or "-"

@@ -1,0 +1,157 @@
+"""What samples become on the screen, without one."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import msgspec
+import pytest
+import rerun as rr
+
+from giraff_schemas import topics
+from giraff_schemas.messages import Range, Tick
+from giraff_viewer.colours import CONES
+from giraff_viewer.cones import Cone
+from giraff_viewer.glyphs import drawable
+from giraff_viewer.memory import require_memory
+from giraff_viewer.plots import Values
+from giraff_viewer.scene import Row, Scene, stock
+from giraff_viewer.shapes import HALF_CONE, REACH, cone, outline
+from giraff_viewer.story import Story
+from giraff_viewer.trail import Trail
+from tests.unit.cli.samples import MS, at, base, estop, guard, odometry, reading, verdict
+
+SECOND = 1_000_000_000
+BLOCKED = verdict(0.0, "blocked", "front_left", "front_left sees something at 0.37 m", "turn left")
+
+
+def paths(rows: list[Row]) -> set[str]:
+    return {path for path, _ in rows}
+
+
+def colour_of(archetype: Any) -> int:
+    """As rerun has it: 0xRRGGBBAA."""
+    return int(archetype.colors.as_arrow_array().to_pylist()[0])
+
+
+def test_frames_are_those_of_rep_105() -> None:
+    rows = dict(row for row in Scene(stock("sim")).begin() if isinstance(row[1], rr.Transform3D))
+    links = [f"frames/range_{sensor}_link" for sensor in ("front_left", "front_right", "rear")]
+    assert list(rows) == ["frames/odom", *links]
+    rear = rows["frames/range_rear_link"]
+    assert rear.parent_frame.as_arrow_array().to_pylist() == ["base_link"]
+    assert rear.child_frame.as_arrow_array().to_pylist() == ["range_rear_link"]
+    assert rear.translation.as_arrow_array().to_pylist() == [[-0.25, 0.0, 0.0]]
+
+
+def test_odometry_moves_base_link_and_draws_the_way() -> None:
+    scene = Scene(stock("sim"))
+    first = dict(scene.hear(topics.ODOM, odometry(SECOND, 1.0, 2.0, 0.5), SECOND))
+    where = first["frames/base_link"]
+    assert where.parent_frame.as_arrow_array().to_pylist() == ["odom"]
+    assert where.translation.as_arrow_array().to_pylist() == [[1.0, 2.0, 0.0]]
+    assert paths(scene.hear(topics.ODOM, odometry(SECOND, 1.1, 2.0), SECOND + 10 * MS)) == set()
+    assert "floor/path" in paths(scene.look(SECOND + 600 * MS))
+    assert "floor/path" not in paths(scene.look(SECOND + 2000 * MS))
+
+
+@pytest.mark.parametrize(
+    ("sample", "blocks", "later", "state"),
+    [
+        (reading("front_left", None, "clear"), False, 0.1, "free"),
+        (reading("front_left", 1.5), False, 0.1, "free"),
+        (reading("front_left", 0.6), False, 0.1, "near"),
+        (reading("front_left", 0.6), True, 0.1, "blocked"),
+        (reading("front_left", None, "clear"), False, 0.6, "fault"),
+        (reading("front_left", None, "fault", "no echo line"), True, 0.1, "fault"),
+    ],
+)
+def test_a_cone_has_the_colour_of_its_state(sample: Range, blocks: bool, later: float, state: Any) -> None:
+    scene = Scene(stock("sim"))
+    rows = scene.hear(topics.RANGE, sample, SECOND)
+    rows += scene.hear(topics.GUARD, guard(BLOCKED if blocks else verdict()), SECOND)
+    rows += scene.look(SECOND + int(later * SECOND))
+    red, green, blue = CONES[state]
+    newest = [what for path, what in rows if path == "floor/range_front_left_link"][-1]
+    assert colour_of(newest) >> 8 == red << 16 | green << 8 | blue
+
+
+def test_a_sensor_that_the_guard_does_not_trust_is_a_fault() -> None:
+    cone_ = Cone("rear")
+    cone_.read(reading("rear", 2.0), SECOND)
+    assert cone_.state(SECOND) == "free"
+    cone_.judge(msgspec.structs.replace(guard(verdict()), sensors={"rear": "frozen"}))
+    assert (cone_.state(SECOND), cone_.reason(SECOND)) == ("fault", "frozen")
+    assert Cone("rear").reason(SECOND) == "not heard yet"
+
+
+def test_a_cone_reaches_to_the_echo() -> None:
+    for distance, length in ((0.5, 0.5), (None, REACH), (9.0, REACH)):
+        points = [point for strip in cone(distance) for point in strip]
+        assert max(math.hypot(*point) for point in points) == pytest.approx(length)
+        assert max(abs(math.atan2(y, x)) for x, y in points) == pytest.approx(HALF_CONE)
+    assert max(math.hypot(*point) for strip in outline(0.3, 0.47) for point in strip) == pytest.approx(0.3)
+
+
+def test_a_trail_stays_short_and_begins_anew() -> None:
+    trail = Trail()
+    for step in range(100_000):
+        trail.go_on(step * 0.02, 0.0, "a")
+    assert len(trail.points) <= 1000
+    assert trail.points[0] == (0.0, 0.0)
+    assert trail.points[-1][0] > 1990.0
+    assert not trail.go_on(*trail.points[-1], "a")
+    assert trail.go_on(0.0, 0.0, "b")
+    assert trail.points == [(0.0, 0.0)]
+
+
+def test_the_log_tells_each_change_once_with_its_reason() -> None:
+    story = Story()
+    assert ("INFO", "base: driving") in story.hear(base())
+    assert story.hear(base()) == []
+    assert story.hear(base(armed=False, reason="0.31 m")) == [("WARN", "base: not armed: 0.31 m")]
+    assert story.hear(base(armed=False, reason="0.32 m")) == []
+    assert ("WARN", "guard forward: blocked by front_left") in story.hear(guard(BLOCKED))
+    assert story.hear(estop(engaged=True)) == [("ERROR", "e-stop: engaged by ann@desk: smoke")]
+    assert story.page.startswith("# EMERGENCY STOP\n\nann@desk: smoke")
+    assert (
+        "| forward | **blocked** | 0.00 | front_left | front_left sees something at 0.37 m; turn left |" in story.page
+    )
+
+
+def test_text_of_the_network_can_be_drawn_and_breaks_no_table() -> None:
+    assert drawable("a\x1b[1m \U0001f408 ö") == "a?[1m ? ö"
+    story = Story()
+    story.hear(guard(verdict(0.0, "blocked", "a|b", "c|d\ne")))
+    assert "| a/b | c/d?e |" in story.page
+
+
+def test_ages_are_those_of_the_robots_clock() -> None:
+    values = Values()
+    assert dict(values.of(odometry(SECOND, 0.0))) == {"plots/speed/measured": 0.4, "plots/turn/measured": 0.0}
+    assert dict(values.of(Tick(epoch=7, robot_ns=2 * SECOND))) == {}
+    assert dict(values.of(odometry(SECOND, 0.0)))["plots/ages/odom"] == 1.0
+    assert "plots/ages/odom" not in dict(values.of(msgspec.structs.replace(odometry(0, 0.0), tick=other_epoch())))
+    assert math.isnan(dict(values.of(reading("rear", None, "clear")))["plots/ranges/rear"])
+
+
+def other_epoch() -> Any:
+    return msgspec.structs.replace(at(0), epoch=8)
+
+
+def test_a_line_gets_25_points_a_second() -> None:
+    scene = Scene(stock("sim"))
+    points = [scene.hear(topics.ODOM, odometry(n, 0.0), SECOND + n * 10 * MS) for n in range(100)]
+    assert sum("plots/speed/measured" in paths(rows) for rows in points) == 25
+
+
+@pytest.mark.parametrize("limit", ["500MB", "2GiB", "1.5 GB", "25%"])
+def test_a_limit_is_taken(limit: str) -> None:
+    assert require_memory(limit) == limit.replace(" ", "")
+
+
+@pytest.mark.parametrize("limit", ["", "12", "MB", "-1GB", "1kB", "49MB", "0%", "100%", "infGB", "1PB"])
+def test_a_bad_limit_is_refused(limit: str) -> None:
+    with pytest.raises(ValueError, match=r"give"):
+        require_memory(limit)
