@@ -361,7 +361,7 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """What is wrong with it now, each with its way out."""
     notices: tuple[str, ...] = ()
     """What it waits for or finds wrong elsewhere, each with its way out."""
-    # What follows is for looking at a robot. An older service leaves it out.
+    # What follows is for looking at a robot and comparing machines. An older service leaves it out.
     publishes: tuple[str, ...] = ()
     """Keys of the topics table on which it speaks, whether or not it has said anything."""
     subscribes: tuple[str, ...] = ()
@@ -372,6 +372,10 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """s that a processor has worked for it."""
     rss_bytes: int = 0
     """Memory that it has in use; 0: unknown."""
+    version: str = ""
+    """Of the program: its number, and a digest of what all services share."""
+    stamp_ns: int = 0
+    """Wall clock of its host when it answered, ns since 1970."""
 
 
 ODOM_FRAME: Final = "odom"

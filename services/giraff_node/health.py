@@ -8,6 +8,7 @@ import socket
 import time
 from pathlib import Path
 
+from giraff_node.version import version
 from giraff_schemas.messages import Health
 
 
@@ -50,6 +51,8 @@ class Condition:
             answers=tuple(dict.fromkeys(self.answers)),
             cpu_time=time.process_time(),
             rss_bytes=_resident(),
+            version=version(),
+            stamp_ns=time.time_ns(),
         )
 
     @property

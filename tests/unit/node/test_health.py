@@ -86,7 +86,7 @@ def test_the_socket_tells_what_the_network_is_told(peers: Peers, tmp_path: Path)
     wait((tmp_path / "run" / "base.sock").exists)
     local = msgspec.json.decode(ask(str(tmp_path / "run" / "base.sock")), type=Health)
     remote = peers.health("base")
-    now = {name: getattr(local, name) for name in ("uptime", "cpu_time", "rss_bytes")}
+    now = {name: getattr(local, name) for name in ("uptime", "cpu_time", "rss_bytes", "stamp_ns")}
     assert local == msgspec.structs.replace(remote, **now)
     assert check(tmp_path / "run", "base")[0] == 0
     process.send_signal(signal.SIGTERM)
