@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from giraff_cli.doctor_commands import doctor
 from giraff_cli.options import Connect, Robot
 from giraff_cli.record_commands import add_to as add_recording
 from giraff_cli.ask_commands import add_to as add_asking
@@ -39,6 +40,7 @@ add_recording(app)
 add_asking(app)
 app.add_typer(param, name="param")
 app.command()(view)
+app.command()(doctor)
 
 _REFUSED = 2  # exit code: nothing was started
 

@@ -1,0 +1,134 @@
+"""What `giraff doctor` has looked at: plain facts, from which `findings` concludes."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import msgspec
+
+from giraff_schemas.messages import BaseState, EStop, Health
+
+Outcome = Literal["answers", "refused", "silent", "no way", "untrusted"]
+"""Of a call to an address. `silent`: nothing came back; `no way`: it cannot be sent there; `untrusted`: the
+certificates of both ends do not go together."""
+
+
+class Port(msgspec.Struct, frozen=True, kw_only=True):
+    """A board's port of this machine whose service does not run anywhere."""
+
+    service: str
+    problem: str
+    """With its way out; empty: the right board answers."""
+
+
+class Disk(msgspec.Struct, frozen=True, kw_only=True):
+    """A folder that services or commands of this machine write to."""
+
+    folder: str
+    free_bytes: int
+    total_bytes: int
+    problem: str = ""
+
+
+class Interface(msgspec.Struct, frozen=True, kw_only=True):
+    """One that is up, besides the loopback."""
+
+    name: str
+    address: str
+    """IPv4 with the length of its network's prefix."""
+    multicast: bool
+
+
+class Machine(msgspec.Struct, frozen=True, kw_only=True):
+    """This one."""
+
+    host: str
+    version: str
+    interfaces: tuple[Interface, ...] = ()
+    ports: tuple[Port, ...] = ()
+    disks: tuple[Disk, ...] = ()
+    settings_problem: str = ""
+    """Of robot file and environment."""
+    keys_problem: str = ""
+    keys_expired: bool = False
+    wiring_checked: bool = True
+
+
+class Call(msgspec.Struct, frozen=True, kw_only=True):
+    """An address that the robot file or the command line names, called once."""
+
+    address: str
+    outcome: Outcome
+    detail: str = ""
+    on_link: bool = True
+    """It is in one of this machine's networks."""
+
+
+class Network(msgspec.Struct, frozen=True, kw_only=True):
+    """What this machine's session met."""
+
+    local: bool = False
+    """It keeps to the loopback."""
+    problem: str = ""
+    """Why there is no session."""
+    calls: tuple[Call, ...] = ()
+    linked: int = 0
+    """Processes of other machines that it is linked with."""
+    scouted: bool = False
+    """Others were called by multicast."""
+    scouts: int = 0
+    """How many of them have answered to that."""
+    strangers: int = 0
+    """Others that have answered, and with which there is no link."""
+    protocols: tuple[str, ...] = ()
+    """That strangers speak."""
+    protocol: str = "tcp"
+    """That this machine speaks."""
+    robots: tuple[str, ...] = ()
+
+
+class Answer(msgspec.Struct, frozen=True, kw_only=True):
+    """A service that has told how it is."""
+
+    health: Health
+    ahead: float | None
+    """s that its host's clock is before this one's; None: it does not tell."""
+    uncertainty: float = 0.0
+    """s"""
+
+
+class Rate(msgspec.Struct, frozen=True, kw_only=True):
+    """How a key flowed."""
+
+    key: str
+    maker: str
+    """The service that speaks there."""
+    wanted_hz: float
+    hz: float | None
+    """None: it did not, or for too short a time."""
+    heard: int = 0
+    lost: int = 0
+
+
+class Robot(msgspec.Struct, frozen=True, kw_only=True):
+    """What was heard of one."""
+
+    name: str
+    seconds: float
+    services: dict[str, int]
+    """By service, how many of it are on the network."""
+    answers: tuple[Answer, ...]
+    rates: tuple[Rate, ...]
+    base: BaseState | None = None
+    estop: EStop | None = None
+
+
+class Look(msgspec.Struct, frozen=True, kw_only=True):
+    """All of it."""
+
+    machine: Machine
+    network: Network
+    robot: Robot | None = None
+    """None: none was heard."""
+    wanted: str = ""
+    """The robot that was asked for; empty: whichever is there."""

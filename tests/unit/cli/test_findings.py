@@ -1,0 +1,169 @@
+"""What `giraff doctor` concludes from facts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import pytest
+
+from giraff_cli.facts import Answer, Call, Disk, Interface, Look, Machine, Network, Port, Rate, Robot
+from giraff_cli.findings import findings
+from giraff_cli.interfaces import is_own, on_link
+from giraff_schemas.messages import Health
+from tests.unit.cli.samples import base, estop
+
+SERVICES = ("base", "guard", "joystick", "odometry", "ranger")
+UPLINK = Interface(name="uplink", address="10.71.1.2/24", multicast=True)
+DISK = Disk(folder="/var/lib/giraff", free_bytes=10**9, total_bytes=10**10)
+MACHINE = Machine(host="pc", version="0.1.0-aa", interfaces=(UPLINK,), disks=(DISK,))
+NETWORK = Network(robots=("anne",), scouted=True)
+
+
+def answer(service: str, ahead: float | None = 0.0, **fields: Any) -> Answer:
+    health = Health(
+        service=service, instance=service, host="pc", pid=1, uptime=9.0, ok=True, faults=(), version="0.1.0-aa"
+    )
+    return Answer(health=msgspec.structs.replace(health, **fields), ahead=ahead, uncertainty=0.01)
+
+
+ROBOT = Robot(
+    name="anne",
+    seconds=1.5,
+    services=dict.fromkeys(SERVICES, 1),
+    answers=tuple(answer(service) for service in SERVICES),
+    rates=(Rate(key="cmd_vel", maker="guard", wanted_hz=50.0, hz=49.0, heard=75),),
+    base=base(),
+    estop=estop(),
+)
+HEALTHY = Look(machine=MACHINE, network=NETWORK, robot=ROBOT, wanted="anne")
+
+
+def said(look: Look) -> list[str]:
+    return [f"{each.severity} {each.about}: {each.what} -> {each.fix}" for each in findings(look)]
+
+
+def of_machine(**fields: Any) -> Look:
+    return msgspec.structs.replace(HEALTHY, machine=msgspec.structs.replace(MACHINE, **fields))
+
+
+def of_robot(**fields: Any) -> Look:
+    return msgspec.structs.replace(HEALTHY, robot=msgspec.structs.replace(ROBOT, **fields))
+
+
+def answered(*changed: Answer) -> Look:
+    names = {each.health.service for each in changed}
+    return of_robot(answers=(*(each for each in ROBOT.answers if each.health.service not in names), *changed))
+
+
+def rated(**fields: Any) -> Look:
+    return of_robot(rates=(msgspec.structs.replace(ROBOT.rates[0], **fields),))
+
+
+def silent(machine: Machine = MACHINE, **fields: Any) -> Look:
+    network = msgspec.structs.replace(Network(), **fields)
+    return Look(machine=machine, network=network, robot=None, wanted="anne")
+
+
+def call(outcome: Any, detail: str = "", *, on_link: bool = True) -> tuple[Call, ...]:
+    return (Call(address="10.71.1.9:7447", outcome=outcome, detail=detail, on_link=on_link),)
+
+
+def test_a_healthy_robot_has_no_findings() -> None:
+    assert findings(HEALTHY) == []
+
+
+@pytest.mark.parametrize(
+    ("look", "told"),
+    [
+        (of_machine(settings_problem="robot.toml: bad; correct it"), "fault robot file: robot.toml: bad -> correct it"),
+        (of_machine(keys_problem="keys of pc: expired; renew", keys_expired=True), "fault certificates: keys of pc"),
+        (of_machine(keys_problem="keys of pc: expires soon; renew"), "warning certificates: keys of pc: expires soon"),
+        (of_machine(ports=(Port(service="base", problem="silent; look"),)), "fault base's board: silent -> look"),
+        (of_machine(disks=(msgspec.structs.replace(DISK, free_bytes=10**7),)), "fault disk: /var/lib/giraff: 10 MB"),
+        (of_machine(disks=(msgspec.structs.replace(DISK, free_bytes=10**8),)), "warning disk: /var/lib/giraff: 100 MB"),
+        (of_machine(wiring_checked=False), "warning wiring: how motors and encoders are soldered is not known"),
+        (of_robot(services=ROBOT.services | {"guard": 0}), "fault guard: giraff_guard is not running, or hangs"),
+        (of_robot(services=ROBOT.services | {"odometry": 0}), "warning odometry: giraff_odometry is not running"),
+        (of_robot(services=ROBOT.services | {"joystick": 0}), "warning operator: nobody is there who could drive"),
+        (of_robot(services=ROBOT.services | {"guard": 2}), "fault guard: 2 giraff_guard run for anne (guard on pc"),
+        (of_robot(services=ROBOT.services | {"guard": 2, "base": 2}), "fault robot: two robots are called anne"),
+        (of_robot(answers=ROBOT.answers[1:]), "fault base: giraff_base is there, but does not answer"),
+        (answered(answer("base", ok=False, faults=("no port; plug",))), "fault base on pc: no port -> plug"),
+        (answered(answer("guard", notices=("waits; start it",))), "warning guard on pc: waits -> start it"),
+        (answered(answer("base", 2.0, host="old-pc")), "fault clock: the clock of old-pc is 2.0 s ahead of this"),
+        (answered(answer("base", -2.0, host="old-pc")), "fault clock: the clock of old-pc is 2.0 s behind this"),
+        (answered(answer("base", version="0.1.0-bb")), "fault version: versions differ: 0.1.0-aa on pc (guard), "),
+        (answered(answer("base", None, version="")), "an older one on pc (base)"),
+        (rated(hz=20.0), "fault guard: cmd_vel comes at 20 Hz instead of 50"),
+        (rated(heard=0, hz=None), "fault guard: cmd_vel is silent, though giraff_guard says it is well"),
+        (rated(lost=20), "fault network: cmd_vel: 20 of 95 samples were lost on the way"),
+        (of_robot(estop=estop(engaged=True)), "note e-stop: the emergency stop is engaged by ann@desk: smoke"),
+        (
+            of_robot(
+                base=base(armed=False, reason="the wiring is not checked: lift the wheels and run giraff check wheels")
+            ),
+            "warning wiring: the wiring is not checked -> lift the wheels",
+        ),
+        (
+            msgspec.structs.replace(HEALTHY, network=msgspec.structs.replace(NETWORK, linked=2)),
+            "fault network: multicast does not get through",
+        ),
+        (silent(), "fault network: no robot called anne is heard: nobody answers"),
+        (silent(problem="no session; look"), "fault network: no robot called anne is heard: no session -> look"),
+        (silent(robots=("otto",)), "there is otto -> name the one you mean: --robot otto"),
+        (silent(msgspec.structs.replace(MACHINE, interfaces=())), "no interface is up"),
+        (silent(strangers=1, protocols=("tls",)), "others answer, but speak tls, and this machine tcp"),
+        (
+            silent(msgspec.structs.replace(MACHINE, interfaces=(msgspec.structs.replace(UPLINK, multicast=False),))),
+            "interface uplink does not do multicast",
+        ),
+        (silent(calls=call("refused")), "fault services: no robot called anne is heard: 10.71.1.9:7447 is there, but"),
+        (silent(calls=call("silent")), "does not answer, though it is in a network of this machine"),
+        (silent(calls=call("no way", on_link=False)), "is in none of this machine's networks (uplink 10.71.1.2/24)"),
+        (
+            silent(calls=call("untrusted", "self-signed")),
+            "fault certificates: no robot called anne is heard: 10.71.1.9",
+        ),
+        (silent(calls=call("answers")), "10.71.1.9:7447 answers, but runs no service of it"),
+    ],
+)
+def test_what_is_wrong_is_named_with_its_way_out(look: Look, told: str) -> None:
+    assert any(told in each for each in said(look)), said(look)
+    assert all(each.fix for each in findings(look))
+
+
+def test_the_cause_is_told_and_not_what_comes_of_it() -> None:
+    unwell = answered(answer("guard", ok=False, faults=("out of memory; add some",)))
+    assert unwell.robot is not None
+    rates = (msgspec.structs.replace(ROBOT.rates[0], heard=0, hz=None),)
+    unwell = msgspec.structs.replace(unwell, robot=msgspec.structs.replace(unwell.robot, rates=rates))
+    assert said(unwell) == ["fault guard on pc: out of memory -> add some"]
+
+
+def test_a_small_difference_of_clocks_and_an_operators_notice_are_nothing() -> None:
+    resting = answer("joystick", 0.3, notices=("nobody drives; tilt",))
+    assert findings(answered(resting)) == []
+    unsure = msgspec.structs.replace(answer("base", 1.0), uncertainty=0.8)
+    assert findings(answered(unsure)) == []
+
+
+def test_the_gravest_comes_first() -> None:
+    look = of_robot(estop=estop(engaged=True), services=ROBOT.services | {"odometry": 0, "guard": 0})
+    assert [each.severity for each in findings(look)] == ["fault", "warning", "note"]
+
+
+def test_addresses_are_told_apart() -> None:
+    own = (UPLINK,)
+    assert [on_link(each, own) for each in ("10.71.1.9", "10.71.2.9", "127.0.0.1", "robot.lan")] == [
+        True,
+        False,
+        True,
+        True,
+    ]
+    assert [is_own(each, own) for each in ("10.71.1.2", "10.71.1.9", "127.0.0.1", "[fe80::1%2]")] == [
+        True,
+        False,
+        True,
+        True,
+    ]
