@@ -7,7 +7,7 @@ decoding (an older reader keeps working); a missing field, a wrong type or a num
 from __future__ import annotations
 
 import math
-from typing import Final, Literal
+from typing import Literal
 
 import msgspec
 
@@ -69,7 +69,7 @@ class Tilt(Sample, frozen=True, kw_only=True):
     """Newest moment the board held when it began the reading."""
 
     def __post_init__(self) -> None:
-        _require_finite(x=self.x, y=self.y, z=self.z)
+        require_finite(x=self.x, y=self.y, z=self.z)
 
 
 Source = Literal["hand", "fault"]
@@ -94,7 +94,7 @@ class DriveCommand(Sample, frozen=True, kw_only=True):
     """Of the measurement or human event, never renewed. None: the operator has not heard the robot yet."""
 
     def __post_init__(self) -> None:
-        _require_finite(linear_x=self.linear_x, angular_z=self.angular_z)
+        require_finite(linear_x=self.linear_x, angular_z=self.angular_z)
 
     @property
     def neutral(self) -> bool:
@@ -126,7 +126,7 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Why this is less than the operator asked for; empty when it is not."""
 
     def __post_init__(self) -> None:
-        _require_finite(linear_x=self.linear_x, angular_z=self.angular_z)
+        require_finite(linear_x=self.linear_x, angular_z=self.angular_z)
 
     @property
     def neutral(self) -> bool:
@@ -225,7 +225,7 @@ class Range(Sample, frozen=True, kw_only=True):
         if (self.range is not None) != (self.state == "echo"):
             raise ValueError(f"range {self.range!r} does not go with state {self.state!r}")
         if self.range is not None:
-            _require_finite(range=self.range)
+            require_finite(range=self.range)
 
 
 class Wheels(Sample, frozen=True, kw_only=True):
@@ -247,7 +247,7 @@ class Wheels(Sample, frozen=True, kw_only=True):
     """When base read the report."""
 
     def __post_init__(self) -> None:
-        _require_finite(left_velocity=self.left_velocity, right_velocity=self.right_velocity)
+        require_finite(left_velocity=self.left_velocity, right_velocity=self.right_velocity)
 
 
 class Odometry(Sample, frozen=True, kw_only=True):
@@ -268,8 +268,8 @@ class Odometry(Sample, frozen=True, kw_only=True):
     tick: RobotTime
 
     def __post_init__(self) -> None:
-        _require_finite(x=self.x, y=self.y, yaw=self.yaw, linear_x=self.linear_x, angular_z=self.angular_z)
-        _require_finite(path=self.path, **{f"covariance[{i}]": value for i, value in enumerate(self.covariance)})
+        require_finite(x=self.x, y=self.y, yaw=self.yaw, linear_x=self.linear_x, angular_z=self.angular_z)
+        require_finite(path=self.path, **{f"covariance[{i}]": value for i, value in enumerate(self.covariance)})
 
 
 class BoardState(msgspec.Struct, frozen=True, kw_only=True):
@@ -302,7 +302,7 @@ class BaseState(Sample, frozen=True, kw_only=True):
     board: BoardState
 
     def __post_init__(self) -> None:
-        _require_finite(round_trip=self.round_trip or 0.0, budget_left=self.budget_left or 0.0)
+        require_finite(round_trip=self.round_trip or 0.0, budget_left=self.budget_left or 0.0)
 
 
 class Battery(Sample, frozen=True, kw_only=True):
@@ -310,7 +310,7 @@ class Battery(Sample, frozen=True, kw_only=True):
     """V."""
 
     def __post_init__(self) -> None:
-        _require_finite(voltage=self.voltage)
+        require_finite(voltage=self.voltage)
 
 
 Direction = Literal["forward", "backward", "turn_left", "turn_right"]
@@ -329,7 +329,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     way_out: str
 
     def __post_init__(self) -> None:
-        _require_finite(allowed=self.allowed)
+        require_finite(allowed=self.allowed)
 
 
 class GuardState(Sample, frozen=True, kw_only=True):
@@ -378,35 +378,7 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """Wall clock of its host when it answered, ns since 1970."""
 
 
-ODOM_FRAME: Final = "odom"
-"""Where the robot was when odometry began."""
-BASE_FRAME: Final = "base_link"
-"""The middle between the wheels, on the floor."""
-
-
-def range_frame(sensor: str) -> str:
-    """The frame of an ultrasonic sensor."""
-    return f"range_{sensor}_link"
-
-
-class Transform(msgspec.Struct, frozen=True, kw_only=True):
-    """Answer to who asks where a frame is: its pose in its parent."""
-
-    parent: str
-    child: str
-    x: float
-    """m."""
-    y: float
-    yaw: float
-    """rad, counter-clockwise positive."""
-    fixed: bool
-    """It is a part's place on the robot, and stays; else it is where the robot is now."""
-
-    def __post_init__(self) -> None:
-        _require_finite(x=self.x, y=self.y, yaw=self.yaw)
-
-
-def _require_finite(**values: float) -> None:
+def require_finite(**values: float) -> None:
     for name, value in values.items():
         if not math.isfinite(value):
             raise ValueError(f"{name} is {value}, not a finite number")

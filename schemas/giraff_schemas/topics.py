@@ -109,6 +109,15 @@ def key_below(robot: str, below: str) -> str:
     return f"{ROOT}/{require_chunk(robot)}/{below}"
 
 
+def topic_of(key: str) -> Topic[Any] | None:
+    """The row of a key below the robot's name: of `range/rear` that of `range/*`; None: the table has none."""
+    for topic in TOPICS:
+        head, star, _ = topic.key.partition("*")
+        if key == topic.key or (star and key.startswith(head) and _is_chunk(key.removeprefix(head))):
+            return topic
+    return None
+
+
 def alive_key(robot: str, service: str = "*", instance: str = "*") -> str:
     """Liveliness token of one process."""
     return f"{ROOT}/{robot}/alive/{service}/{instance}"
@@ -129,3 +138,11 @@ def require_chunk(name: str) -> str:
     if not name or not name.isascii() or any(c in "/*$?# " or not c.isprintable() for c in name):
         raise ValueError(f"{name!r} cannot be part of a key: use letters, digits, '-' and '_'")
     return name
+
+
+def _is_chunk(name: str) -> bool:
+    try:
+        require_chunk(name)
+    except ValueError:
+        return False
+    return True

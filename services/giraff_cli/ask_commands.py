@@ -142,14 +142,7 @@ def pub(
     connect: Connect = None,
     rate: Annotated[
         float | None,
-        typer.Option(
-            metavar="HZ",
-            min=0.01,
-            max=1000.0,
-            callback=finite,
-            help="Again and again; else once.",
-            show_default=False,
-        ),
+        typer.Option(metavar="HZ", min=0.01, max=1000.0, help="Again and again; else once.", show_default=False),
     ] = None,
     count: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="End after so many; else with Ctrl-C.", show_default=False)

@@ -43,11 +43,11 @@ def call(address: str, network: NetworkConfig, own: tuple[Interface, ...]) -> Ca
 
 def scout(seconds: float) -> dict[str, list[str]]:
     """Who answers a call by multicast: by Zenoh id, its locators."""
-    calling = zenoh.scout(what="peer|router")
+    calling: Any = zenoh.scout(what="peer|router")
     time.sleep(seconds)
     answers = iter(calling.try_recv, None)
     heard = {str(hello.zid): [str(locator) for locator in hello.locators] for hello in answers}
-    calling.stop()  # type: ignore[no-untyped-call]
+    calling.stop()
     return heard
 
 

@@ -21,7 +21,7 @@ from giraff_cli.survey import Surveyor
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
 from giraff_cli.words import printable
-from giraff_schemas.messages import Transform
+from giraff_schemas.frames import Transform
 from giraff_schemas.topics import frame_key
 
 _PATIENCE: Final = 3.0  # s, to find the only robot

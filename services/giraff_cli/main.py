@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from giraff_cli.ask_commands import add_to as add_asking
 from giraff_cli.doctor_commands import doctor
 from giraff_cli.options import Connect, Robot
-from giraff_cli.record_commands import add_to as add_recording
-from giraff_cli.ask_commands import add_to as add_asking
-from giraff_cli.options import Connect, Robot
 from giraff_cli.param_commands import param
+from giraff_cli.record_commands import add_to as add_recording
 from giraff_cli.view_commands import view
 
 if TYPE_CHECKING:

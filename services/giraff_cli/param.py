@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Final
@@ -10,9 +9,9 @@ from typing import Any, Final
 import msgspec
 
 from giraff_cli.estop import who
+from giraff_cli.page import print_json
 from giraff_cli.param_view import Shown, as_objects, differing
 from giraff_cli.robots import NoRobotError, unheard
-from giraff_cli.screen import drop_output
 from giraff_cli.visit import UNUSABLE, complain, visit
 from giraff_cli.watcher import Watcher
 from giraff_node.asking import Asking
@@ -57,7 +56,10 @@ def show(
             complain(_silent({service}))
         for words in (differences := differing(wanted)):
             complain(words)
-        _print(msgspec.json.encode(as_objects(wanted)).decode() if as_json else view(wanted))
+        if as_json:
+            print_json(as_objects(wanted))
+        else:
+            print(view(wanted))
         return _WRONG if differences or len(answers) < len(services) else _DONE
 
     return visit(robot, connect, _PATIENCE, tell)
@@ -102,9 +104,9 @@ def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:
             complain(answer.reason)
     done = [Shown(answer.service, answer.host, param) for answer in answers.values() for param in answer.params]
     if as_json:
-        _print(msgspec.json.encode([answer for _, answer in sorted(answers.items())]).decode())
-    else:
-        _print("\n".join(one.sentence() for one in done))
+        print_json([answer for _, answer in sorted(answers.items())])
+    elif done:
+        print("\n".join(one.sentence() for one in done))
     if len(answers) < len(services):
         return UNUSABLE
     return _DONE if all(answer.done for answer in answers.values()) else _WRONG
@@ -169,13 +171,3 @@ def _unknown(name: str, shown: Sequence[Shown]) -> str:
     service = name.partition(".")[0]
     fields = [one.param.name for one in shown if one.service == service and not one.is_shared]
     return f"{name}: no such parameter; {service} has {', '.join(fields) or 'none'}"
-
-
-def _print(text: str) -> None:
-    """On standard output, whose reader may have gone."""
-    try:
-        if text:
-            print(text, flush=True)
-    except BrokenPipeError:
-        drop_output()
-        sys.stderr.flush()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import secrets
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -15,10 +15,10 @@ import zenoh
 from giraff_cli.play_reader import Reader, Said
 from giraff_cli.robots import NoRobotError
 from giraff_cli.stopping import Stopping
+from giraff_cli.topic_keys import UnknownKeyError, find_topic, refusal
 from giraff_cli.visit import complain, join
 from giraff_cli.watcher import Watcher
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_mcap.schemas import topic_of
 from giraff_schemas.topics import alive_key, key_below
 
 _MEET_WITHIN: Final = 1.0  # s, to meet who listens, and a robot of this name
@@ -81,12 +81,6 @@ def keys_played(recording: Recording, topics: Sequence[str]) -> set[str]:
     return recording.matching(topics)
 
 
-def refused_of(keys: set[str]) -> list[str]:
-    """Those that no replay may say in the name of a robot that is there: what its parts decide by."""
-    rows = {key: topic_of(key) for key in keys}
-    return sorted(key for key, row in rows.items() if row is None or row.qos == "control")
-
-
 class Presence:
     """Of robots of this name: the one that is played, and those that are there."""
 
@@ -124,11 +118,10 @@ def _play(
     as_json: bool,
 ) -> int:
     presence = Presence(watcher.session, played.robot)
-    refused = refused_of(keys)
     reader.start()
     stopping.wait(_MEET_WITHIN)
-    if refused and presence.services:
-        raise NoRobotError(_why_not(played.robot, presence.services, refused))
+    if why := _refusal(keys, presence.services):
+        raise NoRobotError(why)
     presence.declare()
     publishers = Publishers(watcher.session, played.robot)
     trouble = ""
@@ -145,8 +138,7 @@ def _play(
         played.latest = max(played.latest, (now_ns - due_ns) * 1e-9)
         if now_ns - looked_ns > _LOOK_EVERY_NS:
             looked_ns = now_ns
-            if refused and presence.services:
-                trouble = _why_not(played.robot, presence.services, refused)
+            if trouble := _refusal(keys, presence.services):
                 break
     played.seconds = (time.monotonic_ns() - began_ns) * 1e-9
     trouble = trouble or reader.trouble
@@ -179,11 +171,17 @@ class Publishers:
         publisher.put(said.payload)
 
 
-def _why_not(robot: str, services: Sequence[str], refused: Sequence[str]) -> str:
-    return (
-        f"{robot} is a robot that is there ({', '.join(services)}): {', '.join(refused)} would steer it; leave --robot "
-        "out, or play --topics that only tell"
-    )
+def _refusal(keys: Iterable[str], services: Sequence[str]) -> str:
+    """Why these may not be said in the name of a robot of which these services are there; empty: they may."""
+    live: dict[str, tuple[str, ...]] = dict.fromkeys(services, ())
+    for key in sorted(keys) if live else ():
+        try:
+            why = refusal(find_topic(key), live)
+        except UnknownKeyError as error:
+            why = str(error)
+        if why:
+            return why
+    return ""
 
 
 def _told(played: Played, *, as_json: bool) -> str:

@@ -15,10 +15,10 @@ from giraff_cli.meter import Meter
 from giraff_cli.robots import NoRobotError, robots_alive, unheard
 from giraff_cli.stopping import Stopping
 from giraff_cli.tally import Arrival, Tally
-from giraff_cli.topic_keys import covers, row_of
+from giraff_cli.topic_keys import covers
 from giraff_cli.watcher import Watcher
 from giraff_schemas.messages import Health, Sample
-from giraff_schemas.topics import TOPICS, Topic, health_key
+from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
 
 FIRST_WITHIN: Final = 3.0  # s until the first word of a robot that is there
 _LOOK_EVERY: Final = 0.05  # s
@@ -222,5 +222,5 @@ def is_listened_to(publisher: Any) -> bool:
 
 def _place(key: str) -> tuple[int, str]:
     """In the order of the topics table, unknown ones last."""
-    row = row_of(key)
+    row = topic_of(key)
     return (len(_ORDER) if row is None else _ORDER[row.key], key)

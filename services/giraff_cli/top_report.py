@@ -13,9 +13,9 @@ from rich.text import Text
 from giraff_cli.page import shown, table_of
 from giraff_cli.survey import Survey
 from giraff_cli.tally import Count, Tally
-from giraff_cli.topic_keys import row_of
 from giraff_cli.words import printable
 from giraff_schemas.messages import Health
+from giraff_schemas.topics import topic_of
 
 _WINDOW: Final = 3.0  # s that the figures of now look back
 _PERIODS: Final = 3.0  # of a topic, without a sample: it is silent
@@ -157,7 +157,7 @@ def report_of(survey: Survey, loads: Loads, elapsed: float, now: float) -> TopRe
 
 
 def _stream(tally: Tally, by: str, count: Count, now: float) -> Stream:
-    row = row_of(tally.key)
+    row = topic_of(tally.key)
     nominal = 0.0 if row is None else row.rate_hz
     silence = now - count.newest.at
     silent = silence > max(_LEAST, _PERIODS / nominal if nominal else 0.0)

@@ -22,7 +22,7 @@ from giraff_schemas.topics import (
     TOPICS,
     WHEELS,
     Topic,
-    require_chunk,
+    topic_of,
 )
 
 _COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key)
@@ -35,15 +35,6 @@ class UnknownKeyError(Exception):
     """No topic has this key. The message says which are near, or there."""
 
 
-def row_of(key: str) -> Topic[Any] | None:
-    """The row of the table that a key is one of: itself, or `range/*` of `range/rear`."""
-    for topic in TOPICS:
-        head, star, _ = topic.key.partition("*")
-        if key == topic.key or (star and key.startswith(head) and _is_chunk(key.removeprefix(head))):
-            return topic
-    return None
-
-
 def find_topic(key: str, there: Iterable[str] = ()) -> Topic[Any]:
     """The topic of a key like `odom`, `range/rear` or `range/*`. Raises UnknownKeyError.
 
@@ -53,7 +44,7 @@ def find_topic(key: str, there: Iterable[str] = ()) -> Topic[Any]:
         raise UnknownKeyError(f"{key}: leave out {ROOT}/<robot>/, --robot names the robot; like odom or range/*")
     if key in (query.key for query in QUERIES):
         raise UnknownKeyError(f"{key} is asked, not published: `giraff node list` shows who answers")
-    if (row := row_of(key)) is None:
+    if (row := topic_of(key)) is None:
         raise UnknownKeyError(no_such_key(key, (*(topic.key for topic in TOPICS), *there)))
     return row if row.key == key else row.at(key.rpartition("/")[2])
 
@@ -86,7 +77,7 @@ def refusal(topic: Topic[Any], live: Mapping[str, Iterable[str]]) -> str:
     if not is_live(live):
         return ""
     there = ", ".join(sorted(live))
-    row = row_of(topic.key) or topic
+    row = topic_of(topic.key) or topic
     if row.key in _COMMANDS:
         return (
             f"{topic.key} drives, and the robot is there ({there}): only an operator may; "
@@ -97,11 +88,3 @@ def refusal(topic: Topic[Any], live: Mapping[str, Iterable[str]]) -> str:
         says = f"is said by {', '.join(speakers)}" if speakers else "is the robot's own word"
         return f"{topic.key} {says}, and the robot is there ({there}): publish it under another name, --robot NAME"
     return ""
-
-
-def _is_chunk(name: str) -> bool:
-    try:
-        require_chunk(name)
-    except ValueError:
-        return False
-    return True

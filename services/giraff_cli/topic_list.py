@@ -13,13 +13,13 @@ from giraff_cli.meter import Meter
 from giraff_cli.page import Page, print_json, print_table, shown
 from giraff_cli.stopping import Stopping
 from giraff_cli.survey import Maker, Survey, Surveyor, is_listened_to
-from giraff_cli.topic_keys import UnknownKeyError, covers, find_topic, row_of
+from giraff_cli.topic_keys import UnknownKeyError, covers, find_topic
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
 from giraff_cli.words import printable
 from giraff_schemas.fields import Field, fields_of
 from giraff_schemas.messages import Sample
-from giraff_schemas.topics import TOPICS, Topic, key_of
+from giraff_schemas.topics import TOPICS, Topic, key_of, topic_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _QOS: Final = {
@@ -82,7 +82,7 @@ def rows_of(survey: Survey) -> list[TopicRow]:
     absent = [topic.key for topic in TOPICS if not any(covers(topic.key, key) for key in keys)]
     order = {topic.key: number for number, topic in enumerate(TOPICS)}
     rows = [_row(survey, key) for key in (*keys, *absent)]
-    return sorted(rows, key=lambda row: order.get(getattr(row_of(row.key), "key", ""), len(order)))
+    return sorted(rows, key=lambda row: order.get(getattr(topic_of(row.key), "key", ""), len(order)))
 
 
 def _list(watcher: Watcher, stopping: Stopping, seconds: float, *, as_json: bool) -> int:
@@ -157,7 +157,7 @@ def _row(survey: Survey, key: str) -> TopicRow:
     covered = [other for other in survey.keys if covers(key, other)]
     counts = [count for other in covered if other in survey.tallies for count in survey.tallies[other].counts.values()]
     rates = [rate for count in counts if (rate := count.rate) is not None]
-    row = row_of(key)
+    row = topic_of(key)
     return TopicRow(
         key=key,
         type="" if row is None else row.schema.__name__,

@@ -21,7 +21,7 @@ from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic, key_of
 
 _LOOK_FOR: Final = 1.5  # s, for a robot of this name: a service that is met late is one that is there
-_FILLED_IN: Final = Sample.__struct_fields__
+FILLED_IN: Final = Sample.__struct_fields__
 _REFUSED_LATER: Final = 1
 
 
@@ -75,7 +75,7 @@ def parse_sample(topic: Topic[Any], text: str) -> Sample:
         given = msgspec.json.decode(text)
         if not isinstance(given, dict):
             raise NotASampleError(f"a {name} is a JSON object, like {{{_example(topic)}}}")
-        if taken := [field for field in _FILLED_IN if field in given]:
+        if taken := [field for field in FILLED_IN if field in given]:
             raise NotASampleError(f"{', '.join(taken)}: filled in when it is published; leave it out")
         if topic.names:
             given.setdefault(topic.names, topic.key.rpartition("/")[2])
@@ -154,5 +154,5 @@ def _unknown(given: Any, taken: Any, path: str = "") -> list[str]:
 
 
 def _example(topic: Topic[Any]) -> str:
-    names = (name for name in topic.schema.__struct_fields__ if name not in _FILLED_IN)
+    names = (name for name in topic.schema.__struct_fields__ if name not in FILLED_IN)
     return ", ".join(f'"{name}": …' for name in names)

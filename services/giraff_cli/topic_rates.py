@@ -12,11 +12,11 @@ from giraff_cli.page import print_json, print_table, shown
 from giraff_cli.stopping import Stopping
 from giraff_cli.survey import Maker, Survey, Surveyor
 from giraff_cli.tally import Count
-from giraff_cli.topic_keys import UnknownKeyError, find_topic, row_of
+from giraff_cli.topic_keys import UnknownKeyError, find_topic
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
 from giraff_cli.words import printable
-from giraff_schemas.topics import Topic
+from giraff_schemas.topics import Topic, topic_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _WELL: Final = 0
@@ -153,7 +153,7 @@ def _silence(survey: Survey, topic: Topic[Any] | None, seconds: float) -> str:
 
 
 def _rate(key: str, maker: Maker, count: Count) -> Rate:
-    row = row_of(key)
+    row = topic_of(key)
     median, high, largest = (_seconds(count.ages.share(share)) for share in (0.5, 0.99, 1.0))
     return Rate(
         key=key,

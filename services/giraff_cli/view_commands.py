@@ -42,6 +42,9 @@ def view(  # noqa: PLR0913, PLR0917  one argument an option
     if find_spec("rerun") is None:
         typer.echo("giraff view: the library rerun is missing: pip install 'giraff[viewer,cli]'", err=True)
         raise typer.Exit(_REFUSED)
+    if recording is not None and find_spec("mcap") is None:
+        typer.echo("giraff view: the library mcap is missing: pip install 'giraff[viewer,cli,record]'", err=True)
+        raise typer.Exit(_REFUSED)
     from giraff_cli.viewing import Options, show  # noqa: PLC0415
 
     options = Options(save=save, picture=picture, web=web, port=port, memory=memory, seconds=seconds, as_json=as_json)

@@ -11,9 +11,9 @@ from giraff_cli.stopping import Stopping
 from giraff_cli.viewing import DONE, Options, Stage, give_up, known_robot
 from giraff_cli.visit import complain
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_mcap.schemas import topic_of
 from giraff_node.robot import RobotConfig
 from giraff_schemas.codec import DecodeError
+from giraff_schemas.topics import topic_of
 from giraff_viewer.window import ViewerError
 
 _LOOK_EVERY: Final = 2000  # samples

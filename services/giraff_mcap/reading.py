@@ -30,11 +30,10 @@ from mcap.stream_reader import CRCValidationError, StreamReader
 from zstandard import ZstdError
 
 from giraff_mcap.heard import Count, Tally, start_of
-from giraff_mcap.schemas import topic_of
 from giraff_mcap.writing import ABOUT, SUMMARY, below_robot
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
-from giraff_schemas.topics import ROOT
+from giraff_schemas.topics import ROOT, topic_of
 
 _MAGIC: Final = b"\x89MCAP0\r\n"
 _LARGEST: Final = 1 << 28

@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_schemas.topics import TOPICS, Topic
+from giraff_schemas.topics import TOPICS
 
 ENCODING: Final = "jsonschema"
 FOREIGN: Final = "unknown"
@@ -32,15 +32,6 @@ def schema_of(type_: type[msgspec.Struct] | None) -> bytes:
         return msgspec.json.encode({"title": FOREIGN, **_ANYTHING})
     _, components = msgspec.json.schema_components([type_])
     return msgspec.json.encode(_plain(components[type_.__name__], components))
-
-
-def topic_of(below: str) -> Topic[Any] | None:
-    """The row of the table that a key below the robot's name belongs to."""
-    for topic in TOPICS:
-        head, star, _ = topic.key.partition("*")
-        if below == topic.key or (star and below.startswith(head) and "/" not in below.removeprefix(head)):
-            return topic
-    return None
 
 
 @cache

@@ -38,7 +38,8 @@ from giraff_node.session import NetworkConfig, open_session
 from giraff_node.state import state_directory
 from giraff_node.watch import Selectable
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
-from giraff_schemas.messages import Health, Transform
+from giraff_schemas.frames import Transform
+from giraff_schemas.messages import Health
 from giraff_schemas.topics import (
     PARAM_DESCRIBE,
     PARAM_SAVE,

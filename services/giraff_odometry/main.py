@@ -5,7 +5,7 @@ import time
 from giraff_node import Node
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
-from giraff_schemas.messages import BASE_FRAME
+from giraff_schemas.frames import BASE_FRAME
 from giraff_schemas.topics import ODOM, WHEELS
 
 SILENCE = 1.0  # s without a sample that is worth a word

@@ -14,7 +14,8 @@ from giraff_node.counters import signed32
 from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.dead_reckoning import Estimate, advance, less_sure
-from giraff_schemas.messages import BASE_FRAME, ODOM_FRAME, Odometry, Transform, Wheels
+from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
+from giraff_schemas.messages import Odometry, Wheels
 
 __all__ = ["Estimate", "OdometryPolicy", "advance"]
 

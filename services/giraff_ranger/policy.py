@@ -6,7 +6,8 @@ from typing import Final
 
 from giraff_node.robot import RobotConfig
 from giraff_node.tick_down import TickDown, moment_of
-from giraff_schemas.messages import BASE_FRAME, Range, RangeState, Tick, Transform, range_frame
+from giraff_schemas.frames import BASE_FRAME, Transform, range_frame
+from giraff_schemas.messages import Range, RangeState, Tick
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
 from giraff_schemas.wire import RangeState as WireState
 

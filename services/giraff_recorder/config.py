@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 import msgspec
 
 from giraff_node.config import require_positive
+from giraff_node.live import Live
 
 
 class RecorderConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How far back it remembers, and how much of a disk it may fill."""
+
+    LIVE: ClassVar = Live.FIXED
 
     before: float = 60.0
     """s before an event that are kept."""

@@ -12,7 +12,7 @@ import zenoh
 from giraff_mcap.heard import Heard
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.config import read_tables
-from giraff_schemas.topics import TOPICS
+from giraff_schemas.topics import BASE, GUARD, TOPICS
 from tests.system.robot import FULL_TILT, ProcessRobot
 
 
@@ -28,7 +28,20 @@ def drive_into_view(robot: ProcessRobot) -> None:
     x, y = at.x + reach * math.cos(at.yaw), at.y + reach * math.sin(at.yaw)
     across = (-1.5 * math.sin(at.yaw), 1.5 * math.cos(at.yaw))
     robot.simulator.add_wall("end", [(x - across[0], y - across[1]), (x + across[0], y + across[1])])
-    robot.run(3.0)
+    robot.wait("the wall", lambda: is_at_wall(robot), 60.0)
+
+
+def is_at_wall(robot: ProcessRobot) -> bool:
+    """Blocked by what a sensor sees, with no sensor in doubt; a busy machine's robot that was disarmed drives on."""
+    guard, base = robot.observer.newest(GUARD), robot.observer.newest(BASE)
+    assert guard is not None
+    assert base is not None
+    if guard.forward.freedom == "blocked" and "sees something" in guard.forward.reason:
+        return not any(guard.sensors.values())
+    if not base.armed:
+        robot.arm(30.0)
+        robot.hold(FULL_TILT, 0.0)
+    return False
 
 
 def record_drive(robot: ProcessRobot, path: Path) -> None:
@@ -37,7 +50,7 @@ def record_drive(robot: ProcessRobot, path: Path) -> None:
 
     def hear(sample: zenoh.Sample) -> None:
         key, encoding = str(sample.key_expr), str(sample.encoding)
-        heard.append(Heard(time.monotonic_ns(), key, bytes(sample.payload), encoding, 4, express=False))
+        heard.append(Heard(time.monotonic_ns(), key, bytes(sample.payload), encoding))
 
     tables = msgspec.json.encode(read_tables(robot.environment)).decode()
     with RecordingWriter(path, {"robot": "sim-test", "tables": tables}) as writer:

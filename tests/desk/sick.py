@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -146,14 +147,16 @@ def as_nobody(robot: ProcessRobot, service: str, port: str) -> Iterator[None]:
     mode = device.stat().st_mode
     device.chmod(0o600 if os.geteuid() == 0 else 0)
     plain = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] if os.geteuid() == 0 else []
-    environment = robot.environment | {port: str(device)}
     command = [*plain, sys.executable, "-P", "-m", f"giraff_{service}"]
-    with (robot.directory / "nobody.log").open("wb") as log:
-        process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
-    try:
-        yield
-    finally:
-        process.kill()
-        process.wait()
-        device.chmod(mode)
-        robot.start(service)
+    with tempfile.TemporaryDirectory() as state:  # of its own: the robot's is none that nobody may look into
+        Path(state).chmod(0o777)
+        environment = robot.environment | {port: str(device), "STATE_DIRECTORY": state}
+        with (robot.directory / "nobody.log").open("wb") as log:
+            process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        try:
+            yield
+        finally:
+            process.kill()
+            process.wait()
+            device.chmod(mode)
+            robot.start(service)

@@ -7,7 +7,7 @@ import re
 import pytest
 
 from giraff_cli.frames import Frames, dot, faults_of
-from giraff_schemas.messages import Transform
+from giraff_schemas.frames import Transform
 from tests.desk.desk import Desk
 from tests.desk.talker import talker
 from tests.robots import ROBOT

@@ -14,9 +14,9 @@ from mcap.reader import make_reader
 
 from giraff_mcap.heard import Heard
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_mcap.schemas import schema_of, topic_of
+from giraff_mcap.schemas import schema_of
 from giraff_mcap.writing import RecordingWriter
-from giraff_schemas.topics import OPERATOR_CMD_VEL, TOPICS
+from giraff_schemas.topics import OPERATOR_CMD_VEL, TOPICS, topic_of
 from tests.unit.mcap.recordings import ROBOT, heard, odometry, record, ten
 
 
