@@ -9,7 +9,17 @@ import pytest
 from giraff_cli.topic_keys import UnknownKeyError, covers, find_topic, refusal
 from giraff_cli.topic_pub import NotASampleError, parse_sample
 from giraff_schemas.messages import Battery, DriveCommand
-from giraff_schemas.topics import BATTERY, CMD_VEL, OPERATOR_CMD_VEL, RANGE, TILT, TOPICS, Topic
+from giraff_schemas.topics import (
+    BATTERY,
+    CMD_VEL,
+    OPERATOR_CMD_VEL,
+    RANGE,
+    SERIAL,
+    SERIAL_WRITE,
+    TILT,
+    TOPICS,
+    Topic,
+)
 
 STRANGE = '{"state": "clear", "range": null, "echo_us": 0, "reason": "", "tick": {"epoch": 1, "robot_ns": 1, "s": 1}}'
 SERVICES = {"base": ["tick", "wheels"], "guard": ["cmd_vel"], "joystick": ["tilt", "cmd_vel/joystick"]}
@@ -56,7 +66,10 @@ def test_what_covers_what() -> None:
     assert not covers("odom", "base")
 
 
-@pytest.mark.parametrize("topic", [topic for topic in TOPICS if topic is not TILT], ids=lambda topic: topic.key)
+OTHERS = (TILT, SERIAL, SERIAL_WRITE)
+
+
+@pytest.mark.parametrize("topic", [topic for topic in TOPICS if topic not in OTHERS], ids=lambda topic: topic.key)
 def test_nothing_of_a_live_robots_own_is_said_for_it(topic: Topic[Any]) -> None:
     """By whichever of its services there is."""
     topic = topic.at("x") if "*" in topic.key else topic
@@ -76,6 +89,8 @@ def test_whoever_wants_to_drive_is_shown_how(topic: Topic[Any]) -> None:
 def test_what_is_no_robots_own_is_refused_while_somebody_says_it() -> None:
     assert "is said by joystick" in refusal(TILT, SERVICES)
     assert refusal(TILT, {"base": ["tick"]}) == ""
+    assert "is said by gateway" in refusal(SERIAL.at("lamp"), {"base": ["tick"], "gateway": ["serial/lamp"]})
+    assert refusal(SERIAL_WRITE.at("lamp"), {"base": ["tick"], "gateway": ["serial/lamp"]}) == ""
 
 
 def test_a_sample_is_typed_as_its_fields() -> None:
