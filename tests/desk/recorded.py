@@ -29,6 +29,7 @@ def drive_into_view(robot: ProcessRobot) -> None:
     across = (-1.5 * math.sin(at.yaw), 1.5 * math.cos(at.yaw))
     robot.simulator.add_wall("end", [(x - across[0], y - across[1]), (x + across[0], y + across[1])])
     robot.wait("the wall", lambda: is_at_wall(robot), 60.0)
+    robot.run(1.0)  # it stands, and its path, which is drawn twice a second, ends where it does
 
 
 def is_at_wall(robot: ProcessRobot) -> bool:

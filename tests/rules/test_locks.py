@@ -52,7 +52,7 @@ def asked_for(project: dict[str, Any], extras: Iterable[str], groups: Iterable[s
     named = chain.from_iterable(project["dependency-groups"][group] for group in groups)
     return [
         *project["project"]["dependencies"],
-        *chain.from_iterable(optional[extra] for extra in extras),
+        *chain.from_iterable(optional[extra] for extra in extras if extra != "desk"),  # which is made of the others
         *(requirement for requirement in named if isinstance(requirement, str)),
     ]
 
