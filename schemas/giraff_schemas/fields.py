@@ -35,9 +35,17 @@ def _declared(struct: type[msgspec.Struct]) -> dict[str, Field]:
         for statement in class_.body if isinstance(class_, ast.ClassDef) else ():
             match statement:
                 case ast.AnnAssign(target=ast.Name(id=name), annotation=annotation):
-                    found[name] = Field(name, ast.unparse(annotation), "")
+                    found[name] = Field(name, ast.unparse(_plain(annotation)), "")
                 case ast.Expr(value=ast.Constant(value=str(text))) if name in found:
                     found[name] = msgspec.structs.replace(found[name], doc=" ".join(text.split()))
                 case _:
                     name = ""
     return found
+
+
+def _plain(annotation: ast.expr) -> ast.expr:
+    """The type alone: of `Annotated[float, Live.UP]` the first."""
+    match annotation:
+        case ast.Subscript(value=ast.Name(id="Annotated"), slice=ast.Tuple(elts=[plain, *_])):
+            return plain
+    return annotation

@@ -6,9 +6,7 @@ file says is what somebody answers for. Whatever was saved counts after a restar
 
 from __future__ import annotations
 
-import ast
 import difflib
-import inspect
 from collections.abc import Iterable, Mapping
 from typing import Any, Final, Generic
 
@@ -17,6 +15,7 @@ import msgspec
 from giraff_node.config import ConfigT
 from giraff_node.live import Live, live_fields, loosens
 from giraff_node.robot import RobotConfig
+from giraff_schemas.fields import fields_of
 from giraff_schemas.params import Param
 
 _SHARED: Final = "robot."
@@ -123,19 +122,4 @@ def _shown(value: Any) -> str:
 
 def _described(config: type[msgspec.Struct], prefix: str = "") -> dict[str, tuple[str, str]]:
     """By field with its prefix: its type in words, and what its docstring says."""
-    kinds, docs = {}, {}
-    body = ast.parse(inspect.getsource(config)).body[0]
-    assert isinstance(body, ast.ClassDef)  # noqa: S101  a Struct is a class
-    field = ""
-    for statement in body.body:
-        match statement:
-            case ast.AnnAssign(target=ast.Name(id=field), annotation=annotation):
-                if isinstance(annotation, ast.Subscript) and ast.unparse(annotation.value) == "Annotated":
-                    assert isinstance(annotation.slice, ast.Tuple)  # noqa: S101  the type, and Live
-                    annotation = annotation.slice.elts[0]
-                kinds[field] = ast.unparse(annotation)
-            case ast.Expr(value=ast.Constant(value=str(text))):
-                docs[field] = " ".join(text.split())
-            case _:
-                field = ""
-    return {prefix + name: (kinds.get(name, ""), docs.get(name, "")) for name in config.__struct_fields__}
+    return {prefix + field.name: (field.type, field.doc) for field in fields_of(config)}
