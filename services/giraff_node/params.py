@@ -36,6 +36,7 @@ class Params(Generic[ConfigT]):
         self._service = service
         self._filed = filed
         self._live = live_fields(type(filed))
+        # Read from their source now: the turn that answers a question is one that stops motors, too.
         self._documented = {**_described(type(filed)), **_described(type(robot), _SHARED)}
         self._robot = robot
 

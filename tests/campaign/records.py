@@ -7,6 +7,7 @@ import hashlib
 import json
 import platform
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,26 @@ from giraff_sim.board import ROOT
 
 RECORDS = ROOT / "docs" / "campaign"
 _SOURCES = ("schemas", "services", "firmware", "deploy", "requirements")
+_FILES_OF = """
+import sys, {module}
+print(*(file for module in sys.modules.values() if (file := getattr(module, "__file__", None))), sep="\\n")
+"""
 
 
-def source_hash() -> str:
-    """SHA-256 over what is run: every tracked file of the sources, by name and content."""
+def sources_of(module: str) -> tuple[str, ...]:
+    """What a module runs: the firmware, the robot file, and of our own Python what it imports, from the root on."""
     listed = subprocess.run(
-        ["git", "ls-files", "-z", "--", *_SOURCES], cwd=ROOT, check=True, capture_output=True, text=True
+        [sys.executable, "-c", _FILES_OF.format(module=module)], cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout
+    ours = (Path(line) for line in listed.splitlines() if Path(line).is_relative_to(ROOT))
+    imported = {str(path.relative_to(ROOT)) for path in ours}
+    return (*sorted(path for path in imported if path.startswith(_SOURCES)), "firmware", "deploy/robot.toml")
+
+
+def source_hash(sources: tuple[str, ...] = _SOURCES) -> str:
+    """SHA-256 over what is run: every tracked file of these, by name and content."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--", *sources], cwd=ROOT, check=True, capture_output=True, text=True
     ).stdout
     digest = hashlib.sha256()
     for name in sorted(filter(None, listed.split("\0"))):
@@ -29,12 +44,12 @@ def source_hash() -> str:
     return digest.hexdigest()
 
 
-def write_record(name: str, figures: dict[str, Any]) -> Path:
-    """Write docs/campaign/DATE-NAME.json."""
+def write_record(name: str, figures: dict[str, Any], sources: tuple[str, ...] = _SOURCES) -> Path:
+    """Write docs/campaign/DATE-NAME.json; `sources`: what the figures are of."""
     today = dt.datetime.now(dt.UTC).date().isoformat()
     record = {
         "date": today,
-        "source_sha256": source_hash(),
+        "source_sha256": source_hash(sources),
         "machine": platform.machine(),
         "python": platform.python_version(),
         **figures,

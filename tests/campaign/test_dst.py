@@ -1,7 +1,7 @@
 """Twenty thousand seeds of the deterministic simulation.
 
 They take hours, so what the seeds so far have come to is kept: a run that was interrupted goes on where it stopped,
-unless the sources have changed since.
+unless what they run has changed since.
 """
 
 from __future__ import annotations
@@ -16,8 +16,9 @@ from giraff_node.state import write_file_durably
 from giraff_sim.board import ROOT
 from giraff_sim.dst.drill import SECONDS
 from giraff_sim.dst.many import Totals, run_many
-from tests.campaign.records import source_hash, write_record
+from tests.campaign.records import source_hash, sources_of, write_record
 
+MODULE = "giraff_sim.dst.many"
 FIRST = 1000  # beyond the fixed seeds of tests/dst
 SEEDS = 20_000
 LEG = 500  # seeds between two times the totals are kept
@@ -39,7 +40,7 @@ class Progress(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
 
 def so_far() -> Progress:
     """Where an interrupted run of the same sources stopped, or the beginning."""
-    sources = source_hash()
+    sources = source_hash(sources_of(MODULE))
     if KEPT.exists():
         kept = msgspec.json.decode(KEPT.read_bytes(), type=Progress, dec_hook=lambda kind, told: kind(told))
         if kept.source_sha256 == sources:
@@ -72,6 +73,7 @@ def test_twenty_thousand_seeds_violate_no_invariant() -> None:
             "failures": {str(failure.seed): failure.violations for failure in totals.failures},
             "digest": totals.digest,
         },
+        sources_of(MODULE),
     )
     print(path.read_text())
     assert totals.failures == []
