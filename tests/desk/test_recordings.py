@@ -13,19 +13,15 @@ from pathlib import Path
 import msgspec
 import psutil
 import pytest
-import zenoh
 from mcap.reader import make_reader
 
 from giraff_mcap.reading import Recording
 from giraff_schemas.topics import TOPICS, key_below
 from tests.desk.recorders import giraff_process, records, share_of_a_core
-from tests.desk.stalls import stalls_seen
 from tests.system.elsewhere import giraff
 from tests.system.robot import FULL_TILT, ProcessRobot, process_robot
 
 MINUTE = 60.0
-WITHIN_NS = 2_000_000
-"""What a sample that is said again may be beside its time."""
 
 
 @pytest.fixture(scope="module")
@@ -97,32 +93,20 @@ def test_a_kill_costs_less_than_a_second(robot: ProcessRobot, killed: tuple[Path
     assert "is there already" in giraff(robot, "record", "--repair", str(path), name=None).stderr
 
 
-def test_it_is_said_again_in_its_order_and_rhythm(robot: ProcessRobot, killed: tuple[Path, int]) -> None:
+def test_what_a_kill_left_is_said_again(robot: ProcessRobot, killed: tuple[Path, int]) -> None:
     path, _ = killed
     recorded = list(Recording(path).samples())
-    heard: list[tuple[int, str, bytes, str]] = []
-
-    def hear(sample: zenoh.Sample) -> None:
-        heard.append((time.monotonic_ns(), str(sample.key_expr), bytes(sample.payload), str(sample.encoding)))
-
-    subscriber = robot.observer.session.declare_subscriber(key_below("replay-sim-test", "**"), hear)
-    with stalls_seen(robot.directory) as stalls, giraff_process(robot, "play", path.name) as process:
+    heard: list[tuple[str, bytes]] = []
+    subscriber = robot.observer.session.declare_subscriber(
+        key_below("replay-sim-test", "**"), lambda sample: heard.append((str(sample.key_expr), bytes(sample.payload)))
+    )
+    with giraff_process(robot, "play", path.name) as process:
         output, complaint = process.communicate(timeout=60.0)
         robot.wait("the last sample", lambda: len(heard) == len(recorded), 5.0)
     del subscriber
     assert (process.returncode, complaint) == (0, "")
     assert f"as replay-sim-test: {len(recorded)} samples" in output
-    assert [(key, payload) for _, key, payload, _ in heard] == [
-        (sample.topic.replace("sim-test", "replay-sim-test"), sample.payload()) for sample in recorded
-    ]
-    assert {encoding for *_, encoding in heard} == {sample.encoding for sample in recorded}
-    delays = [at - sample.heard_ns for (at, *_), sample in zip(heard, recorded, strict=True)]
-    usual = sorted(delays)[len(delays) // 2]
-    late = [i for i, delay in enumerate(delays) if abs(delay - usual) > WITHIN_NS]
-    unexplained = [i for i in late if not stalls.at(heard[i][0] - abs(delays[i] - usual), heard[i][0])]
-    print(f"{len(late)} of {len(delays)} not within 2 ms, {len(unexplained)} of them without a stall of the machine")
-    assert len(unexplained) <= len(delays) // 100
-    assert sorted(delays)[len(delays) * 3 // 4] - usual < WITHIN_NS
+    assert heard == [(sample.topic.replace("sim-test", "replay-sim-test"), sample.payload()) for sample in recorded]
 
 
 def test_faster_and_only_what_is_asked_for(robot: ProcessRobot, killed: tuple[Path, int]) -> None:
