@@ -194,9 +194,12 @@ class Lab:
         self._end.callback(listener.close)
         return listener
 
-    def power_off(self, host: str) -> None:
+    def power_off(self, host: str) -> int:
+        """The simulated us of it. Its cable is out before: the kernel of a host without power takes leave of nobody."""
         self.switch.unplug(self.machines[host])
+        off_us = self.hardware.simulator.now()
         self.machines[host].power_off()
+        return off_us
 
     def power_on(self, host: str, *, cable: bool = True) -> None:
         self._boot(self.machines[host], cable=cable)

@@ -159,8 +159,8 @@ def test_a_laptop_that_vanishes_holds_up_nobody(lab: Lab, desk: Listener, figure
 
 def test_a_robot_without_power_comes_back_by_itself(lab: Lab, figure: Figure) -> None:
     boards = lab.hardware
-    off_us = drive(lab)
-    lab.power_off("robot")
+    drive(lab)
+    off_us = lab.power_off("robot")
     time.sleep(2.0)
     stopped_after = boards.last_driven(off_us)
     assert stopped_after is not None
