@@ -16,7 +16,7 @@ from giraff_node.session import NetworkConfig, close_session, session_config
 from giraff_schemas.topics import key_below
 from tests.desk.desk import Desk
 from tests.desk.make_drive import DRIVE
-from tests.desk.stalls import stalls_seen
+from tests.sleepers import stalls_seen
 from tests.waiting import wait
 
 SECONDS_NS = 10_000_000_000

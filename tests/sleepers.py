@@ -35,6 +35,10 @@ class Stalls:
         """Whether any was within this time of `time.monotonic_ns`."""
         return any(begin - _AROUND <= end_ns and begin_ns <= end + _AROUND for begin, end in self._spans())
 
+    def longest(self, since_ns: int) -> float:
+        """s, of those that ended since; 0 if none did."""
+        return max((end - begin for begin, end in self._spans() if end >= since_ns), default=0) * 1e-9
+
     def _spans(self) -> list[tuple[int, int]]:
         lines = [line.split() for file in self._files for line in file.read_text().splitlines()]
         return [(int(begin), int(end)) for begin, end in lines]
