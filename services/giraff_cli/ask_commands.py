@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from typing import Annotated
 
 import typer
 
-from giraff_cli.options import AsJson, Connect, Robot
+from giraff_cli.options import AsJson, Connect, Ending, Robot, finite
 
 topic = typer.Typer(no_args_is_help=True, help="What is said on a robot's network: who says it, how often, how much.")
 node = typer.Typer(no_args_is_help=True, help="The services of a robot: where they run, how they are, what they say.")
 
 
-def finite(number: float | None) -> float | None:
-    """An option's number, if it is one that something can end after."""
-    if number is not None and not math.isfinite(number):
-        raise typer.BadParameter(f"{number:g} is no number to count with; leave it out to go on until Ctrl-C")
-    return number
-
-
 Listen = Annotated[
     float, typer.Option("--for", metavar="SECONDS", min=0.1, callback=finite, help="How long to listen.")
-]
-Ending = Annotated[
-    float | None,
-    typer.Option("--for", metavar="SECONDS", min=0.1, callback=finite, help="End after so long; else with Ctrl-C."),
 ]
 Key = Annotated[str, typer.Argument(metavar="KEY", help="Below giraff/<robot>/, like odom, range/rear or range/*.")]
 AnyKey = Annotated[

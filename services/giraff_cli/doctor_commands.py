@@ -6,13 +6,15 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import AsJson, Connect, Robot
+from giraff_cli.options import AsJson, Connect, Robot, finite
 
 
 def doctor(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=1.0, help="How long to listen.")] = 1.5,
+    seconds: Annotated[
+        float, typer.Option("--for", metavar="SECONDS", min=1.0, callback=finite, help="How long to listen.")
+    ] = 1.5,
     as_json: AsJson = False,
 ) -> None:
     """What is wrong with robot, network and this machine, each with its way out. To be asked on each machine.

@@ -11,7 +11,7 @@ import typer
 
 from giraff_cli.ask_commands import add_to as add_asking
 from giraff_cli.doctor_commands import doctor
-from giraff_cli.options import Connect, Robot
+from giraff_cli.options import Connect, Ending, Robot, finite
 from giraff_cli.param_commands import param
 from giraff_cli.record_commands import add_to as add_recording
 from giraff_cli.view_commands import view
@@ -44,7 +44,7 @@ app.command()(doctor)
 _REFUSED = 2  # exit code: nothing was started
 
 Folder = Annotated[Path, typer.Option(metavar="FOLDER", help="Where the CA and all bundles are kept.")]
-Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, help="How long to try.")]
+Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, callback=finite, help="How long to try.")]
 
 
 @app.callback()
@@ -97,7 +97,9 @@ def run(
 def why(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[float, typer.Option("--for", metavar="SECONDS", min=0.6, help="How long to listen.")] = 1.0,
+    seconds: Annotated[
+        float, typer.Option("--for", metavar="SECONDS", min=0.6, callback=finite, help="How long to listen.")
+    ] = 1.0,
     as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False,
 ) -> None:
     """What stops the robot now: the chain from hand to wheel, and its first broken link.
@@ -114,9 +116,7 @@ def why(
 def watch(
     robot: Robot = None,
     connect: Connect = None,
-    seconds: Annotated[
-        float | None, typer.Option("--for", metavar="SECONDS", help="End after so long; else with Ctrl-C.")
-    ] = None,
+    seconds: Ending = None,
     as_json: Annotated[bool, typer.Option("--json", help="For programs: one JSON object a second.")] = False,
 ) -> None:
     """The operator's screen of a robot: path, velocity, ranges, who drives, what guard and base allow and why.

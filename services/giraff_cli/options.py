@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 import typer
+
+
+def finite(number: float | None) -> float | None:
+    """An option's number, if it is one that something can end after."""
+    if number is not None and not math.isfinite(number):
+        raise typer.BadParameter(f"{number:g} is no number to count with")
+    return number
+
 
 Robot = Annotated[
     str | None,
@@ -19,3 +28,7 @@ Connect = Annotated[
     typer.Option(metavar="HOST", help="Like 192.168.1.20, where multicast does not reach.", show_default=False),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="For programs.")]
+Ending = Annotated[
+    float | None,
+    typer.Option("--for", metavar="SECONDS", min=0.1, callback=finite, help="End after so long; else with Ctrl-C."),
+]

@@ -8,7 +8,7 @@ from typing import Annotated, Final
 
 import typer
 
-from giraff_cli.options import AsJson, Connect, Robot
+from giraff_cli.options import AsJson, Connect, Ending, Robot, finite
 
 _REFUSED: Final = 2
 _UNITS: Final = {"k": 1_000, "M": 1_000_000, "G": 1_000_000_000}
@@ -33,9 +33,7 @@ def record(
     robot: Robot = None,
     connect: Connect = None,
     topics: Topics = None,
-    seconds: Annotated[
-        float | None, typer.Option("--for", metavar="SECONDS", min=0.1, help="End after so long; else with Ctrl-C.")
-    ] = None,
+    seconds: Ending = None,
     max_size: Annotated[
         str | None, typer.Option(metavar="SIZE", help="End before the file is larger, like 500k, 20M or 2G.")
     ] = None,
@@ -69,7 +67,9 @@ def play(
     ] = None,
     connect: Connect = None,
     topics: Topics = None,
-    rate: Annotated[float, typer.Option(metavar="N", min=0.01, max=100.0, help="Times as fast.")] = 1.0,
+    rate: Annotated[
+        float, typer.Option(metavar="N", min=0.01, max=100.0, callback=finite, help="Times as fast.")
+    ] = 1.0,
     loop: Annotated[bool, typer.Option("--loop", help="Again and again, until Ctrl-C.")] = False,
     as_json: AsJson = False,
 ) -> None:
@@ -87,7 +87,7 @@ def play(
 def replay(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="That `giraff record` has written.")],
     least: Annotated[
-        float, typer.Option(metavar="SHARE", min=0.0, max=1.0, help="That must agree, of each key.")
+        float, typer.Option(metavar="SHARE", min=0.0, max=1.0, callback=finite, help="That must agree, of each key.")
     ] = 0.98,
     as_json: AsJson = False,
 ) -> None:

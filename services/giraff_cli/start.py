@@ -1,6 +1,7 @@
 """Entry point of the `giraff` command: ready for Ctrl-C before anything slow is imported."""
 
 import signal
+import sys
 
 
 def main() -> None:
@@ -8,5 +9,6 @@ def main() -> None:
     # end first takes the signals over when it begins.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     from giraff_cli.main import app  # noqa: PLC0415
+    from giraff_cli.usage import obey  # noqa: PLC0415
 
-    app()
+    sys.exit(obey(app))

@@ -10,7 +10,6 @@ from contextlib import closing
 from typing import Final
 
 from giraff_cli.output import DONE
-from giraff_cli.robots import Roster, only_one, unheard
 from giraff_cli.screen import Lines, Screen, Terminal, open_screen
 from giraff_cli.stopping import Stopping
 from giraff_cli.telemetry import Snapshot, Telemetry
@@ -20,6 +19,7 @@ from giraff_cli.watch_view import WatchSight
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
 from giraff_node.host_addresses import AddressWatch, host_addresses
+from giraff_cli.robots import Roster, only_one, unheard
 from giraff_node.tcp_links import tune_links
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, SERIAL, SERIAL_WRITE, TICK, TILT, TOPICS, WHEELS
 
@@ -35,8 +35,6 @@ _NOT_NEEDED: Final = (TICK, TILT, OPERATOR_CMD_VEL, CMD_VEL, WHEELS, SERIAL, SER
 
 def watch(robot: str | None, connect: Sequence[str], seconds: float | None, *, as_json: bool) -> int:
     """Until Ctrl-C, or for `seconds`; the exit code."""
-    if seconds is not None and not (math.isfinite(seconds) and seconds > 0.0):
-        return complain(f"--for {seconds:g}: give a positive number of seconds, or leave it out to go on until Ctrl-C")
     with Stopping() as stopping:
         return join(robot, connect, lambda watcher: Watch(watcher, stopping, seconds, as_json=as_json).go())
 

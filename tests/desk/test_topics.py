@@ -227,7 +227,8 @@ def test_what_is_typed_wrong_is_told(desk: Desk, words: tuple[str, ...], said: s
     where = desk.unnamed().alone() if words[0] == "pub" else desk
     done = where.run("topic", *words)
     assert (done.returncode, done.stdout) == (2, "")
-    assert said in " ".join(done.stderr.split())
+    [line] = done.stderr.splitlines()
+    assert said in line
 
 
 @pytest.mark.parametrize(

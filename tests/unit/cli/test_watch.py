@@ -16,9 +16,9 @@ import zenoh
 
 from giraff_cli import output
 from giraff_cli import watch as it
-from giraff_cli.robots import Roster
 from giraff_cli.screen import Lines
 from giraff_cli.watcher import free_port
+from giraff_cli.robots import Roster
 from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
@@ -142,13 +142,6 @@ def test_what_cannot_be_read_is_told_for_as_long_as_it_comes(
     told = ["giraff/otto/base: not a BaseState" in line for line in lines]
     assert any(told)
     assert not told[-1]
-
-
-@pytest.mark.parametrize("seconds", [-1.0, 0.0, float("nan"), float("inf")])
-def test_a_time_that_is_none_is_refused(seconds: float, capfd: pytest.CaptureFixture[str]) -> None:
-    code, lines, err = watched(capfd, None, seconds)
-    assert (code, lines) == (2, [])
-    assert f"--for {seconds:g}: give a positive number of seconds" in err
 
 
 def test_a_name_that_can_be_none_is_refused(network: NetworkConfig, capfd: pytest.CaptureFixture[str]) -> None:  # noqa: ARG001
