@@ -18,12 +18,12 @@ from giraff_cli.findings import Finding, as_document, findings
 from giraff_cli.interfaces import is_own
 from giraff_cli.machine_facts import look_at_boards, look_at_machine, wiring_checked
 from giraff_cli.robot_facts import listen
-from giraff_cli.robots import NoRobotError, Way, find_way, only_one, robots_alive
 from giraff_cli.visit import complain
 from giraff_cli.watcher import Watcher
 from giraff_cli.words import printable
 from giraff_node.config import ConfigError
 from giraff_node.reunion import hosts_of
+from giraff_node.robots import NoRobotError, Way, find_way, only_one, robots_alive
 from giraff_node.session import open_session
 
 FoundT = TypeVar("FoundT")

@@ -11,10 +11,10 @@ import socket
 import time
 from typing import Any, Final, NamedTuple
 
-from giraff_cli.robots import HOW_TO_REACH, others
 from giraff_cli.watcher import Watcher
 from giraff_node.asking import Asking, ask_to_stop
 from giraff_node.estop import RESET_COMMAND
+from giraff_node.robots import HOW_TO_REACH, others
 from giraff_schemas.messages import EStop, EStopReset, RobotTime, Sample, Tick
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, AnswerT, RequestT, Topic, key_of
 

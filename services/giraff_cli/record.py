@@ -15,13 +15,13 @@ import msgspec
 import zenoh
 
 from giraff_cli.record_report import Report, told
-from giraff_cli.robots import NoRobotError, Roster, only_one, unheard
 from giraff_cli.stopping import Stopping
 from giraff_cli.visit import complain, join
 from giraff_cli.watcher import Watcher
 from giraff_mcap.about import about
 from giraff_mcap.ear import Ear, step_back
 from giraff_mcap.writing import RecordingWriter
+from giraff_node.robots import NoRobotError, Roster, only_one, unheard
 from giraff_schemas.topics import TOPICS, key_below
 
 _LOOK_EVERY: Final = 0.2  # s

@@ -12,11 +12,11 @@ import msgspec
 import zenoh
 
 from giraff_cli.meter import Meter
-from giraff_cli.robots import NoRobotError, robots_alive, unheard
 from giraff_cli.stopping import Stopping
 from giraff_cli.tally import Arrival, Tally
 from giraff_cli.topic_keys import covers
 from giraff_cli.watcher import Watcher
+from giraff_node.robots import NoRobotError, robots_alive, unheard
 from giraff_schemas.messages import Health, Sample
 from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
 

@@ -13,13 +13,13 @@ from typing import Any, Final, NamedTuple, NoReturn
 
 import msgspec
 
-from giraff_cli.robots import unheard
 from giraff_cli.stopping import Stopping
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher, free_port
 from giraff_node import robot_now_ns
 from giraff_node.config import ConfigError, load
 from giraff_node.robot import RobotConfig
+from giraff_node.robots import unheard
 from giraff_node.tcp_links import tune_links
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic

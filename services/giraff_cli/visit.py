@@ -10,10 +10,10 @@ from typing import Final
 import zenoh
 
 from giraff_cli.output import written
-from giraff_cli.robots import NoRobotError, find_way, only_robot
 from giraff_cli.watcher import Watcher
 from giraff_node.config import ConfigError
 from giraff_node.process import start_anew
+from giraff_node.robots import NoRobotError, find_way, only_robot
 from giraff_node.session import open_session
 
 UNUSABLE: Final = 2

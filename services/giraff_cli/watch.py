@@ -19,7 +19,7 @@ from giraff_cli.watch_view import WatchSight
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
 from giraff_node.host_addresses import AddressWatch, host_addresses
-from giraff_cli.robots import Roster, only_one, unheard
+from giraff_node.robots import Roster, only_one, unheard
 from giraff_node.tcp_links import tune_links
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, SERIAL, SERIAL_WRITE, TICK, TILT, TOPICS, WHEELS
 

@@ -14,11 +14,11 @@ from rich.text import Text
 from giraff_cli.diagnosis import Diagnosis, diagnose
 from giraff_cli.evidence import Evidence
 from giraff_cli.page import Page
-from giraff_cli.robots import robots_alive, unheard
 from giraff_cli.scene import Standing
 from giraff_cli.visit import complain
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
+from giraff_node.robots import robots_alive, unheard
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import health_key
 

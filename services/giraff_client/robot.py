@@ -15,13 +15,15 @@ from typing import Any, Final, Self
 import msgspec
 import zenoh
 
-from giraff_cli.robots import NoRobotError as UnknownRobotError
-from giraff_cli.robots import find_way, only_robot, others, unheard
 from giraff_client.errors import NoRobotError, RobotError, SilentError
 from giraff_client.policy import OperatorPolicy
 from giraff_node import Publisher
 from giraff_node.config import ConfigError
+from giraff_node.pacing import Pacer
+from giraff_node.robots import NoRobotError as UnknownRobotError
+from giraff_node.robots import find_way, only_robot, others, unheard
 from giraff_node.session import close_session, open_session
+from giraff_node.tcp_links import tune_links
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Odometry, Range, Sample
 from giraff_schemas.topics import (
@@ -44,6 +46,7 @@ _PERIOD: Final = 1.0 / OPERATOR_CMD_VEL.rate_hz  # s
 _FIRST_WITHIN: Final = 2.0  # s in which a robot that is there has said everything once
 _FRESH: Final = 1.0  # s; what was said longer ago says nothing of now
 _LOOK: Final = 0.01  # s
+_TUNE_HZ: Final = 2.0  # a laptop on Wi-Fi comes back with another link
 _HEARD: Final[tuple[Topic[Any], ...]] = (TICK, LEASE, BASE, ESTOP, GUARD, ODOM, RANGE)
 
 
@@ -76,6 +79,7 @@ class Robot:
         self._session: zenoh.Session | None = None
         self._commands: Publisher[DriveCommand] | None = None
         self._has_armed = False
+        self._tuning = Pacer(_TUNE_HZ)
 
     def __enter__(self) -> Self:
         """Raises NoRobotError."""
@@ -193,6 +197,8 @@ class Robot:
                 raise NoRobotError("not on the network; use it as `with Robot() as robot:`")
             topic = OPERATOR_CMD_VEL.at(self._operator)
             self._commands = Publisher(self._session, self.name, topic, self._instance)
+        if self._tuning.due(time.monotonic()):
+            tune_links()
         self._commands.put(command)
         time.sleep(_PERIOD)
 

@@ -18,7 +18,7 @@ from giraff_cli import output
 from giraff_cli import watch as it
 from giraff_cli.screen import Lines
 from giraff_cli.watcher import free_port
-from giraff_cli.robots import Roster
+from giraff_node.robots import Roster
 from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of

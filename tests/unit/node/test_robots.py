@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 import zenoh
 
-from giraff_cli.robots import NoRobotError, find_way, only_robot, others
 from giraff_cli.watcher import free_port
+from giraff_node.robots import NoRobotError, find_way, only_robot, others
 from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.topics import alive_key
 
