@@ -16,6 +16,7 @@ from giraff_cli.watcher import free_port
 from tests.system.elsewhere import GIRAFF, clean
 
 WordsT = TypeVar("WordsT")
+EndedT = TypeVar("EndedT")
 
 Done = subprocess.CompletedProcess[str]
 
@@ -73,7 +74,7 @@ class Desk:
                 process.kill()
 
 
-def run_beside(run: Callable[[WordsT], Done], all_words: Iterable[WordsT]) -> dict[WordsT, Done]:
+def run_beside(run: Callable[[WordsT], EndedT], all_words: Iterable[WordsT]) -> dict[WordsT, EndedT]:
     """Commands, most of whose time is patience, some beside each other."""
     all_words = list(all_words)
     with ThreadPoolExecutor(4) as runners:

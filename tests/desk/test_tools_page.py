@@ -9,24 +9,28 @@ from __future__ import annotations
 import os
 import re
 import shlex
+import subprocess
+from shutil import copy
 from typing import Any
 
 import pytest
 import typer.main
 
 from giraff_cli.main import app
-from tests.desk.desk import Desk, Done, run_beside
+from tests.desk.desk import Desk, run_beside
 from tests.rules.repository import ROOT
 from tests.system.robot import ProcessRobot
 
 PAGE = ROOT / "docs" / "tools.md"
+DRIVE = ROOT / "tests" / "desk" / "data" / "drive.mcap"
 BLOCK = re.compile(r"```console\n\$ (giraff [^\n]*)\n(.*?)```", re.DOTALL)
 WRITE = bool(os.environ.get("GIRAFF_WRITE_DOCS"))
 
 
-def commands() -> list[str]:
-    """Those whose output the page shows."""
-    return [match[1] for match in BLOCK.finditer(PAGE.read_text())]
+def chapters() -> list[tuple[str, ...]]:
+    """The commands whose output each chapter shows, in their order: one may need what an earlier one has done."""
+    shown = (BLOCK.findall(chapter) for chapter in PAGE.read_text().split("\n## "))
+    return [tuple(command for command, _ in blocks) for blocks in shown if blocks]
 
 
 def form(output: str) -> list[list[str]]:
@@ -37,27 +41,34 @@ def form(output: str) -> list[list[str]]:
 
 
 @pytest.fixture(scope="module")
-def outputs(robot: ProcessRobot, desk: Desk) -> dict[str, str]:
-    """What the page's commands say now, without the host's name."""
+def outputs(robot: ProcessRobot, desk: Desk) -> list[tuple[str, str]]:
+    """What the page's commands say now, without the host's name: one of them may stand there twice."""
 
-    def run(command: str) -> Done:
-        return desk.run(*shlex.split(command)[1:])
-
-    robot.run(5.0)  # a robot that has just started has no rates yet
     host = re.compile(rf"\b{re.escape(os.uname().nodename)}\b")
-    ended = {command: run(command) for command in commands()} if WRITE else run_beside(run, commands())
-    return {command: host.sub("pc", done.stdout + done.stderr) for command, done in ended.items()}
+
+    def say(command: str) -> str:
+        done = desk.run(*shlex.split(command)[1:], stderr=subprocess.STDOUT)
+        return re.sub(r" +$", "", host.sub("pc", done.stdout), flags=re.MULTILINE)
+
+    def run(chapter: tuple[str, ...]) -> list[tuple[str, str]]:
+        return [(command, say(command)) for command in chapter]
+
+    copy(DRIVE, desk.directory / DRIVE.name)
+    robot.run(5.0)  # a robot that has just started has no rates yet
+    said = map(run, chapters()) if WRITE else run_beside(run, chapters()).values()
+    return [each for chapter in said for each in chapter]
 
 
-def test_the_page_shows_what_the_commands_say(outputs: dict[str, str]) -> None:
+def test_the_page_shows_what_the_commands_say(outputs: list[tuple[str, str]]) -> None:
     text = PAGE.read_text()
     if WRITE:
-        text = BLOCK.sub(lambda match: f"```console\n$ {match[1]}\n{outputs[match[1]]}```", text)
+        said = iter(outputs)
+        text = BLOCK.sub(lambda _: "```console\n$ {}\n{}```".format(*next(said)), text)
         PAGE.write_text(text)
-    shown = {match[1]: match[2] for match in BLOCK.finditer(text)}
-    assert shown
-    for command, output in shown.items():
-        assert form(output) == form(outputs[command]), command
+    shown = BLOCK.findall(text)
+    assert len(shown) == len(outputs) > 0
+    for (command, output), (_, now) in zip(shown, outputs, strict=True):
+        assert form(output) == form(now), command
 
 
 def test_every_command_and_option_of_the_page_exists() -> None:
