@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -17,6 +16,7 @@ from giraff_cli.facts import Look, Machine, Network, Robot
 from giraff_cli.findings import Finding, as_document, findings
 from giraff_cli.interfaces import is_own
 from giraff_cli.machine_facts import look_at_boards, look_at_machine, wiring_checked
+from giraff_cli.output import written
 from giraff_cli.robot_facts import listen
 from giraff_cli.visit import complain
 from giraff_cli.watcher import Watcher
@@ -49,11 +49,16 @@ def examine(robot: str | None, connect: Sequence[str], seconds: float, *, as_jso
         code = complain(str(error))
     else:
         found = findings(look)
-        print(as_document(look, found) if as_json else _page(look, found), flush=True)
-        code = _FAULT if any(each.severity == "fault" for each in found) else _NO_FAULT
-    sys.stdout.flush()  # before anything that may hang: Zenoh's close can, and its threads would hold the process
+        verdict = _FAULT if any(each.severity == "fault" for each in found) else _NO_FAULT
+        code = written(lambda: _tell(as_document(look, found) if as_json else _page(look, found), verdict))
+    # Nothing waits to be printed any more: Zenoh's close can hang, and its threads would hold the process.
     if watcher is not None and not watcher.close(_CLOSE_WITHIN):
         os._exit(code)
+    return code
+
+
+def _tell(text: str, code: int) -> int:
+    print(text)
     return code
 
 

@@ -15,7 +15,7 @@ from giraff_cli.visit import UNUSABLE, complain, visit
 from giraff_cli.watcher import Watcher
 from giraff_node.asking import Asking
 from giraff_node.config import TABLES
-from giraff_node.robots import NoRobotError, unheard
+from giraff_node.robots import NoRobotError, robots_alive, unheard
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
 
@@ -128,7 +128,7 @@ def _services(watcher: Watcher, names: Iterable[str]) -> set[str]:
             break
         time.sleep(_TURN)
     if not there:
-        raise NoRobotError(unheard(watcher.robot, ()))
+        raise NoRobotError(unheard(watcher.robot, robots_alive(watcher.session)))
     if away := sorted(wanted - there):
         raise NoRobotError(
             f"{away[0]}: no such service is heard of {watcher.robot}; there are {', '.join(sorted(there))}"

@@ -19,7 +19,7 @@ from giraff_cli.watcher import Watcher, free_port
 from giraff_node import robot_now_ns
 from giraff_node.config import ConfigError, load
 from giraff_node.robot import RobotConfig
-from giraff_node.robots import unheard
+from giraff_node.robots import robots_alive, unheard
 from giraff_node.tcp_links import tune_links
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic
@@ -131,7 +131,7 @@ class Live:
                 self._watcher.listen()
                 self._draw(self._stage)
                 if not self._stage.show.heard and not self._stopping.asked:
-                    return complain(unheard(self._watcher.robot, ()))
+                    return complain(self._unheard())
                 return self._stage.end(hurried=self._stopping.asked > 0) if self._stage.is_open else DONE
         except ViewerError as error:
             give_up(error)
@@ -147,6 +147,9 @@ class Live:
         assert self._stage is not None  # noqa: S101
         self._stage.show.announce(service, instance, time.time_ns(), present=present)
 
+    def _unheard(self) -> str:
+        return unheard(self._watcher.robot, robots_alive(self._watcher.session))
+
     def _draw(self, stage: Stage) -> None:
         began, told = time.monotonic(), False
         until = began + (math.inf if self._options.seconds is None else self._options.seconds)
@@ -157,7 +160,7 @@ class Live:
             stage.show.look(time.time_ns())
             if not told and not stage.show.heard and now - began > _TELL_AFTER:
                 told = True
-                complain(f"{unheard(self._watcher.robot, ())}; waiting for it")
+                complain(f"{self._unheard()}; waiting for it")
 
 
 def give_up(error: ViewerError) -> NoReturn:
