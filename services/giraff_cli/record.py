@@ -22,10 +22,12 @@ from giraff_mcap.about import about
 from giraff_mcap.ear import Ear, step_back
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.robots import NoRobotError, Roster, only_one, unheard
+from giraff_node.tcp_links import tune_links
 from giraff_schemas.topics import TOPICS, key_below
 
 _LOOK_EVERY: Final = 0.2  # s
 _SYNC_EVERY: Final = 0.4  # s; with a slow write still less than the second that a crash may cost
+_TUNE_EVERY: Final = 2.0  # s; a link of the recorder's only thread, which would otherwise be held up by its end
 _SILENT_AFTER: Final = 3.0  # s
 
 _DONE: Final = 0
@@ -138,12 +140,15 @@ def _wait_for_one(roster: Roster, stopping: Stopping, seconds: float | None) -> 
 def _follow(robot: str, roster: Roster, writer: RecordingWriter, ear: Ear, stopping: Stopping, limits: Limits) -> str:
     """Write what is heard, until the end; why it came. Raises OSError."""
     began = time.monotonic()
-    warned, waited = False, began
+    warned, waited, tune_at = False, began, began
     while True:
         ended = stopping.wait(_SYNC_EVERY)
         writer.add(ear.take())
         writer.sync()
         now = time.monotonic()
+        if now >= tune_at:
+            tune_at = now + _TUNE_EVERY
+            tune_links()
         if ended:
             return "Ctrl-C or a signal"
         if writer.first_ns is None:

@@ -1,4 +1,4 @@
-"""Hears everything of a robot, at the least cost: nearly all of it is Zenoh's own, in its receiving threads.
+"""Hears everything of a robot, at the least cost: most of it is waking up for each sample, and Zenoh's reading of it.
 
 One subscriber for all keys, and in its callback nothing but a clock and a queue; what a sample says is looked at later,
 many at once. Nothing is asked of the publishers, and nothing of them waits: what does not come through is dropped.
@@ -6,7 +6,10 @@ many at once. Nothing is asked of the publishers, and nothing of them waits: wha
 
 from __future__ import annotations
 
+import ctypes
+import itertools
 import os
+import threading
 import time
 from collections import deque
 from collections.abc import Iterable
@@ -19,13 +22,25 @@ from giraff_mcap.heard import Heard
 
 _MOST_WAITING: Final = 40_000
 """Samples, a minute and a half of a whole robot: the queue while a disk hangs."""
-_NICE: Final = 10
-"""Behind all that the robot does, and before nothing: at the very last (19) a recorder gets 1.5 % of a busy core, which
-is less than it takes to listen."""
+_NICE: Final = 5
+"""Behind all that the robot does, and before nothing: a single thread far behind (10, 19) has less of a busy machine
+than it takes to listen, and its links end because it does not say in time that it is there."""
+_ONE_THREAD: Final = "(net: (worker_threads: 1), {})".format(
+    ", ".join(f"{runtime}: (handover: net)" for runtime in ("rx", "acc", "tx", "app"))
+)
+"""Zenoh's ZENOH_RUNTIME. With threads for each kind of work a sample wakes one that sees it come, one that reads it and
+one that looks whether there is more to do. A service needs them, because what ends one link must not hold up the
+others; here `giraff_node.tcp_links` alone has to do."""
+_MOST_ATTACHED: Final = 32  # threads; there is one but for moments, when a link comes or goes
+_MOST_DECLARED: Final = 200  # keys; a robot has some twenty
 
 
 def step_back() -> None:
-    """Let everything else of this machine go first. Before the session is opened, whose threads then do so, too."""
+    """Let everything else of this machine go first, and wake up but once a sample.
+
+    Before the session is opened, whose threads are then such ones.
+    """
+    os.environ["ZENOH_RUNTIME"] = _ONE_THREAD
     with suppress(OSError):  # where that is not permitted it is not a reason not to record
         os.nice(_NICE)
 
@@ -35,11 +50,17 @@ class Ear:
 
     def __init__(self, session: zenoh.Session, keys: Iterable[str]) -> None:
         """`session`: of the recorder alone."""
-        self._waiting: deque[tuple[int, zenoh.Sample]] = deque(maxlen=_MOST_WAITING)
-        self._encodings: dict[str, str] = {}
+        self._session = session
+        self._waiting: deque[tuple[int, zenoh.KeyExpr, bytes]] = deque(maxlen=_MOST_WAITING)
+        self._encodings: dict[zenoh.KeyExpr, str] = {}
         """By key: it is the same for all samples of one, and costs as much as the payload."""
+        self._numbers = itertools.count(1)
         self._came = self._taken = 0
-        self._subscribers: list[Any] = [session.declare_subscriber(key, self._on_sample) for key in keys]
+        self._declared: list[Any] = []
+        self._attached: set[int] = set()
+        # Not in a thread of Python's own, which would have to be woken, too.
+        callback = zenoh.handlers.Callback(self._on_sample, indirect=False)
+        self._subscribers: list[Any] = [session.declare_subscriber(key, callback) for key in keys]
 
     @property
     def overrun(self) -> int:
@@ -48,15 +69,13 @@ class Ear:
 
     def take(self) -> list[Heard]:
         """What has come since the last call."""
-        taken = []
-        for _ in range(len(self._waiting)):
-            at_ns, sample = self._waiting.popleft()
-            self._taken += 1
-            if sample.kind == zenoh.SampleKind.PUT:
-                key = str(sample.key_expr)
-                encoding = self._encodings.get(key) or self._encodings.setdefault(key, str(sample.encoding))
-                taken.append(Heard(at_ns, key, sample.payload.to_bytes(), encoding))
-        return taken
+        came = [self._waiting.popleft() for _ in range(len(self._waiting))]
+        self._taken += len(came)
+        for key in list(self._encodings)[len(self._declared) : _MOST_DECLARED]:
+            # Of a key that it knows Zenoh keeps to whom it goes, and looks for that no more with each sample.
+            self._declared.append(self._session.declare_keyexpr(key))
+        # A deletion has no payload, nor is what has none a message.
+        return [Heard(at_ns, str(key), payload, self._encodings[key]) for at_ns, key, payload in came if payload]
 
     def close(self) -> None:
         """Listen no longer."""
@@ -64,5 +83,15 @@ class Ear:
             subscriber.undeclare()
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
-        self._waiting.append((time.monotonic_ns(), sample))
-        self._came += 1
+        # As little as can be: what is looked at here is looked at with the processor's caches full of other things. Of
+        # the payload the bytes, because the sample would keep Zenoh's buffer of 64 kB from being used again.
+        at_ns, key, payload = time.monotonic_ns(), sample.key_expr, sample.payload.to_bytes()
+        if key not in self._encodings:
+            self._encodings[key] = str(sample.encoding)
+        self._waiting.append((at_ns, key, payload))
+        self._came = next(self._numbers)
+        if (thread := threading.get_ident()) not in self._attached and len(self._attached) < _MOST_ATTACHED:
+            # Python makes what it keeps of a foreign thread anew for each callback, and throws it away, at as much as
+            # the callback costs; not of one that has not let go of Python since.
+            self._attached.add(thread)
+            ctypes.pythonapi.PyGILState_Ensure()

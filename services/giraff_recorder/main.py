@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
@@ -32,8 +32,7 @@ _FOLDER: Final = "incidents"
 
 def main() -> None:
     step_back()
-    with Node("recorder", RecorderConfig) as node:
-        ear = Ear(node.session, [key_below(node.robot.name, "**")])
+    with Node("recorder", RecorderConfig) as node, listening(node) as ear:
         incidents, memory = Incidents(node.config), Memory(node.config)
         others = Others(node)
         folder = state_directory(node.robot.name) / _FOLDER
@@ -51,6 +50,11 @@ def main() -> None:
                 writing = write(node, folder, incident, memory.since(incident.since_ns))
             if writing is not None:
                 writing = advanced(node, writing)
+
+
+def listening(node: Node[RecorderConfig]) -> closing[Ear]:
+    """To all that the robot says; no longer once Python ends, which Zenoh's thread must not enter then."""
+    return closing(Ear(node.session, [key_below(node.robot.name, "**")]))
 
 
 class Others:

@@ -1,21 +1,28 @@
-"""Ten minutes of a drive, recorded: every sample, at what cost, and what the drive feels of it."""
+"""Ten minutes of a drive, recorded: every sample, at what cost, what the drive feels of it, and said again."""
 
 from __future__ import annotations
 
+import gc
+import subprocess
+import sys
 import time
 from collections import defaultdict
 from pathlib import Path
 from statistics import median, quantiles
+from typing import Any
 
 import msgspec
 import psutil
 from mcap.reader import make_reader
 
+from giraff_mcap.heard import Heard
+from giraff_mcap.reading import Recording
 from giraff_schemas.messages import BaseState
 from giraff_schemas.topics import BASE
 from tests.campaign.records import write_record
-from tests.desk.recorders import giraff_process, records
+from tests.desk.recorders import giraff_process, hearing, killed_recording, records
 from tests.system.robot import FULL_TILT, ProcessRobot, process_robot
+from tests.waiting import wait
 
 SECONDS = 600.0
 ALONE = 60.0
@@ -23,18 +30,49 @@ ALONE = 60.0
 MOST_OF_A_CORE = 0.05
 MOST_OLDER = 1.1
 """Times the age of a command without a recorder."""
+MOST_MISSING = 1.0  # s, after a kill
+FASTER = 4
+"""Times, that it is said again."""
+LISTENER = """
+import sys, threading, zenoh
+from giraff_mcap.ear import step_back
+from giraff_node.config import load
+from giraff_node.session import NetworkConfig, open_session
+from giraff_schemas.topics import key_below
+step_back()
+session = open_session(load("network", NetworkConfig), "sim-test", visiting=True)
+listens = session.declare_subscriber(key_below("sim-test", "**"), zenoh.handlers.RingChannel(1))
+threading.Event().wait()
+"""
+"""Hears all that a recorder hears, and does nothing with it: what Zenoh alone costs on this machine."""
 
 
-def threads_of(process: psutil.Process) -> dict[str, float]:
-    """CPU seconds by the name of a thread, those of one kind together."""
-    spent: dict[str, float] = defaultdict(float)
-    for thread in process.threads():
-        try:
-            name = Path(f"/proc/{process.pid}/task/{thread.id}/comm").read_text().strip()
-        except OSError:  # it has just ended
-            continue
-        spent[name.partition("-")[0]] += thread.user_time + thread.system_time
-    return spent
+class Cost:
+    """Shares of a core that a process takes from now on, by its threads."""
+
+    def __init__(self, pid: int) -> None:
+        self._process = psutil.Process(pid)
+        self._before, self._began = self._spent(), time.monotonic()
+
+    def shares(self) -> dict[str, float]:
+        """By the name of a thread, those of one kind together."""
+        took = time.monotonic() - self._began
+        return {name: (spent - self._before.get(name, 0.0)) / took for name, spent in self._spent().items()}
+
+    @property
+    def resident(self) -> int:
+        """Bytes."""
+        return int(self._process.memory_info().rss)
+
+    def _spent(self) -> dict[str, float]:
+        spent: dict[str, float] = defaultdict(float)
+        for thread in self._process.threads():
+            try:
+                name = Path(f"/proc/{self._process.pid}/task/{thread.id}/comm").read_text().strip()
+            except OSError:  # it has just ended
+                continue
+            spent[name.partition("-")[0]] += thread.user_time + thread.system_time
+        return spent
 
 
 class Ages:
@@ -43,12 +81,48 @@ class Ages:
     def __init__(self, robot: ProcessRobot) -> None:
         self.alone: list[float] = []
         self.recorded: list[float] = []
-        self.now = self.alone
+        self.now: list[float] | None = self.alone
         robot.observer.listen(BASE, self._hear)
 
     def _hear(self, base: BaseState) -> None:
-        if base.driving and base.round_trip is not None:
+        if self.now is not None and base.driving and base.round_trip is not None:
             self.now.append(base.round_trip)
+
+
+def share_of_a_listener(robot: ProcessRobot) -> float:
+    """Of a core."""
+    with subprocess.Popen([sys.executable, "-c", LISTENER], env=robot.environment) as process:
+        try:
+            time.sleep(5.0)
+            cost = Cost(process.pid)
+            time.sleep(ALONE)
+            return sum(cost.shares().values())
+        finally:
+            process.kill()
+
+
+def as_played(robot: ProcessRobot, path: Path) -> dict[str, Any]:
+    """Say a recording again, where nobody else speaks, and compare: what `giraff play` told, once all is alike."""
+    recorded = [(sample.topic.replace("sim-test", "replay-sim-test"), sample) for sample in Recording(path).samples()]
+    gc.freeze()  # half a million objects, which would be looked through while samples come
+    words = ("play", path.name, "--rate", f"{FASTER}", "--json")
+    heard: list[Heard] = []
+    with hearing(robot.environment["GIRAFF_NETWORK_RENDEZVOUS"], "replay-sim-test") as ear:
+        with giraff_process(robot, *words) as player:
+
+            def has_ended() -> bool:
+                heard.extend(ear.take())
+                return player.poll() is not None
+
+            wait(has_ended, SECONDS, what="the end of giraff play", every=0.2)
+            output, _ = player.communicate()
+        time.sleep(1.0)  # the last may be on their way
+        heard += ear.take()
+    assert len(heard) == len(recorded)
+    for (key, sample), again in zip(recorded, heard, strict=True):
+        assert (again.key, again.payload, again.encoding) == (key, sample.payload(), sample.encoding)
+    played: dict[str, Any] = msgspec.json.decode(output)
+    return played
 
 
 def test_ten_minutes_are_recorded_and_cost_little(tmp_path: Path) -> None:
@@ -60,21 +134,25 @@ def test_ten_minutes_are_recorded_and_cost_little(tmp_path: Path) -> None:
         with giraff_process(robot, "record", "-o", path.name, "--for", f"{SECONDS:g}", "--json") as recorder:
             records(recorder, path)
             ages.now = ages.recorded
-            process = psutil.Process(recorder.pid)
-            before, began = threads_of(process), time.monotonic()
+            cost = Cost(recorder.pid)
             time.sleep(SECONDS - 10.0)
-            after, took = threads_of(process), time.monotonic() - began
-            resident = process.memory_info().rss
+            shares, resident = cost.shares(), cost.resident
             output, _ = recorder.communicate(timeout=60.0)
         ages.now = ages.alone
         time.sleep(ALONE)
+        ages.now = None
+        listener = share_of_a_listener(robot)
+        killed, killed_ns = killed_recording(robot, "killed.mcap")
+    played = as_played(robot, path)
     report = msgspec.json.decode(output)
-    shares = {name: (after[name] - before.get(name, 0.0)) / took for name in after}
     sequences: dict[str, list[int]] = defaultdict(list)
     with path.open("rb") as file:
-        for _, channel, message in make_reader(file, validate_crcs=True).iter_messages():
+        reader = make_reader(file, validate_crcs=True)
+        summary = reader.get_summary()
+        for _, channel, message in reader.iter_messages():
             sequences[channel.topic].append(message.sequence)
     share, older = sum(shares.values()), median(ages.recorded) / median(ages.alone)
+    missing = (killed_ns - max(sample.heard_ns for sample in Recording(killed).samples())) * 1e-9
     written = write_record(
         "recording",
         {
@@ -84,18 +162,24 @@ def test_ten_minutes_are_recorded_and_cost_little(tmp_path: Path) -> None:
             "lost": report["lost"],
             "share_of_a_core": round(share, 4),
             "share_by_threads": {name: round(of, 4) for name, of in shares.items() if of >= 0.0001},
+            "share_of_a_listener_that_records_nothing": round(listener, 4),
             "resident_bytes": resident,
             "command_age_s": {
                 name: {"median": round(median(of), 4), "p99": round(quantiles(of, n=100)[98], 4)}
                 for name, of in (("alone", ages.alone), ("recorded", ages.recorded))
             },
             "command_age_ratio": round(older, 3),
+            "missing_after_a_kill_s": round(missing, 3),
+            "said_again": {"times_as_fast": FASTER, "samples": played["samples"], "seconds": played["seconds"]},
         },
     )
     print(written.read_text())
     for key, numbers in sequences.items():
         assert numbers == list(range(numbers[0], numbers[0] + len(numbers))), key
-    assert sum(map(len, sequences.values())) == report["samples"]
+    assert sum(map(len, sequences.values())) == report["samples"] == played["samples"]
+    assert summary is not None
+    assert len(summary.chunk_indexes) > SECONDS
     assert report["lost"] == 0
     assert share <= MOST_OF_A_CORE
     assert older <= MOST_OLDER
+    assert missing <= MOST_MISSING

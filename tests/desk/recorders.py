@@ -1,7 +1,9 @@
-"""`giraff record` and `giraff play` beside a running robot."""
+"""`giraff record` and `giraff play` beside a running robot, and who hears what is played."""
 
 from __future__ import annotations
 
+import json
+import random
 import subprocess
 import time
 from collections.abc import Iterator
@@ -10,9 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import psutil
+import zenoh
 
+from giraff_mcap.ear import Ear
+from giraff_node.session import NetworkConfig, close_session, session_config
+from giraff_schemas.topics import key_below
 from tests.system.elsewhere import GIRAFF
 from tests.system.robot import ProcessRobot
+from tests.waiting import wait
 
 
 @contextmanager
@@ -29,11 +36,12 @@ def giraff_process(robot: ProcessRobot, *words: str, **popen: Any) -> Iterator[s
 
 def records(process: subprocess.Popen[str], path: Path) -> None:
     """Wait until the first samples are on disk."""
-    deadline = time.monotonic() + 20.0
-    while not path.exists() or path.stat().st_size < 20_000:
+
+    def has_begun() -> bool:
         assert process.poll() is None
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+        return path.exists() and path.stat().st_size >= 20_000
+
+    wait(has_begun, 20.0, what="a recording", every=0.05)
 
 
 def share_of_a_core(process: psutil.Process, seconds: float) -> float:
@@ -41,3 +49,26 @@ def share_of_a_core(process: psutil.Process, seconds: float) -> float:
     before, began = sum(process.cpu_times()[:2]), time.monotonic()
     time.sleep(seconds)
     return float(sum(process.cpu_times()[:2]) - before) / (time.monotonic() - began)
+
+
+def killed_recording(robot: ProcessRobot, name: str) -> tuple[Path, int]:
+    """A recording whose process was killed at any moment, and when, ns since 1970."""
+    path = robot.directory / name
+    with giraff_process(robot, "record", "-o", name) as process:
+        records(process, path)
+        time.sleep(random.uniform(3.0, 6.0))
+        process.kill()
+        return path, time.time_ns()
+
+
+@contextmanager
+def hearing(rendezvous: str, robot: str) -> Iterator[Ear]:
+    """To all that comes of a robot, as long as the block lasts, on a loopback whose rendezvous nobody else owns."""
+    network = NetworkConfig(local=True, rendezvous=rendezvous)
+    session = zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network, robot))))
+    ear = Ear(session, [key_below(robot, "**")])
+    try:
+        yield ear
+    finally:
+        ear.close()
+        close_session(session)

@@ -14,6 +14,7 @@ from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic, alive_key, key_of
+from tests.waiting import wait
 
 INSTANCE = "0123456789abcdef"
 
@@ -35,10 +36,7 @@ class Talker:
             encoding=encoding_of(topic.schema),
             congestion_control=zenoh.CongestionControl.BLOCK,  # what is lost is what the test leaves out
         )
-        deadline = time.monotonic() + 20.0
-        while not is_listened_to(publisher):
-            assert time.monotonic() < deadline, "nobody listens"
-            time.sleep(0.01)
+        wait(lambda: is_listened_to(publisher), 20.0, what="somebody who listens", every=0.01)
         began, first, stamps = time.monotonic(), min(seqs), []
         for seq in seqs:
             time.sleep(max(0.0, began + (seq - first) / hz - time.monotonic()))

@@ -18,6 +18,7 @@ from giraff_schemas.topics import SERIAL, SERIAL_WRITE
 from giraff_sim.board import ROOT
 from tests.system.observer import Observer
 from tests.unit.node.ports import FakePort
+from tests.waiting import wait
 
 
 class Bench:
@@ -61,10 +62,7 @@ class Bench:
         return lambda: text in self.log.read_text()
 
     def until(self, holds: Callable[[], bool], what: str, seconds: float = 15.0) -> None:
-        deadline = time.monotonic() + seconds
-        while not holds():
-            assert time.monotonic() < deadline, f"{what}: {self.texts()} {self.log.read_text()}"
-            time.sleep(0.02)
+        wait(holds, seconds, what=lambda: f"{what}: {self.texts()} {self.log.read_text()}")
 
     def close(self) -> None:
         self.process.terminate()
@@ -102,10 +100,12 @@ def test_what_is_written_reaches_the_arduino_and_comes_not_back(bench: Bench) ->
     for number in range(20):
         bench.to.put(SerialWrite(name="weather", text=f"led {number}"))
     got = bytearray()
-    deadline = time.monotonic() + 10.0
-    while got.count(b"\n") < 20 and time.monotonic() < deadline:
-        got += bench.arduino.heard()
-        time.sleep(0.02)
+
+    def all_of_it() -> bool:
+        got.extend(bench.arduino.heard())
+        return got.count(b"\n") >= 20
+
+    bench.until(all_of_it, "twenty lines", 10.0)
     assert got.decode().split("\n") == [*(f"led {number}" for number in range(20)), ""]
     bench.to.put(SerialWrite(name="weather", text="z" * 64))
     bench.until(bench.logged("a text of 65 bytes was not written"), "a refusal")

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import random
 import resource
 import signal
-import time
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
@@ -17,7 +15,7 @@ from mcap.reader import make_reader
 
 from giraff_mcap.reading import Recording
 from giraff_schemas.topics import TOPICS, key_below
-from tests.desk.recorders import giraff_process, records, share_of_a_core
+from tests.desk.recorders import giraff_process, killed_recording, records, share_of_a_core
 from tests.system.elsewhere import giraff
 from tests.system.robot import FULL_TILT, ProcessRobot, process_robot
 
@@ -34,13 +32,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
 @pytest.fixture(scope="module")
 def killed(robot: ProcessRobot) -> tuple[Path, int]:
     """A recording whose process was killed at any moment, and when, ns since 1970."""
-    path = robot.directory / "killed.mcap"
-    with giraff_process(robot, "record", "-o", path.name) as process:
-        records(process, path)
-        time.sleep(random.uniform(3.0, 6.0))
-        process.kill()
-        at_ns = time.time_ns()
-    return path, at_ns
+    return killed_recording(robot, "killed.mcap")
 
 
 def test_a_minute_of_a_drive_is_recorded_to_the_last_sample(robot: ProcessRobot) -> None:
