@@ -47,7 +47,11 @@ class _Flow:
 
 @dataclass
 class Tally:
-    """Counts the samples of one key, and by their numbers those that are missing."""
+    """Counts the samples of one key, and by their numbers those that are missing.
+
+    `giraff_cli.tally` tells the late ones from the doubles, too, and rates and ages; it takes several times as long for
+    a sample, which a recorder that must cost little does not have, and wants them as they come: a file need not.
+    """
 
     count: int = 0
     _flows: dict[str, _Flow] = field(default_factory=dict)
