@@ -1,0 +1,54 @@
+"""What a recorder hears, on a session that hears itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+import zenoh
+
+from giraff_mcap import ear
+from giraff_mcap.ear import Ear
+from giraff_node.session import close_session
+
+
+@pytest.fixture
+def session() -> Iterator[zenoh.Session]:
+    config = zenoh.Config()
+    config.insert_json5("scouting/multicast/enabled", "false")
+    config.insert_json5("listen/endpoints", "[]")
+    opened = zenoh.open(config)
+    yield opened
+    close_session(opened)
+
+
+def test_each_sample_comes_with_its_key_its_bytes_and_its_encoding(session: zenoh.Session) -> None:
+    hears = Ear(session, ["giraff/anna/**"])
+    for number in range(3):
+        session.put("giraff/anna/odom", bytes([number]), encoding="application/msgpack")
+        session.put("giraff/anna/own", b"x", encoding="text/plain")
+    session.put("giraff/berta/odom", b"another robot's")
+    session.delete("giraff/anna/own")
+    taken = hears.take()
+    assert [(one.key, one.payload, one.encoding) for one in taken if one.key.endswith("odom")] == [
+        ("giraff/anna/odom", bytes([number]), "application/msgpack") for number in range(3)
+    ]
+    assert {(one.payload, one.encoding) for one in taken if one.key.endswith("own")} == {(b"x", "text/plain")}
+    assert len(taken) == 6
+    assert [one.at_ns for one in taken] == sorted(one.at_ns for one in taken)
+    session.put("giraff/anna/odom", b"later", encoding="application/msgpack")
+    assert [(one.payload, one.encoding) for one in hears.take()] == [(b"later", "application/msgpack")]
+    hears.close()
+    session.put("giraff/anna/odom", b"to nobody")
+    assert (hears.take(), hears.overrun) == ([], 0)
+
+
+def test_what_cannot_wait_is_counted(session: zenoh.Session, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ear, "_MOST_WAITING", 5)
+    hears = Ear(session, ["giraff/anna/**"])
+    for number in range(8):
+        session.put("giraff/anna/odom", bytes([number]) * 2)
+    assert hears.overrun == 3
+    assert [one.payload[0] for one in hears.take()] == [3, 4, 5, 6, 7]
+    assert hears.overrun == 3
+    hears.close()
