@@ -19,6 +19,9 @@ ROLES = {
     role: services.split()
     for role, services in re.findall(r"(\w+)\) SERVICES=\(([\w ]+)\)", (ROOT / "scripts" / "install").read_text())
 }
+BY_HAND = ("gateway", "recorder", "router", "sentry")
+"""Services that `systemctl enable --now giraff@SERVICE` adds to a machine."""
+DROP_IN = "giraff@recorder.service.d"
 MOST_EXPOSED = 20  # tenths of systemd's own scale, which ends at 100; 17 when this was written
 
 
@@ -32,6 +35,7 @@ def machine(tmp_path: Path) -> Path:
     (tmp_path / "etc/systemd/system").mkdir(parents=True)
     for name in ("giraff@.service", "giraff.target"):
         shutil.copy(UNITS / name, tmp_path / "etc/systemd/system")
+    shutil.copytree(UNITS / DROP_IN, tmp_path / "etc/systemd/system" / DROP_IN)
     python = tmp_path / "opt/giraff/bin/python"
     python.parent.mkdir(parents=True)
     python.write_text("#!/bin/sh\n")
@@ -52,7 +56,9 @@ def edit(machine: Path, old: str, new: str) -> None:
     unit.write_text(text.replace(old, new))
 
 
-@pytest.mark.parametrize("service", sorted({service for services in ROLES.values() for service in services}))
+@pytest.mark.parametrize(
+    "service", sorted({service for services in ROLES.values() for service in services} | {*BY_HAND})
+)
 def test_systemd_finds_nothing_wrong(machine: Path, service: str) -> None:
     run = analyze(machine, "verify", f"giraff@{service}.service", "giraff.target")
     assert (run.returncode, run.stderr) == (0, "")
@@ -70,6 +76,13 @@ def test_systemd_finds_nothing_wrong(machine: Path, service: str) -> None:
 def test_a_mistake_shows(machine: Path, old: str, new: str) -> None:
     edit(machine, old, new)
     assert analyze(machine, "verify", "giraff@base.service").stderr
+
+
+def test_what_is_the_recorders_own_is_read_for_it_alone(machine: Path) -> None:
+    own = machine / "etc/systemd/system" / DROP_IN / "behind.conf"
+    own.write_text(own.read_text().replace("CPUWeight=20", "CPUWeight=twenty"))
+    assert "Invalid CPU weight" in analyze(machine, "verify", "giraff@recorder.service").stderr
+    assert not analyze(machine, "verify", "giraff@base.service").stderr
 
 
 def test_systemd_calls_it_little_exposed(machine: Path) -> None:
