@@ -50,7 +50,7 @@ class Hardware:
             time.sleep(0.01)
         self.simulator = SimulatorClient(control)
         for board in BOARDS:
-            self._permit(board)
+            permit(PORTS / board)
 
     def unplug(self, *boards: BoardName) -> None:
         for board in boards:
@@ -59,7 +59,7 @@ class Hardware:
     def plug(self, *boards: BoardName) -> None:
         for board in boards:
             self.simulator.plug(board)
-            self._permit(board)
+            permit(PORTS / board)
 
     def drives(self) -> bool:
         """Whether the motors are given anything now."""
@@ -93,8 +93,9 @@ class Hardware:
         shutil.rmtree(PORTS, ignore_errors=True)
         assert not troubles, troubles
 
-    def _permit(self, board: BoardName) -> None:
-        """Give the port to the group dialout, as udev's rule does."""
-        port = os.path.realpath(PORTS / board)
-        os.chown(port, 0, DIALOUT)
-        Path(port).chmod(0o660)
+
+def permit(port: Path) -> None:
+    """Give a port to the group dialout, as udev's rule does."""
+    device = os.path.realpath(port)
+    os.chown(device, 0, DIALOUT)
+    Path(device).chmod(0o660)

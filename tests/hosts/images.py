@@ -17,8 +17,10 @@ KEPT: Final = ROOT / "build" / "hosts"
 CURRENT_COMPOSE: Final = KEPT / "compose"
 """As `prepare` gets it."""
 _STAND_IN: Final = Path(__file__).with_name("stand_in")
-_SERVICE: Final = {"robot": "base", "laptop": "joystick", "sim": "sim"}
+_SERVICE: Final = {"robot": "base", "laptop": "joystick", "sim": "sim", "recorder": "recorder"}
 """Image -> a compose service that runs in it."""
+_HOST: Final = {"recorder": "robot"}
+"""Image -> the kind of host that builds it, where that is another word."""
 _MADE_OF: Final = (
     *("Dockerfile", ".dockerignore", "docker-compose.yml", "pyproject.toml", "requirements"),
     *("schemas", "services", "firmware", "deploy/robot.toml", "deploy/worlds"),
@@ -49,7 +51,7 @@ def _build(place: Path, archives: dict[str, Path]) -> None:
         tools = _stand_in(builder, "make", "gcc", "libc6-dev") if "sim" in archives else python
         stand_ins = {"BASE_IMAGE": python, "BUILD_IMAGE": python, "TOOLS_IMAGE": tools, "BUILD_NETWORK": "host"}
         for kind, archive in archives.items():
-            write_env(place, kind, {}, stand_ins)
+            write_env(place, _HOST.get(kind, kind), {}, stand_ins)
             builder.compose(place, "build", _SERVICE[kind], within=_BUILD_WITHIN)
             for old in KEPT.glob(f"giraff-{kind}-*"):
                 old.unlink()

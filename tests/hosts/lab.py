@@ -124,13 +124,15 @@ class Lab:
             clone(self.clone(host))
             self.write_env(host)
 
-    def write_env(self, host: str, changes: Mapping[str, str] | None = None) -> None:
-        """The host's `.env`, as its technician writes it."""
+    def write_env(
+        self, host: str, changes: Mapping[str, str] | None = None, more: Mapping[str, str] | None = None
+    ) -> None:
+        """The host's `.env`, as its technician writes it. `more`: lines that its example has not."""
         ports = {"laptop": ["joystick"], "robot": ["base", "ranger"], "desk": []}[host]
         own = {"GIRAFF_ROBOT_NAME": NAME} | {f"GIRAFF_{port.upper()}_PORT": str(PORTS / port) for port in ports}
         if host != "robot":
             own["GIRAFF_NETWORK_CONNECT"] = json.dumps([address("robot")])
-        write_env(self.clone(host), host, {**own, **(changes or {})}, ROBOT)
+        write_env(self.clone(host), host, {**own, **(changes or {})}, {**ROBOT, **(more or {})})
 
     def clone(self, host: str) -> Path:
         return self.directory / host / "giraff"

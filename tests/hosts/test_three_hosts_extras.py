@@ -1,0 +1,89 @@
+"""What may run beside the robot's services: the flight recorder, and an Arduino of one's own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from giraff_mcap.reading import Recording
+from tests.hosts.hardware import PORTS, permit
+from tests.hosts.lab import NUMBERS, Lab
+from tests.hosts.machine import LabError
+from tests.unit.node.ports import FakePort
+from tests.waiting import wait
+
+Figure = Callable[[str, float, float, str], None]
+
+pytestmark = pytest.mark.timeout(300)
+
+EXTRAS: Final = {"COMPOSE_PROFILES": "robot,recorder,gateway"}
+SETTINGS: Final = {
+    "GIRAFF_RECORDER_BEFORE": "15",
+    "GIRAFF_RECORDER_AFTER": "1",
+    "GIRAFF_GATEWAY_PORT": str(PORTS / "weather"),
+    "GIRAFF_GATEWAY_NAME": "weather",
+}
+
+_END_OF_A_WHOLE_ONE: Final = b"\x89MCAP0\r\n"
+
+
+@pytest.fixture(scope="module")
+def arduino(lab: Lab) -> Iterator[FakePort]:
+    """It is plugged into the robot's computer, where recorder and gateway are up, too."""
+    lab.down(*NUMBERS)
+    lab.load("robot", "recorder")
+    port = FakePort(PORTS / "weather")
+    permit(port.link)
+    lab.write_env("robot", EXTRAS, SETTINGS)
+    lab.on_each(["robot", "laptop"], lab.up)
+    lab.wait_until_healthy("robot", "laptop")
+    lab.reset_emergency_stop()
+    yield port
+    lab.mend()
+    lab.down(*NUMBERS)
+    lab.write_env("robot")
+    port.close()
+
+
+def test_its_lines_are_heard_on_the_desk(lab: Lab, arduino: FakePort) -> None:
+    with lab.listen("desk", "serial/weather") as listener:
+
+        def heard() -> bool:
+            arduino.say("23.5 °C\r\n".encode())
+            return bool(listener.heard())
+
+        wait(heard, 20.0, what="a line on the desk", every=0.5)
+        assert listener.heard()[0].sample["text"] == "23.5 °C"
+
+
+@pytest.mark.usefixtures("arduino")
+def test_an_emergency_stop_leaves_a_recording(lab: Lab, tmp_path: Path, figure: Figure) -> None:
+    """Also of the moment in which a host vanished, whose dead links hold up nothing."""
+    time.sleep(2.0)
+    lab.power_off("laptop")
+    gone_ns = time.time_ns()
+    time.sleep(6.0)
+    lab.compose("desk", "run", "--rm", "giraff", "estop", "engage", "--reason", "a cat")
+    [recorder] = [one.name for one in lab.containers("robot") if one.service == "recorder"]
+    files: list[Path] = []
+
+    def written() -> bool:
+        with suppress(LabError):  # there is no folder before the first file
+            lab.machines["robot"].docker("cp", f"{recorder}:/var/lib/giraff/incidents", str(tmp_path))
+        files[:] = (tmp_path / "incidents").glob("*-estop.mcap")
+        return bool(files) and files[0].read_bytes().endswith(_END_OF_A_WHOLE_ONE)
+
+    wait(written, 20.0, what="a recording of the emergency stop", every=0.5)
+    recording = Recording(files[0])
+    assert recording.about["incident"].endswith(": a cat")
+    assert {"odom", "wheels", "estop", "guard"} <= set(recording.keys)
+    heard = [sample.heard_ns for sample in recording.samples(("odom",))]
+    assert heard[0] < gone_ns < heard[-1]
+    longest = max(later - earlier for earlier, later in pairwise(heard)) * 1e-9
+    figure("laptop's power off -> the longest gap in what the recorder has of odometry", longest, 0.5, "s")
