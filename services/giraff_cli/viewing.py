@@ -50,6 +50,8 @@ class Options(NamedTuple):
 
 def show(recording: Path | None, robot: str | None, connect: Sequence[str], options: Options) -> int:
     """The whole of it; the exit code."""
+    if recording is not None and (robot is not None or connect):
+        return complain("--robot and --connect are for a live robot; a recording is of one already")
     if refusal := _refusal(recording, options):
         return complain(refusal)
     with Stopping() as stopping:
@@ -188,6 +190,10 @@ def _refusal(recording: Path | None, options: Options) -> str:
         return "--picture of a live robot: say when, with --for SECONDS"
     if sum((options.save is not None, options.picture is not None, options.web)) > 1:
         return "--save, --picture and --web: one at a time"
+    if options.picture is not None and options.picture.suffix != ".png":
+        return f"--picture {options.picture}: it is written as PNG; give a name that ends in .png"
+    if options.picture is not None and not options.picture.absolute().parent.is_dir():
+        return f"--picture {options.picture}: there is no such folder; make it first"
     try:
         require_memory(options.memory)
     except ValueError as error:
