@@ -6,8 +6,11 @@ import re
 from typing import Final
 
 DEFAULT: Final = "1GB"
-LATECOMERS: Final = "64MB"
-"""What a window's own server keeps for viewers that join later; there are none."""
+LATECOMERS: Final = "1MB"
+"""What a window's own server keeps for viewers that join later: there are none, and the limit of all counts it too."""
+
+GIVE_BACK: Final = {"MIMALLOC_PURGE_DELAY": "0"}
+"""The viewer's environment: what it has forgotten goes back to the machine at once. Else each peak stays for good."""
 
 _LEAST: Final = 50e6  # bytes; below it hardly a minute is kept
 _SIZE: Final = re.compile(r"(\d+(?:\.\d+)?) ?(k|M|G|T|Ki|Mi|Gi|Ti)?B")

@@ -15,7 +15,7 @@ from typing import Final, Self
 import rerun_cli
 from rerun.experimental import ViewerClient
 
-from giraff_viewer.memory import LATECOMERS
+from giraff_viewer.memory import GIVE_BACK, LATECOMERS
 
 PICTURE_SIZE: Final = "1600x1000"
 
@@ -42,7 +42,12 @@ class Window:
         command += ["--headless", "--window-size", PICTURE_SIZE] if headless else ["--expect-data-soon"]
         try:
             self._process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=self._said, stderr=self._said, start_new_session=True
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=self._said,
+                stderr=self._said,
+                env=GIVE_BACK | os.environ,
+                start_new_session=True,
             )
         except OSError as error:
             raise ViewerError(f"{command[0]} cannot be started: {error.strerror}") from error
@@ -68,20 +73,19 @@ class Window:
 
     def picture(self, path: Path, newest: float) -> None:
         """Write what it shows as PNG, as soon as it shows the moment `newest` (s since 1970). Raises ViewerError."""
-        client = self._client()
         deadline = time.monotonic() + _SHOWN_WITHIN
-        while not self._shows(client, newest):
+        while not self.shows(newest):
             if time.monotonic() > deadline:
                 raise ViewerError(f"the viewer has not shown everything within {_SHOWN_WITHIN:g} s")
             time.sleep(0.1)
         time.sleep(max(_SETTLE, self._began + _POPUPS_GONE - time.monotonic()))
         try:
-            client.save_screenshot(str(path.absolute()))
-        except (ConnectionError, RuntimeError) as error:
+            self._client().save_screenshot(str(path.absolute()))
+        except (OSError, RuntimeError) as error:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._process.wait(_END_WITHIN)  # whoever falls over takes a moment to say why
             self.is_open()
-            raise ViewerError(f"{path}: no picture: {error}") from error
+            raise ViewerError(f"{path}: no picture: {_first_line(error)}") from error
 
     def close(self) -> None:
         """End it, and whatever it has started."""
@@ -93,13 +97,13 @@ class Window:
                 break
         self._said.close()
 
-    def newest(self) -> float:
-        """The newest moment it holds, s since 1970; 0 while it holds none. Raises ConnectionError."""
-        return _newest(self._client())
-
-    def _shows(self, client: ViewerClient, newest: float) -> bool:
+    def shows(self, moment: float) -> bool:
+        """Whether it has all up to a moment, s since 1970; not while it is too busy to say so. Raises ViewerError."""
         self.is_open()
-        return _newest(client) >= newest - 1e-3
+        try:
+            return _newest(self._client()) >= moment - 1e-3
+        except (ConnectionError, TimeoutError):
+            return False
 
     def _client(self) -> ViewerClient:
         while True:
@@ -125,3 +129,7 @@ def _newest(client: ViewerClient) -> float:
         if timeline.name == "time" and timeline.end is not None
     ]
     return max(ends, default=0) * 1e-9
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).partition("\n")[0]

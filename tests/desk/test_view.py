@@ -24,26 +24,16 @@ from rerun.experimental import ViewerClient
 
 from giraff_cli.watcher import free_port
 from giraff_mcap.reading import Recording
-from giraff_node.robot import RobotConfig
-from giraff_schemas.messages import EStop, Odometry
-from giraff_schemas.topics import ESTOP
+from giraff_schemas.messages import Odometry
 from giraff_viewer.colours import CONES, PATH, ROBOT
-from giraff_viewer.glyphs import ALPHABET
-from giraff_viewer.scene import stock
-from giraff_viewer.show import Show
-from giraff_viewer.window import Window
+from tests.desk.desk import run_beside
 from tests.desk.recorded import record_drive
 from tests.desk.seen import Floor
 from tests.system.elsewhere import GIRAFF
 from tests.system.robot import ProcessRobot, process_robot
+from tests.waiting import wait
 
-HERE = Path(__file__).parent
-
-
-@pytest.fixture(scope="module", autouse=True)
-def prepared() -> None:
-    """This machine can draw."""
-    subprocess.run([HERE / "prepare"], check=True)
+pytestmark = pytest.mark.usefixtures("able_to_draw")
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +75,7 @@ def viewing(robot: ProcessRobot, *words: str) -> Iterator[subprocess.Popen[str]]
             started = viewers_of(process) if process.poll() is None else []
             process.kill()
             for each in started:
-                each.kill()
+                os.killpg(each.pid, signal.SIGKILL)
 
 
 def viewers_of(process: subprocess.Popen[str]) -> list[psutil.Process]:
@@ -94,12 +84,9 @@ def viewers_of(process: subprocess.Popen[str]) -> list[psutil.Process]:
 
 
 def await_viewer(process: subprocess.Popen[str]) -> psutil.Process:
-    deadline = time.monotonic() + 20.0
-    while not (started := viewers_of(process)):
-        assert time.monotonic() < deadline, "no viewer was started"
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.05)
-    return started[0]
+    wait(lambda: process.poll() is not None or viewers_of(process), 20.0, what="no viewer was started")
+    assert process.poll() is None, process.communicate()
+    return viewers_of(process)[0]
 
 
 def test_a_recording_is_seen_with_robot_path_and_cones(driven: tuple[ProcessRobot, Path]) -> None:
@@ -157,36 +144,39 @@ def test_a_recording_that_cannot_be_read_is_named(driven: tuple[ProcessRobot, Pa
     nothing, cut = robot.directory / "nothing.mcap", robot.directory / "cut.mcap"
     nothing.write_bytes(b"")
     cut.write_bytes(recording.read_bytes()[:-3000])
-    out = robot.directory / "out.rrd"
-    for path, why in ((robot.directory / "none.mcap", "No such file"), (nothing, "not an MCAP file")):
-        done = view(robot, str(path), "--save", str(out))
-        assert (done.returncode, done.stdout) == (2, "")
-        assert why in done.stderr
-        assert not out.exists()
+    out, nowhere = robot.directory / "out.rrd", robot.directory / "no" / "such" / "folder.rrd"
+    refused = {
+        (str(robot.directory / "none.mcap"), "--save", str(out)): "No such file",
+        (str(nothing), "--save", str(out)): "not an MCAP file",
+        (str(recording), "--save", str(nowhere)): "No such file or directory",
+        (str(recording),): "no screen here",
+    }
+    for words, done in run_beside(lambda words: view(robot, *words), refused).items():
+        assert (done.returncode, done.stdout) == (2, ""), words
+        assert refused[words] in done.stderr
+    assert not out.exists()
     done = view(robot, str(cut), "--save", str(out))
     assert done.returncode == 0
     assert "cut off" in done.stderr
-    done = view(robot, str(recording), "--save", str(robot.directory / "no" / "such" / "folder.rrd"))
-    assert (done.returncode, "No such file or directory" in done.stderr) == (2, True)
-    done = view(robot, str(recording))
-    assert (done.returncode, "no screen here" in done.stderr) == (2, True)
 
 
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        (("--memory", "lots"), "'lots' is no amount of memory; give one like 500MB, 2GiB or 25%"),
-        (("--memory", "1MB"), "give 50MB at the least"),
-        (("--for", "-1"), "--for -1: give a positive number"),
-        (("--picture", "a.png"), "say when, with --for"),
-        (("--save", "a.rrd", "--web"), "one at a time"),
-        (("--robot", "otto", "--save", "otto.rrd", "--for", "1"), "no robot called otto is heard"),
-    ],
-)
-def test_what_cannot_be_is_refused(driven: tuple[ProcessRobot, Path], words: tuple[str, ...], why: str) -> None:
-    done = view(driven[0], *words)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert why in done.stderr
+def test_what_cannot_be_is_refused(driven: tuple[ProcessRobot, Path]) -> None:
+    robot, recording = driven
+    refused = {
+        ("--memory", "lots"): "'lots' is no amount of memory; give one like 500MB, 2GiB or 25%",
+        ("--memory", "0"): "'0' is no amount of memory",
+        ("--memory", "1MB"): "give 50MB at the least",
+        ("--for", "-1"): "--for -1: give a positive number",
+        ("--picture", "a.png"): "say when, with --for",
+        ("--save", "a.rrd", "--web"): "one at a time",
+        ("--robot", "otto", "--save", "otto.rrd", "--for", "1"): "no robot called otto is heard",
+        (str(recording), "--robot", "otto"): "--robot and --connect are for a live robot",
+        (str(recording), "--picture", "a.gif"): "give a name that ends in .png",
+        (str(recording), "--picture", "no/such/a.png"): "there is no such folder",
+    }
+    for words, done in run_beside(lambda words: view(robot, *words), refused).items():
+        assert (done.returncode, done.stdout) == (2, ""), words
+        assert refused[words] in done.stderr
 
 
 def test_a_live_robot_is_saved(driven: tuple[ProcessRobot, Path]) -> None:
@@ -207,7 +197,7 @@ def test_what_is_heard_is_in_the_viewer_at_once(driven: tuple[ProcessRobot, Path
     with viewing(robot, "--picture", "live.png", "--for", "20") as process:
         command = await_viewer(process).cmdline()
         client = connect(command[command.index("--port") + 1])
-        late, until = [], time.monotonic() + 6.0
+        late, until = [], time.monotonic() + 4.0
         while time.monotonic() < until:
             time.sleep(0.1)
             late.append(lateness(client))
@@ -218,20 +208,26 @@ def test_what_is_heard_is_in_the_viewer_at_once(driven: tuple[ProcessRobot, Path
 
 
 def connect(port: str) -> ViewerClient:
-    deadline = time.monotonic() + 20.0
-    while True:
-        try:
-            client = ViewerClient(url=f"rerun+http://127.0.0.1:{port}/proxy")
-            if client.get_state().recordings:
-                return client
-        except ConnectionError:
-            assert time.monotonic() < deadline
-        time.sleep(0.1)
+    """To a viewer, as soon as it has something of a robot."""
+    clients: list[ViewerClient] = []
+
+    def holds_something() -> bool:
+        with contextlib.suppress(ConnectionError, TimeoutError):
+            clients.append(ViewerClient(url=f"rerun+http://127.0.0.1:{port}/proxy"))
+            return bool(clients[-1].get_state().recordings)
+        return False
+
+    wait(holds_something, 20.0, what="the viewer has nothing", every=0.1)
+    return clients[-1]
 
 
 def lateness(client: ViewerClient) -> float:
-    """s since the newest that the viewer holds was heard."""
-    timelines = (timeline for each in client.get_state().recordings for timeline in each.timelines)
+    """s since the newest that the viewer holds was heard; without an end where it is too busy to tell."""
+    try:
+        state = client.get_state()
+    except TimeoutError:
+        return math.inf
+    timelines = (timeline for each in state.recordings for timeline in each.timelines)
     newest = max(timeline.end or 0 for timeline in timelines if timeline.name == "time")
     return time.time() - newest * 1e-9
 
@@ -265,16 +261,3 @@ def test_no_viewer_is_left_behind_and_a_dead_one_is_told(driven: tuple[ProcessRo
         assert process.wait(10.0) == 1
         assert process.stderr is not None
         assert "the viewer ended with -9" in process.stderr.read()
-
-
-def test_every_character_that_is_let_through_can_be_drawn(tmp_path: Path) -> None:
-    robot: RobotConfig = stock("sim-test")
-    with Window(free_port(), "100MB", headless=True) as window:
-        show = Show(robot, live=True)
-        show.to_window(window.url)
-        now = time.time_ns()
-        words = " ".join("".join(ALPHABET[number : number + 20]) for number in range(0, len(ALPHABET), 20))
-        show.hear(ESTOP, EStop(engaged=True, id=1, by="\U0001f408 |", reason=words), now)
-        show.close()
-        window.picture(tmp_path / "words.png", show.newest)
-        assert window.is_open()
