@@ -12,11 +12,15 @@ import os
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import msgspec
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
+
+_MOST: Final = 1e9
+"""Of any unit: as seconds it is 30 years and fits into 64 bits of ns; what is squared and summed stays finite."""
+_AT_MOST: Final = f", {_MOST:g} at most"
 
 TABLES = (
     "robot",
@@ -101,19 +105,23 @@ def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.
 
 
 def require_positive(config: msgspec.Struct, *names: str) -> None:
-    """ValueError unless each of these fields is a finite number above 0."""
+    """ValueError unless each of these fields is a number above 0 that can be counted with."""
     for name in names:
         value = getattr(config, name)
-        if not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} is {value}: it must be a positive number")
+        if not (_is_countable(value) and value > 0.0):
+            raise ValueError(f"{name} is {value}: it must be a positive number{_AT_MOST}")
 
 
 def require_not_negative(config: msgspec.Struct, *names: str) -> None:
-    """ValueError unless each of these fields is a finite number, 0 or above."""
+    """ValueError unless each of these fields is a number, 0 or above, that can be counted with."""
     for name in names:
         value = getattr(config, name)
-        if not (math.isfinite(value) and value >= 0.0):
-            raise ValueError(f"{name} is {value}: it must be zero or a positive number")
+        if not (_is_countable(value) and value >= 0.0):
+            raise ValueError(f"{name} is {value}: it must be zero or a positive number{_AT_MOST}")
+
+
+def _is_countable(value: float) -> bool:
+    return isinstance(value, int) or (math.isfinite(value) and value <= _MOST)
 
 
 def _value(variable: str, text: str) -> Any:
