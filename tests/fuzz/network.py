@@ -14,6 +14,7 @@ from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime
 from giraff_schemas.topics import ESTOP_ENGAGE, TOPICS, Query, Topic
 from tests.fuzz.growth import LIMIT, Growth
 from tests.fuzz.keys import KEYS
+from tests.fuzz.params import Parameters
 from tests.fuzz.payloads import payload
 from tests.system.robot import SERVICES, ProcessRobot
 from tests.unit.schemas.samples import an_example
@@ -31,9 +32,11 @@ class NetworkCounted(msgspec.Struct, frozen=True, kw_only=True):
     driven_ms: int
     growth_bytes: dict[str, int]
     """By service."""
+    tightened: int
+    """Parameters that were another value at the end; none was looser."""
 
 
-def truths(row: Topic[Any] | Query[Any, Any]) -> list[bytes]:
+def _truths(row: Topic[Any] | Query[Any, Any]) -> list[bytes]:
     if isinstance(row, Topic):
         return [msgspec.msgpack.encode(an_example(row.schema))]
     request = EStopEngage(by="a", reason="b") if row is ESTOP_ENGAGE else EStopReset(by="a", id=0, tick=_OLD)
@@ -43,35 +46,42 @@ def truths(row: Topic[Any] | Query[Any, Any]) -> list[bytes]:
 def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
     """`wanted` payloads for each key, at a robot that is armed, in a level hand; then it must drive."""
     chance = random.Random(f"{seed}/network")
+    parameters = Parameters(robot)
     robot.drive_forward()
     robot.arm()
     since_us = robot.simulator.now()
+    rows = [(row, _truths(row)) for row in KEYS]
+    rows += [(query, parameters.truths[query.key]) for query in parameters.queries]
     growths = {service: Growth(robot.pid(service)) for service in SERVICES}
     sent = 0
     due = time.monotonic()
-    while sent < wanted * len(KEYS):
+    while sent < wanted * len(rows):
         for _ in range(_BATCH):
-            _send(robot, KEYS[sent % len(KEYS)], chance)
+            row, truths = rows[sent % len(rows)]
+            _send(robot, row, payload(truths, chance), chance)
             sent += 1
         for growth in growths.values():
-            growth.look(sent / (wanted * len(KEYS)))
+            growth.look(sent / (wanted * len(rows)))
         due += _BATCH / RATE
         time.sleep(max(0.0, due - time.monotonic()))
     robot.run(3.0)  # for whoever was taken for a second guard or base to count as gone
     assert robot.giraff("estop", "reset") == 0
     driven_ms = robot.simulator.record(since_us).driven_ms
+    tightened = parameters.take_back()
     robot.drive_forward()
     counted = NetworkCounted(
-        payloads=sent, driven_ms=driven_ms, growth_bytes={name: growth.bytes for name, growth in growths.items()}
+        payloads=sent,
+        driven_ms=driven_ms,
+        growth_bytes={name: growth.bytes for name, growth in growths.items()},
+        tightened=tightened,
     )
     assert counted.driven_ms == 0, counted
     assert max(counted.growth_bytes.values()) < LIMIT, counted
     return counted
 
 
-def _send(robot: ProcessRobot, row: Topic[Any] | Query[Any, Any], chance: random.Random) -> None:
+def _send(robot: ProcessRobot, row: Topic[Any] | Query[Any, Any], data: bytes, chance: random.Random) -> None:
     session = robot.observer.session
-    data = payload(truths(row), chance)
     key = robot.observer.key(row)
     if isinstance(row, Query):
         session.get(key, lambda _reply: None, payload=data, timeout=1.0)
