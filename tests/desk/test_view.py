@@ -79,8 +79,8 @@ def viewing(robot: ProcessRobot, *words: str) -> Iterator[subprocess.Popen[str]]
 
 
 def viewers_of(process: subprocess.Popen[str]) -> list[psutil.Process]:
-    """What a view has started."""
-    return psutil.Process(process.pid).children(recursive=True)
+    """What a view has started; not what is about to be."""
+    return [child for child in psutil.Process(process.pid).children(recursive=True) if child.name() == "rerun"]
 
 
 def await_viewer(process: subprocess.Popen[str]) -> psutil.Process:
