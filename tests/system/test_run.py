@@ -95,6 +95,7 @@ class Command:
         """Read its lines up to one that says so."""
         assert process.stdout is not None
         for line in process.stdout:
+            print(line, end="")  # of one that fails: why it does not
             if "base driving" in line:
                 assert len(self.pids()) == PROCESSES
                 return
