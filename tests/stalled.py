@@ -21,7 +21,7 @@ FOLDERS: Final = ("system", "desk", "hosts")
 """Of tests, those that run real processes against the wall clock."""
 STALL: Final = 0.05  # s
 _SHARE: Final = 0.05  # of the tests that may be tried again
-_ALWAYS: Final = 2
+_ALWAYS: Final = 2  # of a few tests
 _TESTS: Final = Path(__file__).parent
 
 _stalls = pytest.StashKey[Stalls]()
