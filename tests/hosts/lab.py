@@ -8,9 +8,9 @@ import shutil
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final, Self
@@ -220,11 +220,17 @@ class Lab:
         """Give a host another kind's image, as `docker-compose build` does."""
         self._load(host, images([kind])[kind])
 
-    def become_simulation(self, host: str) -> None:
-        """The host is given another `.env`, and is up no more."""
-        self.compose(host, "down")
+    @contextmanager
+    def simulation(self, host: str) -> Iterator[None]:
+        """The host has a simulation's `.env` meanwhile; before and after it is down."""
+        self.down(host)
         self.load(host, "sim")
         write_env(self.clone(host), "sim", {})
+        try:
+            yield
+        finally:
+            self.down(host)
+            self.write_env(host)
 
     def close(self) -> None:
         self._end.close()

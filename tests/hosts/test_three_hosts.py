@@ -198,12 +198,10 @@ def test_the_compose_of_today_does_the_same(lab: Lab) -> None:
 
 def test_a_whole_robot_without_hardware(lab: Lab) -> None:
     """On the desk, whose name it then has."""
-    lab.become_simulation("desk")
-    with lab.listen("laptop", "odom", robot="sim-desk") as watched:
-        lab.up("desk")
-        lab.wait_until_healthy("desk")
-        wait(lambda: bool(watched.heard()), 20.0, what="its odometry on the laptop")
     gone = re.compile(r"path +(?!0\.00)[\d.]+ m")
-    wait(
-        lambda: gone.search(lab.compose("desk", "logs", "sim")) is not None, 30.0, what="a way that it went", every=1.0
-    )
+    with lab.simulation("desk"):
+        with lab.listen("laptop", "odom", robot="sim-desk") as watched:
+            lab.up("desk")
+            lab.wait_until_healthy("desk")
+            wait(lambda: bool(watched.heard()), 20.0, what="its odometry on the laptop")
+        wait(lambda: gone.search(lab.compose("desk", "logs", "sim")) is not None, 30.0, what="a way it went", every=1.0)

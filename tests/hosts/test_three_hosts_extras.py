@@ -65,7 +65,7 @@ def test_its_lines_are_heard_on_the_desk(lab: Lab, arduino: FakePort) -> None:
 @pytest.mark.usefixtures("arduino")
 def test_an_emergency_stop_leaves_a_recording(lab: Lab, tmp_path: Path, figure: Figure) -> None:
     """Also of the moment in which a host vanished, whose dead links hold up nothing."""
-    time.sleep(2.0)
+    lab.hardware.drive()
     lab.power_off("laptop")
     gone_ns = time.time_ns()
     time.sleep(6.0)
