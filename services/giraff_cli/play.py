@@ -151,7 +151,9 @@ def _play(
 
 
 class Publishers:
-    """One for each key, all of one priority: of two, what was said earlier might be heard later."""
+    """One for each key, all of one priority: of two, what was said earlier might be heard later.
+
+    Who listens too slowly holds it up, and that is told as lateness: a sample that is left out would not be."""
 
     def __init__(self, session: zenoh.Session, robot: str) -> None:
         self._session = session
@@ -164,7 +166,7 @@ class Publishers:
             publisher = self._publishers[said.key] = self._session.declare_publisher(
                 key_below(self._robot, said.key),
                 encoding=said.encoding,
-                congestion_control=zenoh.CongestionControl.DROP,
+                congestion_control=zenoh.CongestionControl.BLOCK,
                 priority=zenoh.Priority.DATA_HIGH,
                 express=True,
             )

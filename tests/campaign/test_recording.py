@@ -118,13 +118,10 @@ def as_played(robot: ProcessRobot, path: Path) -> dict[str, Any]:
             output, _ = player.communicate()
         time.sleep(1.0)  # the last may be on their way
         heard += ear.take()
-    said = iter(recorded)
-    for again in heard:  # what a busy machine dropped is left out, and nothing else
-        whole = again.key, again.payload, again.encoding
-        assert any(whole == (key, sample.payload(), sample.encoding) for key, sample in said)
-    assert len(heard) > len(recorded) / 2
+    for again, (key, sample) in zip(heard, recorded, strict=True):
+        assert (again.key, again.payload, again.encoding) == (key, sample.payload(), sample.encoding)
     played: dict[str, Any] = msgspec.json.decode(output)
-    return {"times_as_fast": FASTER, "samples": played["samples"], "heard": len(heard), "seconds": played["seconds"]}
+    return {"times_as_fast": FASTER, "samples": played["samples"], "seconds": played["seconds"]}
 
 
 def test_ten_minutes_are_recorded_and_cost_little(tmp_path: Path) -> None:
