@@ -21,7 +21,7 @@ from tests.system.robot import process_robot
 
 BYTES = 10_000_000
 PAYLOADS = 1_000_000
-OVER_THE_NETWORK = 20_000
+OVER_THE_NETWORK = 60_000
 SEED = 2
 
 

@@ -22,6 +22,8 @@ from tests.unit.schemas.samples import an_example
 RATE: Final = 1000.0
 """Payloads a second: more than the robot's own, and not a flood, which would test the network alone."""
 _BATCH: Final = 20
+_WARM: Final = 1.0 / 3.0
+"""Of the payloads: a session of Zenoh and an interpreter beside it take some minutes to come to their size."""
 _OLD: Final = RobotTime(epoch=7, robot_ns=5_000_000_000)
 
 
@@ -52,7 +54,7 @@ def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
     since_us = robot.simulator.now()
     rows = [(row, _truths(row)) for row in KEYS]
     rows += [(query, parameters.truths[query.key]) for query in parameters.queries]
-    growths = {service: Growth(robot.pid(service)) for service in SERVICES}
+    growths = {service: Growth(robot.pid(service), _WARM) for service in SERVICES}
     sent = 0
     due = time.monotonic()
     while sent < wanted * len(rows):
