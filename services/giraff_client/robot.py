@@ -94,6 +94,7 @@ class Robot:
             self._close()
             raise NoRobotError(str(error)) from error
         except zenoh.ZError as error:
+            self._close()
             raise NoRobotError(
                 f"no Zenoh session: {error}; check the table [network] of the robot file, and `connect`"
             ) from error
