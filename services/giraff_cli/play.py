@@ -153,7 +153,8 @@ def _play(
 class Publishers:
     """One for each key, all of one priority: of two, what was said earlier might be heard later.
 
-    Who listens too slowly holds it up, and that is told as lateness: a sample that is left out would not be."""
+    Who listens too slowly holds it up, and that is told as lateness: a sample that is left out would not be.
+    """
 
     def __init__(self, session: zenoh.Session, robot: str) -> None:
         self._session = session

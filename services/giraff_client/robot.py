@@ -84,20 +84,7 @@ class Robot:
     def __enter__(self) -> Self:
         """Raises NoRobotError."""
         try:
-            way = find_way(self.name or None, self._connect)
-            if way.warning:
-                logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)
-            self._session = open_session(way.network, way.robot or "*", visiting=True)
-            self.name = way.robot or only_robot(self._session, self._patience)
-            self._listen(self._session)
-        except (UnknownRobotError, ConfigError) as error:
-            self._close()
-            raise NoRobotError(str(error)) from error
-        except zenoh.ZError as error:
-            self._close()
-            raise NoRobotError(
-                f"no Zenoh session: {error}; check the table [network] of the robot file, and `connect`"
-            ) from error
+            self._open()
         except BaseException:
             self._close()
             raise
@@ -190,6 +177,22 @@ class Robot:
         self.drive(0.0, 0.0)
         while time.monotonic() < until:
             self.drive(0.0, 0.0)
+
+    def _open(self) -> None:
+        """Join the robot's network, and hear it. Raises NoRobotError."""
+        try:
+            way = find_way(self.name or None, self._connect)
+            if way.warning:
+                logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)
+            self._session = open_session(way.network, way.robot or "*", visiting=True)
+            self.name = way.robot or only_robot(self._session, self._patience)
+            self._listen(self._session)
+        except (UnknownRobotError, ConfigError) as error:
+            raise NoRobotError(str(error)) from error
+        except zenoh.ZError as error:
+            raise NoRobotError(
+                f"no Zenoh session: {error}; check the table [network] of the robot file, and `connect`"
+            ) from error
 
     def _put(self, command: DriveCommand) -> None:
         """Publish, and wait until the next one may come."""
