@@ -9,7 +9,7 @@ import msgspec
 
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, DriveFrame, EstopFrame, Frame, WheelsFrame
-from tests.firmware.board import Board
+from giraff_sim.board import Board
 
 FrameT = TypeVar("FrameT", bound=Frame)
 

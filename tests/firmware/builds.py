@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Final
 
 from giraff_schemas.wire import BoardKind
-from tests.firmware.board import FIRMWARE, ROOT, Board
+from giraff_sim import board
+from giraff_sim.board import BUILD, ROOT, Board, Implementation
 
-BUILD: Final = ROOT / "build"
+FIRMWARE: Final = ROOT / "firmware"
 HERE: Final = Path(__file__).resolve().parent
 
 
@@ -25,7 +26,7 @@ def compiled(variant: str = "", *settings: str) -> Path:
 
 
 def open_board(kind: BoardKind, build: Path) -> Board:
-    return Board(kind, build / "host" / f"{kind.name.lower()}.so")
+    return board.open_board(kind, Implementation.HOST, build)
 
 
 def near_wraps() -> Path:

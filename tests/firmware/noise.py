@@ -24,7 +24,7 @@ from giraff_schemas.wire import (
     TiltFrame,
     WheelsFrame,
 )
-from tests.firmware.board import Board
+from giraff_sim.board import Board
 
 HOST_FRAMES: tuple[type[Frame], ...] = (HelloRequestFrame, ConfigureFrame, DriveFrame, EstopFrame, TickFrame)
 

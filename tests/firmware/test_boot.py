@@ -16,8 +16,8 @@ from giraff_schemas.wire import (
     ResetCause,
     WheelsFrame,
 )
+from giraff_sim.board import Board, BoardError
 from tests.firmware.bench import BaseBench, Bench
-from tests.firmware.board import Board
 from tests.firmware.builds import compiled, open_board, with_fault
 
 # The voltages of faults/hung_loop.c.
@@ -60,11 +60,10 @@ def test_a_board_introduces_itself_at_power_on_and_on_request(kind: BoardKind) -
     ],
 )
 def test_boots_are_counted_in_eeprom_and_never_as_0(base: BaseBench, eeprom: bytes, boot_id: int) -> None:
-    base.board.write_eeprom(eeprom)
-    base.board.reset()
+    base.board.keep_from(eeprom)
     base.run(20)
     assert base.last(HelloFrame).boot_id == boot_id
-    assert base.board.read_eeprom(4) == boot_id.to_bytes(4, "little")
+    assert base.board.eeprom[:4] == boot_id.to_bytes(4, "little")
 
 
 @pytest.mark.parametrize("cause", [*ResetCause])
@@ -145,5 +144,5 @@ def test_bytes_that_find_no_room_are_counted_and_cost_only_their_own_frames(frag
 
 def test_a_library_is_one_kind_of_board() -> None:
     library = compiled() / "host" / "base.so"
-    with pytest.raises(ValueError, match="this library is board 1, not 3"):
+    with pytest.raises(BoardError, match="this library is board 1, not 3"):
         Board(BoardKind.RANGER, library)

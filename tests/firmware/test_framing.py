@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from giraff_schemas.framing import Decoder, crc16, encode
 from giraff_schemas.wire import FRAME_CLASSES, DriveFrame, Frame, HelloRequestFrame, WheelsFrame
-from tests.firmware.board import FIRMWARE
+from tests.firmware.builds import FIRMWARE
 
 BODY_MAX = max(frame.layout.size for frame in FRAME_CLASSES.values())
 BITS = {"B": (0, 8), "H": (0, 16), "I": (0, 32), "Q": (0, 64), "h": (1, 16), "i": (1, 32)}

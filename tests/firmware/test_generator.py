@@ -6,7 +6,7 @@ from types import ModuleType
 
 import pytest
 
-from tests.firmware.board import FIRMWARE
+from tests.firmware.builds import FIRMWARE
 
 
 def load() -> ModuleType:

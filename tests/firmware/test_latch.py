@@ -36,8 +36,7 @@ def release(base: BaseBench, **changes: int) -> None:
 def powered_on_with(cells: tuple[int, int]) -> Iterator[BaseBench]:
     """A base board that was powered on with these two cells."""
     board = open_board(BoardKind.BASE, compiled())
-    board.write_eeprom(bytes((7, 0, 0, 0, *cells)))
-    board.reset(ResetCause.POWER_ON)
+    board.keep_from(bytes((7, 0, 0, 0, *cells)))
     yield BaseBench(board)
     board.close()
 
@@ -223,11 +222,11 @@ def test_one_cell_in_order_never_releases(order: str) -> None:
 
 def cells_over(base: BaseBench, frame: EstopFrame) -> list[bytes]:
     """What the two cells hold, each time it is something else, while the board obeys."""
-    seen = [base.board.read_eeprom(LATCH_AT + 2)[LATCH_AT:]]
+    seen = [base.board.eeprom[LATCH_AT : LATCH_AT + 2]]
     base.send(frame)
     for _ in range(TELEMETRY_MS):
         base.run(1)
-        cells = base.board.read_eeprom(LATCH_AT + 2)[LATCH_AT:]
+        cells = base.board.eeprom[LATCH_AT : LATCH_AT + 2]
         if cells != seen[-1]:
             seen.append(cells)
     return seen

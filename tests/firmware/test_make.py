@@ -4,7 +4,7 @@ import subprocess
 
 import pytest
 
-from tests.firmware.board import FIRMWARE
+from tests.firmware.builds import FIRMWARE
 
 
 @pytest.mark.parametrize(

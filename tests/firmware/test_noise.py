@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.firmware.board import ROOT
+from giraff_sim.board import ROOT
 from tests.firmware.builds import sanitized
 
 MILLISECONDS = 20_000

@@ -28,7 +28,7 @@ from giraff_schemas.wire import (
     TickFrame,
     WheelsFrame,
 )
-from tests.firmware.board import Board
+from giraff_sim.board import Board
 from tests.firmware.noise import noise
 from tests.fuzz.growth import Growth
 

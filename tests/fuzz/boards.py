@@ -9,7 +9,7 @@ from typing import Final
 
 import msgspec
 
-from tests.firmware.board import ROOT
+from giraff_sim.board import ROOT
 from tests.firmware.builds import sanitized
 from tests.firmware.test_noise import sanitizer_runtime
 from tests.fuzz.growth import LIMIT
