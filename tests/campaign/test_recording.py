@@ -20,7 +20,7 @@ from giraff_mcap.reading import Recording
 from giraff_schemas.messages import BaseState
 from giraff_schemas.topics import BASE
 from tests.campaign.records import write_record
-from tests.desk.recorders import giraff_process, hearing, killed_recording, records
+from tests.desk.recorders import giraff_process, hearing, killed_recording, records, require_the_same
 from tests.system.robot import FULL_TILT, ProcessRobot, process_robot
 from tests.waiting import wait
 
@@ -34,6 +34,7 @@ MOST_OLDER = 1.1
 MOST_MISSING = 1.0  # s, after a kill
 FASTER = 4
 """Times, that it is said again."""
+REPLAY = "replay-sim-test"
 LISTENER = """
 import sys, threading, zenoh
 from giraff_mcap.ear import step_back
@@ -124,11 +125,11 @@ def share_of_a_listener(robot: ProcessRobot) -> float:
 
 def as_played(robot: ProcessRobot, path: Path) -> dict[str, Any]:
     """Say a recording again, where nobody else speaks, and compare: what came of it, once all is alike."""
-    recorded = [(sample.topic.replace("sim-test", "replay-sim-test"), sample) for sample in Recording(path).samples()]
+    recorded = list(Recording(path).samples())
     gc.freeze()  # half a million objects, which would be looked through while samples come
     words = ("play", path.name, "--rate", f"{FASTER}", "--json")
     heard: list[Heard] = []
-    with hearing(robot.environment["GIRAFF_NETWORK_RENDEZVOUS"], "replay-sim-test") as ear:
+    with hearing(robot.environment["GIRAFF_NETWORK_RENDEZVOUS"], REPLAY) as ear:
         with giraff_process(robot, *words) as player:
 
             def has_ended() -> bool:
@@ -139,8 +140,7 @@ def as_played(robot: ProcessRobot, path: Path) -> dict[str, Any]:
             output, _ = player.communicate()
         time.sleep(1.0)  # the last may be on their way
         heard += ear.take()
-    for again, (key, sample) in zip(heard, recorded, strict=True):
-        assert (again.key, again.payload, again.encoding) == (key, sample.payload(), sample.encoding)
+    require_the_same(heard, recorded, REPLAY)
     played: dict[str, Any] = msgspec.json.decode(output)
     return {"times_as_fast": FASTER, "samples": played["samples"], "seconds": played["seconds"]}
 

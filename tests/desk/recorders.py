@@ -6,7 +6,7 @@ import json
 import random
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -15,6 +15,8 @@ import psutil
 import zenoh
 
 from giraff_mcap.ear import Ear
+from giraff_mcap.heard import Heard
+from giraff_mcap.reading import Recorded
 from giraff_node.session import NetworkConfig, close_session, session_config
 from giraff_schemas.topics import key_below
 from tests.system.elsewhere import GIRAFF
@@ -72,3 +74,10 @@ def hearing(rendezvous: str, robot: str) -> Iterator[Ear]:
     finally:
         ear.close()
         close_session(session)
+
+
+def require_the_same(heard: Iterable[Heard], recorded: Iterable[Recorded], robot: str) -> None:
+    """What `robot` said again is what sim-test had said, byte for byte and in its order."""
+    for again, sample in zip(heard, recorded, strict=True):
+        said = (sample.topic.replace("sim-test", robot), sample.payload(), sample.encoding)
+        assert (again.key, again.payload, again.encoding) == said

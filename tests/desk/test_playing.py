@@ -13,7 +13,7 @@ from giraff_mcap.reading import Recorded, Recording
 from giraff_mcap.writing import RecordingWriter
 from tests.desk.desk import Desk
 from tests.desk.make_drive import DRIVE
-from tests.desk.recorders import hearing
+from tests.desk.recorders import hearing, require_the_same
 from tests.sleepers import stalls_seen
 from tests.waiting import wait
 
@@ -48,12 +48,6 @@ def all_of(ear: Ear, count: int) -> list[Heard]:
     return heard
 
 
-def require_the_same(heard: list[Heard], recorded: list[Recorded]) -> None:
-    assert [(one.key, one.payload, one.encoding) for one in heard] == [
-        (sample.topic.replace("sim-test", REPLAY), sample.payload(), sample.encoding) for sample in recorded
-    ]
-
-
 def test_it_is_said_again_in_its_order_and_rhythm(desk: Desk, begin: tuple[Path, list[Recorded]]) -> None:
     alone = desk.alone()
     path, recorded = begin
@@ -66,7 +60,7 @@ def test_it_is_said_again_in_its_order_and_rhythm(desk: Desk, begin: tuple[Path,
         gc.enable()
     assert (done.returncode, done.stderr) == (0, "")
     assert f"as {REPLAY}: {len(recorded)} samples" in done.stdout
-    require_the_same(heard, recorded)
+    require_the_same(heard, recorded, REPLAY)
     delays = [one.at_ns - sample.heard_ns for one, sample in zip(heard, recorded, strict=True)]
     usual = sorted(delays)[len(delays) // 2]
     late = [i for i, delay in enumerate(delays) if abs(delay - usual) > WITHIN_NS]
@@ -84,4 +78,4 @@ def test_however_fast_it_is_said_nothing_is_left_out(desk: Desk, begin: tuple[Pa
         done = alone.run("play", str(path), "--rate", "100")
         assert (done.returncode, done.stderr) == (0, "")
         heard = all_of(ear, len(recorded))
-    require_the_same(heard, recorded)
+    require_the_same(heard, recorded, REPLAY)
