@@ -16,7 +16,7 @@ from tests.fuzz.growth import LIMIT, Growth
 from tests.fuzz.keys import KEYS
 from tests.fuzz.params import Parameters
 from tests.fuzz.payloads import payload
-from tests.system.robot import SERVICES, ProcessRobot
+from tests.system.robot import FULL_TILT, SERVICES, ProcessRobot
 from tests.unit.schemas.samples import an_example
 
 RATE: Final = 1000.0
@@ -46,7 +46,7 @@ def _truths(row: Topic[Any] | Query[Any, Any]) -> list[bytes]:
 
 
 def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
-    """`wanted` payloads for each key, at a robot that is armed, in a level hand; then it must drive."""
+    """`wanted` payloads for each key, at a robot that is armed, in a level hand; then it must turn, and drive."""
     chance = random.Random(f"{seed}/network")
     parameters = Parameters(robot)
     robot.drive_forward()
@@ -70,6 +70,7 @@ def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
     assert robot.giraff("estop", "reset") == 0
     driven_ms = robot.simulator.record(since_us).driven_ms
     tightened = parameters.take_back()
+    robot.drive(0.0, FULL_TILT)  # the way out that guard names, where it was told of something that touches a sensor
     robot.drive_forward()
     counted = NetworkCounted(
         payloads=sent,

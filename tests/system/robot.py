@@ -179,7 +179,7 @@ class ProcessRobot:
                     return time.monotonic() - began
                 time.sleep(0.01)
             waited = time.monotonic() - began
-            assert waited < seconds, f"not armed within {seconds:g} s: {self.why()}{self._last_words()}"
+            assert waited < seconds, f"not armed within {seconds:g} s{self._last_words()}"
             self.hold(FULL_TILT, 0.0)
             self.run(0.3)
 
@@ -203,7 +203,8 @@ class ProcessRobot:
         assert not troubles, troubles
 
     def _last_words(self) -> str:
-        return "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self.directory.glob("*.log"))
+        logs = "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self.directory.glob("*.log"))
+        return f"\n{self.why()}{logs}"
 
     def _set_apart(self) -> None:
         """Let the joystick reach base and guard through a cable each, and nothing else."""

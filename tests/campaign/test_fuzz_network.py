@@ -1,0 +1,21 @@
+"""Payloads over the network at a robot of real processes, half an hour long: no crash, no motion, memory flat."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import msgspec
+
+from tests.campaign.records import write_record
+from tests.fuzz.network import fuzz_network
+from tests.system.faults import ARENA
+from tests.system.robot import process_robot
+
+PAYLOADS = 60_000  # at each key
+SEED = 2
+
+
+def test_payloads_over_the_network_at_real_processes(tmp_path: Path) -> None:
+    with process_robot(tmp_path, ARENA) as robot:
+        counted = fuzz_network(robot, PAYLOADS, SEED)
+    write_record("fuzz-network", msgspec.to_builtins(counted))
