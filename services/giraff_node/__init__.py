@@ -6,9 +6,12 @@ import os
 # link's close blocks its thread for up to 10 s and would freeze the healthy links that share it.
 os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 
+from giraff_node import heaps
 from giraff_node.clock import robot_now_ns
 from giraff_node.inbox import Inbox
 from giraff_node.node import Node, Publisher
 from giraff_node.pacing import Pacer
+
+heaps.keep_few()
 
 __all__ = ["Inbox", "Node", "Pacer", "Publisher", "robot_now_ns"]
