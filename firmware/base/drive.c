@@ -16,7 +16,7 @@ static uint8_t stall_level;
 /* Of the session. */
 static uint32_t session;                        /* 0 = none since the boot */
 static uint8_t level_max;
-static bool has_accepted;
+static bool has_last_seq;
 static uint16_t last_seq;
 
 /* Since the boot. */
@@ -70,7 +70,7 @@ static enum refusal judge_drive(const struct drive *asked, uint32_t boot_id, uin
         return REFUSAL_STALE;
     if (!session)
         return REFUSAL_NOT_CONFIGURED;
-    if (has_accepted && !is_newer(asked->seq, last_seq))
+    if (has_last_seq && !is_newer(asked->seq, last_seq))
         return REFUSAL_SEQUENCE;
     if (!is_within(asked->left_level, level_max) || !is_within(asked->right_level, level_max))
         return REFUSAL_LEVEL;
@@ -115,7 +115,7 @@ void drive_on_configure(const struct configure *asked, uint32_t boot_id, uint32_
     }
     session = asked->session;
     level_max = asked->level_max;
-    has_accepted = false;
+    has_last_seq = false;
 }
 
 void drive_on_command(const struct drive *asked, uint32_t boot_id, uint32_t now_ms)
@@ -125,6 +125,9 @@ void drive_on_command(const struct drive *asked, uint32_t boot_id, uint32_t now_
         refuse(refusal);
         return;
     }
+    /* Taken whatever becomes of it: a host uses up all numbers within 11 minutes, and a latch may last longer. */
+    has_last_seq = true;
+    last_seq = asked->seq;
     int16_t left = wiring_level(wiring, LEFT, asked->left_level);
     int16_t right = wiring_level(wiring, RIGHT, asked->right_level);
     bool opens = !left && !right;
@@ -144,8 +147,6 @@ void drive_on_command(const struct drive *asked, uint32_t boot_id, uint32_t now_
         refuse(refusal);
         return;
     }
-    has_accepted = true;
-    last_seq = asked->seq;
     accepted++;
 }
 

@@ -54,7 +54,7 @@ enum refusal {
     REFUSAL_PROTOCOL = 1,       /* another protocol hash, or values no robot can have */
     REFUSAL_BOOT_ID = 2,        /* made for an earlier boot of this board */
     REFUSAL_STALE = 3,          /* its board_ms is more than ECHO_MAX_AGE_MS ago, or ahead, or before the latch */
-    REFUSAL_SEQUENCE = 4,       /* not newer than the last one accepted */
+    REFUSAL_SEQUENCE = 4,       /* not newer than the last one that was fresh */
     REFUSAL_NOT_CONFIGURED = 5, /* no session; to a release, another one than it names */
     REFUSAL_AWAITING_ZERO = 6,  /* fresh, but the latch opens for a zero frame only */
     REFUSAL_LEVEL = 7,          /* a level beyond the configured maximum */
@@ -193,7 +193,7 @@ struct PACKED configure {
 
 struct PACKED drive {
     uint8_t type;
-    uint16_t seq;                   /* newer than the last one accepted, modulo 2^16 */
+    uint16_t seq;                   /* newer than the last one that was fresh, modulo 2^16 */
     uint32_t boot_id;
     uint32_t board_ms;              /* newest one read from `wheels` */
     int16_t left_level;             /* PWM counts of 255, forward positive */

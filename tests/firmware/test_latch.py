@@ -232,6 +232,20 @@ def cells_over(base: BaseBench, frame: EstopFrame) -> list[bytes]:
     return seen
 
 
+@pytest.mark.parametrize("levels", [(0, 0), (20, 20)])
+def test_a_latch_may_outlast_the_numbers_of_the_frames(base: BaseBench, levels: tuple[int, int]) -> None:
+    """A host that goes on at 100 Hz has used them all after 11 minutes."""
+    base.start(40, 40)
+    engage(base)
+    for _ in range(3):
+        base.seq += 0x5000
+        base.drive(*levels)
+        assert told(base) == (DriveState.LATCHED, Latch.ESTOP)
+    release(base)
+    base.drive(0, 0)
+    assert told(base) == (DriveState.ACTIVE, Latch.NONE)
+
+
 def test_at_no_instant_of_a_change_does_a_torn_write_release(base: BaseBench) -> None:
     base.configure()
     steps = [cells_over(base, base.estop_frame()), cells_over(base, base.estop_frame(engage=0))]

@@ -159,11 +159,12 @@ class Board:
             return Refusal.SEQUENCE
         if max(map(abs, levels)) > ROBOT.max_level:
             return Refusal.LEVEL
+        self._last_seq = frame.seq
         if self.latch:
             return Refusal.LATCHED
         if levels != (0, 0) and self.drive_state != DriveState.ACTIVE:
             return Refusal.AWAITING_ZERO
-        self.drive_state, self.levels, self._last_seq = DriveState.ACTIVE, levels, frame.seq
+        self.drive_state, self.levels = DriveState.ACTIVE, levels
         self._time_left_ms = COMMAND_TIMEOUT_MS
         return Refusal.NONE
 
