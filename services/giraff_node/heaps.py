@@ -13,8 +13,7 @@ def keep_few() -> None:
     """Let threads share two heaps; to be called before there are any.
 
     glibc gives Zenoh's threads up to eight for each processor, and what is free in one is of no use to another: after
-    some minutes on a network full of rubbish a service was 3 MB larger, and went on growing. What they wait for each
-    other is not to be measured at some hundred samples a second. Other C libraries have no such number.
+    half an hour on a network full of rubbish a service was 3 MB larger. Other C libraries have no such number.
     """
     if mallopt := getattr(ctypes.CDLL(None), "mallopt", None):
         mallopt(_M_ARENA_MAX, _HEAPS)

@@ -88,6 +88,20 @@ def test_a_new_session_is_accepted_and_releases_nothing(base: BaseBench) -> None
     assert base.wheels().left_ticks == -100
 
 
+@pytest.mark.parametrize("levels", [(0, 0), (20, 20)])
+def test_a_latch_may_outlast_the_numbers_of_the_frames(base: BaseBench, levels: tuple[int, int]) -> None:
+    """A host that goes on at 100 Hz has used them all after 11 minutes."""
+    base.start(40, 40)
+    engage(base)
+    for _ in range(3):
+        base.seq += 0x5000
+        base.drive(*levels)
+        assert told(base) == (DriveState.LATCHED, Latch.ESTOP)
+    release(base)
+    base.drive(0, 0)
+    assert told(base) == (DriveState.ACTIVE, Latch.NONE)
+
+
 def test_a_release_permits_motion_and_never_causes_it(base: BaseBench) -> None:
     base.start(40, 40)
     engage(base)
@@ -230,20 +244,6 @@ def cells_over(base: BaseBench, frame: EstopFrame) -> list[bytes]:
         if cells != seen[-1]:
             seen.append(cells)
     return seen
-
-
-@pytest.mark.parametrize("levels", [(0, 0), (20, 20)])
-def test_a_latch_may_outlast_the_numbers_of_the_frames(base: BaseBench, levels: tuple[int, int]) -> None:
-    """A host that goes on at 100 Hz has used them all after 11 minutes."""
-    base.start(40, 40)
-    engage(base)
-    for _ in range(3):
-        base.seq += 0x5000
-        base.drive(*levels)
-        assert told(base) == (DriveState.LATCHED, Latch.ESTOP)
-    release(base)
-    base.drive(0, 0)
-    assert told(base) == (DriveState.ACTIVE, Latch.NONE)
 
 
 def test_at_no_instant_of_a_change_does_a_torn_write_release(base: BaseBench) -> None:
