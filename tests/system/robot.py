@@ -151,6 +151,11 @@ class ProcessRobot:
         says = self.simulator.state().base
         return says is not None and (says.left_pwm_counts != 0 or says.right_pwm_counts != 0)
 
+    def ranged(self) -> bool:
+        """The guard has heard each sensor: a tilt before that relies on ranges that are not there, and disarms."""
+        state = self.observer.newest(GUARD)
+        return state is not None and not any("has not been heard" in why for why in state.sensors.values())
+
     def hold(self, x: float, y: float) -> int:
         """Hold the joystick so that its sensor feels this, m/s². The simulated us."""
         return self.simulator.tilt(x, y)
@@ -240,6 +245,7 @@ def process_robot(
         for service in SERVICES:
             robot.start(service)
         robot.wait("the first accepted drive frame", lambda: robot.accepted() > 0, 20.0)
+        robot.wait("the first range at the guard", robot.ranged, 20.0)
         yield robot
     finally:
         robot.close()
