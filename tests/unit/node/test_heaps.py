@@ -1,4 +1,4 @@
-"""A service's threads share their heaps."""
+"""A service's threads share their heaps, and what was large goes back to the machine."""
 
 from __future__ import annotations
 
@@ -22,14 +22,32 @@ file = libc.fopen(b"/dev/stdout", b"w")
 libc.malloc_info(0, file)
 libc.fclose(file)
 """
+_LARGE = """
+import ctypes, sys
+if sys.argv[1:]:
+    import giraff_node
+libc = ctypes.CDLL(None)
+libc.malloc.restype, libc.free.argtypes = ctypes.c_void_p, (ctypes.c_void_p,)
+libc.malloc.argtypes = (ctypes.c_size_t,)
+libc.free(libc.malloc(8 << 20))  # from here on glibc takes blocks of up to 8 MiB for small
+class Info(ctypes.Structure):
+    _fields_ = [("sizes", ctypes.c_size_t * 10)]  # struct mallinfo2; the fifth is that of all mappings
+libc.mallinfo2.restype = Info
+libc.malloc(1 << 20)
+print(libc.mallinfo2().sizes[4])
+"""
 
 
-def heaps(*words: str) -> int:
-    """Of a process with a dozen threads, all of which allocate."""
-    done = subprocess.run([sys.executable, "-c", _COUNT, *words], check=True, capture_output=True, text=True)
-    return done.stdout.count("<heap ")
+def printed(script: str, *words: str) -> str:
+    return subprocess.run([sys.executable, "-c", script, *words], check=True, capture_output=True, text=True).stdout
 
 
 def test_threads_of_a_service_share_two_heaps() -> None:
-    assert heaps() > 2
-    assert heaps("giraff_node") == 2
+    assert printed(_COUNT).count("<heap ") > 2
+    assert printed(_COUNT, "giraff_node").count("<heap ") == 2
+
+
+def test_a_large_block_is_a_mapping_of_its_own() -> None:
+    """So that it goes back when it is freed, whatever was freed before."""
+    mapped, by_itself = int(printed(_LARGE, "giraff_node")), int(printed(_LARGE))
+    assert mapped - by_itself >= 1 << 20
