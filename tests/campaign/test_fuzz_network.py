@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import msgspec
+import pytest
 
 from tests.campaign.records import write_record
 from tests.fuzz.network import fuzz_network
@@ -15,7 +16,8 @@ PAYLOADS = 60_000  # at each key
 SEED = 2
 
 
-def test_payloads_over_the_network_at_real_processes(tmp_path: Path) -> None:
+def test_payloads_over_the_network_at_real_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONMALLOC", "malloc")  # Python's own takes 1 MiB at a time: as much as it may grow by
     with process_robot(tmp_path, ARENA) as robot:
         counted = fuzz_network(robot, PAYLOADS, SEED)
     write_record("fuzz-network", msgspec.to_builtins(counted))
