@@ -70,7 +70,10 @@ def _config(recording: Recording, table: str, config: type[ConfigT]) -> ConfigT:
     """As it was when it was recorded; else as the robot file at hand has it."""
     tables = recording.tables()
     if not tables:
-        return load(table, config)
+        try:
+            return load(table, config)
+        except ConfigError as error:
+            raise ConfigError(f"{recording.path} was recorded where its robot file was not; {error}") from error
     try:
         return msgspec.convert(tables.get(table, {}), config, strict=False)
     except msgspec.ValidationError as error:

@@ -105,9 +105,23 @@ def test_odometry_of_other_wheels_shows(drive: Recording) -> None:
     assert replay_odometry(said_in(drive), OdometryConfig(), robot).share < LEAST
 
 
-def giraff_replay(*words: str) -> subprocess.CompletedProcess[str]:
+def giraff_replay(*words: str, at: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """`at`: the working directory."""
     command = [str(GIRAFF), "replay", *words]
-    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=60.0)
+    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=60.0, cwd=at)
+
+
+def test_a_recording_without_a_robot_file_takes_one_from_here(tmp_path: Path) -> None:
+    """A desk needs none to record, and tells whoever replays that there where none is, either."""
+    about = {name: value for name, value in Recording(DRIVE).about.items() if name != "tables"}
+    with RecordingWriter(tmp_path / "bare.mcap", about) as writer:
+        writer.add(ten())
+        writer.close("test")
+    told = giraff_replay("bare.mcap", at=tmp_path)
+    assert told.returncode == 2
+    assert "bare.mcap was recorded where its robot file was not; no robot file at" in told.stderr
+    assert "GIRAFF_CONFIG" in told.stderr
+    assert "no robot file" not in giraff_replay(str(tmp_path / "bare.mcap")).stderr
 
 
 def test_a_recording_of_another_version_is_named(tmp_path: Path) -> None:
