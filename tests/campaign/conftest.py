@@ -1,4 +1,4 @@
-"""What all campaigns share: boards that are built from the sources which their records name."""
+"""What all campaigns share: boards and simulator that are built from the sources which their records name."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from giraff_sim.board import ROOT
 
 
 @pytest.fixture(scope="session", autouse=True)
-def boards_of_these_sources() -> None:
-    """Firmware for the real boards and for this machine; nothing is done where both are up to date."""
-    for target in ("all", "host"):
-        subprocess.run(["make", "--no-print-directory", "-C", ROOT / "firmware", target], check=True)
+def built_of_these_sources() -> None:
+    """As `make campaign` has it; where pytest alone began, what an earlier day left would be run."""
+    subprocess.run([ROOT / "scripts" / "setup"], check=True)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import subprocess
 import sys
 
-_COUNT = """
+_LIBC = """
 import ctypes, sys, threading
 if sys.argv[1:]:
     import giraff_node
 libc = ctypes.CDLL(None)
+"""
+_COUNT = """
 libc.malloc.restype = libc.fopen.restype = ctypes.c_void_p
 libc.malloc_info.argtypes, libc.fclose.argtypes = (ctypes.c_int, ctypes.c_void_p), (ctypes.c_void_p,)
 met = threading.Barrier(12)
@@ -23,10 +25,6 @@ libc.malloc_info(0, file)
 libc.fclose(file)
 """
 _LARGE = """
-import ctypes, sys
-if sys.argv[1:]:
-    import giraff_node
-libc = ctypes.CDLL(None)
 libc.malloc.restype, libc.free.argtypes = ctypes.c_void_p, (ctypes.c_void_p,)
 libc.malloc.argtypes = (ctypes.c_size_t,)
 libc.free(libc.malloc(8 << 20))  # from here on glibc takes blocks of up to 8 MiB for small
@@ -39,7 +37,9 @@ print(libc.mallinfo2().sizes[4])
 
 
 def printed(script: str, *words: str) -> str:
-    return subprocess.run([sys.executable, "-c", script, *words], check=True, capture_output=True, text=True).stdout
+    """By a process of its own; with any words one that has imported giraff_node."""
+    command = [sys.executable, "-c", _LIBC + script, *words]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def test_threads_of_a_service_share_two_heaps() -> None:
