@@ -34,7 +34,7 @@ class ParamDesk(Generic[ConfigT]):
         self._service, self._instance = service, instance
         self._params, self._log = params, log
         self._file = folder / PARAMS_FOLDER / f"{service}.json"
-        self._saving = threading.Lock()
+        self._saver: threading.Thread | None = None
         self._restore()
 
     def turn(
@@ -45,9 +45,10 @@ class ParamDesk(Generic[ConfigT]):
             asked.answer(self._answer(""))
         for to_set in sets.take():
             to_set.answer(self._set(to_set.request, reconfigure))
-        for to_save in saves.take():
-            # A disk that hangs must not hold up the loop.
-            threading.Thread(target=self._save, args=(to_save,), name="params", daemon=True).start()
+        # A disk that hangs must not hold up the loop; nor may those who ask meanwhile have a thread each.
+        if (self._saver is None or not self._saver.is_alive()) and (to_save := tuple(saves.take())):
+            self._saver = threading.Thread(target=self._save_each, args=(to_save,), name="params", daemon=True)
+            self._saver.start()
 
     def _set(self, request: ParamSet, reconfigure: Callable[[ConfigT], None] | None) -> ParamAnswer:
         if reconfigure is None:
@@ -60,26 +61,25 @@ class ParamDesk(Generic[ConfigT]):
         self._log.info("%s is %s, by %s", request.name, getattr(self._params.config, request.name), request.by)
         return self._answer("", request.name)
 
-    def _save(self, asked: Asked[ParamSave, ParamAnswer]) -> None:
-        with self._saving:
-            try:
-                kept = self._params.to_save(asked.request.names)
-                self._file.parent.mkdir(parents=True, exist_ok=True)
-                write_file_durably(self._file, msgspec.json.format(msgspec.json.encode(kept)) + b"\n")
-            except ParamError as error:
-                asked.answer(self._answer(str(error)))
-                return
-            except OSError as error:
-                asked.answer(
-                    self._answer(
-                        f"{self._file}: {error.strerror}; the value counts until a restart: make the folder writable "
-                        f"(STATE_DIRECTORY names it), or write it into the robot file"
-                    )
-                )
-                return
-            self._params.saved = kept
-            self._log.info("saved in %s, by %s: %s", self._file, asked.request.by, kept)
-            asked.answer(self._answer("", *(asked.request.names or kept)))
+    def _save_each(self, waiting: tuple[Asked[ParamSave, ParamAnswer], ...]) -> None:
+        for asked in waiting:
+            asked.answer(self._save(asked.request))
+
+    def _save(self, request: ParamSave) -> ParamAnswer:
+        try:
+            kept = self._params.to_save(request.names)
+            self._file.parent.mkdir(parents=True, exist_ok=True)
+            write_file_durably(self._file, msgspec.json.format(msgspec.json.encode(kept)) + b"\n")
+        except ParamError as error:
+            return self._answer(str(error))
+        except OSError as error:
+            return self._answer(
+                f"{self._file}: {error.strerror}; the value counts until a restart: make the folder writable "
+                f"(STATE_DIRECTORY names it), or write it into the robot file"
+            )
+        self._params.saved = kept
+        self._log.info("saved in %s, by %s: %s", self._file, request.by, kept)
+        return self._answer("", *(request.names or kept))
 
     def _restore(self) -> None:
         try:

@@ -1,0 +1,90 @@
+"""Where a service is asked for its parameters: what a disk that is slow, and who asks without end, do to it."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from giraff_guard.config import GuardConfig
+from giraff_node.inbox import Inbox
+from giraff_node.param_desk import ParamDesk
+from giraff_node.params import Params
+from giraff_schemas.params import ParamAnswer, ParamSave
+from tests.robots import ROBOT
+
+_SOON = 5.0  # s
+
+
+class Asked:
+    """A request whose answer is kept."""
+
+    def __init__(self, name: str) -> None:
+        self.request = ParamSave(names=(name,), by="carer")
+        self.answered = threading.Event()
+        self.said: ParamAnswer | None = None
+
+    def answer(self, answer: ParamAnswer) -> None:
+        self.said = answer
+        self.answered.set()
+
+
+class Desk:
+    """Of a guard whose margin was set to 0.5 m."""
+
+    def __init__(self, folder: Path) -> None:
+        self.params = Params("guard", GuardConfig(), ROBOT)
+        self.params.set("margin", 0.5)
+        self.file = folder / "params" / "guard.json"
+        self._desk = ParamDesk("guard", "guard-1", self.params, folder, logging.getLogger("guard"))
+        self._saves: Inbox[Any] = Inbox(20)
+
+    def ask(self, name: str = "margin") -> Asked:
+        asked = Asked(name)
+        self._saves.accept(asked)
+        return asked
+
+    def turn(self) -> None:
+        self._desk.turn(Inbox(1), Inbox(1), self._saves, None)
+
+
+def test_who_asks_without_end_at_a_slow_disk_takes_one_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ready = threading.Event()
+
+    def written(path: Path, data: bytes) -> None:
+        assert ready.wait(_SOON)
+        path.write_bytes(data)
+
+    monkeypatch.setattr("giraff_node.param_desk.write_file_durably", written)
+    desk = Desk(tmp_path)
+    before = threading.active_count()
+    first = last = desk.ask()
+    for _ in range(200):
+        desk.turn()
+        last = desk.ask()
+    assert threading.active_count() == before + 1
+    ready.set()
+    assert first.answered.wait(_SOON)
+    while threading.active_count() > before:
+        time.sleep(0.01)
+    desk.turn()
+    assert last.answered.wait(_SOON)
+    assert last.said is not None
+    assert last.said.done
+    assert msgspec.json.decode(desk.file.read_bytes()) == {"margin": 0.5}
+
+
+def test_each_of_those_who_wait_is_answered_by_itself(tmp_path: Path) -> None:
+    desk = Desk(tmp_path)
+    saved, unknown, saved_again = desk.ask(), desk.ask("marign"), desk.ask()
+    desk.turn()
+    for asked in (saved, unknown, saved_again):
+        assert asked.answered.wait(_SOON)
+    assert [asked.said.done for asked in (saved, unknown, saved_again) if asked.said] == [True, False, True]
+    assert unknown.said is not None
+    assert "did you mean guard.margin" in unknown.said.reason
