@@ -12,6 +12,6 @@ from giraff_node.inbox import Inbox
 from giraff_node.node import Node, Publisher
 from giraff_node.pacing import Pacer
 
-heaps.keep_few()
+heaps.keep_little()
 
 __all__ = ["Inbox", "Node", "Pacer", "Publisher", "robot_now_ns"]
