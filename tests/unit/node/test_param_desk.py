@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import threading
-import time
 from pathlib import Path
 from typing import Any
 
@@ -17,8 +16,7 @@ from giraff_node.param_desk import ParamDesk
 from giraff_node.params import Params
 from giraff_schemas.params import ParamAnswer, ParamSave
 from tests.robots import ROBOT
-
-_SOON = 5.0  # s
+from tests.waiting import wait
 
 
 class Asked:
@@ -26,12 +24,10 @@ class Asked:
 
     def __init__(self, name: str) -> None:
         self.request = ParamSave(names=(name,), by="carer")
-        self.answered = threading.Event()
         self.said: ParamAnswer | None = None
 
     def answer(self, answer: ParamAnswer) -> None:
         self.said = answer
-        self.answered.set()
 
 
 class Desk:
@@ -57,7 +53,7 @@ def test_who_asks_without_end_at_a_slow_disk_takes_one_thread(tmp_path: Path, mo
     ready = threading.Event()
 
     def written(path: Path, data: bytes) -> None:
-        assert ready.wait(_SOON)
+        assert ready.wait(10.0)
         path.write_bytes(data)
 
     monkeypatch.setattr("giraff_node.param_desk.write_file_durably", written)
@@ -69,11 +65,10 @@ def test_who_asks_without_end_at_a_slow_disk_takes_one_thread(tmp_path: Path, mo
         last = desk.ask()
     assert threading.active_count() == before + 1
     ready.set()
-    assert first.answered.wait(_SOON)
-    while threading.active_count() > before:
-        time.sleep(0.01)
+    wait(lambda: threading.active_count() == before, what="the first is saved")
+    assert first.said is not None
     desk.turn()
-    assert last.answered.wait(_SOON)
+    wait(lambda: last.said is not None, what="the last is answered")
     assert last.said is not None
     assert last.said.done
     assert msgspec.json.decode(desk.file.read_bytes()) == {"margin": 0.5}
@@ -83,8 +78,7 @@ def test_each_of_those_who_wait_is_answered_by_itself(tmp_path: Path) -> None:
     desk = Desk(tmp_path)
     saved, unknown, saved_again = desk.ask(), desk.ask("marign"), desk.ask()
     desk.turn()
-    for asked in (saved, unknown, saved_again):
-        assert asked.answered.wait(_SOON)
+    wait(lambda: saved_again.said is not None, what="the last is answered")
     assert [asked.said.done for asked in (saved, unknown, saved_again) if asked.said] == [True, False, True]
     assert unknown.said is not None
     assert "did you mean guard.margin" in unknown.said.reason
