@@ -20,7 +20,7 @@ from giraff_cli.output import written
 from giraff_cli.robot_facts import listen
 from giraff_cli.visit import complain
 from giraff_cli.watcher import Watcher
-from giraff_cli.words import printable
+from giraff_cli.words import counted, printable
 from giraff_node.config import ConfigError
 from giraff_node.reunion import hosts_of
 from giraff_node.robots import NoRobotError, Way, find_way, only_one, robots_alive
@@ -152,7 +152,7 @@ def _page(look: Look, found: list[Finding]) -> str:
     for each in found:
         lines += [f"{each.severity.upper():7}  {each.about}: {each.what}", f"         -> {each.fix}"]
     faults = sum(each.severity == "fault" for each in found)
-    word = "no fault" if not faults else "1 fault" if faults == 1 else f"{faults} faults"
+    word = counted(faults, "fault") if faults else "no fault"
     lines.append(f"{_subject(look)}: {word} found")
     return "\n".join(printable(line) for line in lines)
 
@@ -164,4 +164,5 @@ def _subject(look: Look) -> str:
         return machine
     hosts = {answer.health.host for answer in look.robot.answers}
     services, keys = sum(look.robot.services.values()), sum(rate.heard > 0 for rate in look.robot.rates)
-    return f"{look.robot.name}: {services} services on {len(hosts)} hosts, {keys} keys heard; {machine}"
+    running = f"{counted(services, 'service')} on {counted(len(hosts), 'host')}"
+    return f"{look.robot.name}: {running}, {counted(keys, 'key')} heard; {machine}"

@@ -8,6 +8,7 @@ from typing import Final
 import msgspec
 
 from giraff_cli.run_telemetry import AgeSummary, RunTelemetry
+from giraff_cli.words import counted
 from giraff_schemas.topics import BASE
 
 _LABEL: Final = 15  # characters
@@ -85,7 +86,7 @@ def to_text(summary: Summary) -> str:
         ("duration", f"{summary.duration_s:.1f} s, simulated time {_behind(summary.skew_percent)}"),
         ("distance", f"{summary.distance_m:.2f} m"),
         ("odometry off by", "unknown" if error is None else f"{error:.3f} m, {summary.odom_error_deg:.2f}°{per_cent}"),
-        ("closest", f"{summary.closest_m:.3f} m, {_count(summary.contacts, 'contact')}"),
+        ("closest", f"{summary.closest_m:.3f} m, {counted(summary.contacts, 'contact')}"),
         ("samples lost", _losses(summary)),
         ("line errors", "unknown" if summary.line_errors is None else f"{summary.line_errors}"),
         ("command age", "unknown" if age is None else f"{age.p50} ms median, {age.p99} ms p99, {age.max} ms at most"),
@@ -107,7 +108,3 @@ def _losses(summary: Summary) -> str:
 
 def _behind(percent: float) -> str:
     return f"{abs(percent):.2f} % {'slower' if percent >= 0.0 else 'faster'} than the wall's"
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}{'' if number == 1 else 's'}"

@@ -15,6 +15,11 @@ def printable(text: str) -> str:
     return "".join(character if character.isprintable() else "?" for character in text)
 
 
+def counted(number: int, thing: str) -> str:
+    """How many there are of a thing."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
 def range_text(seen: Seen[Range] | None) -> str:
     """A range in a word."""
     if seen is None or not seen.fresh:

@@ -83,7 +83,7 @@ def test_a_healthy_robot_is_told_in_one_line(robot: ProcessRobot) -> None:
     done = subprocess.run([GIRAFF, "doctor"], env=robot.environment, check=False, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, ""), done
     [line] = done.stdout.splitlines()
-    assert line.startswith("sim-test: 5 services on 1 hosts, ")
+    assert line.startswith("sim-test: 5 services on 1 host, ")
     assert line.endswith(": no fault found")
 
 
