@@ -74,6 +74,7 @@ def test_a_fault_that_is_no_text_is_told_all_the_same() -> None:
 def test_a_service_tells_what_it_speaks_of_and_listens_to_and_what_it_takes(peers: Peers) -> None:
     process = peers.start("talker")
     wait(lambda: peers.alive() == ["base"])
+    wait(lambda: "estop/engage" in peers.health("base").answers)  # its own comes after what every service has
     health = peers.health("base")
     assert (health.publishes, health.subscribes) == (("tick",), ("tick",))
     assert health.answers == ("param/base", "param/base/set", "param/base/save", "estop/engage")
