@@ -80,7 +80,7 @@ def test_a_service_tells_what_it_speaks_of_and_listens_to_and_what_it_takes(peer
     assert health.answers == ("param/base", "param/base/set", "param/base/save", "estop/engage")
     seen = psutil.Process(process.pid)
     assert health.rss_bytes == pytest.approx(seen.memory_info().rss, rel=0.1)
-    assert 0.0 < health.cpu_time <= sum(seen.cpu_times()[:2]) + 0.01  # the kernel counts in steps of 10 ms
+    assert 0.0 < health.cpu_time <= sum(seen.cpu_times()[:2]) + 0.02  # the kernel cuts both to 10 ms
 
 
 def test_the_socket_tells_what_the_network_is_told(peers: Peers, tmp_path: Path) -> None:
