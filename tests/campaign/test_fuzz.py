@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import msgspec
 import pytest
 
+from giraff_schemas.params import ParamAnswer
 from giraff_schemas.topics import Query, Topic
 from tests.campaign.records import write_record
 from tests.fuzz.boards import BOARDS, fuzz_board, require_harmless
 from tests.fuzz.growth import LIMIT
 from tests.fuzz.hosts import fuzz_host_side
-from tests.fuzz.keys import KEYS, fuzz_key
+from tests.fuzz.keys import KEYS, Counted, fuzz_key
+from tests.fuzz.param_keys import PARAM_KEYS, fuzz_param_key
 
 BYTES = 10_000_000
 PAYLOADS = 1_000_000
@@ -25,7 +28,7 @@ def figures() -> Iterator[dict[str, Any]]:
     """What was counted, written as a record when it is all."""
     made: dict[str, Any] = {"boards": {}, "host_side": {}, "keys": {}}
     yield made
-    if (len(made["boards"]), len(made["host_side"]), len(made["keys"])) == (3, 3, len(KEYS)):
+    if (len(made["boards"]), len(made["host_side"]), len(made["keys"])) == (3, 3, len(KEYS) + len(PARAM_KEYS)):
         write_record("fuzz", made)
 
 
@@ -43,7 +46,17 @@ def test_ten_million_bytes_from_a_board(board: str, figures: dict[str, Any]) -> 
 
 @pytest.mark.parametrize("row", KEYS, ids=lambda row: row.key)
 def test_a_million_payloads_at_a_key(row: Topic[Any] | Query[Any, Any], figures: dict[str, Any]) -> None:
-    counted = fuzz_key(row, PAYLOADS, SEED)
-    figures["keys"][row.key] = msgspec.to_builtins(counted)
+    _require_harmless(figures, row.key, fuzz_key(row, PAYLOADS, SEED))
+
+
+@pytest.mark.parametrize("query", PARAM_KEYS, ids=lambda query: query.key)
+def test_a_million_requests_of_parameters(
+    query: Query[Any, ParamAnswer], figures: dict[str, Any], tmp_path: Path
+) -> None:
+    _require_harmless(figures, query.key, fuzz_param_key(query, PAYLOADS, SEED, tmp_path))
+
+
+def _require_harmless(figures: dict[str, Any], key: str, counted: Counted) -> None:
+    figures["keys"][key] = msgspec.to_builtins(counted)
     assert counted.driven_ms == 0, counted
     assert counted.growth_bytes < LIMIT, counted

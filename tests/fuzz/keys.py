@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from fnmatch import fnmatch
+from functools import partial
 from typing import Any, Final
 
 import msgspec
@@ -15,7 +16,7 @@ from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.codec import DecodeError, decode, encode
 from giraff_schemas.messages import EStopEngage, EStopReset, Lease, RobotTime, Tick
 from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, QUERIES, TOPICS, Query, Topic
-from giraff_sim.closed_loop import ClosedLoop
+from giraff_sim.closed_loop import ClosedLoop, Policies
 from tests.fuzz.growth import Growth
 from tests.fuzz.payloads import payload
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
@@ -45,27 +46,44 @@ class Counted(msgspec.Struct, kw_only=True):
 def fuzz_key(row: Topic[Any] | Query[Any, Any], wanted: int, seed: int) -> Counted:
     """Throw `wanted` payloads at a robot that is armed, in a hand that is level; then it must drive."""
     chance = random.Random(f"{seed}/{row.key}")
-    counted, growth = Counted(), Growth()
     keyboard = KeyboardPolicy(KeyboardConfig(), ROBOT, "keyboard-1")
-    with _armed_robot() as (loop, truths):
+    with armed_robot() as (loop, truths):
         if row is ESTOP_RESET:
             engage(loop)
-        since_us = loop.simulation.now_us
-        while counted.payloads < wanted:
-            for _ in range(_AT_ONCE):
-                counted.payloads += 1
-                _deliver(loop, keyboard, row, payload(truths[row.key], chance), counted)
-            loop.step()
+
+        def turn() -> None:
             assert keyboard.command(loop.simulation.now_us * 1e-6).neutral
-            if counted.payloads % 1000 < _AT_ONCE:
-                counted.driven_ms += loop.simulation.record.verdict(since_us, loop.simulation.now_us).driven_ms
-                since_us = loop.simulation.now_us
-            growth.look(counted.payloads / wanted)
-        counted.growth_bytes = growth.bytes
+
+        counted = throw(loop, truths[row.key], partial(_deliver, loop, keyboard, row), turn, wanted, chance)
         if row is ESTOP_RESET:
             assert loop.newest["estop"].engaged, "a mutated reset has cleared the emergency stop"
         elif row is not ESTOP_ENGAGE:
             drive(loop)
+    return counted
+
+
+def throw(
+    loop: ClosedLoop,
+    truths: Sequence[bytes],
+    deliver: Callable[[bytes], bool],
+    turn: Callable[[], None],
+    wanted: int,
+    chance: random.Random,
+) -> Counted:
+    """Throw `wanted` payloads, some in each step, which ends with `turn`. `deliver`: whether it takes one for sound."""
+    counted, growth = Counted(), Growth()
+    since_us = loop.simulation.now_us
+    while counted.payloads < wanted:
+        for _ in range(_AT_ONCE):
+            counted.payloads += 1
+            counted.sound += deliver(payload(truths, chance))
+        loop.step()
+        turn()
+        if counted.payloads % 1000 < _AT_ONCE:
+            counted.driven_ms += loop.simulation.record.verdict(since_us, loop.simulation.now_us).driven_ms
+            since_us = loop.simulation.now_us
+        growth.look(counted.payloads / wanted)
+    counted.growth_bytes = growth.bytes
     return counted
 
 
@@ -88,9 +106,9 @@ def drive(loop: ClosedLoop) -> None:
 
 
 @contextmanager
-def _armed_robot() -> Iterator[tuple[ClosedLoop, dict[str, list[bytes]]]]:
+def armed_robot(policies: Policies | None = None) -> Iterator[tuple[ClosedLoop, dict[str, list[bytes]]]]:
     """And by key what was said while it drove, longer ago than anything counts."""
-    with closed_loop(proving_room()) as loop:
+    with closed_loop(proving_room(), policies=policies) as loop:
         truths: dict[str, list[bytes]] = {row.key: [] for row in KEYS}
         drive(loop)
         for _ in range(_TRUTHS):
@@ -118,9 +136,7 @@ def _name(row: Topic[Any], data: bytes) -> str:
     return said if isinstance(said, str) and said and not set(said) & set("/*$#?") else "nobody"
 
 
-def _deliver(
-    loop: ClosedLoop, keyboard: KeyboardPolicy, row: Topic[Any] | Query[Any, Any], data: bytes, counted: Counted
-) -> None:
+def _deliver(loop: ClosedLoop, keyboard: KeyboardPolicy, row: Topic[Any] | Query[Any, Any], data: bytes) -> bool:
     """As `Node` does it with what arrives on a key."""
     try:
         message: Any
@@ -129,11 +145,11 @@ def _deliver(
         else:
             message = decode(row, row.key.replace("*", _name(row, data)), data)
     except (DecodeError, msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
-        return
-    counted.sound += 1
+        return False
     for taker in loop.network.takers(type(message)):
         taker.receive(message)
     if isinstance(message, Tick):
         keyboard.on_tick(message, loop.simulation.now_us * 1e-6)
     elif isinstance(message, Lease):
         keyboard.on_lease(message)
+    return True

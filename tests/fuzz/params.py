@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterable
 from typing import Any
 
 import msgspec
@@ -31,17 +32,9 @@ class Parameters:
 
     @property
     def truths(self) -> Truths:
-        """What changes nothing, as it stands."""
-        said: Truths = {}
-        for service, params in self._filed.items():
-            said[PARAM_DESCRIBE.at(service).key] = [
-                msgspec.msgpack.encode({"by": BY})
-            ]  # a word too many, to be mutated
-            said[PARAM_SET.at(service).key] = [
-                encode(ParamSet(name=param.name, value=param.value, by=BY)) for param in params
-            ]
-            said[PARAM_SAVE.at(service).key] = [encode(ParamSave(names=(param.name,), by=BY)) for param in params]
-        return said
+        return {
+            key: said for service, params in self._filed.items() for key, said in truths_of(service, params).items()
+        }
 
     def take_back(self) -> int:
         """Require that none is looser than the robot file has it, and set each as it was; how many were changed."""
@@ -52,7 +45,7 @@ class Parameters:
                 if now.value == before.value:
                     continue
                 changed += 1
-                _require_no_looser(before, now)
+                require_no_looser(before, now)
                 request = ParamSet(name=before.name, value=before.value, by=BY)
                 answer = self._ask(PARAM_SET.at(service), request)
                 assert answer.done, answer.reason
@@ -71,7 +64,17 @@ class Parameters:
         return answer
 
 
-def _require_no_looser(before: Param, now: Param) -> None:
+def truths_of(service: str, params: Iterable[Param]) -> Truths:
+    """What may be asked of a service and changes nothing, as it stands."""
+    return {
+        PARAM_DESCRIBE.at(service).key: [msgspec.msgpack.encode({"by": BY})],  # a word too many, to be mutated
+        PARAM_SET.at(service).key: [encode(ParamSet(name=param.name, value=param.value, by=BY)) for param in params],
+        PARAM_SAVE.at(service).key: [encode(ParamSave(names=(param.name,), by=BY)) for param in params],
+    }
+
+
+def require_no_looser(before: Param, now: Param) -> None:
+    """What a parameter is `now` is allowed, if it was `before`."""
     match now.live:
         case "up":
             assert now.value > before.value, now

@@ -7,11 +7,13 @@ from typing import Any
 
 import pytest
 
+from giraff_schemas.params import ParamAnswer
 from giraff_schemas.topics import Query, Topic
 from tests.fuzz.boards import BOARDS, fuzz_board, require_harmless
 from tests.fuzz.hosts import fuzz_host_side
 from tests.fuzz.keys import KEYS, fuzz_key
 from tests.fuzz.network import fuzz_network
+from tests.fuzz.param_keys import PARAM_KEYS, fuzz_param_key
 from tests.system.faults import ARENA
 from tests.system.robot import process_robot
 
@@ -34,6 +36,13 @@ def test_a_service_whose_board_has_gone_mad_asks_for_nothing(board: str) -> None
 @pytest.mark.parametrize("row", KEYS, ids=lambda row: row.key)
 def test_a_key_full_of_rubbish_moves_nothing(row: Topic[Any] | Query[Any, Any]) -> None:
     counted = fuzz_key(row, PAYLOADS, seed=1)
+    assert counted.driven_ms == 0
+    assert counted.sound > PAYLOADS // 50, "some of it is well-formed"
+
+
+@pytest.mark.parametrize("query", PARAM_KEYS, ids=lambda query: query.key)
+def test_rubbish_asked_of_parameters_loosens_none(query: Query[Any, ParamAnswer], tmp_path: Path) -> None:
+    counted = fuzz_param_key(query, PAYLOADS, 1, tmp_path)
     assert counted.driven_ms == 0
     assert counted.sound > PAYLOADS // 50, "some of it is well-formed"
 

@@ -9,7 +9,7 @@ import msgspec
 
 from giraff_joystick.config import JoystickConfig
 from giraff_sim.board import Implementation
-from giraff_sim.closed_loop import ClosedLoop, Settings
+from giraff_sim.closed_loop import ClosedLoop, Policies, Settings
 from giraff_sim.config import SimConfig
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Room
@@ -32,10 +32,11 @@ def closed_loop(
     implementation: Implementation = Implementation.HOST,
     sim: SimConfig = EXACT,
     seed: int = 1,
+    policies: Policies | None = None,
 ) -> Iterator[ClosedLoop]:
     world = World(room, settings.robot, sim, StillHand(), seed)
     with simulation(world, implementation=implementation) as running:
-        yield ClosedLoop(running, settings)
+        yield ClosedLoop(running, settings, policies)
 
 
 def hold(loop: ClosedLoop, x: float = 0.0, y: float = 0.0) -> None:
