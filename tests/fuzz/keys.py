@@ -96,13 +96,18 @@ def engage(loop: ClosedLoop) -> None:
 
 
 def drive(loop: ClosedLoop) -> None:
-    """Arm and drive as an operator does who may have lost the lease: whatever was thrown at it left no damage."""
-    hold(loop, x=FULL_TILT)
+    """Whatever was thrown at it left no damage."""
+    steer(loop, 1.0, x=FULL_TILT)
+    assert loop.newest["wheels"].left_pwm_counts > 0, loop.newest["base"].reason
+
+
+def steer(loop: ClosedLoop, seconds: float, x: float = 0.0, y: float = 0.0) -> None:
+    """Ask, arm, and hold the joystick so, as an operator does who may have lost the lease."""
+    hold(loop, x, y)
     loop.run(0.5)
     arm(loop)
-    hold(loop, x=FULL_TILT)
-    loop.run(1.0)
-    assert loop.newest["wheels"].left_pwm_counts > 0, loop.newest["base"].reason
+    hold(loop, x, y)
+    loop.run(seconds)
 
 
 @contextmanager
