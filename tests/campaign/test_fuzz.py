@@ -16,7 +16,8 @@ from tests.fuzz.boards import BOARDS, fuzz_board, require_harmless
 from tests.fuzz.growth import LIMIT
 from tests.fuzz.hosts import fuzz_host_side
 from tests.fuzz.keys import KEYS, Counted, fuzz_key
-from tests.fuzz.param_keys import PARAM_KEYS, fuzz_param_key
+from tests.fuzz.param_keys import fuzz_param_key
+from tests.fuzz.params import PARAM_KEYS
 
 BYTES = 10_000_000
 PAYLOADS = 1_000_000

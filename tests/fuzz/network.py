@@ -14,7 +14,7 @@ from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime
 from giraff_schemas.topics import ESTOP_ENGAGE, TOPICS, Query, Topic
 from tests.fuzz.growth import LIMIT, Growth
 from tests.fuzz.keys import KEYS
-from tests.fuzz.params import Parameters
+from tests.fuzz.params import PARAM_KEYS, Parameters
 from tests.fuzz.payloads import payload
 from tests.system.robot import FULL_TILT, SERVICES, ProcessRobot
 from tests.unit.schemas.samples import an_example
@@ -53,7 +53,7 @@ def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
     robot.arm()
     since_us = robot.simulator.now()
     rows = [(row, _truths(row)) for row in KEYS]
-    rows += [(query, parameters.truths[query.key]) for query in parameters.queries]
+    rows += [(query, parameters.truths[query.key]) for query in PARAM_KEYS]
     growths = {service: Growth(robot.pid(service), _WARM) for service in SERVICES}
     sent = 0
     due = time.monotonic()

@@ -12,28 +12,15 @@ import msgspec
 from giraff_node.inbox import Inbox
 from giraff_node.param_desk import ParamDesk
 from giraff_node.params import Params
-from giraff_schemas.codec import encode
 from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet
-from giraff_schemas.topics import PARAM_QUERIES, Query
-from giraff_sim.closed_loop import SERVICES, Policies, Settings
+from giraff_schemas.topics import Query
+from giraff_sim.closed_loop import Policies, Settings
 from tests.fuzz.keys import Counted, armed_robot, drive, steer, throw
-from tests.fuzz.params import BY, require_no_looser, truths_of
+from tests.fuzz.params import BY, changes, require_no_looser, truths_of
 from tests.loop.loops import FULL_TILT
+from tests.unit.node.asked import Asked
 
-PARAM_KEYS: Final = tuple(query.at(service) for service in SERVICES for query in PARAM_QUERIES)
 _MOST_REQUESTS: Final = 20
-
-
-class Asked:
-    """A request of somebody who reads the answer, and whether it was done."""
-
-    def __init__(self, request: Any) -> None:
-        self.request = request
-        self.done: bool | None = None
-
-    def answer(self, answer: ParamAnswer) -> None:
-        encode(answer)
-        self.done = answer.done
 
 
 class FuzzedDesk:
@@ -66,13 +53,12 @@ class FuzzedDesk:
         for before, _ in self._changed():
             asked = self.ask(ParamSet(name=before.name, value=before.value, by=BY))
             self.turn()
-            assert asked.done, before
+            assert asked.said is not None
+            assert asked.said.done, asked.said.reason
         assert not self._changed()
 
     def _changed(self) -> list[tuple[Param, Param]]:
-        """As the robot file has it, and as it is."""
-        both = zip(self.filed, self._params.describe(), strict=True)
-        return [(before, now) for before, now in both if now.value != before.value]
+        return changes(self.filed, self._params.describe())
 
 
 def fuzz_param_key(query: Query[Any, ParamAnswer], wanted: int, seed: int, folder: Path) -> Counted:

@@ -14,6 +14,7 @@ from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, 
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_QUERIES, PARAM_SAVE, PARAM_SET, Query
 from tests.system.robot import SERVICES, ProcessRobot
 
+PARAM_KEYS = tuple(query.at(service) for query in PARAM_QUERIES for service in SERVICES)
 BY = "fuzz"
 Truths = dict[str, list[bytes]]
 """By key: requests that mean something, to be mutated."""
@@ -27,10 +28,6 @@ class Parameters:
         self._filed = {service: self._described(service) for service in SERVICES}
 
     @property
-    def queries(self) -> list[Query[Any, Any]]:
-        return [query.at(service) for query in PARAM_QUERIES for service in SERVICES]
-
-    @property
     def truths(self) -> Truths:
         return {
             key: said for service, params in self._filed.items() for key, said in truths_of(service, params).items()
@@ -40,10 +37,7 @@ class Parameters:
         """Require that none is looser than the robot file has it, and set each as it was; how many were changed."""
         changed = 0
         for service, params in self._filed.items():
-            for before, now in zip(params, self._described(service), strict=True):
-                assert now.name == before.name
-                if now.value == before.value:
-                    continue
+            for before, now in changes(params, self._described(service)):
                 changed += 1
                 require_no_looser(before, now)
                 request = ParamSet(name=before.name, value=before.value, by=BY)
@@ -71,6 +65,13 @@ def truths_of(service: str, params: Iterable[Param]) -> Truths:
         PARAM_SET.at(service).key: [encode(ParamSet(name=param.name, value=param.value, by=BY)) for param in params],
         PARAM_SAVE.at(service).key: [encode(ParamSave(names=(param.name,), by=BY)) for param in params],
     }
+
+
+def changes(filed: Iterable[Param], now: Iterable[Param]) -> list[tuple[Param, Param]]:
+    """Of those that have another value now: as the robot file has it, and as it is."""
+    both = list(zip(filed, now, strict=True))
+    assert all(before.name == after.name for before, after in both)
+    return [(before, after) for before, after in both if after.value != before.value]
 
 
 def require_no_looser(before: Param, now: Param) -> None:

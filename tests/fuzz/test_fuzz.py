@@ -13,7 +13,8 @@ from tests.fuzz.boards import BOARDS, fuzz_board, require_harmless
 from tests.fuzz.hosts import fuzz_host_side
 from tests.fuzz.keys import KEYS, fuzz_key
 from tests.fuzz.network import fuzz_network
-from tests.fuzz.param_keys import PARAM_KEYS, fuzz_param_key
+from tests.fuzz.param_keys import fuzz_param_key
+from tests.fuzz.params import PARAM_KEYS
 from tests.system.faults import ARENA
 from tests.system.robot import process_robot
 

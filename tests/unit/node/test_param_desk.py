@@ -14,20 +14,10 @@ from giraff_guard.config import GuardConfig
 from giraff_node.inbox import Inbox
 from giraff_node.param_desk import ParamDesk
 from giraff_node.params import Params
-from giraff_schemas.params import ParamAnswer, ParamSave
+from giraff_schemas.params import ParamSave
 from tests.robots import ROBOT
+from tests.unit.node.asked import Asked
 from tests.waiting import wait
-
-
-class Asked:
-    """A request whose answer is kept."""
-
-    def __init__(self, name: str) -> None:
-        self.request = ParamSave(names=(name,), by="carer")
-        self.said: ParamAnswer | None = None
-
-    def answer(self, answer: ParamAnswer) -> None:
-        self.said = answer
 
 
 class Desk:
@@ -41,7 +31,7 @@ class Desk:
         self._saves: Inbox[Any] = Inbox(20)
 
     def ask(self, name: str = "margin") -> Asked:
-        asked = Asked(name)
+        asked = Asked(ParamSave(names=(name,), by="carer"))
         self._saves.accept(asked)
         return asked
 
