@@ -1,4 +1,7 @@
-"""The latch of the emergency stop: what base holds in memory and keeps on disk."""
+"""The latch of the emergency stop: what base holds in memory and keeps on disk. No I/O here.
+
+A file that is missing, damaged or cannot be read says nothing, and then the robot stays stopped.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,11 @@ from typing import Annotated, Final
 
 import msgspec
 
+from giraff_node.io import Store, Writer
 from giraff_schemas.messages import EStopAnswer
 
 RESET_COMMAND: Final = "giraff estop reset"
+LATCH_FILE: Final = "estop.json"
 
 
 class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -28,3 +33,45 @@ def stops_for_good(answer: EStopAnswer) -> bool:
 
 
 RELEASED: Final = EStopLatch(engaged=False, id=0, by="", reason="")
+
+
+def latch_bytes(latch: EStopLatch) -> bytes:
+    """As it is kept."""
+    return msgspec.json.encode(latch) + b"\n"
+
+
+def kept_latch(store: Store, lost_id: int) -> EStopLatch:
+    """The latch that was kept; where none can be read an engaged one, `lost_id`."""
+    path = store.path(LATCH_FILE)
+    try:
+        return msgspec.json.decode(store.read(LATCH_FILE), type=EStopLatch)
+    except FileNotFoundError:
+        why = f"{path} is missing, as at a first start"
+    except OSError as error:
+        why = f"{path} cannot be read: {error.strerror}"
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        why = f"{path} is damaged: {error}"
+    return EStopLatch(
+        engaged=True,
+        id=lost_id,  # of the one that was lost nothing is known: not its id again
+        by="base",
+        reason=f"{why}; see that the robot may move, then {RESET_COMMAND}",
+    )
+
+
+class LatchSaver:
+    """Writes latches where a disk that hangs for seconds does not hold up drive frames."""
+
+    def __init__(self, writer: Writer) -> None:
+        self._writer = writer
+        self._latch = RELEASED
+
+    def save(self, latch: EStopLatch) -> None:
+        """Begin to write; `outcome` tells how it went. One at a time."""
+        self._latch = latch
+        self._writer.save(latch_bytes(latch))
+
+    def outcome(self) -> tuple[EStopLatch, str] | None:
+        """What was written and why it failed, empty when it is on disk; None: no news."""
+        why = self._writer.outcome()
+        return None if why is None else (self._latch, why)

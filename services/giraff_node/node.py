@@ -1,16 +1,14 @@
 """What every service shares: configuration, session, typed topics, liveliness, health, a loop and a clean end.
 
 with Node("guard", GuardConfig) as node:
-    ticks = node.inbox(TICK, limit=1)
-    out = node.publisher(CMD_VEL)
-    pace = Pacer(CMD_VEL.rate_hz)
-    for now in node.turns(pace):
-        if pace.due(now): ...
+    node.run(Guard(node, node.config, node.robot))
 """
 
 from __future__ import annotations
 
 import os
+import secrets
+import socket
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -22,10 +20,14 @@ from typing import Any, Generic, Self
 import msgspec
 import zenoh
 
+from giraff_node.asking import Asking
 from giraff_node.bad_keys import BadKeys
+from giraff_node.board_link import BoardLink
+from giraff_node.clock import robot_now_ns
 from giraff_node.config import ConfigError, ConfigT, load
 from giraff_node.host_addresses import AddressWatch, host_addresses
-from giraff_node.inbox import Asked, Inbox
+from giraff_node.inbox import Inbox
+from giraff_node.io import Asked, Selectable, Service
 from giraff_node.key_bundle import ExpiryWatch
 from giraff_node.pacing import Pacer
 from giraff_node.param_desk import ParamDesk
@@ -35,8 +37,7 @@ from giraff_node.reunion import Reunion
 from giraff_node.robot import RobotConfig
 from giraff_node.router_link import RouterLink
 from giraff_node.session import NetworkConfig, open_session
-from giraff_node.state import state_directory
-from giraff_node.watch import Selectable
+from giraff_node.state import Folder, state_directory
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Health
@@ -55,6 +56,7 @@ from giraff_schemas.topics import (
     health_key,
     key_of,
 )
+from giraff_schemas.wire import BoardKind
 
 _MOST_REQUESTS = 20  # that wait for their answers; the oldest goes without
 
@@ -81,8 +83,20 @@ class Publisher(Generic[SampleT]):
         self._seq += 1
 
 
+class _Query(Generic[RequestT, AnswerT]):
+    """One request of somebody, waiting for its answer."""
+
+    def __init__(self, query: zenoh.Query, request: RequestT) -> None:
+        self._query = query
+        self.request = request
+
+    def answer(self, answer: AnswerT) -> None:
+        with self._query as query:
+            query.reply(query.key_expr, encode(answer), encoding=encoding_of(type(answer)))
+
+
 class Node(Generic[ConfigT]):
-    """One service's process. `service` names its configuration table and its liveliness token.
+    """One service's process, and the `IO` of its turns. `service` names its table and its liveliness token.
 
     `steady`: nothing that may hold it up for longer than a turn is done in it; for those that drive the motors.
     """
@@ -91,6 +105,7 @@ class Node(Generic[ConfigT]):
         self.service = service
         self._process = Process(service)  # before the session: opening it takes a moment
         self.log, self.instance = self._process.log, self._process.instance
+        self.hostname = socket.gethostname()
         try:
             filed = load(service, config)
             self.robot = load("robot", RobotConfig)
@@ -104,10 +119,10 @@ class Node(Generic[ConfigT]):
             self.log.error("no Zenoh session: %s; check the table [network] of the robot file", error)
             sys.exit(2)
         self._params = Params(service, filed, self.robot)
-        self._desk = ParamDesk(service, self.instance, self._params, state_directory(self.robot.name), self.log)
+        self.store = Folder(state_directory(self.robot.name), self._process.wake)
+        self._desk = ParamDesk(service, self.instance, self.hostname, self._params, self.store, self.log)
         self.set_fault("params", self._desk.fault)
-        self.on_reconfigured: Callable[[ConfigT], None] | None = None
-        """Takes `config` in the loop's turn whenever it has become another; None: no parameter changes live."""
+        self.on_reconfigured: Callable[[Any], None] | None = None
         secured = network.mode == "secured" and not network.session_file
         self._keys = ExpiryWatch(Path(network.keys)) if secured else None
         routed = network.router and not network.local and not network.session_file
@@ -188,7 +203,7 @@ class Node(Generic[ConfigT]):
                 with asked:
                     asked.reply_err(f"not a {query.request.__name__}: {error}")
                 return
-            inbox.accept(Asked(asked, request))
+            inbox.accept(_Query(asked, request))
             self._process.wake()
 
         self._process.condition.answers.append(query.key)
@@ -196,7 +211,7 @@ class Node(Generic[ConfigT]):
         return inbox
 
     def frame(self, child: str, where: Transform | Callable[[], Transform]) -> None:
-        """Tell whoever asks where the frame `child` is; of one that moves, by a call in Zenoh's thread."""
+        """As `IO.frame`; of one that moves, by a call in Zenoh's thread."""
         key = frame_key(self.robot.name, child)
 
         def on_query(asked: zenoh.Query) -> None:
@@ -205,6 +220,32 @@ class Node(Generic[ConfigT]):
 
         self._process.condition.answers.append(key.removeprefix(f"{ROOT}/{self.robot.name}/"))
         self._declared.append(self.session.declare_queryable(key, on_query))
+
+    def ask(
+        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
+    ) -> Asking[RequestT, AnswerT]:
+        return Asking(self.session, self.robot.name, query, request, settles)
+
+    def board(self, path: str, baud: int, kind: BoardKind) -> BoardLink:
+        return BoardLink(path, baud, kind)
+
+    def monotonic(self) -> float:
+        return time.monotonic()
+
+    def robot_ns(self) -> int:
+        return robot_now_ns()
+
+    def token(self) -> int:
+        return secrets.randbelow(0xFFFFFFFF) + 1
+
+    def leave(self) -> None:
+        self._process.leave()
+
+    def run(self, service: Service) -> None:
+        """Turn until SIGTERM or SIGINT; raises what a callback raised."""
+        for now in self.turns(*service.pacers, link=service.link):
+            service.turn(now)
+        service.end()
 
     def turns(self, *pacers: Pacer, link: Selectable | None = None) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a pacer may be due, the link is readable or an inbox was filled.

@@ -1,24 +1,24 @@
-"""Where the parameters of a service are asked for: in its loop's turns, and what is saved in a thread of its own."""
+"""Where the parameters of a service are asked for, in its loop's turns. No I/O here: the disk is a `Store`'s."""
 
 from __future__ import annotations
 
 import logging
-import socket
-import threading
+from collections import deque
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, Final, Generic
 
 import msgspec
 
 from giraff_node.config import ConfigT
-from giraff_node.inbox import Asked, Inbox
+from giraff_node.inbox import Inbox
+from giraff_node.io import Asked, Store
 from giraff_node.params import ParamError, Params
-from giraff_node.state import write_file_durably
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 
 PARAMS_FOLDER: Final = "params"
 """Below the state directory: a file for each service that has saved something."""
+_MOST_WAITING: Final = 20
+"""Who ask to save while the disk hangs; the oldest goes without an answer."""
 
 Describes = Inbox[Asked[ParamDescribe, ParamAnswer]]
 Sets = Inbox[Asked[ParamSet, ParamAnswer]]
@@ -26,16 +26,22 @@ Saves = Inbox[Asked[ParamSave, ParamAnswer]]
 
 
 class ParamDesk(Generic[ConfigT]):
-    """`folder`: the state directory."""
+    """`service`, `instance` and `host` name who answers; `store` keeps what is saved."""
 
-    def __init__(self, service: str, instance: str, params: Params[ConfigT], folder: Path, log: logging.Logger) -> None:
+    def __init__(
+        self, service: str, instance: str, host: str, params: Params[ConfigT], store: Store, log: logging.Logger
+    ) -> None:
         self.fault = ""
         """What of the saved parameters does not count, with the way out; empty: all of it does."""
-        self._service, self._instance = service, instance
+        self._service, self._instance, self._host = service, instance, host
         self._params, self._log = params, log
-        self._file = folder / PARAMS_FOLDER / f"{service}.json"
-        self._saver: threading.Thread | None = None
-        self._restore()
+        name = f"{PARAMS_FOLDER}/{service}.json"
+        self._file = store.path(name)
+        self._writer = store.writer(name)
+        # A disk that hangs must hold up neither the loop nor who asks for something else meanwhile.
+        self._waiting: deque[Asked[ParamSave, ParamAnswer]] = deque(maxlen=_MOST_WAITING)
+        self._writing: tuple[Asked[ParamSave, ParamAnswer], dict[str, Any]] | None = None
+        self._restore(store, name)
 
     def turn(
         self, describes: Describes, sets: Sets, saves: Saves, reconfigure: Callable[[ConfigT], None] | None
@@ -45,10 +51,12 @@ class ParamDesk(Generic[ConfigT]):
             asked.answer(self._answer(""))
         for to_set in sets.take():
             to_set.answer(self._set(to_set.request, reconfigure))
-        # A disk that hangs must not hold up the loop; nor may those who ask meanwhile have a thread each.
-        if (self._saver is None or not self._saver.is_alive()) and (to_save := tuple(saves.take())):
-            self._saver = threading.Thread(target=self._save_each, args=(to_save,), name="params", daemon=True)
-            self._saver.start()
+        self._waiting.extend(saves.take())
+        if self._writing is not None and (why := self._writer.outcome()) is not None:
+            (asked_to_save, kept), self._writing = self._writing, None
+            asked_to_save.answer(self._saved(asked_to_save.request, kept, why))
+        while self._writing is None and self._waiting:
+            self._begin_to_save(self._waiting.popleft())
 
     def _set(self, request: ParamSet, reconfigure: Callable[[ConfigT], None] | None) -> ParamAnswer:
         if reconfigure is None:
@@ -61,29 +69,28 @@ class ParamDesk(Generic[ConfigT]):
         self._log.info("%s is %s, by %s", request.name, getattr(self._params.config, request.name), request.by)
         return self._answer("", request.name)
 
-    def _save_each(self, waiting: tuple[Asked[ParamSave, ParamAnswer], ...]) -> None:
-        for asked in waiting:
-            asked.answer(self._save(asked.request))
-
-    def _save(self, request: ParamSave) -> ParamAnswer:
+    def _begin_to_save(self, asked: Asked[ParamSave, ParamAnswer]) -> None:
         try:
-            kept = self._params.to_save(request.names)
-            self._file.parent.mkdir(parents=True, exist_ok=True)
-            write_file_durably(self._file, msgspec.json.format(msgspec.json.encode(kept)) + b"\n")
+            kept = self._params.to_save(asked.request.names)
         except ParamError as error:
-            return self._answer(str(error))
-        except OSError as error:
+            asked.answer(self._answer(str(error)))
+            return
+        self._writing = asked, kept
+        self._writer.save(msgspec.json.format(msgspec.json.encode(kept)) + b"\n")
+
+    def _saved(self, request: ParamSave, kept: dict[str, Any], why_not: str) -> ParamAnswer:
+        if why_not:
             return self._answer(
-                f"{self._file}: {error.strerror}; the value counts until a restart: make the folder writable "
+                f"{why_not}; the value counts until a restart: make the folder writable "
                 f"(STATE_DIRECTORY names it), or write it into the robot file"
             )
         self._params.saved = kept
         self._log.info("saved in %s, by %s: %s", self._file, request.by, kept)
         return self._answer("", *(request.names or kept))
 
-    def _restore(self) -> None:
+    def _restore(self, store: Store, name: str) -> None:
         try:
-            saved = msgspec.json.decode(self._file.read_bytes(), type=dict[str, Any])
+            saved = msgspec.json.decode(store.read(name), type=dict[str, Any])
         except FileNotFoundError:
             return
         except OSError as error:
@@ -102,7 +109,7 @@ class ParamDesk(Generic[ConfigT]):
         return ParamAnswer(
             service=self._service,
             instance=self._instance,
-            host=socket.gethostname(),
+            host=self._host,
             done=not reason,
             reason=reason,
             params=() if reason else self._params.describe(names),

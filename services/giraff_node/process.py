@@ -16,11 +16,12 @@ import zenoh
 
 from giraff_node.health import Condition
 from giraff_node.health_socket import HealthSocket
+from giraff_node.io import Selectable
 from giraff_node.logs import service_logger
 from giraff_node.pacing import Pacer
 from giraff_node.session import close_session
 from giraff_node.systemd import Notifier
-from giraff_node.watch import Selectable, Waker, Watch
+from giraff_node.watch import Waker, Watch
 
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
 
@@ -74,6 +75,10 @@ class Process:
     def wake(self) -> None:
         """Make a turn due, from any thread."""
         self._waker.wake()
+
+    def leave(self) -> None:
+        """End the loop after this turn."""
+        self._stopping = True
 
     def fail(self, error: BaseException) -> None:
         """End with `error`, from any thread."""

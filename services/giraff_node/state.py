@@ -1,27 +1,17 @@
-"""What a service keeps across restarts: small files that are whole on disk, or not there.
-
-The emergency stop's latch is one, `estop.json`. A file that is missing, damaged or cannot be read says nothing, and
-then the robot stays stopped.
-"""
+"""What a service keeps across restarts: small files that are whole on disk, or not there."""
 
 from __future__ import annotations
 
 import contextlib
 import os
-import secrets
 import stat
 import threading
 from collections import deque
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Final
 
-import msgspec
-
-from giraff_node.estop import RESET_COMMAND, EStopLatch
-
-LATCH_FILE: Final = "estop.json"
+from giraff_node.estop import LATCH_FILE, EStopLatch, latch_bytes
 
 
 def state_directory(robot: str, environment: Mapping[str, str] = os.environ) -> Path:
@@ -62,52 +52,59 @@ def write_file_durably(path: Path, data: bytes) -> None:
 
 def write_latch(directory: Path, latch: EStopLatch) -> None:
     """Keep the latch. Raises OSError."""
-    directory.mkdir(parents=True, exist_ok=True)
-    write_file_durably(directory / LATCH_FILE, msgspec.json.encode(latch) + b"\n")
+    _keep(directory / LATCH_FILE, latch_bytes(latch))
 
 
-def read_latch(directory: Path) -> EStopLatch:
-    """The latch that was kept; an engaged one where none can be read."""
-    path = directory / LATCH_FILE
-    try:
-        return msgspec.json.decode(path.read_bytes(), type=EStopLatch)
-    except FileNotFoundError:
-        why = f"{path} is missing, as at a first start"
-    except OSError as error:
-        why = f"{path} cannot be read: {error.strerror}"
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-        why = f"{path} is damaged: {error}"
-    return EStopLatch(
-        engaged=True,
-        id=secrets.randbelow(1 << 31) + 1,  # of the one that was lost nothing is known: not its id again
-        by="base",
-        reason=f"{why}; see that the robot may move, then {RESET_COMMAND}",
-    )
+class Folder:
+    """The state directory as a `Store`."""
+
+    def __init__(self, directory: Path, wake: Callable[[], None] = lambda: None) -> None:
+        """`wake`: called from another thread when a writer has news."""
+        self._directory = directory
+        self._wake = wake
+
+    def path(self, name: str) -> str:
+        return str(self._directory / name)
+
+    def read(self, name: str) -> bytes:
+        return (self._directory / name).read_bytes()
+
+    def writer(self, name: str) -> FileWriter:
+        return FileWriter(self._directory / name, self._wake)
 
 
-class LatchSaver:
-    """Writes latches in a thread of its own: a disk that hangs for seconds must not hold up drive frames."""
+class FileWriter:
+    """Writes a file in a thread of its own, which begins with the first `save`: a disk may hang for seconds."""
 
-    def __init__(self, write: Callable[[EStopLatch], None]) -> None:
-        self._write = write
-        self._wanted: SimpleQueue[EStopLatch] = SimpleQueue()
-        self._outcomes: deque[tuple[EStopLatch, str]] = deque()
-        threading.Thread(target=self._run, name="estop", daemon=True).start()
+    def __init__(self, path: Path, wake: Callable[[], None]) -> None:
+        self._path = path
+        self._wake = wake
+        self._wanted: SimpleQueue[bytes] = SimpleQueue()
+        self._outcomes: deque[str] = deque()
+        self._thread: threading.Thread | None = None
 
-    def save(self, latch: EStopLatch) -> None:
-        """Begin to write; `outcome` tells how it went. One at a time."""
-        self._wanted.put(latch)
+    def save(self, data: bytes) -> None:
+        self._wanted.put(data)
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._run, name=self._path.name, daemon=True)
+            self._thread.start()
 
-    def outcome(self) -> tuple[EStopLatch, str] | None:
-        """What was written and why it failed, empty when it is on disk; None: no news."""
+    def outcome(self) -> str | None:
         return self._outcomes.popleft() if self._outcomes else None
 
     def _run(self) -> None:
         while True:
-            latch = self._wanted.get()
+            data = self._wanted.get()
             try:
-                self._write(latch)
+                _keep(self._path, data)
             except OSError as error:
-                self._outcomes.append((latch, f"{error.filename or LATCH_FILE}: {error.strerror or error}"))
+                self._outcomes.append(f"{error.filename or self._path.name}: {error.strerror or error}")
             else:
-                self._outcomes.append((latch, ""))
+                self._outcomes.append("")
+            self._wake()
+
+
+def _keep(path: Path, data: bytes) -> None:
+    """As `write_file_durably`, in a folder that may not be there yet."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_file_durably(path, data)

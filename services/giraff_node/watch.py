@@ -5,13 +5,9 @@ from __future__ import annotations
 import contextlib
 import selectors
 import socket
-from typing import Protocol, Self
+from typing import Self
 
-
-class Selectable(Protocol):
-    """Something whose descriptor comes and goes, like a serial link."""
-
-    def descriptor(self) -> int | None: ...
+from giraff_node.io import Selectable
 
 
 class Waker:

@@ -1,4 +1,4 @@
-"""The whole robot in one process and simulated time: the services' policies around boards and world.
+"""The whole robot in one process and simulated time: the services themselves around boards and world.
 
 Services sit on two machines, the robot's and the operator's, whose network and cables are ideal unless others are
 given. The same seed gives the same run, to the byte.
@@ -7,28 +7,29 @@ given. The same seed gives the same run, to the byte.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final, NamedTuple
 
 import msgspec
 
 from giraff_base.config import BaseConfig
-from giraff_base.policy import BasePolicy
+from giraff_base.service import Base
 from giraff_guard.config import GuardConfig
-from giraff_guard.policy import GuardPolicy
+from giraff_guard.service import Guard
 from giraff_joystick.config import JoystickConfig
-from giraff_joystick.policy import JoystickPolicy
+from giraff_joystick.service import Joystick
+from giraff_node.io import IO, Service
 from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
-from giraff_odometry.policy import OdometryPolicy
+from giraff_odometry.service import Odometry
 from giraff_ranger.config import RangerConfig
-from giraff_ranger.policy import RangerPolicy
+from giraff_ranger.service import Ranger
 from giraff_schemas.wire import BoardKind
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Network
 from giraff_sim.hosts.process import Observer, Process
-from giraff_sim.hosts.services import Base, Guard, Joystick, Odometry, Ranger
 from giraff_sim.simulation import Simulation
 
 
@@ -43,27 +44,18 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     odometry: OdometryConfig = OdometryConfig()
 
 
-class Policies(NamedTuple):
-    """What decides in each process."""
+class Services(NamedTuple):
+    """What runs in each process: what ships, unless a test breaks something."""
 
-    joystick: type[JoystickPolicy] = JoystickPolicy
-    ranger: type[RangerPolicy] = RangerPolicy
-    guard: type[GuardPolicy] = GuardPolicy
-    base: type[BasePolicy] = BasePolicy
-    odometry: type[OdometryPolicy] = OdometryPolicy
+    joystick: Callable[[IO, JoystickConfig, RobotConfig], Service] = Joystick
+    ranger: Callable[[IO, RangerConfig, RobotConfig], Service] = Ranger
+    guard: Callable[[IO, GuardConfig, RobotConfig], Service] = Guard
+    base: Callable[[IO, BaseConfig, RobotConfig], Service] = Base
+    odometry: Callable[[IO, OdometryConfig, RobotConfig], Service] = Odometry
 
 
-ProcessMaker = Callable[["ClosedLoop", Host, str, int], Process]
-"""Makes a process of its host, its instance and a number that no other process has."""
-
-SERVICES: Final[dict[str, tuple[str, ProcessMaker]]] = {
-    "joystick": ("operator", Joystick),
-    "ranger": ("robot", Ranger),
-    "guard": ("robot", Guard),
-    "base": ("robot", Base),
-    "odometry": ("robot", Odometry),
-}
-"""By name: the host it runs on, and its process."""
+MACHINES: Final = {"joystick": "operator", "ranger": "robot", "guard": "robot", "base": "robot", "odometry": "robot"}
+"""By service: the machine it runs on."""
 
 
 class ClosedLoop:
@@ -73,14 +65,14 @@ class ClosedLoop:
         self,
         simulation: Simulation,
         settings: Settings,
-        policies: Policies | None = None,
+        services: Services | None = None,
         network: Network | None = None,
         observer: Observer | None = None,
         agenda: Agenda | None = None,
     ) -> None:
         self.simulation = simulation
         self.settings = settings
-        self.policies = policies or Policies()
+        self.services = services or Services()
         self.network = network or Network()
         self.observer = observer or Observer()
         self.agenda = agenda or Agenda()
@@ -98,7 +90,7 @@ class ClosedLoop:
         """The newest sample that was published, by key as the topics table has it."""
         self.processes: dict[str, Process] = {}
         self._started = 0
-        for name in SERVICES:
+        for name in MACHINES:
             self.start(name)
 
     @property
@@ -106,19 +98,15 @@ class ClosedLoop:
         """The robot's clock."""
         return self.hosts["robot"].boottime_ns()
 
-    def start(self, name: str) -> None:
-        """Start the service `name`, anew if it was killed."""
-        host, maker = SERVICES[name]
-        self.launch(name, maker, self.hosts[host])
+    def start(self, service: str, name: str = "") -> Process:
+        """Start a service, anew if it was killed; under another `name` beside the one that runs."""
+        return self.launch(name or service, partial(self._make, service), self.hosts[MACHINES[service]])
 
-    def launch(self, name: str, maker: ProcessMaker, host: Host) -> Process:
+    def launch(self, name: str, make: Callable[[Process], Service], host: Host) -> Process:
         """Start a process that is called `name` here."""
         self._started += 1
-        process = maker(self, host, f"{name}-{self._started}", self._started)
-        process.name = name
-        self.processes[name] = process
-        self.network.join(process)
-        process.wake()
+        process = self.processes[name] = Process(self, host, name, f"{name}-{self._started}")
+        process.run(make(process))
         return process
 
     def kill(self, name: str) -> None:
@@ -126,6 +114,11 @@ class ClosedLoop:
         process = self.processes.pop(name)
         process.end()
         self.network.leave(process)
+
+    def terminate(self, name: str) -> None:
+        """End the process `name` as SIGTERM would, with its last words."""
+        self.processes[name].terminate()
+        self.kill(name)
 
     def step(self) -> None:
         """Advance by a step of the simulation."""
@@ -138,3 +131,9 @@ class ClosedLoop:
         end = self.simulation.now_us + round(seconds * 1e6)
         while self.simulation.now_us < end:
             self.step()
+
+    def _make(self, service: str, process: Process) -> Service:
+        filed = getattr(self.settings, service)
+        config = process.parameters(service, filed, self.settings.robot)
+        made: Service = getattr(self.services, service)(process, config, self.settings.robot)
+        return made

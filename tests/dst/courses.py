@@ -10,7 +10,7 @@ from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.dst.drill import Drill
 from giraff_sim.dst.faults import Begin, Course
 from giraff_sim.dst.hands import Fingers
-from giraff_sim.dst.people import Keyboard
+from giraff_sim.dst.people import typist
 from giraff_sim.dst.stops import BEYOND_US, ROBOT_US
 from giraff_sim.record import Verdict
 
@@ -80,11 +80,8 @@ def engage(drill: Drill, chance: Random) -> Course:
 def typing(drill: Drill, chance: Random) -> Course:
     """Let somebody type at a keyboard."""
     begin = drill.loop.agenda.now_us * 1e-6
-    drill.loop.launch(
-        "keyboard",
-        lambda loop, host, instance, _: Keyboard(loop, host, instance, drill.judge, Fingers(chance, begin, 100.0)),
-        drill.loop.hosts["operator"],
-    )
+    fingers = Fingers(chance, begin, 100.0)
+    drill.loop.launch("keyboard", lambda process: typist(process, fingers), drill.loop.hosts["operator"])
     yield "somebody types"
 
 
@@ -96,7 +93,7 @@ def replay(*kinds: type[msgspec.Struct], since: float = 0.0, until: float = 1000
         old = [
             said
             for said in drill.network.history
-            if isinstance(said.message, kinds) and since * 1e6 <= said.at_us <= until * 1e6
+            if isinstance(said.body, kinds) and since * 1e6 <= said.at_us <= until * 1e6
         ]
         assert old, "there is nothing to replay"
         drill.network.replay(old, 20_000)

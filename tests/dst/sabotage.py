@@ -1,14 +1,18 @@
-"""Policies with one rule broken each."""
+"""Policies with one rule broken each, and the services that go by them."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Final
 
 import msgspec
 
 from giraff_base.policy import BasePolicy
+from giraff_base.service import Base
 from giraff_guard.policy import GuardPolicy
+from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
+from giraff_joystick.service import Joystick
 from giraff_schemas.messages import (
     DriveCommand,
     EStopAnswer,
@@ -22,8 +26,21 @@ from giraff_schemas.messages import (
     Tick,
 )
 from giraff_schemas.wire import TickFrame
+from giraff_sim.closed_loop import Services
 
 FOR_EVER: Final = 1000.0  # s
+
+
+def broken(
+    *,
+    joystick: type[JoystickPolicy] = JoystickPolicy,
+    guard: type[GuardPolicy] = GuardPolicy,
+    base: type[BasePolicy] = BasePolicy,
+) -> Services:
+    """The services that ship, with other policies in them."""
+    return Services(
+        joystick=partial(Joystick, policy=joystick), guard=partial(Guard, policy=guard), base=partial(Base, policy=base)
+    )
 
 
 class PatientBase(BasePolicy):
@@ -73,12 +90,14 @@ class EagerBase(BasePolicy):
 
 
 class OpenGuard(GuardPolicy):
-    """Obeys whoever spoke last, in the name of the holder."""
+    """Obeys whoever wishes to drive, in the name of the holder, and no level hand."""
 
     def on_command(self, command: DriveCommand, robot_ns: int) -> None:
-        super().on_command(command, robot_ns)
         authority = self._authority
-        if authority.holder:
+        if command.neutral and authority.command is not None and not authority.command.neutral:
+            return
+        super().on_command(command, robot_ns)
+        if authority.holder and not command.neutral:
             authority.command = msgspec.structs.replace(command, lease_counter=authority.counter)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 from typing import Final
 
-from giraff_sim.closed_loop import Policies
+from giraff_sim.closed_loop import Services
 from giraff_sim.dst.drill import Befall, Outcome, Scenario, known_settings, play
 from giraff_sim.dst.faults import Begin, Kind
 from giraff_sim.hand import LEVEL, Hand, ScriptedHand, StillHand
@@ -45,11 +45,11 @@ def stage(
     *befalls: Befall,
     hand: Hand | None = None,
     seconds: float = 7.0,
-    policies: Policies | None = None,
+    services: Services | None = None,
     room: Room | None = None,
     seed: int = 1,
 ) -> Outcome:
-    return play(Scenario(seed, room or hall(), hand or driving(), seconds, befalls), SETTINGS, policies)
+    return play(Scenario(seed, room or hall(), hand or driving(), seconds, befalls), SETTINGS, services)
 
 
 def rules(outcome: Outcome) -> set[str]:

@@ -9,10 +9,9 @@ import pytest
 from giraff_schemas.messages import EStopReset
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bno055 import Bno055Fault
-from giraff_sim.closed_loop import SERVICES
 from giraff_sim.dst.drill import Drill, Outcome
 from giraff_sim.dst.faults import Begin, Course
-from giraff_sim.dst.people import Double
+from giraff_sim.dst.people import double
 from giraff_sim.hand import LEVEL
 from giraff_sim.record import Verdict
 from tests.dst.courses import cut, engage, kill, replay, stop, unplug, watch
@@ -41,8 +40,7 @@ def second(name: str) -> Begin:
 
     def course(drill: Drill, chance: Random) -> Course:
         del chance
-        host, maker = SERVICES[name]
-        drill.loop.launch(f"second {name}", maker, drill.loop.hosts[host])
+        drill.loop.start(name, f"second {name}")
         yield f"a second {name} starts"
         drill.loop.kill(f"second {name}")
 
@@ -119,15 +117,12 @@ def test_a_ranger_that_was_missed_for_over_a_second() -> None:
 def test_a_second_joystick_of_the_same_name() -> None:
     verdicts: list[Verdict] = []
 
-    def double(drill: Drill, chance: Random) -> Course:
-        drill.loop.launch(
-            "second joystick",
-            lambda loop, host, instance, _: Double(loop, host, instance, chance, drill.seconds),
-            drill.loop.hosts["operator"],
-        )
+    def another(drill: Drill, chance: Random) -> Course:
+        host = drill.loop.hosts["operator"]
+        drill.loop.launch("second joystick", lambda process: double(process, chance, drill.seconds), host)
         yield "a second joystick starts"
 
-    outcome = stage(at(2.0, double), at(2.0, watch(verdicts), 9.0), hand=level(), seconds=11.5)
+    outcome = stage(at(2.0, another), at(2.0, watch(verdicts), 9.0), hand=level(), seconds=11.5)
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0]
 

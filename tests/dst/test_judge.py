@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from giraff_schemas.messages import EStopReset
-from giraff_sim.closed_loop import Policies
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.freedom import Freedom
 from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Stop, Stops
@@ -14,6 +13,7 @@ from giraff_sim.simulation import Simulation
 from giraff_sim.world import World
 from tests.dst import sabotage
 from tests.dst.courses import cut, engage, kill, replay, reset_board, stop, typing, unplug
+from tests.dst.sabotage import broken
 from tests.dst.stage import BACKWARD, FORWARD, SETTINGS, at, driving, hall, level, rules, stage
 
 
@@ -24,27 +24,27 @@ def test_a_sound_robot_violates_nothing_and_drives() -> None:
 
 
 def test_a_base_that_outlives_its_guard_is_seen() -> None:
-    outcome = stage(at(4.0, kill("guard"), 1.5), policies=Policies(base=sabotage.PatientBase))
+    outcome = stage(at(4.0, kill("guard"), 1.5), services=broken(base=sabotage.PatientBase))
     assert {"a", "b"} <= rules(outcome)
     assert rules(stage(at(4.0, kill("guard"), 1.5))) == set()
 
 
 def test_a_command_that_is_too_old_is_seen() -> None:
-    patient = Policies(base=sabotage.PatientBase, guard=sabotage.PatientGuard)
-    outcome = stage(at(4.0, cut("holds"), 1.5), policies=patient)
+    patient = broken(base=sabotage.PatientBase, guard=sabotage.PatientGuard)
+    outcome = stage(at(4.0, cut("holds"), 1.5), services=patient)
     assert {"a", "b"} <= rules(outcome)
     assert rules(stage(at(4.0, cut("holds"), 1.5))) == set()
 
 
 def test_a_renewed_tick_is_seen() -> None:
-    outcome = stage(at(4.0, unplug("joystick"), 0.9), policies=Policies(joystick=sabotage.RenewingJoystick))
+    outcome = stage(at(4.0, unplug("joystick"), 0.9), services=broken(joystick=sabotage.RenewingJoystick))
     assert "b" in rules(outcome)
     assert rules(stage(at(4.0, unplug("joystick"), 0.9))) == set()
 
 
 def test_an_old_range_is_seen() -> None:
-    patient = Policies(base=sabotage.PatientBase, guard=sabotage.PatientGuard)
-    outcome = stage(at(4.0, unplug("ranger"), 0.6), policies=patient)
+    patient = broken(base=sabotage.PatientBase, guard=sabotage.PatientGuard)
+    outcome = stage(at(4.0, unplug("ranger"), 0.6), services=patient)
     assert "b" in rules(outcome)
     assert rules(stage(at(4.0, unplug("ranger"), 0.6))) == set()
 
@@ -53,13 +53,13 @@ def test_a_base_that_arms_by_itself_is_seen() -> None:
     for reckless in (sabotage.EagerBase, sabotage.HastyBase):
         # The hand passes through level in the middle, for far less than 0.2 s.
         changes = (4.15, LEVEL), (4.25, BACKWARD)
-        outcome = stage(at(4.0, reset_board), hand=driving(*changes), policies=Policies(base=reckless))
+        outcome = stage(at(4.0, reset_board), hand=driving(*changes), services=broken(base=reckless))
         assert "c" in rules(outcome), reckless
         assert rules(stage(at(4.0, reset_board), hand=driving(*changes))) == set()
 
 
 def test_a_command_of_another_than_the_holder_is_seen() -> None:
-    outcome = stage(at(3.0, typing), hand=level(), policies=Policies(guard=sabotage.OpenGuard))
+    outcome = stage(at(3.0, typing), hand=level(), services=broken(guard=sabotage.OpenGuard))
     assert "c" in rules(outcome)
     sound = stage(at(3.0, typing), hand=level())
     assert rules(sound) == set()
@@ -67,14 +67,14 @@ def test_a_command_of_another_than_the_holder_is_seen() -> None:
 
 
 def test_motion_under_an_emergency_stop_is_seen() -> None:
-    assert "d" in rules(stage(at(4.0, engage), policies=Policies(base=sabotage.DeafBase)))
+    assert "d" in rules(stage(at(4.0, engage), services=broken(base=sabotage.DeafBase)))
     assert rules(stage(at(4.0, engage))) == set()
 
 
 def test_a_latch_that_an_old_reset_clears_is_seen() -> None:
     hand = (4.0, LEVEL), (6.0, FORWARD)
     befalls = at(3.0, stop, 0.2), at(4.5, engage), at(5.0, replay(EStopReset))
-    outcome = stage(*befalls, hand=driving(*hand), policies=Policies(base=sabotage.ForgivingBase))
+    outcome = stage(*befalls, hand=driving(*hand), services=broken(base=sabotage.ForgivingBase))
     assert "d" in rules(outcome)
     sound = stage(*befalls, hand=driving(*hand))
     assert rules(sound) == set()
@@ -82,7 +82,7 @@ def test_a_latch_that_an_old_reset_clears_is_seen() -> None:
 
 
 def test_driving_at_what_has_echoed_is_seen() -> None:
-    outcome = stage(seconds=10.0, room=hall(2.5), policies=Policies(guard=sabotage.BlindGuard))
+    outcome = stage(seconds=10.0, room=hall(2.5), services=broken(guard=sabotage.BlindGuard))
     assert "e" in rules(outcome)
     assert outcome.contacts == 1
     sound = stage(seconds=10.0, room=hall(2.5))
@@ -91,7 +91,7 @@ def test_driving_at_what_has_echoed_is_seen() -> None:
 
 
 def test_a_free_way_that_is_refused_is_seen() -> None:
-    assert rules(stage(policies=Policies(guard=sabotage.TimidGuard))) == {"f"}
+    assert rules(stage(services=broken(guard=sabotage.TimidGuard))) == {"f"}
 
 
 def test_something_thin_ahead_is_no_free_way() -> None:

@@ -16,7 +16,8 @@ from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.codec import DecodeError, decode, encode
 from giraff_schemas.messages import EStopEngage, EStopReset, Lease, RobotTime, Tick
 from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, QUERIES, TOPICS, Query, Topic
-from giraff_sim.closed_loop import ClosedLoop, Policies
+from giraff_sim.closed_loop import ClosedLoop
+from giraff_sim.hosts.network import Message
 from tests.fuzz.growth import Growth
 from tests.fuzz.payloads import payload
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
@@ -88,11 +89,16 @@ def throw(
 
 
 def engage(loop: ClosedLoop) -> None:
-    for taker in loop.network.takers(EStopEngage):
-        taker.receive(EStopEngage(by="test", reason="whatever comes"))
+    deliver(loop, ESTOP_ENGAGE.key, EStopEngage(by="test", reason="whatever comes"))
     loop.run(1.0)
     state = loop.newest["estop"]
     assert (state.engaged, state.id) == (True, _LATCH), state
+
+
+def deliver(loop: ClosedLoop, key: str, message: msgspec.Struct) -> None:
+    """To whoever takes the key, at once."""
+    for taker in loop.network.takers(key):
+        taker.deliver(Message(key, message))
 
 
 def drive(loop: ClosedLoop) -> None:
@@ -111,9 +117,9 @@ def steer(loop: ClosedLoop, seconds: float, x: float = 0.0, y: float = 0.0) -> N
 
 
 @contextmanager
-def armed_robot(policies: Policies | None = None) -> Iterator[tuple[ClosedLoop, dict[str, list[bytes]]]]:
+def armed_robot() -> Iterator[tuple[ClosedLoop, dict[str, list[bytes]]]]:
     """And by key what was said while it drove, longer ago than anything counts."""
-    with closed_loop(proving_room(), policies=policies) as loop:
+    with closed_loop(proving_room()) as loop:
         truths: dict[str, list[bytes]] = {row.key: [] for row in KEYS}
         drive(loop)
         for _ in range(_TRUTHS):
@@ -145,14 +151,15 @@ def _deliver(loop: ClosedLoop, keyboard: KeyboardPolicy, row: Topic[Any] | Query
     """As `Node` does it with what arrives on a key."""
     try:
         message: Any
+        key = row.key
         if isinstance(row, Query):
             message = msgspec.msgpack.decode(data, type=row.request)
         else:
-            message = decode(row, row.key.replace("*", _name(row, data)), data)
+            key = key.replace("*", _name(row, data))
+            message = decode(row, key, data)
     except (DecodeError, msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         return False
-    for taker in loop.network.takers(type(message)):
-        taker.receive(message)
+    deliver(loop, key, message)
     if isinstance(message, Tick):
         keyboard.on_tick(message, loop.simulation.now_us * 1e-6)
     elif isinstance(message, Lease):

@@ -9,7 +9,7 @@ import msgspec
 
 from giraff_joystick.config import JoystickConfig
 from giraff_sim.board import Implementation
-from giraff_sim.closed_loop import ClosedLoop, Policies, Settings
+from giraff_sim.closed_loop import ClosedLoop, Services, Settings
 from giraff_sim.config import SimConfig
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Room
@@ -32,11 +32,11 @@ def closed_loop(
     implementation: Implementation = Implementation.HOST,
     sim: SimConfig = EXACT,
     seed: int = 1,
-    policies: Policies | None = None,
+    services: Services | None = None,
 ) -> Iterator[ClosedLoop]:
     world = World(room, settings.robot, sim, StillHand(), seed)
     with simulation(world, implementation=implementation) as running:
-        yield ClosedLoop(running, settings, policies)
+        yield ClosedLoop(running, settings, services)
 
 
 def hold(loop: ClosedLoop, x: float = 0.0, y: float = 0.0) -> None:

@@ -57,6 +57,8 @@ def test_contracts_hold() -> None:
         ("services/giraff_node/__init__.py", "import giraff_base.policy"),
         ("schemas/giraff_schemas/__init__.py", "import giraff_node"),
         ("services/giraff_sim/main.py", "import giraff_base.main"),
+        ("services/giraff_sim/main.py", "import giraff_base.policy"),
+        ("services/giraff_cli/main.py", "import giraff_base.service"),
         ("services/giraff_cli/main.py", "import giraff_joystick.main"),
         ("services/giraff_client/robot.py", "import giraff_cli.watcher"),
         ("services/giraff_cli/main.py", "import giraff_client"),
@@ -69,8 +71,8 @@ def test_a_planted_import_breaks_a_contract(tree: Path, module: str, line: str) 
     assert "BROKEN" in report
 
 
-def test_simulation_and_command_line_may_import_a_policy_and_its_configuration(tree: Path) -> None:
-    plant(tree, "services/giraff_sim/main.py", "import giraff_base.policy, giraff_guard.config")
+def test_the_simulation_may_import_a_turn_the_command_line_a_policy_and_both_its_configuration(tree: Path) -> None:
+    plant(tree, "services/giraff_sim/main.py", "import giraff_base.service, giraff_guard.config")
     plant(tree, "services/giraff_cli/main.py", "import giraff_guard.policy, giraff_base.config")
     code, report = lint_imports(tree)
     assert code == 0, report

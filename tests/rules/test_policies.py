@@ -1,4 +1,5 @@
-"""A policy does no I/O and reads no clock: time, samples and frames come in as arguments."""
+"""A policy does no I/O and reads no clock: time, samples and frames come in as arguments. Nor does a turn: all that
+reaches it and leaves it does so through its `IO`."""
 
 from __future__ import annotations
 
@@ -18,6 +19,7 @@ PURE_RUNTIME = {
     *{"giraff_node.base_frames", "giraff_node.counters", "giraff_node.estop", "giraff_node.freshness"},
     *{"giraff_node.lease", "giraff_node.live", "giraff_node.robot", "giraff_node.tick_down"},
     *{"giraff_node.access", "giraff_node.site"},
+    *{"giraff_node.inbox", "giraff_node.io", "giraff_node.pacing", "giraff_node.repeating"},
 }
 PURE_CHECKS = {"require_positive", "require_not_negative"}  # of giraff_node.config
 WIRING = {"main.py", "__main__.py"}

@@ -15,6 +15,7 @@ from giraff_sim.dst.network import FaultyNetwork
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable, CableEnd
 from giraff_sim.hosts.host import Host
+from giraff_sim.hosts.network import Message, Subscription
 from giraff_sim.simulation import Simulation, simulation
 from tests.loop.loops import arm, closed_loop
 from tests.sim.robots import empty_room, world_in
@@ -130,18 +131,17 @@ def test_two_machines_are_apart_and_one_is_not() -> None:
     class Taker:
         def __init__(self, name: str) -> None:
             self.host = Host(name, agenda)
-            self.takes = {Tick: self.receive}
 
-        def receive(self, message: object) -> None:
-            del message
+        def receive(self, subscription: Subscription, message: Message) -> None:
+            assert (subscription.key, message) == ("tick", tick)
             heard.append((self.host.name, agenda.now_us))
 
     network = FaultyNetwork(agenda, Random(1))
     robot: Any = Taker("robot")
     operator: Any = Taker("operator")
     for taker in (robot, operator):
-        network.join(taker)
-    tick = Tick(epoch=1, robot_ns=5)
+        network.join(Subscription(taker, "tick", lambda _: None))
+    tick = Message("tick", Tick(epoch=1, robot_ns=5))
     network.publish(robot, tick)
     assert [each[0] for each in heard] == ["robot"]
     agenda.run_until(100_000)

@@ -13,7 +13,7 @@ import msgspec
 
 from giraff_node.config import load
 from giraff_sim.board import BUILD, ROOT, Implementation
-from giraff_sim.closed_loop import ClosedLoop, Policies, Settings
+from giraff_sim.closed_loop import ClosedLoop, Services, Settings
 from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.demo_hand import DemoHand
 from giraff_sim.dst import machine_faults, network_faults, robot_faults
@@ -28,6 +28,7 @@ from giraff_sim.dst.story import Story
 from giraff_sim.hand import Hand
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable
+from giraff_sim.hosts.process import Process
 from giraff_sim.room import Room
 from giraff_sim.simulation import Simulation, simulation
 from giraff_sim.world import World
@@ -99,20 +100,18 @@ class Scenario(NamedTuple):
 class Drill:
     """The robot, its people and its faults, while they run."""
 
-    def __init__(self, running: Simulation, settings: Settings, policies: Policies, scenario: Scenario) -> None:
+    def __init__(self, running: Simulation, settings: Settings, services: Services, scenario: Scenario) -> None:
         chance = Random(f"{scenario.seed}/drill")
         agenda = Agenda()
         self.seconds = scenario.seconds
         self.story = Story(agenda)
         self.network = FaultyNetwork(agenda, chance)
         self.judge = Judge(agenda, running, settings, self.story)
-        self.loop = ClosedLoop(running, settings, policies, self.network, self.judge, agenda)
+        self.loop = ClosedLoop(running, settings, services, self.network, self.judge, agenda)
         self.loop.kill("odometry")  # not in the chain that drives
         for host in self.loop.hosts.values():
             host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
-        button = Button(self.loop, self.loop.hosts["operator"], "button", self.judge)
-        self.button = button
-        self.loop.launch("button", lambda *_: button, button.host)
+        self.loop.launch("button", self._press_button, self.loop.hosts["operator"])
         self._names = 0
         self._claims: list[Any] = []  # of the fault that begins
         self._claimed: list[Any] = []
@@ -172,6 +171,10 @@ class Drill:
             loop.step()
             judge.after_step()
 
+    def _press_button(self, process: Process) -> Button:
+        self.button = Button(process, self.judge)
+        return self.button
+
     def _plan(self, kind: Kind, at: float, chance: Random) -> None:
         """Let a fault happen at that moment."""
         at_us = round(at * 1e6)
@@ -219,11 +222,11 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
     return Scenario(seed, room, hand, seconds, befalls)
 
 
-def play(scenario: Scenario, settings: Settings, policies: Policies | None = None) -> Outcome:
+def play(scenario: Scenario, settings: Settings, services: Services | None = None) -> Outcome:
     """Run a scenario to its end."""
     world = World(scenario.room, settings.robot, SimConfig(), scenario.hand, scenario.seed, _STEP_US)
     with simulation(world, implementation=Implementation.HOST, build=BUILD) as running:
-        run = Drill(running, settings, policies or Policies(), scenario)
+        run = Drill(running, settings, services or Services(), scenario)
         run.run()
         plant = world.plant
         digest = hashlib.sha256(run.cable("base").digest())

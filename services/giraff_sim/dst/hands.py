@@ -7,7 +7,6 @@ import math
 import random
 from typing import Final
 
-from giraff_keyboard.policy import Key
 from giraff_sim.bno055 import GRAVITY, Vector
 from giraff_sim.room import Pose
 
@@ -60,10 +59,10 @@ class Fingers:
 
     def __init__(self, chance: random.Random, begin: float, seconds: float) -> None:
         """Type from `begin` to `seconds`, simulated s."""
-        self._presses: list[tuple[float, Key]] = []
+        self._presses: list[tuple[float, bytes]] = []
         moment = begin + chance.uniform(0.0, 1.0)
         while moment < seconds:
-            key = chance.choice((Key.FORWARD, Key.FORWARD, Key.BACKWARD, Key.LEFT, Key.RIGHT, Key.CLUTCH))
+            key = chance.choice((b"w", b"w", b"s", b"a", b"d", b"c"))
             until = moment + chance.uniform(0.1, 3.0)
             self._presses.append((moment, key))
             repeat = moment + _REPEATS_AFTER
@@ -73,10 +72,10 @@ class Fingers:
             moment = until + chance.uniform(0.1, 1.5)
         self._next = 0
 
-    def pressed(self, now: float) -> Key | None:
-        """The next press, once it is due at `now`, simulated s."""
+    def pressed(self, now: float) -> bytes:
+        """The next press, once it is due at `now`, simulated s; empty until then."""
         if self._next == len(self._presses) or self._presses[self._next][0] > now:
-            return None
+            return b""
         self._next += 1
         return self._presses[self._next - 1][1]
 

@@ -99,8 +99,9 @@ class Judge(Ledger):
         if kind is BoardKind.BASE:
             self._disarmed("the base board was reset")
 
-    def opened(self, process: Process) -> None:
-        self._disarmed(f"{process.instance} has opened the base board's port")
+    def opened(self, process: Process, kind: BoardKind) -> None:
+        if kind is BoardKind.BASE:
+            self._disarmed(f"{process.instance} has opened the base board's port")
 
     def on_grant(self, lease: Lease) -> None:
         what = f"{lease.instance} gives the lease {lease.counter} to {lease.holder or 'nobody'}"

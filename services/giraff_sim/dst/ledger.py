@@ -96,6 +96,7 @@ class Ledger(Observer):
         self._agenda = agenda
         self._boots: dict[BoardKind, list[int]] = {kind: [0] for kind in BoardKind}
         self._measured: dict[Process, int] = {}
+        self._typed: set[Process] = set()
         self._given: dict[Made, Given] = {}
         self._born: dict[Made, int] = {}  # of ranges, by maker and sensor
         self._ranges_of: dict[Process, dict[str, tuple[Range, int]]] = defaultdict(dict)
@@ -116,9 +117,10 @@ class Ledger(Observer):
         """A board begins anew: so does its clock."""
         self._boots[kind].append(self._agenda.now_us)
 
-    def measured(self, process: Process, born_us: int) -> None:
-        """What `process` says next stands on a human's act of then."""
-        self._measured[process] = born_us
+    def typed(self, process: Process, keys: bytes) -> None:
+        del keys
+        self._typed.add(process)
+        self._measured[process] = self._agenda.now_us
 
     def read(self, process: Process, frame: Frame) -> None:
         if isinstance(frame, TiltFrame):
@@ -200,6 +202,8 @@ class Ledger(Observer):
 
     def _on_given(self, process: Process, sample: DriveCommand) -> None:
         born_us = self._measured.get(process, self._agenda.now_us)
+        if process in self._typed and sample.neutral:
+            born_us = self._agenda.now_us  # a key that is not pressed is so at every moment
         self._given[sample.instance, sample.seq] = Given(sample, born_us)
         self.neutral[sample.instance].note(born_us, is_neutral=sample.neutral and sample.source == "hand")
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from random import Random
 from typing import TYPE_CHECKING, Final
 
-from giraff_sim.closed_loop import SERVICES
+from giraff_sim.closed_loop import MACHINES
 from giraff_sim.dst.faults import Course, Kind, fault
 from giraff_sim.dst.hands import Fingers
-from giraff_sim.dst.people import Double, Keyboard
+from giraff_sim.dst.people import double, typist
 from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Way
 
 if TYPE_CHECKING:
@@ -37,9 +37,10 @@ def kill(drill: Drill, chance: Random) -> Course:
         return
     applies = drill.driven_by(name)
     bound_us, way = _bound(name)
-    drill.loop.kill(name)
-    with drill.stops(f"{name} is killed", bound_us, way, applies):
-        yield f"{name} is killed"
+    signal, end = chance.choice((("killed", drill.loop.kill), ("terminated", drill.loop.terminate)))
+    end(name)
+    with drill.stops(f"{name} is {signal}", bound_us, way, applies):
+        yield f"{name} is {signal}"
     drill.loop.start(name)
 
 
@@ -62,7 +63,7 @@ def suspend(drill: Drill, chance: Random) -> Course:
     name = chance.choice(("operator", "robot"))
     host = drill.loop.hosts[name]
     cables = [drill.cable(service) for service in _WITH_A_BOARD[name]]
-    if not drill.claims(*cables, *(service for service, (on, _) in SERVICES.items() if on == name)):
+    if not drill.claims(*cables, *(service for service, on in MACHINES.items() if on == name)):
         return
     host.suspend()
     for cable in cables:
@@ -107,7 +108,7 @@ def _second(drill: Drill, service: str, besides: str) -> Course:
     if not drill.claims(service):
         return
     name = drill.fresh_name(f"second {service}")
-    drill.loop.launch(name, SERVICES[service][1], drill.loop.hosts["robot"])
+    drill.loop.start(service, name)
     with drill.stops(f"{name} runs", ROBOT_US):
         yield f"a {name} starts{besides}"
     drill.loop.kill(name)
@@ -116,11 +117,7 @@ def _second(drill: Drill, service: str, besides: str) -> Course:
 @fault(KINDS, weight=1.5, lasts=(2.0, 8.0))
 def second_joystick(drill: Drill, chance: Random) -> Course:
     name = drill.fresh_name("second joystick")
-    drill.loop.launch(
-        name,
-        lambda loop, host, instance, _: Double(loop, host, instance, chance, drill.seconds),
-        drill.loop.hosts["operator"],
-    )
+    drill.loop.launch(name, lambda process: double(process, chance, drill.seconds), drill.loop.hosts["operator"])
     yield f"a {name} of the same name starts"
     drill.loop.kill(name)
 
@@ -129,12 +126,7 @@ def second_joystick(drill: Drill, chance: Random) -> Course:
 def keyboard(drill: Drill, chance: Random) -> Course:
     name = drill.fresh_name("keyboard")
     begin = drill.loop.agenda.now_us * 1e-6
-    drill.loop.launch(
-        name,
-        lambda loop, host, instance, _: Keyboard(
-            loop, host, instance, drill.judge, Fingers(chance, begin, drill.seconds)
-        ),
-        drill.loop.hosts["operator"],
-    )
+    fingers = Fingers(chance, begin, drill.seconds)
+    drill.loop.launch(name, lambda process: typist(process, fingers), drill.loop.hosts["operator"])
     yield f"somebody types at a {name}"
     drill.loop.kill(name)

@@ -10,7 +10,7 @@ import msgspec
 
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.host import Host
-from giraff_sim.hosts.network import Network
+from giraff_sim.hosts.network import Message, Network, Subscription
 from giraff_sim.hosts.process import Process
 
 _BURST_US: Final = 20_000  # over which TCP hands over what it has held
@@ -20,8 +20,13 @@ class Said(NamedTuple):
     """A message as it was published."""
 
     at_us: int
-    sender: Process
-    message: msgspec.Struct
+    message: Message
+    to: tuple[Subscription, ...] = ()
+    """Of an answer: who had asked. Empty: whoever takes the key."""
+
+    @property
+    def body(self) -> msgspec.Struct:
+        return self.message.body
 
 
 class Link:
@@ -38,7 +43,7 @@ class Link:
         """Share that is held up for up to 0.2 s, while what was said later goes on."""
         self.cut: str = ""
         """`loses` or `holds` (TCP: all of it arrives when the link is back); empty: it carries."""
-        self.held: list[tuple[Process, msgspec.Struct]] = []
+        self.held: list[tuple[Subscription, Message]] = []
         self.newest_us = 0  # arrival of the newest message that was not held up
 
 
@@ -61,15 +66,20 @@ class FaultyNetwork(Network):
             self._links[key] = Link(self._delay_us, self._delay_us // 3)
         return self._links[key]
 
-    def publish(self, sender: Process, message: msgspec.Struct) -> None:
-        self.history.append(Said(self._agenda.now_us, sender, message))
+    def publish(self, sender: Process, message: Message) -> None:
+        self.history.append(Said(self._agenda.now_us, message))
         super().publish(sender, message)
 
-    def carry(self, sender: Process, taker: Process, message: msgspec.Struct) -> None:
-        if sender.host is taker.host:
-            taker.receive(message)
+    def answer(self, sender: Process, message: Message, answer: msgspec.Struct) -> None:
+        if message.answers_to is not None:
+            self.history.append(Said(self._agenda.now_us, Message(message.key, answer), (message.answers_to,)))
+        super().answer(sender, message, answer)
+
+    def carry(self, sender: Process, taker: Subscription, message: Message) -> None:
+        if sender.host is taker.process.host:
+            taker.deliver(message)
             return
-        link = self.link(sender.host, taker.host)
+        link = self.link(sender.host, taker.process.host)
         if link.cut == "holds":
             link.held.append((taker, message))
         elif not link.cut:
@@ -87,12 +97,12 @@ class FaultyNetwork(Network):
 
     def replay(self, said: list[Said], spread_us: int) -> None:
         """Carry old messages again, verbatim, to whoever takes them now."""
-        for number, (_, _, message) in enumerate(said):
+        for number, (_, message, to) in enumerate(said):
             at_us = self._agenda.now_us + spread_us * number // max(1, len(said))
-            for taker in self.takers(type(message)):
+            for taker in to or self.takers(message.key):
                 self._arrive(taker, message, at_us)
 
-    def _send(self, link: Link, taker: Process, message: msgspec.Struct) -> None:
+    def _send(self, link: Link, taker: Subscription, message: Message) -> None:
         chance = self._chance
         if link.loss and chance.random() < link.loss:
             return
@@ -105,5 +115,5 @@ class FaultyNetwork(Network):
         if link.duplicates and chance.random() < link.duplicates:
             self._arrive(taker, message, at_us + chance.randint(0, 500_000))
 
-    def _arrive(self, taker: Process, message: msgspec.Struct, at_us: int) -> None:
-        self._agenda.at(at_us, partial(taker.receive, message))
+    def _arrive(self, taker: Subscription, message: Message, at_us: int) -> None:
+        self._agenda.at(at_us, partial(taker.deliver, message))

@@ -104,7 +104,7 @@ def replay(drill: Drill, chance: Random) -> Course:
     now_us = drill.loop.agenda.now_us
     until_us = now_us - round(chance.uniform(0.2, 1.0) * min(8_000_000, now_us))
     from_us = until_us - chance.randint(100_000, 3_000_000)
-    old = [said for said in drill.network.history if from_us <= said.at_us <= until_us and type(said.message) in kinds]
+    old = [said for said in drill.network.history if from_us <= said.at_us <= until_us and type(said.body) in kinds]
     spread_us = chance.choice((20_000, 500_000, until_us - from_us))
     drill.network.replay(old, spread_us)
     names = ", ".join(kind.__name__ for kind in kinds)

@@ -1,4 +1,4 @@
-"""Processes that humans work beside the joystick: a keyboard, a stop button, and a second joystick."""
+"""What humans do beside the joystick: a keyboard, a second joystick, and the command line's emergency stop."""
 
 from __future__ import annotations
 
@@ -6,89 +6,99 @@ import math
 import random
 from typing import TYPE_CHECKING, Final
 
+from giraff_joystick.service import Joystick
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.policy import KeyboardPolicy
+from giraff_keyboard.service import Keyboard
+from giraff_node.estop import stops_for_good
 from giraff_node.pacing import Pacer
-from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, Lease, RobotTime, Tick
-from giraff_schemas.topics import OPERATOR_CMD_VEL, TILT
-from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, TiltFrame, TiltStatus
+from giraff_node.repeating import Repeated
+from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
+from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
+from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, Frame, TickFrame, TiltFrame, TiltStatus
 from giraff_sim.dst.hands import Fingers, RestlessHand
 from giraff_sim.hosts.process import Process
 
 if TYPE_CHECKING:
-    from giraff_sim.closed_loop import ClosedLoop
     from giraff_sim.dst.judge import Judge
-    from giraff_sim.hosts.host import Host
 
-_ASKS_EVERY: Final = 0.2  # s, until it is answered
+_POLL_HZ: Final = 20.0  # of the command line, for an answer
 _NOISE: Final = 0.03  # m/s², of a hand and a sensor
 
 
-class Keyboard(Process):
-    """giraff_keyboard, with fingers in the place of the terminal."""
+def typist(process: Process, fingers: Fingers) -> Keyboard:
+    """giraff_keyboard in a process of its own, with `fingers` at its terminal."""
+    return Keyboard(process, KeyboardConfig(), process.loop.settings.robot, _Terminal(process, fingers))
 
-    def __init__(self, loop: ClosedLoop, host: Host, instance: str, judge: Judge, fingers: Fingers) -> None:
-        super().__init__(loop, host, instance)
-        config = KeyboardConfig()
-        self._policy = KeyboardPolicy(config, loop.settings.robot, instance)
-        self._judge, self._fingers = judge, fingers
-        self._ticks, self._leases = self._inbox(Tick, limit=1), self._inbox(Lease, limit=10)
-        self._topic = OPERATOR_CMD_VEL.at(config.operator)
-        self._pace = Pacer(OPERATOR_CMD_VEL.rate_hz)
-        self._pacers = (self._pace,)
-        self._pressed_us = 0
 
-    def turn(self, now: float) -> None:
-        now_us = self.loop.agenda.now_us
-        pressed = False
-        while (key := self._fingers.pressed(now_us * 1e-6)) is not None:
-            pressed = True
-            self._pressed_us = now_us
-            self._policy.on_key(key, now)
-        for tick in self._ticks.take():
-            self._policy.on_tick(tick, now)
-        for lease in self._leases.take():
-            self._policy.on_lease(lease)
-        if self._pace.due(now) or pressed:
-            command = self._policy.command(now)
-            self._judge.measured(self, now_us if command.neutral else self._pressed_us)
-            self._say(self._topic, command)
+class _Terminal:
+    """Where the fingers type. Nobody reads what it shows."""
+
+    is_gone = False
+
+    def __init__(self, process: Process, fingers: Fingers) -> None:
+        self._process = process
+        self._fingers = fingers
+
+    def descriptor(self) -> int | None:
+        return None
+
+    def read(self) -> bytes:
+        """What was pressed until now. The next press wakes the process."""
+        now_us = self._process.loop.agenda.now_us
+        typed = b""
+        while key := self._fingers.pressed(now_us * 1e-6):
+            typed += key
+        if typed:
+            self._process.loop.observer.typed(self._process, typed)
         if (wait := self._fingers.wait(now_us * 1e-6)) is not None:
-            self.wake(now_us + max(1, math.ceil(wait * 1e6)))
+            self._process.wake(now_us + max(1, math.ceil(wait * 1e6)))
+        return typed
+
+    def show(self, lines: list[str]) -> None:
+        del lines
 
 
-class Double(Process):
-    """A second joystick of the same name, whose board is imitated: another hand, and frames as the board sends them."""
+def double(process: Process, chance: random.Random, seconds: float) -> Joystick:
+    """A second joystick of the same name, in another hand, whose board is imitated."""
+    settings = process.loop.settings
+    process.imitate(settings.joystick.port, _TiltBoard(process, chance, RestlessHand(chance, seconds)))
+    return Joystick(process, settings.joystick, settings.robot)
 
-    def __init__(self, loop: ClosedLoop, host: Host, instance: str, chance: random.Random, seconds: float) -> None:
-        super().__init__(loop, host, instance)
-        settings = loop.settings
-        self._policy = loop.policies.joystick(settings.joystick, settings.robot, instance)
+
+class _TiltBoard:
+    """Frames as the joystick's board sends them."""
+
+    fault = ""
+    opened = 1
+
+    def __init__(self, process: Process, chance: random.Random, hand: RestlessHand) -> None:
+        self._process = process
         self._chance = chance
-        self._hand = RestlessHand(chance, seconds)
+        self._hand = hand
         self._tick: RobotTime | None = None
-        self._ticks, self._leases = self._inbox(Tick, limit=1), self._inbox(Lease, limit=10)
-        self._topic = OPERATOR_CMD_VEL.at(settings.joystick.operator)
-        self._pace, self._frame_pace = Pacer(OPERATOR_CMD_VEL.rate_hz), Pacer(1000.0 / TILT_PERIOD_MS)
-        self._pacers = (self._pace, self._frame_pace)
+        self._pace = Pacer(1000.0 / TILT_PERIOD_MS)
         self._seq = 0
 
-    def turn(self, now: float) -> None:
-        if self._frame_pace.due(now):
-            frame = self._frame()
-            self.loop.observer.read(self, frame)
-            self._say(TILT, self._policy.on_frame(frame, now))
-        for lease in self._leases.take():
-            self._policy.on_lease(lease)
-        for tick in self._ticks.take():
-            self._policy.on_tick(tick, now)
-            self._tick = tick.time
+    def descriptor(self) -> int | None:
+        return None
+
+    def poll(self, now: float) -> list[Frame]:
+        loop = self._process.loop
+        frames: list[Frame] = []
         if self._pace.due(now):
-            self._say(self._topic, self._policy.command(now))
+            frames.append(self._frame())
+            loop.observer.read(self._process, frames[0])
+        self._process.wake(loop.agenda.now_us + int(self._pace.wait(now) * 1e6) + 1)
+        return frames
+
+    def send(self, frame: Frame) -> None:
+        if isinstance(frame, TickFrame):
+            self._tick = RobotTime(epoch=frame.epoch, robot_ns=frame.robot_ns)
 
     def _frame(self) -> TiltFrame:
-        now_us = self.loop.agenda.now_us
-        felt = self._hand.acceleration(now_us * 1e-6, self.loop.simulation.world.plant.pose)
+        loop = self._process.loop
+        now_us = loop.agenda.now_us
+        felt = self._hand.acceleration(now_us * 1e-6, loop.simulation.world.plant.pose)
         x, y, z = (round((axis + self._chance.gauss(0.0, _NOISE)) * TILT_LSB_PER_M_S2) for axis in felt)
         self._seq += 1
         return TiltFrame(
@@ -108,42 +118,42 @@ class Double(Process):
         )
 
 
-class Button(Process):
+class Button:
     """`giraff estop engage` and `giraff estop reset`: each asks again until base has answered."""
 
-    def __init__(self, loop: ClosedLoop, host: Host, instance: str, judge: Judge) -> None:
-        super().__init__(loop, host, instance)
+    link = None
+
+    def __init__(self, process: Process, judge: Judge) -> None:
+        self._process = process
         self._judge = judge
-        self._answers, self._states = self._queue(EStopAnswer), self._queue(EStop)
-        self._ticks = self._queue(Tick)
-        self._asks_again = 0.0
-        self._asks: EStopEngage | EStopReset | None = None
+        self._states, self._ticks = process.inbox(ESTOP), process.inbox(TICK)
+        self._asking: Repeated[EStopAnswer] | None = None
         self._tick: RobotTime | None = None
         self._id = 0
+        self.pacers = (Pacer(_POLL_HZ),)
 
     def engage(self) -> None:
-        self._ask(EStopEngage(by=self.instance, reason="drill"))
+        """Ask to stop."""
+        asked = EStopEngage(by=self._process.instance, reason="drill")
+        self._asking = self._process.ask(ESTOP_ENGAGE, asked, stops_for_good)
+        self._process.wake()
 
     def reset(self) -> None:
         """Ask to release the latch that was heard of last."""
         self._hear()
-        reset = EStopReset(by=self.instance, id=self._id, tick=self._tick)
-        self._judge.pressed_reset(reset)
-        self._ask(reset)
+        asked = EStopReset(by=self._process.instance, id=self._id, tick=self._tick)
+        self._judge.pressed_reset(asked)
+        self._asking = self._process.ask(ESTOP_RESET, asked, lambda _: True)
+        self._process.wake()
 
     def turn(self, now: float) -> None:
+        self.pacers[0].due(now)
         self._hear()
-        for _ in self._answers.take():
-            self._asks = None
-        if self._asks is not None and now >= self._asks_again:
-            self._asks_again = now + _ASKS_EVERY
-            self.loop.network.publish(self, self._asks)
+        if self._asking is not None and self._asking.poll(now) is not None:
+            self._asking = None
 
-    def _ask(self, request: EStopEngage | EStopReset) -> None:
-        for _ in self._answers.take():
-            pass  # of an earlier request
-        self._asks, self._asks_again = request, 0.0
-        self.wake()
+    def end(self) -> None:
+        """Nothing is left to say."""
 
     def _hear(self) -> None:
         for tick in self._ticks.take():

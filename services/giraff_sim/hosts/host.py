@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Final
 
-from giraff_node.estop import RELEASED
 from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.disk import Disk
 
 _BOOTED_US: Final = 3_600_000_000  # a machine has been up for an hour when the simulation begins
 _YEAR_2026_NS: Final = 1_767_225_600_000_000_000  # since 1970
@@ -21,8 +21,7 @@ class Host:
         """How far its wall clock is ahead of the true time."""
         self.wall_drift = 0.0
         """s that its wall clock gains a second."""
-        self.disk: dict[str, Any] = {"estop": RELEASED}
-        """What it keeps over the ends of its processes."""
+        self.disk = Disk(agenda)
         self._agenda = agenda
         self._booted_us = booted_us
         self._slept_us = 0

@@ -2,37 +2,91 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
-from giraff_sim.hosts.process import Process
+if TYPE_CHECKING:
+    from giraff_sim.hosts.process import Process
+
+
+class Message(NamedTuple):
+    """What one process says: a sample, a request, or the answer to one."""
+
+    key: str
+    """As the topics table has it, with a name in the place of `*`."""
+    body: msgspec.Struct
+    answers_to: Subscription | None = None
+    """Who waits for the answer of a request."""
+
+
+class Subscription(NamedTuple):
+    """One process's door for the messages of a key."""
+
+    process: Process
+    key: str
+    """With `*` for any one chunk."""
+    accept: Callable[[Message], None]
+
+    def deliver(self, message: Message) -> None:
+        """A message has arrived at the process."""
+        self.process.receive(self, message)
 
 
 class Network:
-    """Carries samples, requests and answers to whoever takes messages of their type."""
+    """Carries messages to whoever has subscribed to their key."""
 
     def __init__(self) -> None:
-        self._takers: dict[type[msgspec.Struct], list[Process]] = defaultdict(list)
+        self._subscriptions: list[Subscription] = []
+        self._by_key: dict[str, tuple[Subscription, ...]] = {}
 
-    def join(self, process: Process) -> None:
-        for kind in process.takes:
-            self._takers[kind].append(process)
+    def join(self, subscription: Subscription) -> None:
+        self._subscriptions.append(subscription)
+        self._by_key.clear()
 
     def leave(self, process: Process) -> None:
-        for kind in process.takes:
-            self._takers[kind].remove(process)
+        self._subscriptions = [each for each in self._subscriptions if each.process is not process]
+        self._by_key.clear()
 
-    def takers(self, kind: type[msgspec.Struct]) -> tuple[Process, ...]:
-        """Who takes messages of this type now."""
-        return tuple(self._takers[kind])
+    def takers(self, key: str) -> tuple[Subscription, ...]:
+        """Who takes messages of this key now."""
+        if key not in self._by_key:
+            self._by_key[key] = tuple(each for each in self._subscriptions if _matches(each.key, key))
+        return self._by_key[key]
 
-    def publish(self, sender: Process, message: msgspec.Struct) -> None:
-        """Carry `message` to each process that takes its type."""
-        for taker in self._takers[type(message)]:
+    def publish(self, sender: Process, message: Message) -> None:
+        """Carry `message` to each process that takes its key."""
+        for taker in self.takers(message.key):
             self.carry(sender, taker, message)
 
-    def carry(self, sender: Process, taker: Process, message: msgspec.Struct) -> None:
+    def answer(self, sender: Process, message: Message, answer: msgspec.Struct) -> None:
+        """Carry the answer to a request back to whoever asked."""
+        if message.answers_to is not None:
+            self.carry(sender, message.answers_to, Message(message.key, answer))
+
+    def carry(self, sender: Process, taker: Subscription, message: Message) -> None:
         """Carry one message from one process to another."""
         del sender
-        taker.receive(message)
+        taker.deliver(message)
+
+
+class Request:
+    """A request that has arrived, as a service takes it."""
+
+    def __init__(self, network: Network, taker: Process, message: Message) -> None:
+        self.request: Any = message.body
+        self._network = network
+        self._taker = taker
+        self._message = message
+
+    def answer(self, answer: Any) -> None:
+        self._network.answer(self._taker, self._message, answer)
+
+
+def _matches(pattern: str, key: str) -> bool:
+    """Whether a concrete key is one of those that `pattern` stands for."""
+    if pattern == key:
+        return True
+    wanted, chunks = pattern.split("/"), key.split("/")
+    return len(wanted) == len(chunks) and all(a in ("*", b) for a, b in zip(wanted, chunks, strict=True))

@@ -1,77 +1,179 @@
-"""One policy in the place of its process: it wakes when its real loop would, and hears what that one would hear."""
+"""A process in simulated time: it runs a service's own turn whenever the real loop would, on a simulated world."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+import logging
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from random import Random
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
 
 import msgspec
 
 from giraff_node.board_link import BoardLink
+from giraff_node.config import ConfigT
 from giraff_node.inbox import Inbox
-from giraff_node.pacing import Pacer
+from giraff_node.io import Asked, Board, Publisher, Service
+from giraff_node.param_desk import ParamDesk
+from giraff_node.params import Params
+from giraff_node.repeating import Repeated
+from giraff_node.robot import RobotConfig
 from giraff_schemas.codec import stamped
-from giraff_schemas.topics import SampleT, Topic
+from giraff_schemas.frames import Transform
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import (
+    PARAM_DESCRIBE,
+    PARAM_SAVE,
+    PARAM_SET,
+    AnswerT,
+    Query,
+    RequestT,
+    SampleT,
+    Topic,
+)
 from giraff_schemas.wire import BoardKind, Frame
 from giraff_sim.hosts.cable import CableEnd
+from giraff_sim.hosts.disk import ProcessStore
+from giraff_sim.hosts.network import Message, Request, Subscription
 
 if TYPE_CHECKING:
     from giraff_sim.closed_loop import ClosedLoop
     from giraff_sim.hosts.host import Host
 
 _LONGEST_WAIT_US: Final = 100_000  # a node's loop comes round at least this often
+_MOST_REQUESTS: Final = 20  # that wait for their answers, as at a node
 _NEVER: Final = 1 << 62
+_LOG: Final = logging.getLogger("giraff_sim.process")
+_LOG.addHandler(logging.NullHandler())
+_LOG.propagate = False
 
-MessageT = TypeVar("MessageT", bound=msgspec.Struct)
+ItemT = TypeVar("ItemT")
 
 
-class Process(ABC):
-    """A service's loop. `turn` is one round of it, with what the real one does between two waits."""
+class Process:
+    """The `IO` of one service, and its loop."""
 
-    def __init__(self, loop: ClosedLoop, host: Host, instance: str) -> None:
+    def __init__(self, loop: ClosedLoop, host: Host, name: str, instance: str) -> None:
+        """`name`: what it is called here; `instance`: of this start of it."""
         self.loop = loop
         self.host = host
+        self.name = name
         self.instance = instance
-        self.name = instance
-        """What it is called here."""
-        self.takes: dict[type[msgspec.Struct], Callable[[Any], None]] = {}
+        self.hostname = host.name
+        self.store = ProcessStore(self, host.disk)
+        self.on_reconfigured: Callable[[Any], None] | None = None
         self.paused = False
         """As by SIGSTOP: nothing runs, and what arrives waits."""
-        self._waiting: list[msgspec.Struct] = []
-        self._pacers: tuple[Pacer, ...] = ()
+        self.ended = False
+        self.told: dict[str, str] = {}
+        """Its faults and notices, by name."""
+        self._service: Service | None = None
+        self._leaves = False
+        self._answer_for_params: Callable[[], None] = lambda: None
+        self._random = Random(f"{loop.simulation.world.seed}/{instance}")
+        self._waiting: list[tuple[Subscription, Message]] = []
         self._sequences: dict[str, int] = defaultdict(int)
         self._wake_at_us = _NEVER
         self._entry_us = _NEVER  # of the agenda's earliest entry for this process, which may be too early by now
-        self._ended = False
         self._links: list[BoardLink] = []
+        self._imitated: dict[str, Board] = {}
 
-    @abstractmethod
-    def turn(self, now: float) -> None:
-        """A round of the loop. `now`: the host's monotonic clock, s."""
+    # What a service has of it.
+
+    def inbox(self, topic: Topic[SampleT], limit: int = 200) -> Inbox[SampleT]:
+        inbox: Inbox[SampleT] = _Inbox(limit, partial(self.loop.observer.heard, self))
+        self._subscribe(topic.key, lambda message: inbox.accept(message.body))  # type: ignore[arg-type]  # its key says
+        return inbox
+
+    def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]:
+        return _Publisher(self, topic)
+
+    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
+        observer = self.loop.observer
+        inbox: Inbox[Asked[RequestT, AnswerT]] = _Inbox(
+            _MOST_REQUESTS, lambda asked: observer.heard(self, asked.request)
+        )
+        self._subscribe(query.key, lambda message: inbox.accept(Request(self.loop.network, self, message)))
+        return inbox
+
+    def ask(
+        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
+    ) -> Repeated[AnswerT]:
+        return _Asking(self, query.key, request, settles)
+
+    def frame(self, child: str, where: Transform | Callable[[], Transform]) -> None:
+        """Nobody asks for frames here."""
+
+    def board(self, path: str, baud: int, kind: BoardKind) -> Board:
+        if path in self._imitated:
+            return self._imitated[path]
+        link = BoardLink(path, baud, kind, CableEnd(path, baud, self.loop.cables.get(path), self.wake))
+        self._links.append(link)
+        return _WatchedBoard(self, link)
+
+    def monotonic(self) -> float:
+        return self.host.monotonic()
+
+    def robot_ns(self) -> int:
+        return self.host.boottime_ns()
+
+    def token(self) -> int:
+        return self._random.randrange(1, 1 << 32)
+
+    def set_fault(self, name: str, message: str) -> None:
+        self.told[name] = message
+
+    def set_notice(self, name: str, message: str) -> None:
+        self.told[name] = message
+
+    def leave(self) -> None:
+        self._leaves = True
+
+    # What the simulation does with it.
+
+    def parameters(self, service: str, filed: ConfigT, robot: RobotConfig) -> ConfigT:
+        """What is in force of a table once what was saved is restored. From now on it is answered for."""
+        params = Params(service, filed, robot)
+        desk = ParamDesk(service, self.instance, self.hostname, params, self.store, _LOG)
+        describes, sets, saves = (
+            self.requests(PARAM_DESCRIBE.at(service)),
+            self.requests(PARAM_SET.at(service)),
+            self.requests(PARAM_SAVE.at(service)),
+        )
+        self._answer_for_params = lambda: desk.turn(describes, sets, saves, self.on_reconfigured)
+        return params.config
+
+    def imitate(self, path: str, board: Board) -> None:
+        """Have another board than the simulated one at a port."""
+        self._imitated[path] = board
+
+    def run(self, service: Service) -> None:
+        """Turn from now on."""
+        self._service = service
+        self.wake()
 
     @property
     def stalled(self) -> bool:
         """Whether it cannot run now."""
         return self.paused or self.host.suspended
 
-    def receive(self, message: msgspec.Struct) -> None:
+    def receive(self, subscription: Subscription, message: Message) -> None:
         """Take a message from the network, or leave it in the kernel's buffers while nothing runs here."""
-        if self._ended:
+        if self.ended:
             return
         if self.stalled:
-            self._waiting.append(message)
+            self._waiting.append((subscription, message))
         else:
-            self.takes[type(message)](message)
+            subscription.accept(message)
 
     def go_on(self, spread_us: int = 0) -> None:
         """Run again after a stall: what has waited arrives as if it were new, over `spread_us`."""
         waiting, self._waiting = self._waiting, []
         now_us = self.loop.agenda.now_us
-        for number, message in enumerate(waiting):
-            self.loop.agenda.at(now_us + spread_us * number // len(waiting), partial(self.receive, message))
+        for number, (subscription, message) in enumerate(waiting):
+            at_us = now_us + spread_us * number // len(waiting)
+            self.loop.agenda.at(at_us, partial(self.receive, subscription, message))
         self.wake()
 
     def wake(self, at_us: int | None = None) -> None:
@@ -84,17 +186,39 @@ class Process(ABC):
                 self._entry_us = at_us
                 agenda.at(at_us, self._awake)
 
+    def terminate(self) -> None:
+        """End as SIGTERM would: in order, with the service's last words. One that is stalled says none."""
+        if self._service is not None and not self.stalled and not self.ended:
+            self._service.end()
+        self.end()
+
     def end(self) -> None:
         """End as SIGKILL would."""
-        self._ended = True
+        self.ended = True
         for link in self._links:
             link.close()
+
+    def say(self, key: str, sample: Sample) -> None:
+        """Stamp a sample, and publish it."""
+        seq = self._sequences[key]
+        self._sequences[key] = seq + 1
+        whole = stamped(sample, seq, self.host.wall_ns(), self.instance)
+        self.loop.newest[key] = whole
+        self.loop.observer.said(self, whole)
+        self.loop.network.publish(self, Message(key, whole))
+
+    def _subscribe(self, key: str, accept: Callable[[Message], None]) -> None:
+        def accept_and_wake(message: Message) -> None:
+            accept(message)
+            self.wake()
+
+        self.loop.network.join(Subscription(self, key, accept_and_wake))
 
     def _awake(self) -> None:
         now_us = self.loop.agenda.now_us
         if self._entry_us <= now_us:
             self._entry_us = _NEVER
-        if self._ended:
+        if self.ended or self._service is None:
             return
         if self._wake_at_us > now_us:
             if self._wake_at_us < self._entry_us:
@@ -104,63 +228,109 @@ class Process(ABC):
         self._wake_at_us = _NEVER
         if self.stalled:
             return
+        self._answer_for_params()
         now = self.host.monotonic()
-        self.turn(now)
+        self._service.turn(now)
+        if self._leaves:
+            self.terminate()
+            return
         wait_us = _LONGEST_WAIT_US
-        for pacer in self._pacers:
+        for pacer in self._service.pacers:
             wait_us = min(wait_us, int(pacer.wait(now) * 1e6) + 1)
         self.wake(now_us + wait_us)
 
-    def _queue(self, kind: type[MessageT], limit: int = 200) -> Inbox[MessageT]:
-        """An inbox whose filling wakes nobody."""
-        inbox: Inbox[MessageT] = Inbox(limit)
-        self.takes[kind] = inbox.accept
-        return inbox
 
-    def _inbox(self, kind: type[MessageT], limit: int = 200) -> Inbox[MessageT]:
-        """As `Node.inbox`: its arrival wakes the loop."""
-        inbox: Inbox[MessageT] = Inbox(limit)
+class _Inbox(Inbox[ItemT]):
+    """An inbox that tells of each item when it is handed to the service."""
 
-        def take_and_wake(message: MessageT) -> None:
-            inbox.accept(message)
-            self.wake()
+    def __init__(self, limit: int, tell: Callable[[ItemT], None]) -> None:
+        super().__init__(limit)
+        self._tell = tell
 
-        self.takes[kind] = take_and_wake
-        return inbox
+    def take(self) -> Iterator[ItemT]:
+        for item in super().take():
+            self._tell(item)
+            yield item
 
-    def _link(self, path: str, baud: int, kind: BoardKind) -> BoardLink:
-        cable = self.loop.cables.get(path)
-        link = BoardLink(path, baud, kind, CableEnd(path, baud, cable, self.wake))
-        self._links.append(link)
-        return link
 
-    def _say(self, topic: Topic[SampleT], sample: SampleT) -> None:
-        seq = self._sequences[topic.key]
-        self._sequences[topic.key] = seq + 1
-        whole = stamped(sample, seq, self.host.wall_ns(), self.instance)
-        self.loop.newest[topic.key] = whole
-        self.loop.observer.said(self, whole)
-        self.loop.network.publish(self, whole)
+class _Publisher(Generic[SampleT]):
+    def __init__(self, process: Process, topic: Topic[SampleT]) -> None:
+        self._process = process
+        self._key = topic.key
 
-    def _write(self, link: BoardLink, frame: Frame) -> None:
-        self.loop.observer.wrote(self, frame)
-        link.send(frame)
+    def put(self, sample: SampleT) -> None:
+        self._process.say(self._key, sample)
+
+
+class _Asking(Repeated[AnswerT]):
+    """As `giraff_node.asking.Asking`, over the simulated network."""
+
+    def __init__(self, process: Process, key: str, request: msgspec.Struct, settles: Callable[[AnswerT], bool]) -> None:
+        super().__init__(settles)
+        self._process = process
+        self._message = Message(key, request, Subscription(process, key, self._on_reply))
+
+    def _attempt(self) -> None:
+        self._process.loop.network.publish(self._process, self._message)
+
+    def _on_reply(self, message: Message) -> None:
+        self.on_answer(message.body)  # type: ignore[arg-type]  # the request's key says what it is answered with
+        self._process.wake()
+
+
+class _WatchedBoard:
+    """A board link that tells of each frame when it is handed to the service."""
+
+    def __init__(self, process: Process, link: BoardLink) -> None:
+        self._process = process
+        self._observer = process.loop.observer
+        self._link = link
+
+    def descriptor(self) -> int | None:
+        return self._link.descriptor()
+
+    @property
+    def fault(self) -> str:
+        return self._link.fault
+
+    @property
+    def opened(self) -> int:
+        return self._link.opened
+
+    def poll(self, now: float) -> Iterable[Frame]:
+        before = self._link.opened
+        frames = self._link.poll(now)
+        if self._link.opened != before:
+            self._observer.opened(self._process, self._link.kind)
+        return self._handed_out(frames) if frames else ()
+
+    def send(self, frame: Frame) -> None:
+        self._observer.wrote(self._process, frame)
+        self._link.send(frame)
+
+    def _handed_out(self, frames: list[Frame]) -> Iterator[Frame]:
+        for frame in frames:
+            self._observer.read(self._process, frame)
+            yield frame
 
 
 class Observer:
-    """Is told what passes through a process; never seen by a policy. This one keeps nothing."""
+    """Is told what passes through a process; never seen by a service. This one keeps nothing."""
 
     def said(self, process: Process, sample: Any) -> None:
         """`process` publishes `sample`."""
 
     def heard(self, process: Process, sample: Any) -> None:
-        """The policy of `process` is handed `sample`, a request among them."""
+        """The service of `process` is handed `sample`, a request among them."""
+
+    def typed(self, process: Process, keys: bytes) -> None:
+        """Somebody presses `keys` at the terminal of `process` just now."""
 
     def read(self, process: Process, frame: Frame) -> None:
-        """The policy of `process` is handed `frame` of its board."""
+        """The service of `process` is handed `frame` of its board."""
 
     def wrote(self, process: Process, frame: Frame) -> None:
         """`process` sends `frame` to its board."""
 
-    def opened(self, process: Process) -> None:
-        """`process` has opened its board's port."""
+    def opened(self, process: Process, kind: BoardKind) -> None:
+        """`process` has opened the port of its board, of that kind."""

@@ -15,9 +15,9 @@ import zenoh
 from giraff_cli.children import Children
 from giraff_cli.watcher import free_port
 from giraff_node.asking import Asking
-from giraff_node.estop import RELEASED
+from giraff_node.estop import RELEASED, kept_latch
 from giraff_node.session import NetworkConfig, close_session, open_session
-from giraff_node.state import read_latch, write_latch
+from giraff_node.state import Folder, write_latch
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, Health, RobotTime, Sample, Tick
 from giraff_schemas.topics import (
     ESTOP,
@@ -129,14 +129,14 @@ def test_the_latch_outlives_base_and_so_does_a_reset(base: Base) -> None:
     answer = base.engage()
     assert (answer.done, answer.engaged) == (True, True)
     base.kill()
-    assert read_latch(base.state).id == answer.id
+    assert kept_latch(Folder(base.state), 1).id == answer.id
     again = base.start()
     assert (again.engaged, again.id, again.by) == (True, answer.id, "test")
     old = EStopReset(by="test", id=again.id, tick=RobotTime(epoch=1, robot_ns=0))
     assert not base._ask(ESTOP_RESET, old).done
     assert base.reset().done
     base.kill()
-    assert not read_latch(base.state).engaged
+    assert not kept_latch(Folder(base.state), 1).engaged
     assert not base.start().engaged
 
 

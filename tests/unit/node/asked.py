@@ -9,7 +9,7 @@ from giraff_schemas.params import ParamAnswer
 
 
 class Asked:
-    """As `giraff_node.inbox.Asked`, whose answer has to be encoded, too."""
+    """As a request of `giraff_node.Node`, whose answer has to be encoded, too."""
 
     def __init__(self, request: Any) -> None:
         self.request = request

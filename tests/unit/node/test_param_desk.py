@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from giraff_guard.config import GuardConfig
 from giraff_node.inbox import Inbox
 from giraff_node.param_desk import ParamDesk
 from giraff_node.params import Params
+from giraff_node.state import Folder
 from giraff_schemas.params import ParamSave
 from tests.robots import ROBOT
 from tests.unit.node.asked import Asked
@@ -27,13 +29,18 @@ class Desk:
         self.params = Params("guard", GuardConfig(), ROBOT)
         self.params.set("margin", 0.5)
         self.file = folder / "params" / "guard.json"
-        self._desk = ParamDesk("guard", "guard-1", self.params, folder, logging.getLogger("guard"))
+        self._desk = ParamDesk("guard", "guard-1", "host", self.params, Folder(folder), logging.getLogger("guard"))
         self._saves: Inbox[Any] = Inbox(20)
 
     def ask(self, name: str = "margin") -> Asked:
         asked = Asked(ParamSave(names=(name,), by="carer"))
         self._saves.accept(asked)
         return asked
+
+    def has_answered(self, asked: Asked) -> bool:
+        """After another turn."""
+        self.turn()
+        return asked.said is not None
 
     def turn(self) -> None:
         self._desk.turn(Inbox(1), Inbox(1), self._saves, None)
@@ -46,7 +53,7 @@ def test_who_asks_without_end_at_a_slow_disk_takes_one_thread(tmp_path: Path, mo
         assert ready.wait(10.0)
         path.write_bytes(data)
 
-    monkeypatch.setattr("giraff_node.param_desk.write_file_durably", written)
+    monkeypatch.setattr("giraff_node.state.write_file_durably", written)
     desk = Desk(tmp_path)
     before = threading.active_count()
     first = last = desk.ask()
@@ -55,10 +62,8 @@ def test_who_asks_without_end_at_a_slow_disk_takes_one_thread(tmp_path: Path, mo
         last = desk.ask()
     assert threading.active_count() == before + 1
     ready.set()
-    wait(lambda: threading.active_count() == before, what="the first is saved")
-    assert first.said is not None
-    desk.turn()
-    wait(lambda: last.said is not None, what="the last is answered")
+    for asked in (first, last):
+        wait(partial(desk.has_answered, asked), what="it is answered")
     assert last.said is not None
     assert last.said.done
     assert msgspec.json.decode(desk.file.read_bytes()) == {"margin": 0.5}
@@ -67,8 +72,7 @@ def test_who_asks_without_end_at_a_slow_disk_takes_one_thread(tmp_path: Path, mo
 def test_each_of_those_who_wait_is_answered_by_itself(tmp_path: Path) -> None:
     desk = Desk(tmp_path)
     saved, unknown, saved_again = desk.ask(), desk.ask("marign"), desk.ask()
-    desk.turn()
-    wait(lambda: saved_again.said is not None, what="the last is answered")
+    wait(lambda: desk.has_answered(saved_again), what="the last is answered")
     assert [asked.said.done for asked in (saved, unknown, saved_again) if asked.said] == [True, False, True]
     assert unknown.said is not None
     assert "did you mean guard.margin" in unknown.said.reason

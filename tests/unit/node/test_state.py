@@ -6,17 +6,25 @@ import errno
 import os
 import threading
 import time
-from functools import partial
 from pathlib import Path
 
 import pytest
 
-from giraff_node.estop import RELEASED, EStopLatch
-from giraff_node.state import LATCH_FILE, LatchSaver, read_latch, state_directory, write_file_durably, write_latch
+from giraff_node.estop import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, kept_latch
+from giraff_node.state import Folder, state_directory, write_file_durably, write_latch
 from tests.waiting import wait
 
+LOST = 41
 ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar")
 WHOLE = b'{"engaged":false,"id":7,"by":"carer","reason":""}'
+
+
+def read_latch(directory: Path) -> EStopLatch:
+    return kept_latch(Folder(directory), LOST)
+
+
+def saver_in(directory: Path) -> LatchSaver:
+    return LatchSaver(Folder(directory).writer(LATCH_FILE))
 
 
 @pytest.mark.parametrize(
@@ -72,7 +80,7 @@ def test_a_file_that_says_nothing_clear_is_a_latch(tmp_path: Path, content: byte
     assert words in latch.reason
     assert str(tmp_path / LATCH_FILE) in latch.reason
     assert latch.reason.endswith("giraff estop reset")
-    assert latch.id != read_latch(tmp_path).id
+    assert latch.id == LOST
 
 
 def test_a_file_that_cannot_be_read_is_a_latch(tmp_path: Path) -> None:
@@ -142,7 +150,7 @@ def outcome_of(saver: LatchSaver) -> tuple[EStopLatch, str]:
 
 
 def test_the_saver_writes_and_tells(tmp_path: Path) -> None:
-    saver = LatchSaver(partial(write_latch, tmp_path))
+    saver = saver_in(tmp_path)
     assert saver.outcome() is None
     saver.save(ENGAGED)
     assert outcome_of(saver) == (ENGAGED, "")
@@ -152,7 +160,7 @@ def test_the_saver_writes_and_tells(tmp_path: Path) -> None:
 def test_the_saver_says_why_and_where_and_works_again(tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("no directory")
-    saver = LatchSaver(partial(write_latch, blocked))
+    saver = saver_in(blocked)
     saver.save(ENGAGED)
     latch, why = outcome_of(saver)
     assert latch == ENGAGED
@@ -162,15 +170,26 @@ def test_the_saver_says_why_and_where_and_works_again(tmp_path: Path) -> None:
     assert outcome_of(saver) == (RELEASED, "")
 
 
-def test_the_saver_does_not_wait_for_the_disk() -> None:
-    released = threading.Event()
+def test_the_saver_does_not_wait_for_the_disk(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    released, write = threading.Event(), write_file_durably
 
-    def hang(_: EStopLatch) -> None:
+    def hang(path: Path, data: bytes) -> None:
         assert released.wait(10.0)
+        write(path, data)
 
-    saver = LatchSaver(hang)
+    monkeypatch.setattr("giraff_node.state.write_file_durably", hang)
+    saver = saver_in(tmp_path)
     saver.save(ENGAGED)
     time.sleep(0.05)
     assert saver.outcome() is None
     released.set()
     assert outcome_of(saver) == (ENGAGED, "")
+
+
+def test_a_writer_wakes_whoever_waits_for_its_outcome(tmp_path: Path) -> None:
+    woken = threading.Event()
+    writer = Folder(tmp_path, woken.set).writer("params/guard.json")
+    writer.save(b"{}")
+    assert woken.wait(10.0)
+    assert writer.outcome() == ""
+    assert (tmp_path / "params" / "guard.json").read_bytes() == b"{}"

@@ -1,0 +1,88 @@
+"""The robot's clock, and the only writer to the base board."""
+
+from __future__ import annotations
+
+from giraff_base.config import BaseConfig
+from giraff_base.estop_desk import EStopDesk
+from giraff_base.policy import BasePolicy
+from giraff_node.estop import LATCH_FILE, LatchSaver, kept_latch
+from giraff_node.io import IO
+from giraff_node.pacing import Pacer
+from giraff_node.robot import RobotConfig
+from giraff_schemas.messages import RobotTime, Tick
+from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, WHEELS
+from giraff_schemas.wire import BASE_BAUD, BoardKind
+
+
+class Base:
+    """Reads the base board, `cmd_vel` and what is asked of the emergency stop; writes `tick`, `wheels` and its state.
+
+    A report of the board makes a turn due: the answer to it is the frame that drives.
+    """
+
+    def __init__(self, io: IO, config: BaseConfig, robot: RobotConfig, policy: type[BasePolicy] = BasePolicy) -> None:
+        self._io = io
+        self._epoch = io.token()
+        self._policy = policy(config, robot, kept_latch(io.store, io.token()))
+        io.on_reconfigured = self._policy.reconfigure
+        self._desk = EStopDesk(self._policy, LatchSaver(io.store.writer(LATCH_FILE)))
+        self.link = io.board(config.port, BASE_BAUD, BoardKind.BASE)
+        self._opened = 0
+        self._commands = io.inbox(CMD_VEL)
+        self._engages, self._resets = io.requests(ESTOP_ENGAGE), io.requests(ESTOP_RESET)
+        self._ticks, self._wheels = io.publisher(TICK), io.publisher(WHEELS)
+        self._states = _States(io, self._policy)
+        self._tick_pace = Pacer(TICK.rate_hz)
+        self.pacers = (self._tick_pace,)
+
+    def turn(self, now: float) -> None:
+        policy, link = self._policy, self.link
+        if self._tick_pace.due(now):
+            self._ticks.put(Tick(epoch=self._epoch, robot_ns=self._io.robot_ns()))
+        frames = link.poll(now)
+        if link.opened != self._opened:
+            self._opened = link.opened
+            policy.on_link_opened(session=self._io.token())
+        if link.fault:
+            policy.on_link_lost(link.fault)
+        robot_time = RobotTime(epoch=self._epoch, robot_ns=self._io.robot_ns())
+        for command in self._commands.take():
+            policy.on_command(command, robot_time)
+        for sample in policy.on_frames(frames, robot_time):
+            self._wheels.put(sample)
+        self._desk.take(self._engages.take(), self._resets.take(), robot_time)
+        if (frame := policy.next_frame(robot_time)) is not None:
+            link.send(frame)
+        self._desk.turn(robot_time)
+        self._io.set_fault("board", link.fault)
+        self._io.set_fault("estop", self._desk.fault)
+        for name, message in policy.faults.items():  # of the robot, and of a second guard
+            self._io.set_notice(name, message)
+        self._states.put(now)
+
+    def end(self) -> None:
+        """Nothing is left to say: the board stops by itself."""
+
+
+class _States:
+    """Publishes what base says of itself: at its rates, and at once what changes."""
+
+    def __init__(self, io: IO, policy: BasePolicy) -> None:
+        self._policy = policy
+        self._base, self._estop, self._battery = io.publisher(BASE), io.publisher(ESTOP), io.publisher(BATTERY)
+        self._base_pace, self._estop_pace, self._battery_pace = (Pacer(row.rate_hz) for row in (BASE, ESTOP, BATTERY))
+        self._reason = ""
+        self._latch = policy.latch
+
+    def put(self, now: float) -> None:
+        """`now`: monotonic, s."""
+        policy = self._policy
+        state = policy.state()
+        if self._base_pace.due(now) or state.reason != self._reason:
+            self._reason = state.reason
+            self._base.put(state)
+        if self._estop_pace.due(now) or policy.latch != self._latch:
+            self._latch = policy.latch
+            self._estop.put(policy.estop())
+        if self._battery_pace.due(now) and (battery := policy.battery()) is not None:
+            self._battery.put(battery)

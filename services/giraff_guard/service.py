@@ -1,0 +1,55 @@
+"""The guard: cmd_vel/<operator> + range/* -> cmd_vel."""
+
+from __future__ import annotations
+
+from giraff_guard.config import GuardConfig
+from giraff_guard.policy import GuardPolicy
+from giraff_node.io import IO
+from giraff_node.pacing import Pacer
+from giraff_node.robot import RobotConfig
+from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, RANGE, TICK, WHEELS
+
+
+class Guard:
+    """Reads `tick`, `wheels`, `range/*` and `cmd_vel/*`; writes `cmd_vel`, and `lease` and `guard` about it."""
+
+    link = None
+
+    def __init__(
+        self, io: IO, config: GuardConfig, robot: RobotConfig, policy: type[GuardPolicy] = GuardPolicy
+    ) -> None:
+        self._io = io
+        self._policy = policy(config, robot, first_lease=io.token())
+        io.on_reconfigured = self._policy.reconfigure
+        # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
+        self._ticks, self._ranges = io.inbox(TICK), io.inbox(RANGE)
+        self._wheels, self._commands = io.inbox(WHEELS), io.inbox(OPERATOR_CMD_VEL)
+        self._guarded, self._states, self._leases = io.publisher(CMD_VEL), io.publisher(GUARD), io.publisher(LEASE)
+        self._pace, self._state_pace, self._lease_pace = (Pacer(topic.rate_hz) for topic in (CMD_VEL, GUARD, LEASE))
+        self.pacers = (self._pace,)
+        self._reason, self._counter = "", 0
+
+    def turn(self, now: float) -> None:
+        if not self._pace.due(now):
+            return
+        policy, clock = self._policy, self._io.robot_ns
+        for tick in self._ticks.take():
+            policy.on_tick(tick, clock())
+        for reading in self._ranges.take():
+            policy.on_range(reading, clock())
+        for report in self._wheels.take():
+            policy.on_wheels(report, clock())
+        for command in self._commands.take():
+            policy.on_command(command, clock())
+        passed, state, lease = policy.decide(clock())
+        self._guarded.put(passed)
+        self._io.set_notice("identity", policy.fault)
+        if lease.counter != self._counter or self._lease_pace.due(now):
+            self._counter = lease.counter
+            self._leases.put(lease)
+        if state.reason != self._reason or self._state_pace.due(now):
+            self._reason = state.reason
+            self._states.put(state)
+
+    def end(self) -> None:
+        """Nothing is left to say: base stops by itself."""

@@ -1,0 +1,177 @@
+"""What a service is to whatever runs it, and what it reaches the world through. No I/O here.
+
+A service's turn is written once. `giraff_node.Node` runs it as a process on Zenoh, serial ports and disks; the
+simulation runs the same turn on networks, cables and disks of its own, in simulated time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Protocol, TypeVar
+
+import msgspec
+
+from giraff_node.inbox import Inbox
+from giraff_node.pacing import Pacer
+from giraff_node.repeating import Repeated
+from giraff_schemas.frames import Transform
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic
+from giraff_schemas.wire import BoardKind, Frame
+
+SampleT_contra = TypeVar("SampleT_contra", bound=Sample, contravariant=True)
+RequestT_co = TypeVar("RequestT_co", bound=msgspec.Struct, covariant=True)
+AnswerT_contra = TypeVar("AnswerT_contra", bound=msgspec.Struct, contravariant=True)
+
+
+class Selectable(Protocol):
+    """Something whose descriptor comes and goes, like a serial link."""
+
+    def descriptor(self) -> int | None: ...
+
+
+class Publisher(Protocol[SampleT_contra]):
+    """Of the samples of one topic."""
+
+    def put(self, sample: SampleT_contra, /) -> None:
+        """Stamp and publish. Never blocks."""
+        ...
+
+
+class Asked(Protocol[RequestT_co, AnswerT_contra]):
+    """One request of somebody, waiting for its answer."""
+
+    @property
+    def request(self) -> RequestT_co: ...
+
+    def answer(self, answer: AnswerT_contra, /) -> None: ...
+
+
+class Board(Selectable, Protocol):
+    """A board at its serial port."""
+
+    @property
+    def fault(self) -> str:
+        """Why there are no frames, with the way out; empty when there may be."""
+        ...
+
+    @property
+    def opened(self) -> int:
+        """How often the port was opened."""
+        ...
+
+    def poll(self, now: float) -> Iterable[Frame]:
+        """Keep the port open and return the frames that have arrived. `now`: monotonic, s."""
+        ...
+
+    def send(self, frame: Frame) -> None:
+        """Send `frame`; a newer one replaces it until the kernel has begun to take it."""
+        ...
+
+
+class Writer(Protocol):
+    """Writes one small file, elsewhere: neither call waits for a disk."""
+
+    def save(self, data: bytes) -> None:
+        """Begin to replace the file; `outcome` tells how it went. One at a time."""
+        ...
+
+    def outcome(self) -> str | None:
+        """Why it is not on disk, empty when it is; None: no news."""
+        ...
+
+
+class Store(Protocol):
+    """Small files that are kept over restarts, each whole or not there."""
+
+    def path(self, name: str) -> str:
+        """Where a file is, for people."""
+        ...
+
+    def read(self, name: str) -> bytes:
+        """What was kept. Raises OSError."""
+        ...
+
+    def writer(self, name: str) -> Writer: ...
+
+
+class IO(Protocol):
+    """All that reaches a service and leaves it."""
+
+    instance: str
+    """Random; of this start of this process."""
+    hostname: str
+    """Name of the machine."""
+    on_reconfigured: Callable[[Any], None] | None
+    """Takes the configuration between two turns whenever it has become another; None: no parameter changes live."""
+
+    @property
+    def store(self) -> Store: ...
+
+    def inbox(self, topic: Topic[SampleT], limit: int = 200) -> Inbox[SampleT]:
+        """Each sample of a topic, or the newest with a `limit` of 1; its arrival makes a turn due."""
+        ...
+
+    def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]: ...
+
+    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
+        """What is asked of this service; its arrival makes a turn due."""
+        ...
+
+    def ask(
+        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
+    ) -> Repeated[AnswerT]:
+        """Ask another service until it gives an answer that settles the matter."""
+        ...
+
+    def frame(self, child: str, where: Transform | Callable[[], Transform]) -> None:
+        """Tell whoever asks where the frame `child` is; of one that moves, by a call."""
+        ...
+
+    def board(self, path: str, baud: int, kind: BoardKind) -> Board: ...
+
+    def monotonic(self) -> float:
+        """s; what turns are given."""
+        ...
+
+    def robot_ns(self) -> int:
+        """The clock that ticks are made of and judged by. Meaningful only on base's host."""
+        ...
+
+    def token(self) -> int:
+        """A random number of 32 bits, not 0."""
+        ...
+
+    def set_fault(self, name: str, message: str) -> None:
+        """State what is wrong with `name` of this service itself, or with "" that nothing is."""
+        ...
+
+    def set_notice(self, name: str, message: str) -> None:
+        """State what is wrong elsewhere, or awaited, or with "" that nothing is: this service is well all the same."""
+        ...
+
+    def leave(self) -> None:
+        """End after this turn."""
+        ...
+
+
+class Service(Protocol):
+    """What a process does. Made of its `IO`, its configuration and the robot's."""
+
+    @property
+    def pacers(self) -> Sequence[Pacer]:
+        """Whose pace makes a turn due."""
+        ...
+
+    @property
+    def link(self) -> Selectable | None:
+        """Whose bytes make a turn due; None: there is none."""
+        ...
+
+    def turn(self, now: float) -> None:
+        """All that is to be done now. `now`: monotonic, s."""
+        ...
+
+    def end(self) -> None:
+        """The last words of an orderly end."""
+        ...

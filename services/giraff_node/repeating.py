@@ -1,0 +1,49 @@
+"""A request that is repeated until it is answered, without ever blocking. No I/O here."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Callable
+from typing import Final, Generic
+
+from giraff_schemas.topics import AnswerT
+
+_PERIOD: Final = 0.2  # s between two attempts
+
+
+class Repeated(ABC, Generic[AnswerT]):
+    """Call `poll` each turn until it is answered.
+
+    An answer of which `settles` is false is kept as `refusal`, and asking goes on.
+    """
+
+    def __init__(self, settles: Callable[[AnswerT], bool]) -> None:
+        self._settles = settles
+        self._answers: deque[AnswerT] = deque()
+        self._next = -1.0
+        self.attempts = 0
+        self.fault = ""
+        """What the newest attempt ran into; empty: nothing, or no answer yet."""
+        self.refusal: AnswerT | None = None
+        """The newest answer that does not settle it."""
+
+    def poll(self, now: float) -> AnswerT | None:
+        """The answer, once there is one; else None, and another attempt when it is time. `now`: monotonic, s."""
+        while self._answers and not self._settles(self._answers[0]):
+            self.refusal = self._answers.popleft()
+        if self._answers:
+            return self._answers[0]
+        if now >= self._next:
+            self._next = now + _PERIOD
+            self.attempts += 1
+            self._attempt()
+        return None
+
+    def on_answer(self, answer: AnswerT) -> None:
+        """One has come, from any thread."""
+        self._answers.append(answer)
+
+    @abstractmethod
+    def _attempt(self) -> None:
+        """Send the request once."""

@@ -1,0 +1,53 @@
+"""Odometry: `wheels` to `odom`. Not in the chain that drives: losing it changes no motion."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_node.io import IO
+from giraff_node.robot import RobotConfig
+from giraff_odometry.config import OdometryConfig
+from giraff_odometry.policy import OdometryPolicy
+from giraff_schemas.frames import BASE_FRAME
+from giraff_schemas.topics import ODOM, WHEELS
+
+SILENCE: Final = 1.0
+"""s without a sample that is worth a word."""
+SETTLED: Final = 1.0
+"""s without a notice after which it is over: one that flickers is told once."""
+
+
+class Odometry:
+    """Reads `wheels`; writes `odom`, and answers where the robot is in it."""
+
+    pacers = ()
+    link = None
+
+    def __init__(
+        self, io: IO, config: OdometryConfig, robot: RobotConfig, policy: type[OdometryPolicy] = OdometryPolicy
+    ) -> None:
+        self._io = io
+        self._policy = policy(config, robot)
+        io.on_reconfigured = self._policy.reconfigure
+        io.frame(BASE_FRAME, self._policy.transform)
+        self._wheels, self._out = io.inbox(WHEELS), io.publisher(ODOM)
+        self._heard = self._noticed = io.monotonic()
+
+    def turn(self, now: float) -> None:
+        policy = self._policy
+        for sample in self._wheels.take():
+            self._heard = now
+            if (odometry := policy.on_wheels(sample)) is not None:
+                self._out.put(odometry)
+            if policy.notice:
+                self._noticed = now
+                self._io.set_notice("counters", policy.notice)
+        if now - self._noticed > SETTLED:
+            self._io.set_notice("counters", "")
+        is_silent = now - self._heard > SILENCE
+        self._io.set_notice(
+            "wheels", "no wheels from base; check that base runs and sees its board" if is_silent else ""
+        )
+
+    def end(self) -> None:
+        """Nothing is left to say."""

@@ -1,0 +1,44 @@
+"""The ranger: ultrasonic pings to `range/<sensor>`."""
+
+from __future__ import annotations
+
+from giraff_node.io import IO
+from giraff_node.robot import RobotConfig
+from giraff_ranger.config import RangerConfig
+from giraff_ranger.policy import RangerPolicy
+from giraff_schemas.topics import RANGE, TICK
+from giraff_schemas.wire import RANGER_BAUD, BoardKind, RangeFrame
+
+
+class Ranger:
+    """Reads the ranger board and `tick`, which it hands down to the board; writes `range/<sensor>`.
+
+    While the board is silent so is this service: what that means for the robot is the guard's to judge.
+    """
+
+    pacers = ()
+
+    def __init__(
+        self, io: IO, config: RangerConfig, robot: RobotConfig, policy: type[RangerPolicy] = RangerPolicy
+    ) -> None:
+        self._io = io
+        self._policy = policy(robot)
+        self.link = io.board(config.port, RANGER_BAUD, BoardKind.RANGER)
+        self._clock = io.inbox(TICK, limit=1)
+        for transform in self._policy.transforms():
+            io.frame(transform.child, transform)
+        self._ranges = {name: io.publisher(RANGE.at(name)) for name in robot.sensors}
+
+    def turn(self, now: float) -> None:
+        policy, link = self._policy, self.link
+        for frame in link.poll(now):
+            if isinstance(frame, RangeFrame) and (sample := policy.on_frame(frame)) is not None:
+                self._ranges[sample.sensor].put(sample)
+        for tick in self._clock.take():
+            if (down := policy.on_tick(tick, now)) is not None:
+                link.send(down)
+        for name, message in (("board", link.fault), *policy.faults.items()):
+            self._io.set_fault(name, message)
+
+    def end(self) -> None:
+        """Nothing is left to say: silence is what the guard judges."""

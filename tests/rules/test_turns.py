@@ -1,0 +1,54 @@
+"""A service's turn is written once: its process and the simulation run the same class of its `service.py`."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+from giraff_sim.closed_loop import MACHINES
+from tests.rules.repository import ROOT, services
+
+SIMULATED = {f"giraff_{service}" for service in MACHINES} | {"giraff_keyboard"}
+# What is not in the chain that drives, and no simulation runs, may turn in its main.
+LOOPS_OF_THEIR_OWN = {"giraff_gateway", "giraff_recorder", "giraff_router", "giraff_sentry"}
+
+
+def calls(source: str, method: str) -> int:
+    """How often a method of that name is called."""
+    return sum(
+        isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == method
+        for node in ast.walk(ast.parse(source))
+    )
+
+
+def test_every_service_is_simulated_or_known_not_to_be() -> None:
+    assert set(services()) == SIMULATED | LOOPS_OF_THEIR_OWN
+
+
+@pytest.mark.parametrize("package", sorted(SIMULATED))
+def test_a_process_gives_the_turn_to_the_node(package: str) -> None:
+    folder = ROOT / "services" / package
+    main = (folder / "main.py").read_text()
+    assert calls(main, "run") == 1
+    assert [path.name for path in folder.rglob("*.py") if calls(path.read_text(), "turns")] == []
+
+
+def test_only_the_node_turns_them() -> None:
+    def loops(package: str) -> list[Path]:
+        return [path for path in (ROOT / "services" / package).rglob("*.py") if calls(path.read_text(), "turns")]
+
+    packages = {path.name for path in (ROOT / "services").iterdir() if loops(path.name)}
+    assert packages == LOOPS_OF_THEIR_OWN | {"giraff_node"}
+
+
+def test_the_simulation_knows_no_policy() -> None:
+    """What it knows of a service is its turn: with a policy in its hands it could write a second one."""
+    found = {
+        path.name: node.module
+        for path in (ROOT / "services" / "giraff_sim").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.ImportFrom) and str(node.module).endswith((".policy", ".main"))
+    }
+    assert {name: module for name, module in found.items() if not str(module).startswith("giraff_sim")} == {}
