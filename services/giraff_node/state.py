@@ -74,20 +74,17 @@ class Folder:
 
 
 class FileWriter:
-    """Writes a file in a thread of its own, which begins with the first `save`: a disk may hang for seconds."""
+    """Writes a file in a thread of its own: a disk may hang for seconds."""
 
     def __init__(self, path: Path, wake: Callable[[], None]) -> None:
         self._path = path
         self._wake = wake
         self._wanted: SimpleQueue[bytes] = SimpleQueue()
         self._outcomes: deque[str] = deque()
-        self._thread: threading.Thread | None = None
+        threading.Thread(target=self._run, name=path.name, daemon=True).start()
 
     def save(self, data: bytes) -> None:
         self._wanted.put(data)
-        if self._thread is None:
-            self._thread = threading.Thread(target=self._run, name=self._path.name, daemon=True)
-            self._thread.start()
 
     def outcome(self) -> str | None:
         return self._outcomes.popleft() if self._outcomes else None
