@@ -19,7 +19,7 @@ setup: ## Install, build and check whatever a run or a test needs; skips what is
 run: setup ## Drive the simulated robot, e.g. make run ARGS="--for 30"
 	@$(VENV)/giraff run $(ARGS)
 
-test: lint ## Everything that must hold before a commit lands
+test: lint ## Everything that must hold on one host before a commit lands
 	$(MAKE) --no-print-directory -C firmware check
 	@tests/run $(ARGS)
 
@@ -37,8 +37,7 @@ campaign: setup ## The runs that take long; leaves dated records in docs/campaig
 	$(VENV)/pytest tests/campaign --timeout=0 $(ARGS)
 
 test-hosts: setup ## docker-compose up on three hosts of this machine, as root; cables cut, power lost
-	@tests/hosts/prepare
-	$(VENV)/pytest tests/hosts $(ARGS)
+	@tests/hosts/run $(ARGS)
 
 lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest
 	$(COMPILE) --all-extras --group dev --output-file requirements/dev.lock

@@ -18,7 +18,7 @@ from tests.campaign.records import RECORDS, source_hash, sources_of, write_recor
 
 NAME = "dst"
 MODULE = "giraff_sim.dst.many"
-FIRST = 1000  # beyond the fixed seeds of tests/dst
+FIRST = 0  # those of tests/dst too, and then fresh ones
 SEEDS = 20_000
 LEG = 500  # seeds between two times the record is written
 

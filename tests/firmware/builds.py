@@ -19,7 +19,8 @@ HERE: Final = Path(__file__).resolve().parent
 def compiled(variant: str = "", *settings: str) -> Path:
     """Compile the boards with make's `settings`, each variant into a directory of its own, which this returns."""
     build = BUILD / "variants" / variant if variant else BUILD
-    command = ["make", "--silent", "-C", str(FIRMWARE), "host", f"BUILD={build}", *settings]
+    # One at a time: tests run in several processes, and these may want the same variant.
+    command = ["flock", str(FIRMWARE), "make", "--silent", "-C", str(FIRMWARE), "host", f"BUILD={build}", *settings]
     made = subprocess.run(command, check=False, capture_output=True, text=True)
     assert made.returncode == 0, made.stderr
     return build
