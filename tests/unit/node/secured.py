@@ -1,9 +1,16 @@
-"""A secured network on one loopback: a certificate for each host, and a session of each."""
+"""A secured network on one loopback: a certificate for each host, and a session of each.
+
+That something does not come is shown by what is sent after it over the same link, and does: a mark. Beside the rules
+that are tried, each host may tell marks and hear them.
+"""
 
 from __future__ import annotations
 
 import datetime as dt
-import time
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 from typing import Any, Final
 
@@ -12,13 +19,12 @@ import zenoh
 from giraff_cli.keys import make_authority, make_bundle
 from giraff_cli.watcher import free_port
 from giraff_node.access import AccessConfig
-from giraff_node.session import NetworkConfig, close_session, open_session
+from giraff_node.session import NetworkConfig, close_session, session_config
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
     OPERATOR_CMD_VEL,
     PARAM_QUERIES,
-    TICK,
     TOPICS,
     Query,
     key_of,
@@ -28,6 +34,8 @@ from tests.waiting import wait
 ROBOT: Final = "sim-secured"
 HOSTS: Final = ("robot", "laptop", "desk", "unnamed")
 ACCESS: Final = AccessConfig(robot=("robot",), operators={"laptop": ("joystick",)}, viewers=("desk",))
+_PATIENCE: Final = 10.0
+"""s, of one who asks: longer than any mark needs."""
 MINE, ANOTHERS = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("keyboard")
 
 
@@ -40,6 +48,27 @@ def authority(folder: Path) -> Path:
     return made
 
 
+def direct(callback: Callable[[Any], object]) -> zenoh.handlers.Callback[Any]:
+    """Called by the link itself, so that what came first was also taken first, on whatever keys it came."""
+    return zenoh.handlers.Callback(callback, indirect=False)
+
+
+def open_marked(network: NetworkConfig, *, visiting: bool) -> zenoh.Session:
+    """As a process of this host would open it, with marks."""
+    config = session_config(network, ROBOT, visiting=visiting)
+    marks = {
+        "id": "marks",
+        "flows": ["ingress", "egress"],
+        "messages": ["put", "declare_subscriber"],
+        "permission": "allow",
+        "key_exprs": ["marks/*"],
+    }
+    config["access_control"]["rules"].append(marks)
+    config["access_control"]["subjects"].append({"id": "everybody", "cert_common_names": [*HOSTS]})
+    config["access_control"]["policies"].append({"rules": ["marks"], "subjects": ["everybody"]})
+    return zenoh.open(zenoh.Config.from_json5(json.dumps(config)))
+
+
 class Network:
     """A session for each host, as its processes would open it, and one more of the robot's."""
 
@@ -49,17 +78,73 @@ class Network:
             host: NetworkConfig(mode="secured", rendezvous=rendezvous, keys=str(keys / host), access=ACCESS, local=True)
             for host in HOSTS
         }
-        self.sessions = {host: open_session(self.of[host], ROBOT, visiting=host != "robot") for host in HOSTS}
-        self.base = open_session(self.of["robot"], ROBOT, visiting=True)
+        self.sessions = {host: open_marked(self.of[host], visiting=host != "robot") for host in HOSTS}
+        self.base = open_marked(self.of["robot"], visiting=True)
         self.heard: list[tuple[str, str]] = []
         """(key, host) of what came to base."""
-        self._declared: list[Any] = []
+        self._marks = count()
+        self._marked: dict[str, set[str]] = {host: set() for host in HOSTS}
+        self._declared: list[Any] = [self.base.declare_subscriber("marks/base", direct(self._on_sample))]
+        for host, session in self.sessions.items():
+            marked = self._marked[host]
+            take = direct(lambda sample, marked=marked: marked.add(sample.payload.to_string()))
+            self._declared.append(session.declare_subscriber(f"marks/{host}", take))
         for topic in TOPICS:
-            self._declared.append(self.base.declare_subscriber(key_of(ROBOT, topic), self._on_sample))
+            self._declared.append(self.base.declare_subscriber(key_of(ROBOT, topic), direct(self._on_sample)))
         queries: list[Query[Any, Any]] = [ESTOP_ENGAGE, ESTOP_RESET, *(query.at("guard") for query in PARAM_QUERIES)]
         for query in queries:
-            self._declared.append(self.base.declare_queryable(key_of(ROBOT, query), self._on_query))
-        time.sleep(1.0)  # until all have met; that no link comes about has no event to wait for
+            self._declared.append(self.base.declare_queryable(key_of(ROBOT, query), direct(self._on_query)))
+        for host in HOSTS:
+            self.base_has_all_of(host)
+            self.has_all_of_base(host)
+
+    def base_has_all_of(self, host: str) -> None:
+        """Wait until base has taken whatever this host has sent it."""
+        mark = f"{host} {next(self._marks)}"
+
+        def has_come() -> bool:
+            self.sessions[host].put("marks/base", mark)
+            return ("marks/base", mark) in self.heard
+
+        wait(has_come)
+
+    def has_all_of_base(self, host: str) -> None:
+        """Wait until this host has taken whatever base has sent it."""
+        mark = f"base {next(self._marks)}"
+
+        def has_come() -> bool:
+            self.base.put(f"marks/{host}", mark)
+            return mark in self._marked[host]
+
+        wait(has_come)
+
+    @contextmanager
+    def hearing(self, host: str, key: str) -> Iterator[list[str]]:
+        """What this host hears on a key, of what base says in the block; base knows that it listens."""
+        heard: list[str] = []
+        take = direct(lambda sample: heard.append(sample.payload.to_string()))
+        with self.sessions[host].declare_subscriber(key, take):
+            self.base_has_all_of(host)
+            yield heard
+            self.has_all_of_base(host)
+
+    def answers_of_base(self, host: str, key: str) -> list[bool]:
+        """Of each reply to this host whether it is an answer."""
+        replies: list[bool] = []
+        self.has_all_of_base(host)  # and so knows who answers
+        self.sessions[host].get(key, direct(lambda reply: replies.append(reply.ok is not None)), timeout=_PATIENCE)
+        self.base_has_all_of(host)
+        self.has_all_of_base(host)
+        return replies
+
+    def answers_to_base(self, host: str, key: str) -> list[bool]:
+        """The same, of what base asks this host."""
+        replies: list[bool] = []
+        self.base_has_all_of(host)
+        self.base.get(key, direct(lambda reply: replies.append(reply.ok is not None)), timeout=_PATIENCE)
+        self.has_all_of_base(host)
+        self.base_has_all_of(host)
+        return replies
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
         self.heard.append((str(sample.key_expr).removeprefix(f"giraff/{ROBOT}/"), sample.payload.to_string()))
@@ -81,9 +166,7 @@ class Network:
             "**",
         ):
             self.sessions[host].put(several, host)
-        self.sessions["robot"].put(key_of(ROBOT, TICK), "the last")
-        wait(lambda: (TICK.key, "the last") in self.heard)
-        time.sleep(0.2)  # another host's link may be slower than the robot's own
+        self.base_has_all_of(host)
         return {key for key, maker in self.heard if maker == host}
 
     def close(self) -> None:

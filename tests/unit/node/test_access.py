@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -30,7 +29,8 @@ from giraff_schemas.topics import (
     frame_key,
     key_of,
 )
-from tests.unit.node.secured import ACCESS, MINE, ROBOT, Network, authority
+from tests.unit.node.secured import ACCESS, HOSTS, MINE, ROBOT, Network, authority, direct, open_marked
+from tests.waiting import wait
 
 
 @pytest.fixture(scope="module")
@@ -64,23 +64,16 @@ def test_nobody_else_commands(network: Network, host: str) -> None:
 
 @pytest.mark.parametrize(("host", "hears"), [("robot", True), ("laptop", True), ("desk", True), ("unnamed", False)])
 def test_whoever_is_named_reads(network: Network, host: str, hears: bool) -> None:
-    heard: list[str] = []
-    with network.sessions[host].declare_subscriber(
-        key_of(ROBOT, ODOM), lambda sample: heard.append(sample.payload.to_string())
-    ):
-        time.sleep(0.3)
+    with network.hearing(host, key_of(ROBOT, ODOM)) as heard:
         network.base.put(key_of(ROBOT, ODOM), "odometry")
-        time.sleep(0.3)
     assert heard == (["odometry"] if hears else [])
 
 
 @pytest.mark.parametrize(("host", "told"), [("robot", True), ("laptop", True), ("desk", True), ("unnamed", False)])
 def test_whoever_is_named_is_told_where_the_frames_are(network: Network, host: str, told: bool) -> None:
     key = frame_key(ROBOT, "base_link")
-    with network.base.declare_queryable(key, lambda query: query.reply(query.key_expr, "here")):
-        time.sleep(0.3)
-        replies = network.sessions[host].get(frame_key(ROBOT), timeout=0.7)
-        assert [reply.ok is not None for reply in replies] == ([True] if told else [])
+    with network.base.declare_queryable(key, direct(_answer)):
+        assert network.answers_of_base(host, frame_key(ROBOT)) == ([True] if told else [])
 
 
 @pytest.mark.parametrize(
@@ -89,8 +82,7 @@ def test_whoever_is_named_is_told_where_the_frames_are(network: Network, host: s
 )
 def test_whoever_is_named_may_stop_and_operators_reset(network: Network, host: str, stops: bool, resets: bool) -> None:
     for query, answered in ((ESTOP_ENGAGE, stops), (ESTOP_RESET, resets)):
-        replies = network.sessions[host].get(key_of(ROBOT, query), timeout=0.7)
-        assert [reply.ok is not None for reply in replies] == ([True] if answered else [])
+        assert network.answers_of_base(host, key_of(ROBOT, query)) == ([True] if answered else [])
 
 
 @pytest.mark.parametrize(
@@ -101,17 +93,15 @@ def test_whoever_is_named_reads_parameters_and_operators_set_them(
     network: Network, host: str, reads: bool, sets: bool
 ) -> None:
     for query, answered in ((PARAM_DESCRIBE, reads), (PARAM_SET, sets), (PARAM_SAVE, sets)):
-        replies = network.sessions[host].get(key_of(ROBOT, query.at("guard")), timeout=0.7)
-        assert [reply.ok is not None for reply in replies] == ([True] if answered else []), query.key
+        found = network.answers_of_base(host, key_of(ROBOT, query.at("guard")))
+        assert found == ([True] if answered else []), query.key
 
 
 def test_a_joystick_answers_for_its_parameters_and_for_no_other_service(network: Network) -> None:
     for service, answered in (("joystick", True), ("base", False)):
         key = key_of(ROBOT, PARAM_DESCRIBE.at(service))
-        with network.sessions["laptop"].declare_queryable(key, _answer):
-            time.sleep(0.3)
-            replies = network.base.get(key, timeout=0.7)
-            assert [reply.ok is not None for reply in replies] == ([True] if answered else [])
+        with network.sessions["laptop"].declare_queryable(key, direct(_answer)):
+            assert network.answers_to_base("laptop", key) == ([True] if answered else [])
 
 
 def _answer(query: zenoh.Query) -> None:
@@ -125,7 +115,7 @@ def _answer(query: zenoh.Query) -> None:
 )
 def test_nobody_poses_as_a_service_of_the_robot(network: Network, host: str, service: str, seen: bool) -> None:
     with network.sessions[host].liveliness().declare_token(alive_key(ROBOT, service, "one")):
-        time.sleep(0.3)
+        network.base_has_all_of(host)
         replies = network.base.liveliness().get(alive_key(ROBOT, service), timeout=0.7)
         assert [reply.ok is not None for reply in replies] == ([True] if seen else [])
 
@@ -146,14 +136,23 @@ def test_a_stranger_gets_no_link(network: Network, keys: Path, tmp_path: Path) -
             stack.callback(close_session, stranger)
             stack.enter_context(stranger.declare_subscriber("**", lambda sample: heard.append(str(sample.key_expr))))
         network.heard.clear()
-        for _ in range(10):
+        # They dial as often as anybody: once somebody who came after them is linked, they would be, too.
+        later = open_marked(network.of["desk"], visiting=True)
+        stack.callback(close_session, later)
+        linked = sorted([*before, "desk"])
+
+        def has_come() -> bool:
             network.base.put(key_of(ROBOT, ODOM), "secret")
             for stranger in strangers:
                 stranger.put(key_of(ROBOT, CMD_VEL), "stranger")
-            time.sleep(0.1)
+            return links_of(network) == linked
+
+        wait(has_come, every=0.1)
+        for host in HOSTS:
+            network.base_has_all_of(host)
         links = [list(stranger.info.links()) for stranger in strangers]
+        assert links_of(network) == linked
     assert links == [[], [], []]
-    assert links_of(network) == before
     assert "stranger" not in {maker for _, maker in network.heard}
     assert not [key for key in heard if key.endswith(ODOM.key)]
 
