@@ -76,30 +76,25 @@ def test_the_wiring_bits_mirror_motors_and_encoders(base: BaseLine) -> None:
     assert base.wheels.left_ticks > base.wheels.right_ticks > 0
 
 
+def spin(line: BaseLine, edges_a_second: tuple[int, int], seconds: int) -> list[WheelsFrame]:
+    """Turn both shafts, and wait until the last edges are told of; all telemetry of it."""
+    # The world would set the positions from the plant: run the board's slices without it.
+    board = line.simulation.boards[BoardKind.BASE]
+    now_us = line.simulation.now_us
+    told = bytearray()
+    for step in range(seconds * 1000 + 50):
+        for motor, edges in zip(board.model.motor, edges_a_second, strict=True):
+            motor.position = 2 * edges * min(step + 1, seconds * 1000) / 1000  # two quadrature states an edge of A
+        now_us += MS
+        board.run(now_us)
+        told += board.read()
+    return [frame for frame in line._decoder.feed(bytes(told)) if isinstance(frame, WheelsFrame)]
+
+
 def test_20_000_edges_a_second_on_both_wheels_are_counted_exactly(base: BaseLine) -> None:
     base.start()
-    model = base.simulation.boards[BoardKind.BASE].model
     began = base.wheels
-    seconds = 10.0
-    states_a_ms = 40.0  # 20 000 edges of A a second
-    position = 0.0
-
-    # The world would set the positions from the plant: run the board's slices without it.
-    board = base.simulation.boards[BoardKind.BASE]
-    now_us = base.simulation.now_us
-    told = bytearray()
-    for _ in range(round(seconds * 1000)):
-        position += states_a_ms
-        model.motor[0].position, model.motor[1].position = position, -position
-        now_us += MS
-        board.run(now_us)
-        told += board.read()
-    for _ in range(50):
-        now_us += MS
-        board.run(now_us)
-        told += board.read()
-    frames = base._decoder.feed(bytes(told))
-    wheels = [frame for frame in frames if isinstance(frame, WheelsFrame)]
+    wheels = spin(base, (20_000, -20_000), 10)
     assert len(wheels) == pytest.approx(1005, abs=3)
     assert all((later.seq - earlier.seq) & 0xFFFF == 1 for earlier, later in itertools.pairwise(wheels))
     assert wheels[-1].left_ticks - began.left_ticks == 200_000
@@ -109,6 +104,33 @@ def test_20_000_edges_a_second_on_both_wheels_are_counted_exactly(base: BaseLine
         expected = (later.board_us - earlier.board_us) * 0.02
         assert later.left_ticks - earlier.left_ticks == pytest.approx(expected, abs=4)
         assert later.right_ticks - earlier.right_ticks == pytest.approx(-expected, abs=4)
+
+
+@pytest.mark.parametrize(
+    "edges_a_second",
+    [
+        (20_000, 17_317),
+        (17_317, 20_000),
+        (20_000, -17_317),
+        (19_997, 19_001),
+        (-18_181, 16_161),
+        (17_735, 5_959),
+        (15_013, 9_973),
+        (11_808, 17_698),
+        (-18_840, -1_375),
+        (9_596, 16_893),
+    ],
+    ids=lambda edges: f"{edges[0]},{edges[1]}",
+)
+def test_edges_at_unequal_speeds_are_counted_exactly(base: BaseLine, edges_a_second: tuple[int, int]) -> None:
+    """At equal speeds the edges of each slice fall at the same few places: what goes wrong elsewhere stays unseen."""
+    base.start()
+    began = base.wheels
+    seconds = 4
+    ended = spin(base, edges_a_second, seconds)[-1]
+    # Within one: the last edge is at the very end.
+    assert ended.left_ticks - began.left_ticks == pytest.approx(seconds * edges_a_second[0], abs=1)
+    assert ended.right_ticks - began.right_ticks == pytest.approx(seconds * edges_a_second[1], abs=1)
 
 
 def test_a_wheel_that_trembles_on_an_edge_counts_to_zero(base: BaseLine) -> None:
