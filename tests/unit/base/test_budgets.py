@@ -171,6 +171,19 @@ def test_each_kind_of_staleness_is_named() -> None:
     assert "too old" in reasons["range_tick"]
 
 
+@pytest.mark.parametrize(("linear", "angular"), [(0.3, 0.0), (-0.3, 0.0), (0.3, 0.5), (-0.3, -0.5), (1e-9, 1.0)])
+def test_nothing_drives_either_way_on_a_range_that_is_too_old(linear: float, angular: float) -> None:
+    """Though the operator and the guard are fresh."""
+    rig = Rig()
+    rig.arm()
+    for age, drives in ((0.1, True), (0.5, False)):
+        rig.tilt(linear, angular)
+        rig.range_age = age
+        assert rig.run(1.0)[-1].moves is drives
+        rig.tilt(0.0)
+        rig.run(0.3)
+
+
 def test_an_operators_fault_is_named_by_itself_and_by_the_guards_reason_where_there_is_one() -> None:
     rig = Rig()
     rig.drive(0.6)

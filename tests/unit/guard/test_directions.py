@@ -338,6 +338,19 @@ def test_distance_counts_from_where_the_sensor_sits(x: float, yaw: float, offset
     assert stopping_room(senses, "forward" if yaw == 0.0 else "backward") == pytest.approx(0.15)
 
 
+@each_way
+@pytest.mark.parametrize("radius", [0.15, 0.2, 0.45])
+def test_distance_counts_to_the_footprint_of_this_robot(
+    way: str, asked: float, sensors: tuple[str, ...], radius: float
+) -> None:
+    senses = opened(msgspec.structs.replace(ROBOT, footprint_radius=radius), HEAD_ON)
+    senses.hear(radius + 0.15)
+    # The sensors sit 0.25 m ahead: 0.4 m from the footprint, 0.15 m beyond the margin.
+    assert stopping_room(senses, way) == pytest.approx(0.15)
+    assert asked
+    assert sensors
+
+
 @pytest.mark.parametrize(
     ("offsets", "charged"),
     [((0.15,), True), ((-0.15,), True), ((0.0,), False), ((0.15, -0.15), False), ((0.15, 0.1), True)],

@@ -8,7 +8,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from giraff_guard.echoes import _until_touch
+from giraff_guard.echoes import Echoes, _until_touch
+from giraff_guard.motion import Place
+from giraff_guard.sensor import Ping, Sensor
+from giraff_node.robot import SensorPose
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
 
 POST = 0.5  # m before the left sensor, so at (0.75, 0.15)
@@ -204,3 +207,62 @@ def test_backwards_it_is_the_rear_sensors() -> None:
     assert (judged.freedom, judged.sensor) == ("blocked", "rear")
     assert senses.allowed() > 0.0
     assert FAR
+
+
+def test_a_curve_backward_sweeps_the_side_it_turns_to() -> None:
+    """The post is behind the robot to its right; backward with the nose to the left goes there."""
+    senses = opened()
+    senses.cycle({"rear": POST}, cycles=3)
+    senses.linear = -0.25
+    senses.cycle(None, cycles=8)
+    senses.linear, senses.angular = 0.0, -0.5
+    senses.cycle(None, cycles=13)
+    senses.angular = 0.0
+    senses.cycle(None, cycles=3)
+    assert senses.passes(-0.6, 0.0) == (-0.6, 0.0)
+    linear, angular = senses.passes(-0.6, 1.2)
+    assert -0.6 < linear < 0.0
+    assert angular / linear == pytest.approx(-2.0)
+    assert "this curve sweeps what rear has heard to the right" in senses.limit(-0.6, 1.2).reason
+    assert senses.passes(-0.6, -1.2) == (-0.6, -1.2)
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    pose=st.builds(
+        SensorPose, index=st.just(0), x=st.floats(-0.3, 0.3), y=st.floats(-0.3, 0.3), yaw=st.floats(-3.1, 3.1)
+    ),
+    distance=st.floats(0.1, 1.2),
+    place=st.builds(Place, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.floats(-3.1, 3.1)),
+    sign=st.sampled_from([1.0, -1.0]),
+    curvature=st.floats(-6.0, 6.0).filter(lambda c: abs(c) > 0.05),
+    radius=st.sampled_from([0.2, 0.3, 0.45]),
+)
+def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
+    pose: SensorPose, distance: float, place: Place, sign: float, curvature: float, radius: float
+) -> None:
+    """Driven in small steps, forward or backward, as odometry reckons."""
+    echoes = Echoes(CONFIG, radius)
+    for robot_ns in range(3):
+        echoes.take(Sensor("only", pose, CONFIG), Ping(robot_ns, distance, True, Place(0.0, 0.0, 0.0)), 0.0)
+    x, y = pose.x + distance * math.cos(pose.yaw), pose.y + distance * math.sin(pose.yaw)
+
+    def touched_after(reach: float) -> float | None:
+        at, step = place, 0.005
+        for number in range(round(min(1.5, math.tau / abs(curvature)) / step)):
+            if math.hypot(x - at.x, y - at.y) < reach:
+                return number * step
+            at = at.moved(sign * step, sign * step * curvature)
+        return None
+
+    reach = radius + CONFIG.memory_margin
+    assume(math.hypot(x - place.x, y - place.y) > reach + 0.01)  # what touches already may lie behind
+    surely, perhaps = touched_after(reach - 0.01), touched_after(reach + 0.01)
+    found = echoes.first_in_the_way(place, sign, curvature)
+    if surely is not None:
+        assert found is not None
+        assert found.distance <= surely
+    if perhaps is None:
+        assert found is None or found.distance > 1.4
+    elif found is not None:
+        assert found.distance >= perhaps - 0.01

@@ -120,6 +120,13 @@ def test_the_opposite_tilt_asks_for_the_opposite(curve: Curve, x: int, y: int, z
 
 
 @pytest.mark.parametrize("curve", ["angle", "source"])
+@given(x=st.integers(-900, 900), y=st.integers(-900, 900), z=st.integers(100, 981))
+def test_face_down_asks_for_what_the_same_tilt_asks_for_face_up(curve: Curve, x: int, y: int, z: int) -> None:
+    """Whatever is level asks for nothing, and never for full speed."""
+    assert asked(x / 100, y / 100, -z / 100, curve) == asked(x / 100, y / 100, z / 100, curve)
+
+
+@pytest.mark.parametrize("curve", ["angle", "source"])
 def test_nothing_asked_is_a_plain_zero(curve: Curve) -> None:
     command = asked(-0.01, -0.01, GRAVITY, curve)
     assert (str(command.linear_x), str(command.angular_z)) == ("0.0", "0.0")

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_joystick.clutch import BOUNCE_READINGS
 from giraff_joystick.policy import BOARD_SILENCE, JoystickPolicy
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick, Tilt
@@ -159,6 +160,67 @@ def test_a_service_that_ends_says_stop_with_its_last_tick() -> None:
     joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
     assert_fault(joystick.farewell(), "ended", "start it again")
     assert joystick.farewell().tick == RobotTime(epoch=EPOCH, robot_ns=1)
+
+
+NOISY = [(500 + n % 3, n % 2, 840 - n % 2) for n in range(60)]
+BEFORE = {
+    "repeated": [(500, 0, 840)] * 9,
+    "frozen": [(500, 0, 840)] * 20,
+    "knocked": [*NOISY, (3000, 0, 980), (500, 0, 840)],
+    "shaken": [*NOISY, *[(2000 * (-1) ** n, 0, 980) for n in range(6)]],
+    "fallen": [*NOISY, (0, 5, 0)],
+    "lying": NOISY[:40],
+    "laid down": NOISY,
+}
+"""Counts of the sensor, the last of them before readings were missing."""
+AFTER = {
+    "the same": [(500, 0, 840)] * 4 + NOISY,
+    "a knock": [(3000, 0, 980), (500, 0, 840), *NOISY[:20]],
+    "the other way": [(-500, 0, 840), (-501, 0, 840), (-500, 1, 840)],
+}
+
+
+@pytest.mark.parametrize("gap", ["silence", "a sensor's fault"])
+@pytest.mark.parametrize("after", AFTER)
+@pytest.mark.parametrize("before", BEFORE)
+def test_after_missing_readings_only_what_comes_now_tells_a_hand(before: str, after: str, gap: str) -> None:
+    joystick, fresh = (JoystickPolicy(ANGLE, ROBOT, "me") for _ in range(2))
+    now = 0.0
+
+    def read(counts: tuple[int, int, int], *by: JoystickPolicy) -> list[DriveCommand]:
+        nonlocal now
+        now += 0.02
+        x, y, z = (value / 100 for value in counts)
+        for each in by:
+            each.on_frame(tilt_frame(x, y, z, robot_ns=round(now * 1e9)), now)
+        return [each.command(now) for each in by]
+
+    for counts in BEFORE[before]:
+        read(counts, joystick)
+    if gap == "silence":
+        now += BOARD_SILENCE
+    else:
+        joystick.on_frame(tilt_frame(status=TiltStatus.BUS_FAULT), now)
+    for counts in AFTER[after]:
+        told, expected = read(counts, joystick, fresh)
+        assert told == expected
+
+
+@pytest.mark.parametrize("gap", ["silence", "a sensor's fault"])
+def test_after_missing_readings_no_attitude_of_before_becomes_the_zero(gap: str) -> None:
+    """The clutch was pressed and held still; it is let go at once when the sensor is read again."""
+    joystick, now = JoystickPolicy(ANGLE, ROBOT, "me"), 0.0
+    for step in range(30):
+        now += 0.02
+        joystick.on_frame(tilt_frame(5.0 + step % 2 / 100, 0.0, 8.4, button=1, robot_ns=step), now)
+    if gap == "silence":
+        now += BOARD_SILENCE + 0.02
+    else:
+        joystick.on_frame(tilt_frame(status=TiltStatus.BUS_FAULT, button=1), now)
+    for step in range(BOUNCE_READINGS):
+        now += 0.02
+        joystick.on_frame(tilt_frame(5.0 + step % 2 / 100, 0.0, 8.4, robot_ns=100 + step), now)
+    assert_fault(joystick.command(now), "before the sensor had been read for 0.2 s", "old zero stays")
 
 
 def test_the_last_command_of_whoever_holds_the_lease_counts() -> None:

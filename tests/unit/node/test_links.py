@@ -11,6 +11,7 @@ from pathlib import Path
 
 import msgspec
 import pytest
+import serial
 
 from giraff_node.board_link import SILENCE, BoardLink
 from giraff_node.serial_link import REOPEN_PERIOD, SerialLink
@@ -67,6 +68,36 @@ def test_what_was_queued_before_the_opening_is_dropped(port: FakePort) -> None:
     port.say(b"now")
     assert link.read() == b"now"
     link.close("")
+
+
+def test_what_comes_while_the_port_is_being_opened_is_dropped(port: FakePort, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever pyserial has dropped by itself before."""
+
+    class Slow(serial.Serial):
+        def open(self) -> None:
+            super().open()
+            port.say(b"of an earlier life")
+
+    monkeypatch.setattr(serial, "Serial", Slow)
+    link = SerialLink(str(port.link), BAUD)
+    assert link.keep_open(0.0)
+    assert link.read() == b""
+    link.close("")
+
+
+def test_what_an_earlier_process_has_left_unsent_is_dropped(port: FakePort) -> None:
+    """As far as a pty can show it: its other end has taken up to a page already."""
+    with port.link.open("wb", buffering=0) as earlier:
+        os.set_blocking(earlier.fileno(), False)
+        while earlier.write(b"x" * 100):
+            pass
+        link = SerialLink(str(port.link), BAUD)
+        assert link.keep_open(0.0)
+        link.send(b"now")
+        heard = drained(port, link)
+        link.close("")
+    assert len(heard) <= 4096 + 3
+    assert heard.endswith(b"xnow")
 
 
 def test_a_port_in_use_is_named(port: FakePort, link: SerialLink) -> None:
