@@ -70,11 +70,12 @@ class _Status(IntEnum):
 class Bno055:
     """The device behind the registers that the joystick's processor reads and writes."""
 
-    def __init__(self, registers: memoryview, noise: float, seed: str) -> None:
-        """`noise`: m/s^2, standard deviation of each axis."""
+    def __init__(self, registers: memoryview, noise: float, seed: str, offset: Vector = (0.0, 0.0, 0.0)) -> None:
+        """`noise`: m/s^2, standard deviation of each axis; `offset`: m/s^2 that each reads too much."""
         self.fault = Bno055Fault.NONE
         self._registers = registers
         self._noise = noise
+        self._offset = offset
         self._random = random.Random(seed)
         self._answers_at = START_US
         self._other_page = bytearray(_PAGE_SIZE)
@@ -165,6 +166,6 @@ class Bno055:
         mapped = []
         for axis in range(3):
             source = config >> (2 * axis) & 3
-            value = acceleration[source] if source < 3 else 0.0
+            value = acceleration[source] + self._offset[source] if source < 3 else 0.0
             mapped.append(-value if sign & (4 >> axis) else value)
         return tuple(mapped)

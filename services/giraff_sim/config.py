@@ -1,4 +1,4 @@
-"""The table `[sim]` of the robot file: what is true of the simulated robot and unknown of a real one."""
+"""The table `[sim]` of the robot file: what is true of every simulated robot and unknown of a real one."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from typing import Final
 import msgspec
 
 from giraff_node.config import require_not_negative, require_positive
+from giraff_sim.truth import TruthRanges
 
 KNOWN: Final = {
     "GIRAFF_ROBOT_SWAP_MOTORS": "false",
@@ -36,8 +37,6 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """V at which `max_level` stands for `max_wheel_speed`."""
     battery_sag_volts: float = 2.0
     """V lost with both motors at full duty."""
-    sonar_noise: float = 0.001
-    """m, standard deviation of a range."""
     sonar_crosstalk: float = 0.0
     """Share of pings that hear another robot's: a range that is too short."""
     tilt_noise: float = 0.02
@@ -45,11 +44,13 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     hand_tremor: float = 0.05
     """m/s^2, rms of each axis, of the hand that holds the joystick. Most people's is about 0.07 at its main frequency
     (Arch Neurol 1982;39:358-362), over the axes it is shared by."""
+    truth: TruthRanges = TruthRanges()
+    """How far the robot may differ from its file."""
 
     def __post_init__(self) -> None:
         require_positive(self, "motor_time_constant", "battery_volts", "battery_nominal_volts")
         require_not_negative(
-            self, "wheel_friction", "dead_zone_counts", "battery_sag_volts", "sonar_noise", "tilt_noise", "hand_tremor"
+            self, "wheel_friction", "dead_zone_counts", "battery_sag_volts", "tilt_noise", "hand_tremor"
         )
         if not 0.0 <= self.sonar_crosstalk <= 1.0:
             raise ValueError(f"sonar_crosstalk is {self.sonar_crosstalk}: it must be in 0..1")

@@ -1,7 +1,7 @@
 """The robot's body: what the motors make of their drive, and where that takes it. SI units.
 
-The motion is integrated in steps of a millisecond from the wheels' speeds, not by the formulas of any
-service, so that an error there shows.
+The motion is integrated in steps of a millisecond from the true wheels' speeds, not by the formulas of any service nor
+by the robot file's geometry, so that an error there shows.
 """
 
 from __future__ import annotations
@@ -12,26 +12,49 @@ from typing import Final
 from giraff_node.robot import RobotConfig
 from giraff_sim.config import SimConfig
 from giraff_sim.room import Pose, Room
+from giraff_sim.truth import EXACT, TrueWheel, Truth
 
 STATES_PER_TICK: Final = 2  # of the encoder's quadrature states: the base board counts both edges of A
 _FULL_DUTY: Final = 255.0
 _PUSHES: Final = 4  # out of surfaces in one step: two walls of a corner, and once more each
+_SLIPPING: Final = 0.5  # share of its turning that a wheel loses while it slips
 
 
 class Wheel:
     """A motor on an H bridge, its wheel and its encoder."""
 
-    def __init__(self, robot: RobotConfig, sim: SimConfig) -> None:
+    def __init__(self, robot: RobotConfig, sim: SimConfig, true: TrueWheel) -> None:
         self.speed = 0.0
-        """m/s, forward positive."""
+        """m/s of its true rim, forward positive."""
         self.travel = 0.0
-        """m turned so far, forward positive."""
+        """m that the rim has truly turned so far, forward positive."""
         self.is_blocked = False
         """It does not turn, whatever the motor gets."""
         self._lag = sim.motor_time_constant
         self._friction = sim.wheel_friction
         self._dead_zone = sim.dead_zone_counts
-        self._speed_per_count = robot.max_wheel_speed / robot.max_level
+        self._speed_per_count = robot.max_wheel_speed / robot.max_level * true.strength * true.scale
+        self._states_per_metre = robot.ticks_per_metre * STATES_PER_TICK / true.scale
+        self._first_state = true.phase * STATES_PER_TICK
+        self._threshold_slip = true.threshold_slip
+        self._slip_left = 0.0  # m that it still turns in vain
+
+    @property
+    def states(self) -> float:
+        """Position of the encoder, in quadrature states."""
+        return self._first_state + self.travel * self._states_per_metre
+
+    def meet_threshold(self) -> None:
+        """It comes upon one, and slips."""
+        self._slip_left = self._threshold_slip
+
+    def grip(self, duration: float) -> float:
+        """m/s at which it carries the body through these `duration` s: less than its rim's while it slips."""
+        if self._slip_left <= 0.0:
+            return self.speed
+        lost = min(self._slip_left, _SLIPPING * abs(self.speed) * duration)
+        self._slip_left -= lost
+        return self.speed - math.copysign(lost / duration, self.speed)
 
     def step(self, duration: float, duty: float, voltage_ratio: float) -> None:
         """Turn for `duration` s with a signed duty of 255, the battery at `voltage_ratio` of nominal.
@@ -61,9 +84,13 @@ class Wheel:
 class Plant:
     """Two driven wheels under a disc that walls and posts stop. The body stops; the wheels then slip."""
 
-    def __init__(self, robot: RobotConfig, sim: SimConfig, room: Room) -> None:
-        self.left = Wheel(robot, sim)
-        self.right = Wheel(robot, sim)
+    def __init__(self, robot: RobotConfig, sim: SimConfig, room: Room, truth: Truth = EXACT) -> None:
+        self.left = Wheel(robot, sim, truth.left)
+        self.right = Wheel(robot, sim, truth.right)
+        self.speed = 0.0
+        """m/s at which the wheels carry the centre, forward positive; something in the way may hold it all the same."""
+        self.turn = 0.0
+        """rad/s at which they turn the body, counter-clockwise positive."""
         self.pose = room.start
         self.path_length = 0.0
         """m the centre has moved."""
@@ -73,8 +100,8 @@ class Plant:
         """V of the battery with nothing connected."""
         self.volts = sim.battery_volts
         """V of the battery now."""
-        self._states_per_metre = robot.ticks_per_metre * STATES_PER_TICK
-        self._track_width = robot.track_width
+        self._track_width = robot.track_width * truth.track_scale
+        self._turn_grip = 1.0 - truth.turn_slip
         self._radius = robot.footprint_radius
         self._nominal_volts = sim.battery_nominal_volts
         self._sag_volts = sim.battery_sag_volts
@@ -91,20 +118,14 @@ class Plant:
         ratio = self.volts / self._nominal_volts
         self.left.step(duration, left_duty, ratio)
         self.right.step(duration, right_duty, ratio)
-        speed = (self.left.speed + self.right.speed) / 2.0
-        turn = (self.right.speed - self.left.speed) / self._track_width
-        if speed != 0.0 or turn != 0.0 or self._room.version != self._room_version:
-            self._move(speed * duration, turn * duration)
-
-    @property
-    def left_states(self) -> float:
-        """Position of the left encoder, in quadrature states."""
-        return self.left.travel * self._states_per_metre
-
-    @property
-    def right_states(self) -> float:
-        """Position of the right encoder, in quadrature states."""
-        return self.right.travel * self._states_per_metre
+        left, right = self.left.grip(duration), self.right.grip(duration)
+        self.speed = (left + right) / 2.0
+        self.turn = (right - left) / self._track_width * self._turn_grip
+        if self.speed != 0.0 or self.turn != 0.0 or self._room.version != self._room_version:
+            before = self.pose
+            self._move(self.speed * duration, self.turn * duration)
+            if self._room.thresholds:
+                self._meet_thresholds(before)
 
     @property
     def clearance(self) -> float:
@@ -121,7 +142,7 @@ class Plant:
         if not all(math.isfinite(value) for value in pose):
             raise ValueError(f"a robot cannot be at {tuple(pose)}")
         self.pose = pose
-        self.left.speed = self.right.speed = 0.0
+        self.left.speed = self.right.speed = self.speed = self.turn = 0.0
         self._touching = False
         self._closest = math.inf
         self._clear_for = 0.0
@@ -135,6 +156,12 @@ class Plant:
             x, y = self._stop_at_surfaces(x, y)
         self.path_length += math.hypot(x - self.pose.x, y - self.pose.y)
         self.pose = Pose(x, y, math.remainder(self.pose.yaw + angle, math.tau))
+
+    def _meet_thresholds(self, before: Pose) -> None:
+        for wheel, side in ((self.left, 0.5), (self.right, -0.5)):
+            aside = side * self._track_width
+            if self._room.is_threshold_between(_beside(before, aside), _beside(self.pose, aside)):
+                wheel.meet_threshold()
 
     def _stop_at_surfaces(self, x: float, y: float) -> tuple[float, float]:
         touching = False
@@ -155,3 +182,8 @@ class Plant:
         self._clear_for = 0.0 if self._touching else max(0.0, clearance - self._closest)
         self._room_version = self._room.version
         return x, y
+
+
+def _beside(pose: Pose, aside: float) -> tuple[float, float]:
+    """The point `aside` m to the left of a pose."""
+    return pose.x - aside * math.sin(pose.yaw), pose.y + aside * math.cos(pose.yaw)

@@ -1,4 +1,4 @@
-"""A room: walls as segments, posts as circles, where the robot starts and where a hand would steer it.
+"""A room: walls, posts, edges on the floor, where the robot starts and where a hand would steer it.
 
 The file is TOML, metres, with x to the east and y to the north:
 
@@ -16,6 +16,10 @@ The file is TOML, metres, with x to the east and y to the north:
     x = 4.7
     y = 3.6
     radius = 0.03
+
+    [[thresholds]]                            # a wheel slips on it; it neither stops the robot nor echoes
+    name = "carpet"
+    points = [[2.0, 0.0], [2.0, 5.0]]
 """
 
 from __future__ import annotations
@@ -28,6 +32,9 @@ from typing import Final, NamedTuple
 import msgspec
 
 _SHORTEST_WALL: Final = 1e-3  # m: below it a segment has no direction worth the name
+
+
+Point = tuple[float, float]
 
 
 class RoomError(Exception):
@@ -94,12 +101,18 @@ class _PostFile(_Strict, frozen=True, kw_only=True):
     radius: float
 
 
+class _ThresholdFile(_Strict, frozen=True, kw_only=True):
+    name: str
+    points: tuple[tuple[float, float], tuple[float, float]]
+
+
 class _RoomFile(_Strict, frozen=True, kw_only=True):
     name: str
     start: _StartFile
     waypoints: list[tuple[float, float]] = []
     walls: list[_WallFile] = []
     posts: list[_PostFile] = []
+    thresholds: list[_ThresholdFile] = []
 
 
 class Room:
@@ -113,6 +126,8 @@ class Room:
         """Changes with the room."""
         self._segments: list[_Segment] = []
         self._posts: list[_Post] = []
+        self.thresholds: list[tuple[Point, Point]] = []
+        """Edges on the floor, from one end to the other."""
 
     def add_wall(self, name: str, points: list[tuple[float, float]], *, closed: bool = False) -> None:
         """A polyline through `points`."""
@@ -138,6 +153,19 @@ class Room:
             raise RoomError(f"post {name!r} at ({x:g}, {y:g}), radius {radius:g}: the radius must be positive")
         self._posts.append(_Post(name, x, y, radius))
         self.version += 1
+
+    def add_threshold(self, name: str, begin: Point, end: Point) -> None:
+        """The edge of a carpet, or a sill, from `begin` to `end`, on which a wheel slips."""
+        if not all(math.isfinite(value) for value in (*begin, *end)) or math.dist(begin, end) < _SHORTEST_WALL:
+            raise RoomError(f"threshold {name!r} must go from one place to another")
+        self.thresholds.append((begin, end))
+
+    def is_threshold_between(self, one: Point, other: Point) -> bool:
+        """Whether the way from one point straight to another leads over a threshold."""
+        return any(
+            _side(begin, end, one) != _side(begin, end, other) and _side(one, other, begin) != _side(one, other, end)
+            for begin, end in self.thresholds
+        )
 
     def remove(self, name: str) -> None:
         """Take away every wall and post called `name`."""
@@ -253,6 +281,13 @@ def read_room(path: Path) -> Room:
             room.add_wall(wall.name, wall.points, closed=wall.closed)
         for post in content.posts:
             room.add_post(post.name, post.x, post.y, post.radius)
+        for threshold in content.thresholds:
+            room.add_threshold(threshold.name, *threshold.points)
     except RoomError as error:
         raise RoomError(f"{path}: {error}") from error
     return room
+
+
+def _side(begin: Point, end: Point, point: Point) -> bool:
+    """Whether a point lies to the left of the line through two others, or on it."""
+    return (end[0] - begin[0]) * (point[1] - begin[1]) >= (end[1] - begin[1]) * (point[0] - begin[0])

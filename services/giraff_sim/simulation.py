@@ -36,7 +36,12 @@ class Simulation:
         self.bno055: Bno055 | None = None
         """The sensor on the joystick's bus, where there is a joystick."""
         if self._joystick is not None:
-            self.bno055 = Bno055(self._joystick.registers, world.sim.tilt_noise, f"{world.seed}/bno055")
+            self.bno055 = Bno055(
+                self._joystick.registers,
+                world.sim.tilt_noise,
+                f"{world.seed}/bno055",
+                world.truth.accelerometer_offset,
+            )
         if (ranger := self.boards.get(BoardKind.RANGER)) is not None:
             ranger.on_ping(world.echo_us)
 
@@ -101,7 +106,7 @@ class Simulation:
     @property
     def _wheel_states(self) -> tuple[float, float]:
         plant = self.world.plant
-        return plant.left_states, plant.right_states
+        return plant.left.states, plant.right.states
 
     def _need_base(self) -> Board:
         if self._base is None:

@@ -12,10 +12,13 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Final
 
+import msgspec
+
 from giraff_node.robot import SensorPose
 from giraff_schemas.wire import ECHO_US_PER_M
 from giraff_sim.config import SimConfig
 from giraff_sim.room import Hit, Pose, Room
+from giraff_sim.truth import EXACT, Truth
 
 SILENT_US: Final = 0.0  # for board_model.h: the echo line never rises
 STUCK_US: Final = -1.0  # for board_model.h: it rises and stays
@@ -51,14 +54,15 @@ class SonarFault(StrEnum):
 class Sonar:
     """One sensor on the robot."""
 
-    def __init__(self, mount: SensorPose, room: Room, sim: SimConfig, seed: str) -> None:
+    def __init__(self, mount: SensorPose, room: Room, sim: SimConfig, seed: str, noise: float = 0.0) -> None:
+        """`mount`: where it truly sits and looks; `noise`: m, standard deviation of a range."""
         self.fault = SonarFault.NONE
         self.wild_share = 0.0
         """Of the pings, while WILD_SOME."""
         self.pings = 0
         self._mount = mount
         self._room = room
-        self._noise = sim.sonar_noise
+        self._noise = noise
         self._crosstalk = sim.sonar_crosstalk
         self._random = random.Random(seed)
         self._wild = random.Random(f"{seed}/wild")
@@ -79,15 +83,35 @@ class Sonar:
                     return NO_ECHO_US
                 return self._wild.uniform(SHORTEST, RANGE) * ECHO_US_PER_M
             case SonarFault.NONE | SonarFault.WILD_SOME:
-                self._last_us = self._pulse_us(self.heard(robot))
+                self._last_us = self._pulse_us(self._ping(robot))
             case SonarFault.FROZEN:
                 pass
         return self._last_us
 
     def heard(self, robot: Pose) -> float | None:
+        """m to the nearest surface that this sensor, sound and without noise, hears for certain; None: there is none.
+
+        One that is nearer and slanted may be heard too, by chance. Asking changes nothing.
+        """
+        echo = self.sure_echo(robot)
+        return None if echo is None else echo.distance
+
+    def sure_echo(self, robot: Pose) -> Hit | None:
+        """The same with the surface that gives the echo."""
+        origin = self.origin(robot)
+        return min((hit for hit in self.hits(origin) if self._incidence(hit, origin.yaw) >= _SURE), default=None)
+
+    def origin(self, robot: Pose) -> Pose:
+        """Where the sensor truly is, and looks, with the robot at `robot`."""
+        cos, sin = math.cos(robot.yaw), math.sin(robot.yaw)
+        mount = self._mount
+        x, y = robot.x + cos * mount.x - sin * mount.y, robot.y + sin * mount.x + cos * mount.y
+        return Pose(x, y, robot.yaw + mount.yaw)
+
+    def _ping(self, robot: Pose) -> float | None:
         """The range one ping measures before noise, m; None when nothing answers."""
-        origin = self._origin(robot)
-        hits = sorted(self._hits(origin))
+        origin = self.origin(robot)
+        hits = sorted(self.hits(origin))
         verdicts: dict[int, bool] = {}
         for hit in hits:
             if hit.round or hit.surface not in verdicts:
@@ -99,13 +123,7 @@ class Sonar:
         detour = hits[0].distance * self._random.uniform(*_DETOUR)
         return detour if detour <= RANGE else None
 
-    def _origin(self, robot: Pose) -> Pose:
-        cos, sin = math.cos(robot.yaw), math.sin(robot.yaw)
-        mount = self._mount
-        x, y = robot.x + cos * mount.x - sin * mount.y, robot.y + sin * mount.x + cos * mount.y
-        return Pose(x, y, robot.yaw + mount.yaw)
-
-    def _hits(self, origin: Pose) -> list[Hit]:
+    def hits(self, origin: Pose) -> list[Hit]:
         """What the cone meets: along rays spread over it, and at each point in it that faces the sensor."""
         offsets = [HALF_CONE * (2.0 * k / (_RAYS - 1) - 1.0) for k in range(_RAYS)]
         for direction in self._room.facing(origin.x, origin.y):
@@ -116,13 +134,17 @@ class Sonar:
         return [hit for hit in rays if hit is not None]
 
     def _is_heard(self, hit: Hit, axis: float) -> bool:
-        incidence = hit.incidence if hit.round else self._room.incidence(hit.surface, axis)
+        incidence = self._incidence(hit, axis)
         if incidence >= _SURE:
             return True
         chance = _HEARD_SLANTED
         if incidence > _DOUBTFUL:
             chance += (1.0 - chance) * (incidence - _DOUBTFUL) / (_SURE - _DOUBTFUL)
         return self._random.random() < chance
+
+    def _incidence(self, hit: Hit, axis: float) -> float:
+        """Cosine: of the ray to a post, whose edge is slanted however it stands; of a wall, of the sensor's axis."""
+        return hit.incidence if hit.round else self._room.incidence(hit.surface, axis)
 
     def _pulse_us(self, heard: float | None) -> float:
         if self._crosstalk and self._random.random() < self._crosstalk:
@@ -133,6 +155,12 @@ class Sonar:
         return max(SHORTEST, heard + noise) * ECHO_US_PER_M
 
 
-def sonars(mounts: Mapping[str, SensorPose], room: Room, sim: SimConfig, seed: int) -> dict[int, Sonar]:
-    """The robot's sensors by their number on the ranger board."""
-    return {mount.index: Sonar(mount, room, sim, f"{seed}/sonar/{mount.index}") for mount in mounts.values()}
+def sonars(
+    mounts: Mapping[str, SensorPose], room: Room, sim: SimConfig, seed: int, truth: Truth = EXACT
+) -> dict[int, Sonar]:
+    """The robot's sensors by their number on the ranger board; `mounts`: where they are believed to be."""
+    made = {}
+    for mount in mounts.values():
+        true = msgspec.structs.replace(mount, yaw=mount.yaw + truth.sensor_yaws[mount.index])
+        made[mount.index] = Sonar(true, room, sim, f"{seed}/sonar/{mount.index}", truth.sonar_noise)
+    return made

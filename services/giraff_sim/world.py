@@ -11,6 +11,7 @@ from giraff_sim.hand import LEVEL, Hand, Tremor
 from giraff_sim.plant import Plant
 from giraff_sim.room import Room, RoomError
 from giraff_sim.sonar import SILENT_US, sonars
+from giraff_sim.truth import EXACT, Truth
 
 STEP_US: Final = 1000
 _HAND_US: Final = 8000  # the accelerometer takes no more samples than one in that time
@@ -23,19 +24,30 @@ class World:
     """Everything that is not a board. The same seed makes the same world."""
 
     def __init__(
-        self, room: Room, robot: RobotConfig, sim: SimConfig, hand: Hand, seed: int, step_us: int = STEP_US
+        self,
+        room: Room,
+        robot: RobotConfig,
+        sim: SimConfig,
+        hand: Hand,
+        seed: int,
+        step_us: int = STEP_US,
+        truth: Truth = EXACT,
     ) -> None:
-        """Set the robot at rest at the room's start. `step_us`: of simulated time; divides 8000."""
+        """Set the robot at rest at the room's start.
+
+        `robot`: what is believed of it; `truth`: how it differs. `step_us`: of simulated time; divides 8000.
+        """
         self.room = room
-        self.plant = Plant(robot, sim, room)
+        self.truth = truth
+        self.plant = Plant(robot, sim, room, truth)
         if self.plant.clearance < 0.0:
             radius = robot.footprint_radius
             raise RoomError(f"room {room.name!r}: the robot, a disc of {radius:g} m, does not fit at its start")
-        self.sonars = sonars(robot.sensors, room, sim, seed)
+        self.sonars = sonars(robot.sensors, room, sim, seed, truth)
         self.hand = hand
         self._tremor = Tremor(sim.hand_tremor, seed)
         self.acceleration: Vector = LEVEL
-        """m/s^2 on the joystick."""
+        """m/s^2 that truly act on the joystick; its sensor reads them with an offset of its own."""
         self.button = False
         """Whether the joystick's button is pressed."""
         self.now_us = 0

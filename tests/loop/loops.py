@@ -14,6 +14,7 @@ from giraff_sim.config import SimConfig
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Room
 from giraff_sim.simulation import simulation
+from giraff_sim.truth import Truth
 from giraff_sim.world import World
 from tests.robots import ROBOT
 from tests.sim.robots import EXACT
@@ -33,8 +34,10 @@ def closed_loop(
     sim: SimConfig = EXACT,
     seed: int = 1,
     services: Services | None = None,
+    truth: Truth | None = None,
 ) -> Iterator[ClosedLoop]:
-    world = World(room, settings.robot, sim, StillHand(), seed)
+    """A robot that is exactly as its file says, unless another `truth` is given."""
+    world = World(room, settings.robot, sim, StillHand(), seed, truth=truth or Truth())
     with simulation(world, implementation=implementation) as running:
         yield ClosedLoop(running, settings, services)
 

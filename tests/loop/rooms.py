@@ -234,9 +234,9 @@ class _Heard:
                 continue
             self._newest[sensor] = reading
             sonar = world.sonars[pose.index]
-            origin = sonar._origin(world.plant.pose)
+            origin = sonar.origin(world.plant.pose)
             seen = math.inf  # a wild reading, or none, is of nothing
-            for hit in sonar._hits(origin):
+            for hit in sonar.hits(origin):
                 incidence = hit.incidence if hit.round else world.room.incidence(hit.surface, origin.yaw)
                 if incidence >= _SURE and reading.range is not None and abs(hit.distance - reading.range) < _NEARLY:
                     seen = reading.range

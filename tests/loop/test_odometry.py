@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 
 import msgspec
+import pytest
 
 from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.truth import TrueWheel, Truth
 from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold
+from tests.robots import ROBOT
 from tests.sim.robots import EXACT, proving_room
 
 LEGS = (
@@ -71,3 +74,35 @@ def test_a_reset_board_is_a_new_boot_and_no_jump() -> None:
         assert loop.newest["wheels"].boot_id == boot_id + 1
         truth = loop.simulation.world.plant.pose
         assert math.hypot(farthest.x - truth.x, farthest.y - truth.y) < 0.3, "more was lost than the reset itself"
+
+
+@pytest.mark.parametrize(
+    ("truth", "hand"),
+    [
+        (Truth(left=TrueWheel(scale=0.995), right=TrueWheel(scale=1.005)), (FULL_TILT, 0.0)),
+        (Truth(track_scale=1.02), (0.0, FULL_TILT)),
+        (Truth(turn_slip=0.02), (0.0, FULL_TILT)),
+    ],
+    ids=["wheels apart", "wide track", "slip"],
+)
+def test_odometry_is_wrong_by_what_the_robot_file_does_not_know(truth: Truth, hand: tuple[float, float]) -> None:
+    """By far more than its covariance claims: that is of what is random, not of what is systematic."""
+    with closed_loop(proving_room(), TRUSTING, truth=truth) as loop:
+        arm(loop)
+        loop.simulation.world.room.remove("walls")
+        hold(loop, *hand)
+        loop.run(10.0)
+        hold(loop)
+        loop.run(1.5)
+        odom, pose = loop.newest["odom"], loop.simulation.world.plant.pose
+    way, wheels = odom.path, loop.newest["wheels"]
+    off = math.remainder(pose.yaw - odom.yaw, math.tau)
+    if hand[0]:
+        assert way > 4.0
+        assert off == pytest.approx(0.01 * way / ROBOT.track_width, rel=0.1)
+        assert math.dist((odom.x, odom.y), pose[:2]) == pytest.approx(off / 2.0 * way, rel=0.1)
+    else:
+        turned = (wheels.right_ticks - wheels.left_ticks) / ROBOT.ticks_per_metre / ROBOT.track_width
+        assert turned > 10.0
+        assert off == pytest.approx(-0.02 * turned, rel=0.1)
+    assert abs(off) > 5.0 * math.sqrt(odom.covariance[5])

@@ -3,10 +3,11 @@
 from giraff_sim.config import SimConfig
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Pose, Room
+from giraff_sim.truth import Truth
 from giraff_sim.world import World
 from tests.robots import ROBOT
 
-EXACT = SimConfig(sonar_noise=0.0, tilt_noise=0.0, battery_sag_volts=0.0, battery_volts=24.0)
+EXACT = SimConfig(tilt_noise=0.0, battery_sag_volts=0.0, battery_volts=24.0)
 """Nothing random, and a battery that holds its nominal voltage."""
 
 ORIGIN = Pose(0.0, 0.0, 0.0)
@@ -30,5 +31,6 @@ def room_with_wall(x: float, start: Pose = ORIGIN) -> Room:
     return room
 
 
-def world_in(room: Room, sim: SimConfig = EXACT, seed: int = 1) -> World:
-    return World(room, ROBOT, sim, StillHand(), seed)
+def world_in(room: Room, sim: SimConfig = EXACT, seed: int = 1, truth: Truth | None = None) -> World:
+    """A robot that is exactly as its file says, unless another truth is given."""
+    return World(room, ROBOT, sim, StillHand(), seed, truth=truth or Truth())

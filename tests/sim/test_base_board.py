@@ -60,7 +60,7 @@ def test_positive_levels_take_the_robot_forward_and_count_forward(base: BaseLine
     plant = base.simulation.world.plant
     assert plant.pose.x == pytest.approx(0.6, abs=0.1)
     assert abs(plant.pose.y) < 1e-4
-    assert base.wheels.left_ticks == pytest.approx(plant.left_states / 2, abs=1)
+    assert base.wheels.left_ticks == pytest.approx(plant.left.states / 2, abs=1)
     base.drive(-20, 20, 1.0)
     base.drive(0, 0, 1.0)
     assert plant.pose.yaw > 0.3
@@ -269,10 +269,10 @@ def test_a_cut_encoder_stands_still_and_a_mended_one_goes_on_counting(base: Base
     assert base.wheels.left_ticks == cut.left_ticks
     assert base.wheels.right_ticks > cut.right_ticks + 500
     base.simulation.cut_encoder(0, is_cut=False)
-    mended_at = base.simulation.world.plant.left_states / 2
+    mended_at = base.simulation.world.plant.left.states / 2
     base.drive(40, 40, 1.0)
     base.drive(0, 0, 1.0)
-    gone = base.simulation.world.plant.left_states / 2 - mended_at
+    gone = base.simulation.world.plant.left.states / 2 - mended_at
     assert base.wheels.left_ticks - cut.left_ticks == pytest.approx(gone, abs=2)
 
 
@@ -285,8 +285,8 @@ def test_encoders_agree_with_the_true_travel_along_a_winding_path(implementation
             base.drive(left, right, 1.0)
         base.drive(0, 0, 1.0)
         plant = running.world.plant
-        assert base.wheels.left_ticks == pytest.approx(plant.left_states / 2, abs=1)
-        assert base.wheels.right_ticks == pytest.approx(plant.right_states / 2, abs=1)
+        assert base.wheels.left_ticks == pytest.approx(plant.left.states / 2, abs=1)
+        assert base.wheels.right_ticks == pytest.approx(plant.right.states / 2, abs=1)
 
 
 def test_simulation_without_a_base_board_refuses_its_faults() -> None:

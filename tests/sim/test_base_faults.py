@@ -131,8 +131,8 @@ def test_a_robot_that_is_configured_as_it_is_soldered_drives_straight() -> None:
             base.drive(0, 0, 0.4)
             plant = running.world.plant
             assert latch(base) is Latch.NONE, soldered
-            assert base.wheels.left_ticks == pytest.approx(plant.left_states / 2, abs=1)
-            assert base.wheels.right_ticks == pytest.approx(plant.right_states / 2, abs=1)
+            assert base.wheels.left_ticks == pytest.approx(plant.left.states / 2, abs=1)
+            assert base.wheels.right_ticks == pytest.approx(plant.right.states / 2, abs=1)
 
 
 @pytest.mark.parametrize("period_ms", [60, 100, 140, 200, 300, 500, 900])

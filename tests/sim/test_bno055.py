@@ -15,9 +15,9 @@ FLAT: Vector = (0.0, 0.0, 9.80665)
 class Device:
     """A sensor with its registers, lived a millisecond at a time."""
 
-    def __init__(self, noise: float = 0.0) -> None:
+    def __init__(self, noise: float = 0.0, offset: Vector = (0.0, 0.0, 0.0)) -> None:
         self.registers = bytearray(256)
-        self.sensor = Bno055(memoryview(self.registers), noise, "seed")
+        self.sensor = Bno055(memoryview(self.registers), noise, "seed", offset)
         self.now_us = 0
         self.address = 0
 
@@ -166,3 +166,17 @@ def test_noise_is_what_was_asked_for() -> None:
     mean = sum(readings) / len(readings)
     assert abs(mean) < 1.0
     assert (sum((value - mean) ** 2 for value in readings) / len(readings)) ** 0.5 == pytest.approx(5.0, rel=0.15)
+
+
+def test_an_offset_is_the_sensors_own_and_turns_with_its_axes() -> None:
+    device = Device(offset=(0.3, -0.2, 0.1))
+    device.live(650)
+    device.registers[bno055.OPR_MODE] = 1
+    device.live(30, (1.0, 2.0, 9.0))
+    assert device.acceleration() == (130, 180, 910)
+    device.registers[bno055.AXIS_MAP_CONFIG] = 0x21  # x and y change places
+    device.live(20, (1.0, 2.0, 9.0))
+    assert device.acceleration() == (180, 130, 910)
+    device.sensor.fault = Bno055Fault.ZERO
+    device.live(20, (1.0, 2.0, 9.0))
+    assert device.acceleration() == (0, 0, 0)

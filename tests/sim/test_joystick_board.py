@@ -10,6 +10,7 @@ from giraff_sim.bno055 import Bno055, Bno055Fault
 from giraff_sim.board import Implementation
 from giraff_sim.hand import LaidDown
 from giraff_sim.simulation import simulation
+from giraff_sim.truth import Truth
 from tests.sim.line import Line
 from tests.sim.robots import empty_room, world_in
 
@@ -51,6 +52,18 @@ def test_it_brings_the_sensor_up_and_tells_its_tilt_50_times_a_second(joystick: 
     assert all((frame.x, frame.y, frame.z) == (150, -250, 900) for frame in tilts)
     assert all(frame.sys_status == 6 and frame.sys_error == 0 for frame in tilts)
     assert joystick.damaged == 0
+
+
+def test_a_sensor_with_an_offset_tells_another_tilt_than_the_true_one(implementation: Implementation) -> None:
+    world = world_in(empty_room(), truth=Truth(accelerometer_offset=(0.3, -0.2, 0.1)))
+    world.hand = LaidDown((1.5, -2.5, 9.0))
+    with simulation(world, (BoardKind.JOYSTICK,), implementation) as running:
+        line = Line(running, BoardKind.JOYSTICK)
+        run_until_running(line, 3.0)
+        line.run(0.2)
+        frame = line.last(TiltFrame)
+    assert (frame.x, frame.y, frame.z) == (180, -270, 910)
+    assert world.acceleration == (1.5, -2.5, 9.0)
 
 
 @pytest.mark.parametrize(

@@ -49,9 +49,13 @@ def test_a_file_says_where_things_are(tmp_path: Path) -> None:
         tmp_path,
         f'name = "small"\n{START}waypoints = [[1, 2]]\n'
         '[[walls]]\nname = "box"\npoints = [[1, -1], [2, -1], [2, 1], [1, 1]]\nclosed = true\n'
-        '[[posts]]\nname = "leg"\nx = -1.0\ny = 0.0\nradius = 0.25\n',
+        '[[posts]]\nname = "leg"\nx = -1.0\ny = 0.0\nradius = 0.25\n'
+        '[[thresholds]]\nname = "sill"\npoints = [[3, -1], [3, 1]]\n',
     )
     room = read_room(path)
+    assert room.is_threshold_between((2.9, 0.0), (3.1, 0.1))
+    assert not room.is_threshold_between((2.9, 1.1), (3.1, 1.1))
+    assert room.names == ["box", "leg"]
     assert room.start == Pose(0.0, 0.0, math.pi / 2)
     assert room.waypoints == [(1.0, 2.0)]
     assert room.clearance(0.0, 0.0) == 0.75
@@ -77,6 +81,8 @@ def test_a_file_says_where_things_are(tmp_path: Path) -> None:
             "needs three",
         ),
         (f'name = "x"\n{START}[[posts]]\nname = "p"\nx = 0\ny = 1\nradius = 0\n', "must be positive"),
+        (f'name = "x"\n{START}[[thresholds]]\nname = "t"\npoints = [[0, 1]]\n', "thresholds"),
+        (f'name = "x"\n{START}[[thresholds]]\nname = "t"\npoints = [[0, 1], [0, 1]]\n', "'t' must go from one"),
         ('name = "x"\nstart = { x = inf, y = 0.0, yaw_deg = 0.0 }\n', "finite"),
     ],
 )

@@ -1,0 +1,126 @@
+"""What is true of one simulated robot, beside what its file says of it.
+
+Services know a robot by its file. No robot is its file: wheels are a little smaller, motors unlike each other, sensors
+look aside. Nothing but the world reads a `Truth`, so that an error of the services' belief shows.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from typing import Final, Literal
+
+import msgspec
+
+from giraff_node.config import require_not_negative
+from giraff_schemas.wire import RANGE_SENSORS
+
+Level = Literal["exact", "calibrated", "uncalibrated"]
+"""How far a robot differs from its file: not at all, as one does after its calibration, or as one may before it."""
+
+_LARGEST_SHARE: Final = 0.3
+_LARGEST_ANGLE: Final = math.radians(30.0)
+
+
+class TrueWheel(msgspec.Struct, frozen=True, kw_only=True):
+    """A wheel, its motor and its encoder."""
+
+    scale: float = 1.0
+    """m truly rolled for each metre that the file's `ticks_per_metre` makes of the encoder's counts."""
+    strength: float = 1.0
+    """Of the speed that the file expects at a level."""
+    phase: float = 0.0
+    """Where between two counts, 0..1, the encoder stands at power-on."""
+    threshold_slip: float = 0.0
+    """m that it turns in vain on each threshold."""
+
+
+class Truth(msgspec.Struct, frozen=True, kw_only=True):
+    """One robot. The defaults are a robot that is exactly as its file says."""
+
+    left: TrueWheel = TrueWheel()
+    right: TrueWheel = TrueWheel()
+    track_scale: float = 1.0
+    """Of the file's `track_width`."""
+    turn_slip: float = 0.0
+    """Share of each turn that the wheels make and the body does not."""
+    accelerometer_offset: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """m/s² that the joystick's sensor reads too much, along each axis of its own."""
+    sonar_noise: float = 0.0
+    """m, standard deviation of a range."""
+    sensor_yaws: tuple[float, ...] = (0.0,) * RANGE_SENSORS
+    """rad by which each ultrasonic sensor, by its number on the ranger board, looks to the left of the file's `yaw`."""
+
+
+EXACT: Final = Truth()
+
+
+class TruthRanges(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The table `[sim.truth]` of the robot file: within what a simulated robot is drawn, evenly unless it says so."""
+
+    wheel_scale: float = 0.02
+    """Share by which either wheel may be larger or smaller than the file says."""
+    track_scale: float = 0.03
+    """The same of the track."""
+    calibrated_wheel_scale: float = 0.001
+    """What a calibration leaves of `wheel_scale`."""
+    calibrated_track_scale: float = 0.003
+    """What it leaves of `track_scale`."""
+    motor_weakness: float = 0.15
+    """Share by which either motor may be weaker than the file says."""
+    turn_slip: float = 0.01
+    """Largest share of a turn that is lost: an estimate, for castors that scrub."""
+    threshold_slip: float = 0.02
+    """m that a wheel turns in vain on a threshold, at most: an estimate."""
+    accelerometer_offset: float = 0.3
+    """m/s², either way, of each axis."""
+    sonar_noise: float = 0.01
+    """m, standard deviation of a range: the same of every drawn robot."""
+    sensor_yaw: float = math.radians(3.0)
+    """rad, to either side, of each sensor's axis."""
+
+    def __post_init__(self) -> None:
+        require_not_negative(self, *self.__struct_fields__)
+        for name, largest in (
+            ("wheel_scale", _LARGEST_SHARE),
+            ("track_scale", _LARGEST_SHARE),
+            ("calibrated_wheel_scale", self.wheel_scale),
+            ("calibrated_track_scale", self.track_scale),
+            ("motor_weakness", _LARGEST_SHARE),
+            ("turn_slip", _LARGEST_SHARE),
+            ("sensor_yaw", _LARGEST_ANGLE),
+        ):
+            if getattr(self, name) > largest:
+                raise ValueError(f"{name} is {getattr(self, name):g}: it must be {largest:g} at most")
+
+
+def draw_truth(level: Level, ranges: TruthRanges, seed: int) -> Truth:
+    """The robot of this seed: calibrated and not, it is the same one."""
+    if level == "exact":
+        return EXACT
+    chance = random.Random(f"{seed}/truth")
+    is_calibrated = level == "calibrated"
+    wheel_scale = ranges.calibrated_wheel_scale if is_calibrated else ranges.wheel_scale
+    track_scale = ranges.calibrated_track_scale if is_calibrated else ranges.track_scale
+
+    def either_way(largest: float) -> float:
+        return chance.uniform(-largest, largest)
+
+    def wheel() -> TrueWheel:
+        return TrueWheel(
+            scale=1.0 + either_way(wheel_scale),
+            strength=1.0 - chance.uniform(0.0, ranges.motor_weakness),
+            phase=chance.random(),
+            threshold_slip=chance.uniform(0.0, ranges.threshold_slip),
+        )
+
+    offset = ranges.accelerometer_offset
+    return Truth(
+        left=wheel(),
+        right=wheel(),
+        track_scale=1.0 + either_way(track_scale),
+        turn_slip=chance.uniform(0.0, ranges.turn_slip),
+        accelerometer_offset=(either_way(offset), either_way(offset), either_way(offset)),
+        sonar_noise=ranges.sonar_noise,
+        sensor_yaws=tuple(either_way(ranges.sensor_yaw) for _ in range(RANGE_SENSORS)),
+    )
