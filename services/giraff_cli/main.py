@@ -53,7 +53,7 @@ def giraff() -> None:
 
 
 @app.command()
-def run(
+def run(  # noqa: PLR0913, PLR0917  one argument an option
     seconds: Annotated[
         float | None, typer.Option("--for", metavar="SECONDS", help="End after so long; else with Ctrl-C.")
     ] = None,
@@ -61,6 +61,10 @@ def run(
         Path | None, typer.Option(metavar="FILE", help="The room; see deploy/worlds.", show_default=False)
     ] = None,
     seed: Annotated[int, typer.Option(metavar="N", help="Of everything that is random in the world.")] = 1,
+    truth: Annotated[
+        Literal["exact", "calibrated", "uncalibrated"],
+        typer.Option(help="How far the robot that the seed draws differs from its file."),
+    ] = "calibrated",
     tilt_script: Annotated[
         Path | None, typer.Option(metavar="FILE", help="CSV rows t, x, y, z (s, m/s²) instead of the scripted hand.")
     ] = None,
@@ -81,6 +85,7 @@ def run(
             seconds=seconds,
             world=world,
             seed=seed,
+            truth=truth,
             tilt_script=tilt_script,
             boards=boards,
             summary=summary,

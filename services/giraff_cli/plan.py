@@ -21,6 +21,7 @@ from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.hand import ScriptError
 from giraff_sim.main import make_hand
 from giraff_sim.room import RoomError, read_room
+from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world import World
 
 Boards = Literal["avr", "host"]
@@ -49,6 +50,8 @@ class Plan:
     world: Path
     hand: str
     seed: int
+    truth: Level
+    """How far the robot differs from its file."""
     boards: Boards
     why_boards: str
     """Why not the better ones; empty when they are, or when they were asked for."""
@@ -56,7 +59,7 @@ class Plan:
     picture: Path | None
 
 
-def make_plan(
+def make_plan(  # noqa: PLR0913  one argument an option
     *,
     seconds: float | None,
     world: Path | None,
@@ -66,6 +69,7 @@ def make_plan(
     summary: Path | None,
     picture: Path | None,
     local: bool,
+    truth: Level,
 ) -> Plan:
     """The plan, or PlanError."""
     if seconds is not None and not (math.isfinite(seconds) and seconds > 0.0):
@@ -81,7 +85,7 @@ def make_plan(
     hand = "demo" if tilt_script is None else str(tilt_script.absolute())
     try:
         room = read_room(world)
-        World(room, robot, sim, make_hand(hand, room, seed, 0.0), seed)
+        World(room, robot, sim, make_hand(hand, room, seed, 0.0), seed, truth=draw_truth(truth, sim.truth, seed))
     except RoomError as error:
         raise PlanError(f"--world: {error}") from error
     except ScriptError as error:
@@ -100,6 +104,7 @@ def make_plan(
         world=world,
         hand=hand,
         seed=seed,
+        truth=truth,
         boards=chosen,
         why_boards=why,
         summary=summary,

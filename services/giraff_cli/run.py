@@ -213,6 +213,8 @@ class Run:
             robot=self._plan.robot.name,
             boards=self._plan.boards,
             seed=self._plan.seed,
+            truth=self._plan.truth,
+            drawn=self._robot.drawn,
             began_ns=self._began_ns or telemetry.truth.robot_ns,
             failures=self._failures,
         )

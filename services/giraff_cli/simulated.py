@@ -17,6 +17,7 @@ from giraff_node import robot_now_ns
 from giraff_node.estop import RELEASED
 from giraff_node.state import write_latch
 from giraff_sim.client import SimulatorClient, SimulatorError
+from giraff_sim.truth import Truth as Drawn
 
 SERVICES: Final = ("joystick", "guard", "base", "ranger", "odometry")
 SIMULATOR: Final = "simulator"
@@ -50,6 +51,8 @@ class SimulatedRobot:
         self._control = directory / "control"
         self._children = Children(directory)
         self._client: SimulatorClient | None = None
+        self.drawn: Drawn | None = None
+        """How this robot differs from its file; None before it is there."""
 
     def start_simulator(self, stopping: Stopping) -> bool:
         """Start boards and world; False when the end was asked for meanwhile. Raises StartError."""
@@ -61,6 +64,7 @@ class SimulatedRobot:
             "--control": self._control,
             "--world": plan.world,
             "--seed": plan.seed,
+            "--truth": plan.truth,
             "--boards": plan.boards,
             "--hand": plan.hand,
         }
@@ -76,6 +80,7 @@ class SimulatedRobot:
             if stopping.wait(_ASK_AGAIN):
                 return False
         self._client = SimulatorClient(self._control)
+        self.drawn = self._client.truth()
         self._start_services(ready.ports)
         return True
 
@@ -96,8 +101,8 @@ class SimulatedRobot:
             robot_ns=(before + robot_now_ns()) // 2,
             simulated_us=state.now_us,
             pose=Pose(state.x, state.y, state.yaw),
-            speed=(state.left_speed + state.right_speed) / 2.0,
-            turn=(state.right_speed - state.left_speed) / self._plan.robot.track_width,
+            speed=state.speed,
+            turn=state.turn,
             path=state.path_length,
             closest=state.closest,
             contacts=state.contacts,

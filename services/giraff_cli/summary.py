@@ -7,11 +7,17 @@ from typing import Final
 
 import msgspec
 
+from giraff_cli.motion import Apart
 from giraff_cli.run_telemetry import AgeSummary, RunTelemetry
+from giraff_cli.telemetry import Seen
 from giraff_cli.words import counted
-from giraff_schemas.topics import BASE
+from giraff_schemas.messages import Odometry
+from giraff_schemas.topics import BASE, ODOM
+from giraff_sim.truth import Level
+from giraff_sim.truth import Truth as Drawn
 
 _LABEL: Final = 15  # characters
+_INDENT: Final = " " * (_LABEL + 2)
 _RATES_A_LINE: Final = 3
 
 
@@ -28,6 +34,13 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     odom_error_m: float | None
     """Between odometry and truth at the end, at rest; both started at the same pose."""
     odom_error_deg: float | None
+    odom_sigma_m: float | None
+    """What odometry itself takes that error for: its standard deviation, by its own covariance."""
+    odom_sigma_deg: float | None
+    truth: Level
+    """How far the robot could differ from its file."""
+    drawn: Drawn | None
+    """How it did."""
     closest_m: float
     """To anything in the room, ever."""
     contacts: int
@@ -48,21 +61,34 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def summarize(
-    telemetry: RunTelemetry, *, robot: str, boards: str, seed: int, began_ns: int, failures: list[str]
+    telemetry: RunTelemetry,
+    *,
+    robot: str,
+    boards: str,
+    seed: int,
+    truth: Level,
+    drawn: Drawn | None,
+    began_ns: int,
+    failures: list[str],
 ) -> Summary:
-    """The numbers of the run that began at `began_ns` (robot's clock) and ends with the newest truth."""
-    truth, apart = telemetry.truth, telemetry.apart
-    base = telemetry.newest(BASE, truth.robot_ns)
+    """The numbers of the run that began at `began_ns` (robot's clock) and ends with the newest look at the world."""
+    world, apart = telemetry.truth, telemetry.apart
+    base = telemetry.newest(BASE, world.robot_ns)
+    sigma = None if apart is None else _sigma(telemetry.newest(ODOM, world.robot_ns))
     return Summary(
         robot=robot,
         boards=boards,
         seed=seed,
-        duration_s=round((truth.robot_ns - began_ns) * 1e-9, 3),
-        distance_m=round(truth.path, 4),
+        duration_s=round((world.robot_ns - began_ns) * 1e-9, 3),
+        distance_m=round(world.path, 4),
         odom_error_m=None if apart is None else round(apart.distance, 4),
         odom_error_deg=None if apart is None else round(math.degrees(apart.angle), 3),
-        closest_m=round(truth.closest, 4),
-        contacts=truth.contacts,
+        odom_sigma_m=None if sigma is None else round(sigma.distance, 4),
+        odom_sigma_deg=None if sigma is None else round(math.degrees(sigma.angle), 3),
+        truth=truth,
+        drawn=drawn,
+        closest_m=round(world.closest, 4),
+        contacts=world.contacts,
         frames_lost=sum(telemetry.lost.values()),
         lost_by_key=telemetry.lost,
         line_errors=None if base is None else base.sample.board.line_errors,
@@ -86,6 +112,8 @@ def to_text(summary: Summary) -> str:
         ("duration", f"{summary.duration_s:.1f} s, simulated time {_behind(summary.skew_percent)}"),
         ("distance", f"{summary.distance_m:.2f} m"),
         ("odometry off by", "unknown" if error is None else f"{error:.3f} m, {summary.odom_error_deg:.2f}°{per_cent}"),
+        ("its own sigma", _claim(summary)),
+        ("true robot", _difference(summary.truth, summary.drawn)),
         ("closest", f"{summary.closest_m:.3f} m, {counted(summary.contacts, 'contact')}"),
         ("samples lost", _losses(summary)),
         ("line errors", "unknown" if summary.line_errors is None else f"{summary.line_errors}"),
@@ -95,10 +123,36 @@ def to_text(summary: Summary) -> str:
     return "\n".join(f"{label:>{_LABEL}}  {value}" for label, value in rows)
 
 
+def _sigma(odometry: Seen[Odometry] | None) -> Apart | None:
+    """Standard deviations by the covariance of a sample: of the distance and of the heading."""
+    if odometry is None:
+        return None
+    xx, _, _, yy, _, tt = odometry.sample.covariance
+    return Apart(math.sqrt(xx + yy), math.sqrt(tt))
+
+
+def _claim(summary: Summary) -> str:
+    if summary.odom_sigma_m is None or summary.odom_sigma_deg is None:
+        return "unknown"
+    return f"{summary.odom_sigma_m:.3f} m, {summary.odom_sigma_deg:.2f}°"
+
+
+def _difference(level: Level, drawn: Drawn | None) -> str:
+    """The drawn robot beside its file."""
+    if drawn is None:
+        return f"{level}, unknown"
+    if level == "exact":
+        return "exact: as its file says"
+    left, right = drawn.left, drawn.right
+    geometry = f"wheels {left.scale - 1.0:+.2%} {right.scale - 1.0:+.2%}, track {drawn.track_scale - 1.0:+.2%}"
+    motors = f"motors {left.strength:.0%} {right.strength:.0%}, {drawn.turn_slip:.1%} of turning slips"
+    return f"{level}: {geometry},\n{_INDENT}{motors}"
+
+
 def _rates(rates_hz: dict[str, float]) -> str:
     shown = [f"{key} {rate:.1f}" for key, rate in rates_hz.items()]
     lines = [", ".join(shown[start : start + _RATES_A_LINE]) for start in range(0, len(shown), _RATES_A_LINE)]
-    return f",\n{' ' * (_LABEL + 2)}".join(lines) or "none heard"
+    return f",\n{_INDENT}".join(lines) or "none heard"
 
 
 def _losses(summary: Summary) -> str:

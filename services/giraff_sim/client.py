@@ -16,6 +16,7 @@ from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.messages import BoardName, State, Wheel
 from giraff_sim.record import Verdict
 from giraff_sim.sonar import SonarFault
+from giraff_sim.truth import Truth
 
 
 class SimulatorError(Exception):
@@ -61,6 +62,13 @@ class SimulatorClient:
         if state is None:
             raise SimulatorError(f"{self._path}: a reply without the state")
         return state
+
+    def truth(self) -> Truth:
+        """How this robot differs from what its file says."""
+        truth = self._ask(messages.GetTruth()).truth
+        if truth is None:
+            raise SimulatorError(f"{self._path}: a reply without the truth")
+        return truth
 
     def record(self, since_us: int = 0, until_us: int | None = None) -> Verdict:
         """The black box's verdict on a window of simulated time."""

@@ -40,6 +40,7 @@ class Control:
         self._decoder = msgspec.json.Decoder(messages.AnyRequest)
         self._actions: dict[type[messages.Request], Callable[[Any], messages.Reply | None]] = {
             messages.GetState: self._state,
+            messages.GetTruth: self._truth,
             messages.GetRecord: self._record,
             messages.Tilt: self._tilt,
             messages.SetHand: self._hand,
@@ -79,6 +80,8 @@ class Control:
             yaw=plant.pose.yaw,
             left_speed=plant.left.speed,
             right_speed=plant.right.speed,
+            speed=plant.speed,
+            turn=plant.turn,
             path_length=plant.path_length,
             clearance=_finite(plant.clearance),
             closest=_finite(plant.closest),
@@ -104,6 +107,9 @@ class Control:
             complaints=board.model.errors,
             complaint=board.message,
         )
+
+    def _truth(self, _request: messages.GetTruth) -> messages.Reply:
+        return messages.Reply(ok=True, now_us=self._simulation.now_us, truth=self._simulation.world.truth)
 
     def _record(self, request: messages.GetRecord) -> messages.Reply:
         now_us = self._simulation.now_us

@@ -14,7 +14,7 @@ import time
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, get_args
 
 from giraff_node.config import ConfigError, load
 from giraff_node.robot import RobotConfig
@@ -29,6 +29,7 @@ from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
 from giraff_sim.room import Room, RoomError, read_room
 from giraff_sim.simulation import Simulation, simulation
+from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world import World
 
 _log = logging.getLogger(__name__)
@@ -44,6 +45,7 @@ class Options:
     control: Path
     world: Path
     seed: int
+    truth: Level
     boards: Implementation
     only: tuple[BoardKind, ...]
     hand: str
@@ -59,6 +61,12 @@ def parse(arguments: list[str]) -> Options:
     add("--control", type=Path, required=True, metavar="PATH", help="control socket")
     add("--world", type=Path, required=True, metavar="FILE", help="room, as deploy/worlds/living_room.toml")
     add("--seed", type=int, default=1, metavar="N", help="of everything random (default 1)")
+    add(
+        "--truth",
+        choices=get_args(Level),
+        default="calibrated",
+        help="how far the robot differs from its file (default calibrated)",
+    )
     add("--boards", choices=[*Implementation], default="avr", help="what runs the firmware (default avr)")
     add("--only", default=",".join(known), metavar="NAMES", help="boards, separated by commas")
     add(
@@ -77,6 +85,7 @@ def parse(arguments: list[str]) -> Options:
         control=given.control,
         world=given.world,
         seed=given.seed,
+        truth=given.truth,
         boards=Implementation(given.boards),
         only=tuple(kind for name, kind in known.items() if name in names),
         hand=given.hand,
@@ -197,7 +206,9 @@ def main(arguments: list[str] | None = None) -> int:
         with ExitStack() as stack:
             robot, sim = load("robot", RobotConfig), load("sim", SimConfig)
             room = read_room(options.world)
-            world = World(room, robot, sim, make_hand(options.hand, room, options.seed, 0.0), options.seed)
+            hand = make_hand(options.hand, room, options.seed, 0.0)
+            truth = draw_truth(options.truth, sim.truth, options.seed)
+            world = World(room, robot, sim, hand, options.seed, truth=truth)
             running = stack.enter_context(simulation(world, options.only, options.boards))
             options.ports.mkdir(parents=True, exist_ok=True)
             process = Process(options, running, stack)

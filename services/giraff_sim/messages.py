@@ -11,6 +11,7 @@ from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.board import RunState
 from giraff_sim.record import Verdict
 from giraff_sim.sonar import SonarFault
+from giraff_sim.truth import Truth
 
 BoardName = Literal["base", "joystick", "ranger"]
 Wheel = Literal["left", "right"]
@@ -26,6 +27,10 @@ class Now(Request, frozen=True, kw_only=True, tag="now"):
 
 class GetState(Request, frozen=True, kw_only=True, tag="state"):
     """Everything there is to know."""
+
+
+class GetTruth(Request, frozen=True, kw_only=True, tag="truth"):
+    """How this robot differs from what its file says."""
 
 
 class GetRecord(Request, frozen=True, kw_only=True, tag="record"):
@@ -142,6 +147,7 @@ class Reset(Request, frozen=True, kw_only=True, tag="reset"):
 AnyRequest = (
     Now
     | GetState
+    | GetTruth
     | GetRecord
     | Tilt
     | SetHand
@@ -205,7 +211,12 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     y: float
     yaw: float
     left_speed: float
+    """m/s of the true rim."""
     right_speed: float
+    speed: float
+    """m/s at which the wheels carry the centre."""
+    turn: float
+    """rad/s at which they turn the body."""
     path_length: float
     clearance: float
     """m between the robot's disc and what is nearest to it."""
@@ -231,4 +242,5 @@ class Reply(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     now_us: int = 0
     """When the request was done; what it changed acts from the next millisecond on."""
     state: State | None = None
+    truth: Truth | None = None
     record: Verdict | None = None

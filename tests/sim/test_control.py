@@ -19,6 +19,7 @@ from giraff_sim.hand import Hand, StillHand
 from giraff_sim.pacing import WallPacer
 from giraff_sim.simulation import Simulation
 from giraff_sim.sonar import SonarFault
+from giraff_sim.truth import TruthRanges, draw_truth
 from tests.sim.robots import ORIGIN, room_with_wall, world_in
 
 
@@ -54,6 +55,21 @@ def test_now_and_state(simulation: Simulation, control: Control) -> None:
     assert state.battery_volts == 24.0
     assert state.boards == {}
     assert state.base is None
+
+
+def test_the_truth_is_the_robots_whose_world_it_is() -> None:
+    truth = draw_truth("uncalibrated", TruthRanges(), 3)
+    simulation = Simulation({}, world_in(room_with_wall(2.0), truth=truth))
+    control = Control(simulation, {}, WallPacer(), make_hand)
+    assert ask(control, op="truth").truth == truth
+    plant = simulation.world.plant
+    plant.left.speed, plant.right.speed = 0.2, 0.3
+    simulation.run(0.001)
+    state = ask(control, op="state").state
+    assert state is not None
+    assert (state.speed, state.turn) == (plant.speed, plant.turn)
+    assert state.speed == pytest.approx(0.25, abs=0.01)
+    assert state.turn == pytest.approx(0.1 / 0.47 / truth.track_scale, rel=0.05)
 
 
 def test_place_and_walls(simulation: Simulation, control: Control) -> None:
@@ -156,6 +172,7 @@ def test_a_client_speaks_in_types(socket_path: Path, simulation: Simulation) -> 
         assert client.now() == 0
         assert client.place(0.5, 0.0, math.pi) == 0
         assert client.state().yaw == math.pi
+        assert client.truth() == simulation.world.truth
         assert client.record().driven_ms == 0
         client.add_wall("box", [(3.0, 0.0), (4.0, 0.0), (4.0, 1.0)], closed=True)
         client.remove_wall("box")

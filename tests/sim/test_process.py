@@ -17,6 +17,7 @@ from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.board import Implementation
 from giraff_sim.client import SimulatorClient, SimulatorError
 from giraff_sim.sonar import SonarFault
+from giraff_sim.truth import Level, TruthRanges, draw_truth
 from tests.waiting import wait
 
 ROOT = Path(__file__).parents[2]
@@ -67,6 +68,16 @@ def hello_of(path: Path, wheels: int = 0) -> HelloFrame:
     finally:
         os.close(descriptor)
     return hellos[0]
+
+
+@pytest.mark.parametrize("level", [None, "exact", "uncalibrated"])
+def test_a_seed_is_a_calibrated_robot_unless_another_is_asked_for(tmp_path: Path, level: Level | None) -> None:
+    more = () if level is None else ("--truth", level)
+    with (
+        simulator(tmp_path, "--boards", "host", "--hand", "still", "--seed", "4", *more),
+        SimulatorClient(tmp_path / "control") as client,
+    ):
+        assert client.truth() == draw_truth(level or "calibrated", TruthRanges(), 4)
 
 
 def test_it_offers_ports_and_control_and_ends_cleanly(tmp_path: Path, implementation: Implementation) -> None:

@@ -131,8 +131,11 @@ def test_it_drives_around_the_room_and_sums_up(command: Command) -> None:
 
     told, out = without_stall(run)
     assert told["distance_m"] > 4.0
-    assert told["odom_error_m"] < 0.01 * told["distance_m"]
-    assert told["odom_error_deg"] < 1.0
+    # Calibrated, not exact: 3 per mille of track, 1 % of slip and a carpet are more than noise.
+    assert 0.0 < told["odom_error_m"] < 0.04 * told["distance_m"]
+    assert 0.0 < told["odom_sigma_m"] < 0.04 * told["distance_m"]
+    assert told["truth"] == "calibrated"
+    assert told["drawn"]["track_scale"] != 1.0
     assert (told["contacts"], told["frames_lost"], told["line_errors"]) == (0, 0, 0)
     assert told["closest_m"] > 0.1
     assert 20.0 <= told["duration_s"] < 25.0

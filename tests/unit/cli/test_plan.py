@@ -31,7 +31,7 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 def plan(**options: Any) -> Plan:
     defaults: dict[str, Any] = dict.fromkeys(("seconds", "world", "tilt_script", "boards", "summary", "picture"))
-    return make_plan(**defaults | {"seed": 1, "local": False} | options)
+    return make_plan(**defaults | {"seed": 1, "truth": "calibrated", "local": False} | options)
 
 
 def test_the_defaults_make_a_run() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from dataclasses import replace
 
@@ -16,6 +17,8 @@ from giraff_cli.screen import as_svg
 from giraff_cli.summary import Summary, summarize, to_json, to_text
 from giraff_cli.view import Frame, view
 from giraff_schemas import topics
+from giraff_sim.truth import Level, TruthRanges, draw_truth
+from giraff_sim.truth import Truth as Drawn
 from tests.unit.cli.samples import (
     MS,
     SENSORS,
@@ -24,6 +27,7 @@ from tests.unit.cli.samples import (
     estop,
     guard,
     lease,
+    odometry,
     reading,
     ten_seconds,
     truth,
@@ -150,8 +154,22 @@ def test_the_line_is_one_line() -> None:
     assert "\n" not in line(RunTelemetry(SENSORS, truth(0)).snapshot(0), 0.0)
 
 
-def summary(telemetry: RunTelemetry, failures: list[str] | None = None) -> Summary:
-    return summarize(telemetry, robot="sim-here", boards="avr", seed=3, began_ns=2 * SECOND, failures=failures or [])
+def summary(
+    telemetry: RunTelemetry,
+    failures: list[str] | None = None,
+    truth: Level = "calibrated",
+    drawn: Drawn | None = None,
+) -> Summary:
+    return summarize(
+        telemetry,
+        robot="sim-here",
+        boards="avr",
+        seed=3,
+        truth=truth,
+        drawn=drawn,
+        began_ns=2 * SECOND,
+        failures=failures or [],
+    )
 
 
 def test_the_summary_is_what_was_measured() -> None:
@@ -172,6 +190,10 @@ def test_the_summary_as_json_has_the_names_that_are_promised() -> None:
         "distance_m",
         "odom_error_m",
         "odom_error_deg",
+        "odom_sigma_m",
+        "odom_sigma_deg",
+        "truth",
+        "drawn",
         "closest_m",
         "contacts",
         "frames_lost",
@@ -188,9 +210,32 @@ def test_the_summary_as_json_has_the_names_that_are_promised() -> None:
 def test_the_summary_does_not_make_up_what_nobody_heard() -> None:
     told = summary(RunTelemetry(SENSORS, truth(2 * SECOND)))
     assert told.odom_error_m is None
+    assert told.odom_sigma_m is None
     assert told.age_ms is None
     assert told.rates_hz == {}
-    assert to_text(told).count("unknown") == 3
+    assert to_text(told).count("unknown") == 5
+
+
+def test_the_summary_says_odometrys_error_beside_what_odometry_takes_it_for() -> None:
+    telemetry = ten_seconds()
+    sure = odometry(10 * SECOND + 10 * MS, 4.0)
+    doubtful = msgspec.structs.replace(sure, covariance=(9e-4, 0.0, 0.0, 16e-4, 0.0, math.radians(1.5) ** 2))
+    Network(telemetry).send(topics.ODOM, doubtful, 10 * SECOND + 10 * MS, maker="m")
+    told = summary(telemetry)
+    assert (told.odom_sigma_m, told.odom_sigma_deg) == (0.05, 1.5)
+    assert re.search("odometry off by  0.000 m.*\n +its own sigma  0.050 m, 1.50°", to_text(told))
+
+
+@pytest.mark.parametrize("level", ["calibrated", "uncalibrated"])
+def test_the_summary_says_which_robot_was_drawn(level: Level) -> None:
+    drawn = draw_truth(level, TruthRanges(), 3)
+    told = summary(ten_seconds(), truth=level, drawn=drawn)
+    assert (told.truth, told.drawn) == (level, drawn)
+    text = to_text(told)
+    assert f"true robot  {level}: wheels {drawn.left.scale - 1.0:+.2%} " in text
+    assert f"motors {drawn.left.strength:.0%} {drawn.right.strength:.0%}" in text
+    assert max(map(len, text.splitlines())) <= 80
+    assert "exact: as its file says" in to_text(summary(ten_seconds(), truth="exact", drawn=Drawn()))
 
 
 def test_the_summary_for_people_fits_a_terminal() -> None:
