@@ -15,6 +15,7 @@ from giraff_sim.dst.ledger import Heard
 from giraff_sim.dst.obstacles import Obstacles
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Pose, Room
+from giraff_sim.sonar import SonarFault
 from giraff_sim.world import World
 from tests.dst.stage import SETTINGS
 
@@ -25,15 +26,18 @@ SLOWLY, FAST = 30, 70
 """Levels: 0.26 and 0.60 m/s, which stop within 0.02 and 0.12 m."""
 
 
-def ahead(room: Room, distance: float, level: int) -> str:
-    """What the judge finds in a frame 0.1 s after the left sensor heard something at `distance`, in m."""
+def ahead(room: Room, level: int, fault: SonarFault = SonarFault.NONE) -> str:
+    """What the judge finds in a frame 0.1 s after the left sensor's ping, whatever a service made of that."""
     world = World(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
     obstacles = Obstacles(world, SETTINGS)
+    sonar = world.sonars[SENSOR.index]
+    sonar.fault = fault
+    sonar.echo_us(world.plant.pose)
     obstacles.note(HEARD_US)
-    reading = Range(sensor="front_left", state="echo", range=distance, echo_us=1, reason="", tick=None)
+    reading = Range(sensor="front_left", state="clear", range=None, echo_us=1, reason="", tick=None)
     readings = {name: deque[Heard]() for name in SETTINGS.robot.sensors}
     readings["front_left"].append(Heard(reading, HEARD_US, HEARD_US))
-    return obstacles.ahead(Twist(DriveFrame(0, 0, 0, level, level), SETTINGS.robot), readings, NOW_US)
+    return obstacles.ahead(Twist(DriveFrame(0, 0, 0, level, level), SETTINGS.robot).linear, readings, NOW_US)
 
 
 def room_with_wall(clearance: float) -> Room:
@@ -44,29 +48,41 @@ def room_with_wall(clearance: float) -> Room:
 
 
 @pytest.mark.parametrize(
-    ("clearance", "level", "found"), [(0.10, FAST, True), (0.10, SLOWLY, False), (0.01, SLOWLY, True)]
+    ("clearance", "level", "found"),
+    [(0.10, FAST, True), (0.19, SLOWLY, True), (0.21, SLOWLY, False), (0.21, FAST, False), (0.01, SLOWLY, True)],
 )
-def test_a_wall_ahead_nearer_than_the_stopping_distance_is_found(clearance: float, level: int, found: bool) -> None:
-    told = ahead(room_with_wall(clearance), RADIUS + clearance - SENSOR.x, level)
+def test_a_wall_ahead_nearer_than_the_stopping_distance_or_the_margin_is_found(
+    clearance: float, level: int, found: bool
+) -> None:
+    told = ahead(room_with_wall(clearance), level)
     assert bool(told) is found
     if found:
         assert f"now {clearance:.2f} m from the body" in told
 
 
-def test_it_is_not_found_where_nothing_was_heard_there() -> None:
-    assert ahead(room_with_wall(0.01), 0.5, FAST) == ""
+def test_before_a_post_only_the_stopping_distance_counts() -> None:
+    for clearance, found in ((0.10, True), (0.14, False)):
+        room = Room("post", Pose(0.0, 0.0, 0.0))
+        radius = 0.10
+        x = math.sqrt((RADIUS + clearance + radius) ** 2 - SENSOR.y**2)
+        room.add_post("post", x, SENSOR.y, radius)
+        assert bool(ahead(room, FAST)) is found
+
+
+def test_a_sensor_that_is_deaf_hears_nothing_that_counts() -> None:
+    assert ahead(room_with_wall(0.01), FAST, SonarFault.DEAD) == ""
 
 
 def test_backing_away_from_it_is_right() -> None:
-    assert ahead(room_with_wall(0.01), RADIUS + 0.01 - SENSOR.x, -FAST) == ""
+    assert ahead(room_with_wall(0.01), -FAST) == ""
 
 
 def test_what_touches_the_side_is_not_what_was_heard_ahead() -> None:
-    clearance = 0.2
+    clearance = 0.22
     room = room_with_wall(clearance)
     room.add_post("beside", 0.1, RADIUS + 0.05, 0.05)
     assert room.clearance(0.0, 0.0) < RADIUS + 0.02
-    assert ahead(room, RADIUS + clearance - SENSOR.x, FAST) == ""
+    assert ahead(room, FAST) == ""
 
 
 def test_a_post_that_the_cone_only_grazes_was_not_heard_for_sure() -> None:
@@ -78,4 +94,4 @@ def test_a_post_that_the_cone_only_grazes_was_not_heard_for_sure() -> None:
     hit = room.ray(SENSOR.x, SENSOR.y, math.radians(-7.5), 1.0)
     assert hit is not None
     assert hit.incidence < math.cos(math.radians(60.0))
-    assert ahead(room, hit.distance, FAST) == ""
+    assert ahead(room, FAST) == ""

@@ -12,6 +12,7 @@ from typing import Any, Final, NamedTuple
 import msgspec
 
 from giraff_node.config import load
+from giraff_sim.bno055 import Vector
 from giraff_sim.board import BUILD, ROOT, Implementation
 from giraff_sim.closed_loop import ClosedLoop, Services, Settings
 from giraff_sim.config import KNOWN, SimConfig
@@ -22,7 +23,7 @@ from giraff_sim.dst.hands import RestlessHand
 from giraff_sim.dst.judge import Judge, Violation
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.dst.people import Button
-from giraff_sim.dst.rooms import random_room
+from giraff_sim.dst.rooms import lay_threshold, random_room
 from giraff_sim.dst.stops import Stop, Way
 from giraff_sim.dst.story import Story
 from giraff_sim.hand import Hand
@@ -31,6 +32,7 @@ from giraff_sim.hosts.cable import Cable
 from giraff_sim.hosts.process import Process
 from giraff_sim.room import Room
 from giraff_sim.simulation import Simulation, simulation
+from giraff_sim.truth import EXACT, Truth, draw_truth
 from giraff_sim.world import World
 
 SECONDS: Final = 20.0
@@ -46,6 +48,7 @@ _HOUR_NS: Final = 3_600_000_000_000
 _RELEASE_US: Final = 500_000
 _DRIVES: Final = 0.2  # m of path that count as driving
 
+_SIM: Final = SimConfig()
 _GIVEN: Final = {
     "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
     "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
@@ -95,6 +98,7 @@ class Scenario(NamedTuple):
     hand: Hand
     seconds: float
     befalls: tuple[Befall, ...]
+    truth: Truth = EXACT
 
 
 class Drill:
@@ -166,9 +170,13 @@ class Drill:
     def run(self) -> None:
         """To the end."""
         end_us = round(self.seconds * 1e6)
-        loop, judge = self.loop, self.judge
+        loop, judge, world = self.loop, self.judge, self.loop.simulation.world
+        felt: Vector | None = None
         while loop.agenda.now_us < end_us:
             loop.step()
+            if world.acceleration is not felt and (joystick := loop.processes.get("joystick")) is not None:
+                felt = world.acceleration
+                judge.held(joystick, felt)
             judge.after_step()
 
     def _press_button(self, process: Process) -> Button:
@@ -205,9 +213,10 @@ class Drill:
 
 
 def draw(seed: int, seconds: float = SECONDS) -> Scenario:
-    """A room, a hand and faults, from the seed."""
+    """A room, a hand, faults, and a robot that nobody has calibrated, from the seed."""
     chance = Random(f"{seed}/scenario")
     room = random_room(chance)
+    lay_threshold(room, Random(f"{seed}/threshold"))
     hand: Hand = (
         RestlessHand(chance, seconds) if chance.random() < _RESTLESS else DemoHand(room.waypoints, seed, _RESTS_FROM)
     )
@@ -219,12 +228,12 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
         )
         for _ in range(chance.randint(*_FAULTS))
     )
-    return Scenario(seed, room, hand, seconds, befalls)
+    return Scenario(seed, room, hand, seconds, befalls, draw_truth("uncalibrated", _SIM.truth, seed))
 
 
 def play(scenario: Scenario, settings: Settings, services: Services | None = None) -> Outcome:
     """Run a scenario to its end."""
-    world = World(scenario.room, settings.robot, SimConfig(), scenario.hand, scenario.seed, _STEP_US)
+    world = World(scenario.room, settings.robot, _SIM, scenario.hand, scenario.seed, _STEP_US, truth=scenario.truth)
     with simulation(world, implementation=Implementation.HOST, build=BUILD) as running:
         run = Drill(running, settings, services or Services(), scenario)
         run.run()

@@ -1,11 +1,13 @@
-"""The invariants, judged by the boards' pins, the world and the ledger; never by what a policy thinks of itself.
+"""The invariants, judged by hands and keys, the boards' pins, the world and the ledger: never by a service's words.
 
 (a) after a fault that stops the robot, its motors are without power within the fault's bound;
 (b) no drive frame stands on a command or a measurement that is too old, and no motor outlives its frames;
-(c) none stands on a command of somebody else than the holder of the lease, or of before arming;
-(d) none is sent, and no motor has power, under an engaged emergency stop;
-(e) none goes towards something that echoed lately and is nearer than the stopping distance;
-(f) a robot that may move, and is asked to where it is free, moves.
+(c) none stands on a command of somebody else than the holder of the lease, or of before a hand was truly neutral;
+    none goes against the way that the hand truly asks for;
+(d) none is sent, and no motor has power, under an engaged emergency stop, or while the disk does not say released;
+(e) none goes towards something that a sound sensor must have heard, and that is nearer than the stopping distance;
+(f) a robot that may move, and is asked to where it is free, moves;
+(g) no motor gets more than the largest level, what base has not asked for, or more speed than the ramp allows.
 """
 
 from __future__ import annotations
@@ -15,12 +17,15 @@ from typing import Final, NamedTuple
 from giraff_schemas.messages import BaseState, EStopEngage, EStopReset, GuardedCommand, Lease
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame
 from giraff_sim.closed_loop import Settings
+from giraff_sim.dst.contrary import Contrary
 from giraff_sim.dst.explain import Explainer, Twist
 from giraff_sim.dst.freedom import Freedom
 from giraff_sim.dst.ledger import BASE, Ledger, Passed
 from giraff_sim.dst.obstacles import Obstacles
+from giraff_sim.dst.pins import Pins
 from giraff_sim.dst.stops import ROBOT_US, Stops
 from giraff_sim.dst.story import Story, kind_of
+from giraff_sim.dst.wishes import Wishes
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.process import Process
 from giraff_sim.simulation import Simulation
@@ -41,7 +46,7 @@ class Judge(Ledger):
     """Hears all, and is asked after each step."""
 
     def __init__(self, agenda: Agenda, simulation: Simulation, settings: Settings, story: Story) -> None:
-        super().__init__(agenda)
+        super().__init__(agenda, Wishes(settings.joystick, simulation.world.truth.accelerometer_offset))
         self.violations: list[Violation] = []
         self.stops = Stops(simulation)
         """The faults that must stop the robot now."""
@@ -52,6 +57,9 @@ class Judge(Ledger):
         self._story = story
         self._explainer = Explainer(self, settings.robot, settings.base)
         self._obstacles = Obstacles(simulation.world, settings)
+        self._pins = Pins(simulation, settings.robot, settings.base, _OUTLIVES_US)
+        self._contrary = Contrary(simulation.world.plant)
+        self._driver = ""  # instance of the operator whom the newest frame with a level explains
         self.freedom = Freedom(simulation.world, settings)
         self._level_us = 0  # when base last sent a level
         # What disarmed last, and whose held neutral has been found since.
@@ -83,6 +91,10 @@ class Judge(Ledger):
                 self._violated("f", refusal)
             return
         self.freedom.moved(now_us)
+        if wrong := self._pins.look(now_us):
+            self._violated("g", wrong)
+        if against := self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us):
+            self._violated("c", against)
         if overdue := self.stops.overdue(now_us):
             self._violated("a", overdue)
         if now_us - self._level_us > _OUTLIVES_US:
@@ -157,7 +169,11 @@ class Judge(Ledger):
             self._story.count(f"stop: {kind_of(state.reason) or 'the operator wishes so'}")
 
     def on_drive(self, base: Process, frame: DriveFrame) -> None:
-        now_us = self._level_us = self._agenda.now_us
+        now_us = self._agenda.now_us
+        self._pins.asked(frame, now_us)
+        if not (frame.left_level or frame.right_level):
+            return
+        self._level_us = now_us
         if self._engaged_us is not None:
             self._violated("d", f"{base.instance} sends {frame.left_level}, {frame.right_level} while stopped")
         twist = Twist(frame, self._settings.robot)
@@ -165,8 +181,9 @@ class Judge(Ledger):
         if passed is None:
             self._violated(wrong[0], f"{frame.left_level}, {frame.right_level} at the board: {wrong[3:]}")
         else:
+            self._driver = passed.command.operator
             self._expect_armed(passed.command.operator, twist)
-        if collision := self._obstacles.ahead(twist, self.readings, now_us):
+        if twist.goes and (collision := self._obstacles.ahead(twist.linear, self.readings, now_us)):
             self._violated("e", collision)
 
     def _expect_armed(self, operator: str, twist: Twist) -> None:

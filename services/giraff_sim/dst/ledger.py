@@ -19,6 +19,8 @@ from giraff_schemas.messages import (
     Range,
 )
 from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFrame, WheelsFrame
+from giraff_sim.bno055 import Vector
+from giraff_sim.dst.wishes import Wishes
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.process import Observer, Process
 
@@ -92,8 +94,10 @@ class Neutral:
 class Ledger(Observer):
     """Keeps what the judge asks for."""
 
-    def __init__(self, agenda: Agenda) -> None:
+    def __init__(self, agenda: Agenda, wishes: Wishes) -> None:
         self._agenda = agenda
+        self.wishes = wishes
+        """What the operators truly do."""
         self._boots: dict[BoardKind, list[int]] = {kind: [0] for kind in BoardKind}
         self._measured: dict[Process, int] = {}
         self._typed: set[Process] = set()
@@ -109,7 +113,7 @@ class Ledger(Observer):
         self.readings: dict[str, deque[Heard]] = defaultdict(lambda: deque(maxlen=3))
         """By sensor: the last ones that any guard was handed."""
         self.neutral: dict[str, Neutral] = defaultdict(Neutral)
-        """By operator's instance."""
+        """By operator's instance: for how long it has truly asked for nothing, and said so."""
         self.leases: dict[str, list[Grant]] = defaultdict(list)
         """By guard's instance: what it has granted and ended."""
 
@@ -117,8 +121,11 @@ class Ledger(Observer):
         """A board begins anew: so does its clock."""
         self._boots[kind].append(self._agenda.now_us)
 
+    def held(self, process: Process, acceleration: Vector) -> None:
+        self.wishes.hold(process.instance, acceleration, self._agenda.now_us)
+
     def typed(self, process: Process, keys: bytes) -> None:
-        del keys
+        self.wishes.press(process.instance, keys, self._agenda.now_us)
         self._typed.add(process)
         self._measured[process] = self._agenda.now_us
 
@@ -166,7 +173,7 @@ class Ledger(Observer):
                 self.on_reset_asked(sample)
 
     def wrote(self, process: Process, frame: Frame) -> None:
-        if isinstance(frame, DriveFrame) and (frame.left_level or frame.right_level):
+        if isinstance(frame, DriveFrame):
             self.on_drive(process, frame)
 
     def passed(self, command: GuardedCommand) -> Passed:
@@ -198,14 +205,15 @@ class Ledger(Observer):
         """Base is asked to release."""
 
     def on_drive(self, base: Process, frame: DriveFrame) -> None:
-        """Base sends a drive frame with a level."""
+        """Base sends a drive frame."""
 
     def _on_given(self, process: Process, sample: DriveCommand) -> None:
         born_us = self._measured.get(process, self._agenda.now_us)
         if process in self._typed and sample.neutral:
             born_us = self._agenda.now_us  # a key that is not pressed is so at every moment
         self._given[sample.instance, sample.seq] = Given(sample, born_us)
-        self.neutral[sample.instance].note(born_us, is_neutral=sample.neutral and sample.source == "hand")
+        is_neutral = sample.source == "hand" and self.wishes.is_neutral(sample.instance, born_us)
+        self.neutral[sample.instance].note(born_us, is_neutral=is_neutral)
 
     def _on_passed(self, process: Process, sample: GuardedCommand) -> None:
         self._passed[sample.instance, sample.seq] = Passed(

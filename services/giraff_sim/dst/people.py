@@ -99,6 +99,7 @@ class _TiltBoard:
         loop = self._process.loop
         now_us = loop.agenda.now_us
         felt = self._hand.acceleration(now_us * 1e-6, loop.simulation.world.plant.pose)
+        loop.observer.held(self._process, felt)
         x, y, z = (round((axis + self._chance.gauss(0.0, _NOISE)) * TILT_LSB_PER_M_S2) for axis in felt)
         self._seq += 1
         return TiltFrame(

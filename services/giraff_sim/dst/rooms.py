@@ -11,6 +11,8 @@ from giraff_sim.room import Pose, Room
 _TRIES: Final = 200
 _START_CLEARANCE: Final = 0.9  # m, of the robot's centre
 _WAYPOINT_CLEARANCE: Final = 0.75
+_BARE: Final = 0.5  # share of the rooms without a threshold
+_HALF_THRESHOLD: Final = 2.0  # m
 
 
 def random_room(chance: random.Random) -> Room:
@@ -36,6 +38,17 @@ def random_room(chance: random.Random) -> Room:
     room.start = Pose(*start, chance.uniform(-math.pi, math.pi))
     room.waypoints = [_free_place(room, chance, width, depth, _WAYPOINT_CLEARANCE) for _ in range(4)]
     return room
+
+
+def lay_threshold(room: Room, chance: random.Random) -> None:
+    """In every other room, the edge of a carpet across the middle of where the robot is likely to drive."""
+    if chance.random() < _BARE:
+        return
+    x = sum(place[0] for place in room.waypoints) / len(room.waypoints)
+    y = sum(place[1] for place in room.waypoints) / len(room.waypoints)
+    along = chance.uniform(-math.pi, math.pi)
+    half_x, half_y = _HALF_THRESHOLD * math.cos(along), _HALF_THRESHOLD * math.sin(along)
+    room.add_threshold("edge", (x - half_x, y - half_y), (x + half_x, y + half_y))
 
 
 def _free_place(room: Room, chance: random.Random, width: float, depth: float, clearance: float) -> tuple[float, float]:

@@ -33,6 +33,7 @@ from giraff_schemas.topics import (
     Topic,
 )
 from giraff_schemas.wire import BoardKind, Frame
+from giraff_sim.bno055 import Vector
 from giraff_sim.hosts.cable import CableEnd
 from giraff_sim.hosts.disk import ProcessStore
 from giraff_sim.hosts.network import Message, Request, Subscription
@@ -322,6 +323,9 @@ class Observer:
 
     def heard(self, process: Process, sample: Any) -> None:
         """The service of `process` is handed `sample`, a request among them."""
+
+    def held(self, process: Process, acceleration: Vector) -> None:
+        """The joystick of `process` is held just now so that this truly acts on it, m/s²."""
 
     def typed(self, process: Process, keys: bytes) -> None:
         """Somebody presses `keys` at the terminal of `process` just now."""

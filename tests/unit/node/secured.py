@@ -10,6 +10,7 @@ import datetime as dt
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from itertools import count
 from pathlib import Path
 from typing import Any, Final
@@ -87,7 +88,7 @@ class Network:
         self._declared: list[Any] = [self.base.declare_subscriber("marks/base", direct(self._on_sample))]
         for host, session in self.sessions.items():
             marked = self._marked[host]
-            take = direct(lambda sample, marked=marked: marked.add(sample.payload.to_string()))
+            take = direct(partial(_mark, marked))
             self._declared.append(session.declare_subscriber(f"marks/{host}", take))
         for topic in TOPICS:
             self._declared.append(self.base.declare_subscriber(key_of(ROBOT, topic), direct(self._on_sample)))
@@ -172,3 +173,7 @@ class Network:
     def close(self) -> None:
         for session in (*self.sessions.values(), self.base):
             close_session(session)
+
+
+def _mark(marked: set[str], sample: zenoh.Sample) -> None:
+    marked.add(sample.payload.to_string())

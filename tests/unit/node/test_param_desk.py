@@ -46,7 +46,9 @@ class Desk:
         self._desk.turn(Inbox(1), Inbox(1), self._saves, None)
 
 
-def test_who_asks_without_end_at_a_slow_disk_takes_no_other_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_who_asks_without_end_at_a_slow_disk_takes_no_other_thread(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     ready = threading.Event()
 
     def written(path: Path, data: bytes) -> None:

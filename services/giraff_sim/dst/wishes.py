@@ -1,0 +1,71 @@
+"""What the operators' hands truly do, whatever a sensor, a board or a service makes of it.
+
+A hand that holds the joystick is judged by the acceleration that truly acts on it, fingers by the keys they press.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict, deque
+from typing import Final, NamedTuple
+
+from giraff_joystick.config import JoystickConfig
+from giraff_sim.bno055 import GRAVITY, Vector
+
+_KEPT_US: Final = 2_000_000
+_PRESS_US: Final = 400_000  # that one press asks for
+_SAME_US: Final = 30_000  # a reading's age within its board: what the hand did just before counts for it too
+_DOUBT_DEG: Final = 1.0
+_KEYS: Final = {ord("w"): (1, 0), ord("s"): (-1, 0), ord("a"): (0, 1), ord("d"): (0, -1)}
+
+Way = tuple[int, int]
+"""Sign of the way that a hand asks for, forward and left; 0: neither for certain."""
+
+
+class _Held(NamedTuple):
+    """How a joystick is held from a moment on."""
+
+    at_us: int
+    neutral: bool
+    way: Way
+
+
+class Wishes:
+    """Of each operator, by its process's instance."""
+
+    def __init__(self, config: JoystickConfig, offset: Vector) -> None:
+        """`offset`: m/s² that the sensor reads too much: a level hand may be that far off for it."""
+        self._zone = config.dead_zone_deg + _DOUBT_DEG
+        self._off = [math.degrees(math.asin(abs(axis) / GRAVITY)) for axis in offset[:2]]
+        self._held: dict[str, deque[_Held]] = defaultdict(deque)
+        self._pressed: dict[str, deque[tuple[int, Way]]] = defaultdict(deque)
+
+    def hold(self, instance: str, acceleration: Vector, now_us: int) -> None:
+        """A joystick is held so that this truly acts on it (m/s²)."""
+        x, y, z = acceleration
+        angles = math.degrees(math.atan2(x, math.hypot(y, z))), math.degrees(math.atan2(y, math.hypot(x, z)))
+        beyond = [abs(angle) - off - self._zone for angle, off in zip(angles, self._off, strict=True)]
+        forward, left = (
+            int(math.copysign(1.0, angle)) if over > 0.0 else 0 for angle, over in zip(angles, beyond, strict=True)
+        )
+        held = self._held[instance]
+        held.append(_Held(now_us, neutral=max(beyond) <= 0.0, way=(forward, left)))
+        while now_us - held[0].at_us > _KEPT_US:
+            held.popleft()
+
+    def press(self, instance: str, keys: bytes, now_us: int) -> None:
+        """Keys of a keyboard are pressed."""
+        self._pressed[instance].extend((now_us, _KEYS[key]) for key in keys if key in _KEYS)
+
+    def is_neutral(self, instance: str, us: int) -> bool:
+        """Whether the hand asked for nothing then, or just before."""
+        if instance in self._held:
+            return any(held.neutral for held in self._held[instance] if 0 <= us - held.at_us <= _SAME_US)
+        return not any(0 <= us - at_us < _PRESS_US for at_us, _ in self._pressed[instance])
+
+    def way(self, instance: str, now_us: int) -> Way:
+        """Which way the hand asks to go now."""
+        if instance in self._held:
+            return self._held[instance][-1].way
+        pressed = self._pressed[instance]
+        return pressed[-1][1] if pressed and now_us - pressed[-1][0] < _PRESS_US else (0, 0)
