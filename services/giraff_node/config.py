@@ -38,6 +38,7 @@ TABLES = (
     "sim",
 )
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
+_WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
 DEFAULT_FILE = Path("deploy/robot.toml")
 """The robot file below the working directory, where GIRAFF_CONFIG names no other."""
 
@@ -125,13 +126,14 @@ def _is_countable(value: float) -> bool:
 
 
 def _value(variable: str, text: str) -> Any:
-    """What a variable holds: text, or a list written as in the file, like ["a", "b"]."""
-    if not text.startswith("["):
+    """What a variable holds: text, or a list or a table written as in the file: ["a", "b"], { a = 1, b = 2 }."""
+    kind = _WRITTEN_AS_TOML.get(text[:1])
+    if kind is None:
         return text
     try:
         return tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError(f"{variable}: not a list as TOML has it: {error}") from error
+        raise ConfigError(f"{variable}: not a {kind} as TOML has it: {error}") from error
 
 
 def _suggestion(word: str, known: list[str] | tuple[str, ...]) -> str:

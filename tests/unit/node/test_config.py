@@ -7,6 +7,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from giraff_guard.config import GuardConfig
+from giraff_node.access import AccessConfig
 from giraff_node.config import ConfigError, load, robot_file
 from giraff_node.robot import RobotConfig
 from giraff_node.session import NetworkConfig
@@ -95,6 +97,21 @@ def test_a_list_from_the_environment(tmp_path: Path) -> None:
     assert load("network", NetworkConfig, given).connect == ("192.0.2.1", "192.0.2.2:7448")
     with pytest.raises(ConfigError, match="GIRAFF_NETWORK_CONNECT: not a list"):
         load("network", NetworkConfig, {**given, "GIRAFF_NETWORK_CONNECT": "[tcp"})
+
+
+def test_a_table_from_the_environment(tmp_path: Path) -> None:
+    """Written as in the file, on one line: any field can be set."""
+    given = environment(tmp_path, "", GIRAFF_GUARD_PRIORITIES="{ joystick = 1, child = -1 }")
+    assert load("guard", GuardConfig, given).priorities == {"joystick": 1, "child": -1}
+    given = environment(tmp_path, "", GIRAFF_NETWORK_ACCESS='{ robot = ["pc"], operators = { laptop = ["joystick"] } }')
+    assert load("network", NetworkConfig, given).access == AccessConfig(
+        robot=("pc",), operators={"laptop": ("joystick",)}
+    )
+    for broken in ("{ joystick = }", "{ joystick }", "{", "{} and more"):
+        with pytest.raises(ConfigError, match="GIRAFF_GUARD_PRIORITIES: not a table"):
+            load("guard", GuardConfig, environment(tmp_path, "", GIRAFF_GUARD_PRIORITIES=broken))
+    with pytest.raises(ConfigError, match="with GIRAFF_GUARD_PRIORITIES of the environment"):
+        load("guard", GuardConfig, environment(tmp_path, "", GIRAFF_GUARD_PRIORITIES="{ joystick = 'high' }"))
 
 
 def test_a_missing_file_is_named_with_the_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
