@@ -23,8 +23,8 @@ from giraff_cli.watcher import Watcher
 from giraff_cli.words import counted, printable
 from giraff_node.config import ConfigError
 from giraff_node.reunion import hosts_of
-from giraff_node.robots import NoRobotError, Way, find_way, only_one, robots_alive
-from giraff_node.session import open_session
+from giraff_node.robots import NoRobotError, Way, find_way, only_one, robots_alive, way_of
+from giraff_node.session import NetworkConfig, open_session
 
 FoundT = TypeVar("FoundT")
 
@@ -35,15 +35,16 @@ _SCOUT_FOR: Final = 1.5  # s
 _ASK_AGAIN: Final = 0.1  # s
 _SETTLED: Final = 0.5  # s
 _CLOSE_WITHIN: Final = 0.3  # s
+_NOT_ASKED: Final = "nobody was asked, because the robot file, or a variable, may mean another network; correct it"
 
 
 def examine(robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
     """The whole of it; the exit code."""
     watcher: Watcher | None = None
     try:
-        way = find_way(robot, connect)
-        machine = look_at_machine(way.robot, way.network)
-        watcher, problem = _join(way)
+        way, wrong = _find_way(robot, connect)
+        machine = look_at_machine(way.robot, way.network, wrong)
+        watcher, problem = (None, _NOT_ASKED) if wrong else _join(way)
         look = _look(way, machine, watcher, problem, seconds)
     except NoRobotError as error:
         code = complain(str(error))
@@ -62,6 +63,14 @@ def _tell(text: str, code: int) -> int:
     return code
 
 
+def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Way, str]:
+    """With what is wrong with robot file or environment: then the way is the command line's alone."""
+    try:
+        return find_way(robot, connect), ""
+    except ConfigError as error:
+        return way_of(robot, connect, NetworkConfig()), str(error)
+
+
 def _join(way: Way) -> tuple[Watcher | None, str]:
     """A watcher of the network, or why there is none."""
     try:
@@ -74,7 +83,8 @@ def _join(way: Way) -> tuple[Watcher | None, str]:
 
 def _look(way: Way, machine: Machine, watcher: Watcher | None, problem: str, seconds: float) -> Look:
     """Raises NoRobotError where several are there and none is named."""
-    by_multicast = not way.network.local and not way.network.session_file and way.network.mode == "lan"
+    by_multicast = watcher is not None and way.network.mode == "lan"
+    by_multicast = by_multicast and not way.network.local and not way.network.session_file
     calls = _Beside(lambda: call_all(way.network, machine.interfaces))
     scouts = _Beside(lambda: scout(_SCOUT_FOR) if by_multicast else {})
     robot = None if watcher is None else _meet(watcher, seconds)

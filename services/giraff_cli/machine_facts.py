@@ -16,7 +16,7 @@ import msgspec
 
 from giraff_cli.facts import Disk, Machine, Port
 from giraff_cli.interfaces import interfaces
-from giraff_node.config import DEFAULT_FILE, ConfigError, load, overrides, read_tables
+from giraff_node.config import ConfigError, is_at_hand, load, read_tables
 from giraff_node.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
 from giraff_node.robot import RobotConfig
 from giraff_node.session import NetworkConfig
@@ -33,15 +33,20 @@ _HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
 _TURN: Final = 0.01  # s
 
 
-def look_at_machine(robot: str, network: NetworkConfig, environment: Mapping[str, str] = os.environ) -> Machine:
-    """Without its boards: whether a service holds them is known when the network was looked at."""
+def look_at_machine(
+    robot: str, network: NetworkConfig, wrong: str = "", environment: Mapping[str, str] = os.environ
+) -> Machine:
+    """Without its boards: whether a service holds them is known when the network was looked at.
+
+    `wrong`: what is known to be, with robot file or environment.
+    """
     keys, expired = _keys(network) if network.mode == "secured" and not network.session_file else ("", False)
     return Machine(
         host=socket.gethostname(),
         version=version(),
         interfaces=interfaces(),
         disks=(_disk(state_directory(robot or "giraff", environment)), _disk(Path.cwd())),
-        settings_problem=_settings_problem(environment),
+        settings_problem=_settings_problem(wrong, environment),
         keys_problem=keys,
         keys_expired=expired,
     )
@@ -120,19 +125,17 @@ def _keys(network: NetworkConfig) -> tuple[str, bool]:
     return warning, False
 
 
-def _settings_problem(environment: Mapping[str, str]) -> str:
-    if not (environment.get("GIRAFF_CONFIG") or DEFAULT_FILE.is_file()):
-        return ""
-    try:
-        load("robot", RobotConfig, environment)
-        load("network", NetworkConfig, environment)
-    except ConfigError as error:
-        return f"{error}; correct the robot file, or the variable"
-    return ""
+def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
+    if not wrong and is_at_hand(environment):
+        try:
+            load("robot", RobotConfig, environment)
+            load("network", NetworkConfig, environment)
+        except ConfigError as error:
+            wrong = str(error)
+    return f"{wrong}; correct the robot file, or the variable" if wrong else ""
 
 
 def _tables(environment: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     with contextlib.suppress(ConfigError, msgspec.MsgspecError):
-        at_hand = environment.get("GIRAFF_CONFIG") or DEFAULT_FILE.is_file()
-        return read_tables(environment) if at_hand else overrides(environment)
+        return read_tables(environment, with_file=is_at_hand(environment))
     return {}

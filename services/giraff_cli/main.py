@@ -147,8 +147,15 @@ def engage(
     Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
     """
     from giraff_cli import estop as it  # noqa: PLC0415
+    from giraff_cli.without_file import way_to_stop  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda watcher: it.engage(watcher, it.who(), reason, timeout))
+    _tell(
+        robot,
+        connect,
+        timeout,
+        lambda watcher: it.engage(watcher, it.who(), reason, timeout),
+        lambda: way_to_stop(robot, connect or ()),
+    )
 
 
 @estop.command()
@@ -260,7 +267,13 @@ def list_keys(
     raise typer.Exit(it.show(folder, it.now(), as_json=as_json))
 
 
-def _tell(robot: str | None, connect: list[str] | None, timeout: float, act: Callable[[Watcher], Told]) -> None:
+def _tell(
+    robot: str | None,
+    connect: list[str] | None,
+    timeout: float,
+    act: Callable[[Watcher], Told],
+    lost: Callable[[], str] | None = None,
+) -> None:
     from giraff_cli.visit import UNUSABLE, visit  # noqa: PLC0415
 
     def tell(watcher: Watcher) -> int:
@@ -268,4 +281,4 @@ def _tell(robot: str | None, connect: list[str] | None, timeout: float, act: Cal
         typer.echo(text, err=code >= UNUSABLE)
         return code
 
-    raise typer.Exit(visit(robot, connect or (), timeout, tell))
+    raise typer.Exit(visit(robot, connect or (), timeout, tell, lost))

@@ -13,7 +13,7 @@ from giraff_cli.output import written
 from giraff_cli.watcher import Watcher
 from giraff_node.config import ConfigError
 from giraff_node.process import start_anew
-from giraff_node.robots import NoRobotError, find_way, only_robot
+from giraff_node.robots import CORRECT_IT, NoRobotError, find_way, only_robot
 from giraff_node.session import open_session
 
 UNUSABLE: Final = 2
@@ -25,24 +25,43 @@ class MovedError(Exception):
     """This host is to be found at other addresses than when the visit began."""
 
 
-def visit(robot: str | None, connect: Sequence[str], patience: float, act: Callable[[Watcher], int]) -> int:
-    """The exit code of `act`, or UNUSABLE where there is no robot to act on. `patience`: s, to look for one."""
+def visit(
+    robot: str | None,
+    connect: Sequence[str],
+    patience: float,
+    act: Callable[[Watcher], int],
+    lost: Callable[[], str] | None = None,
+) -> int:
+    """The exit code of `act`, or UNUSABLE where there is no robot to act on. `patience`: s, to look for one.
+
+    `lost`: the way out where robot file or environment cannot tell which robot it is, or on which network.
+    """
 
     def find_and_act(watcher: Watcher) -> int:
         watcher.robot = watcher.robot or only_robot(watcher.session, patience)
         return act(watcher)
 
-    return join(robot, connect, find_and_act)
+    return join(robot, connect, find_and_act, lost)
 
 
-def join(robot: str | None, connect: Sequence[str], act: Callable[[Watcher], int]) -> int:
+def join(
+    robot: str | None,
+    connect: Sequence[str],
+    act: Callable[[Watcher], int],
+    lost: Callable[[], str] | None = None,
+) -> int:
     """The exit code of `act` on the network, whose watcher has no robot where nobody has named one; or UNUSABLE."""
     try:
         way = find_way(robot, connect)
-        if way.warning:
-            complain(f"not everything of robot file and environment counts: {way.warning}")
+    except NoRobotError as error:
+        return complain(str(error))
+    except ConfigError as error:
+        return complain(f"{error}; {lost() if lost else CORRECT_IT}")
+    if way.warning:
+        complain(f"not everything of robot file and environment counts: {way.warning}")
+    try:
         session = open_session(way.network, way.robot or "*", visiting=True)
-    except (NoRobotError, ConfigError) as error:
+    except ConfigError as error:
         return complain(str(error))
     except zenoh.ZError as error:
         return complain(f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect")

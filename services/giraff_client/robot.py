@@ -20,8 +20,8 @@ from giraff_client.policy import OperatorPolicy
 from giraff_node import Publisher
 from giraff_node.config import ConfigError
 from giraff_node.pacing import Pacer
+from giraff_node.robots import CORRECT_IT, find_way, only_robot, others, unheard
 from giraff_node.robots import NoRobotError as UnknownRobotError
-from giraff_node.robots import find_way, only_robot, others, unheard
 from giraff_node.session import close_session, open_session
 from giraff_node.tcp_links import tune_links
 from giraff_schemas.codec import DecodeError, decode
@@ -182,6 +182,11 @@ class Robot:
         """Join the robot's network, and hear it. Raises NoRobotError."""
         try:
             way = find_way(self.name or None, self._connect)
+        except UnknownRobotError as error:
+            raise NoRobotError(str(error)) from error
+        except ConfigError as error:
+            raise NoRobotError(f"{error}; {CORRECT_IT}") from error
+        try:
             if way.warning:
                 logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)
             self._session = open_session(way.network, way.robot or "*", visiting=True)

@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+import difflib
 import os
 import time
 from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 import msgspec
 import zenoh
 
-from giraff_node.config import DEFAULT_FILE, ConfigError, overrides, read_tables
+from giraff_node.config import TABLES, ConfigError, Given, Strange, is_at_hand, read
+from giraff_node.robot import RobotConfig
 from giraff_node.session import NetworkConfig
 from giraff_schemas.topics import alive_key, require_chunk
 
 _ASK_AGAIN: Final = 0.1  # s
 _SETTLED: Final = 0.5  # s after the first robot was found: the others of a network are met within some ten ms
 _REPLY_WITHIN: Final = 0.5  # s
+
+CORRECT_IT: Final = "correct it: without it nobody knows which robot is meant, or how it is reached"
+"""The way out of a ConfigError of `find_way`."""
 
 
 class NoRobotError(Exception):
@@ -32,33 +37,67 @@ class Way:
     robot: str
     """Empty: nobody has named one."""
     network: NetworkConfig
-    warning: str
+    warning: str = ""
     """What of robot file and environment did not count; empty: nothing."""
 
 
 def find_way(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> Way:
-    """From the command line, the environment and the robot file, in this order; NoRobotError for a bad name.
+    """From the command line, the environment and the robot file, in this order.
 
-    What cannot be used is told and passed over: a broken file is no reason not to stop a robot.
+    Raises ConfigError where the latter two may mean another network or another robot than would be found without what
+    is wrong: a stranger's robot of the same name must not confirm a stop in the place of the one that drives on.
+    Raises NoRobotError for what is wrong on the command line. What is wrong elsewhere is told and passed over: it is
+    no reason not to stop a robot.
     """
-    named, network, warnings = "", NetworkConfig(), []
-    for source in (_tables, overrides):
-        try:
-            tables = source(environment)
-            network = msgspec.convert(tables.get("network", {}), NetworkConfig, strict=False)
-            named = str(tables.get("robot", {}).get("name", ""))
-            break
-        except (ConfigError, msgspec.ValidationError) as error:
-            warnings.append(str(error))
-    name = robot or named
+    given = read(environment, with_file=is_at_hand(environment))
+    for strange in given.strange:
+        if may_matter(strange):
+            raise ConfigError(strange.what)
+    network = given.table("network", NetworkConfig)
+    name = robot or name_of(given)
+    return way_of(name, connect, network, "; ".join(strange.what for strange in given.strange))
+
+
+def way_of(robot: str | None, connect: Sequence[str], network: NetworkConfig, warning: str = "") -> Way:
+    """With what the command line says. Raises NoRobotError."""
     try:
-        return Way(
-            robot=require_chunk(name) if name else "",
-            network=msgspec.structs.replace(network, connect=(*network.connect, *connect)),
-            warning="; ".join(dict.fromkeys(warnings)),
-        )
+        name = require_chunk(robot) if robot else ""
     except ValueError as error:
         raise NoRobotError(f"robot: {error}") from error
+    try:
+        return Way(name, msgspec.structs.replace(network, connect=(*network.connect, *connect)), warning)
+    except ValueError as error:
+        raise NoRobotError(f"--connect: {error}") from error
+
+
+def may_matter(strange: Strange) -> bool:
+    """Whether it may have been meant for the network, or for the robot's name."""
+    table, _, field = strange.word.partition("_")
+    if table in TABLES:
+        return table == "network" or (table == "robot" and field in ("", "name"))
+    return (
+        bool(difflib.get_close_matches(table, ("network", "robot"), n=1))
+        or strange.word.endswith(NetworkConfig.__struct_fields__)
+        or not set(strange.fields).isdisjoint(NetworkConfig.__struct_fields__)
+    )
+
+
+def name_of(given: Given) -> str:
+    """The robot's name, where one is given. Raises ConfigError."""
+    values = given.tables.get("robot", {})
+    known = RobotConfig.__struct_fields__
+    for field in values:
+        if field not in known and difflib.get_close_matches(field.lower(), known, n=1) == ["name"]:
+            raise ConfigError(f"{given.place('robot')}: unknown field `{field}`; did you mean 'name'?")
+    name = values.get("name")
+    if name is None:
+        return ""
+    if not isinstance(name, str):
+        raise ConfigError(f"{given.place('robot')}: name: give a text, not {name}")
+    try:
+        return require_chunk(name)
+    except ValueError as error:
+        raise ConfigError(f"{given.place('robot')}: name: {error}") from error
 
 
 def robots_alive(session: zenoh.Session) -> list[str]:
@@ -134,9 +173,3 @@ def _instead(found: Sequence[str], robot: str) -> str:
 
 def _options(found: Sequence[str]) -> str:
     return ", ".join(f"--robot {name}" for name in found)
-
-
-def _tables(environment: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """Of the robot file with the environment's overrides; of the environment alone where no file is at hand."""
-    at_hand = environment.get("GIRAFF_CONFIG") or DEFAULT_FILE.is_file()
-    return read_tables(environment) if at_hand else overrides(environment)

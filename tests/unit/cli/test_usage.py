@@ -2,20 +2,9 @@
 
 from __future__ import annotations
 
-import sys
-
 import pytest
 
-from giraff_cli.main import app
-from giraff_cli.usage import obey
-
-
-def told(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: str) -> tuple[int, str, str]:
-    """Exit code, output and complaint."""
-    monkeypatch.setattr(sys, "argv", ["giraff", *words.split()])
-    code = obey(app)
-    said = capsys.readouterr()
-    return code, said.out, said.err
+from tests.unit.cli.typed import typed
 
 
 @pytest.mark.parametrize(
@@ -41,7 +30,7 @@ def test_it_takes_a_line_whatever_the_terminal(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: str, line: str
 ) -> None:
     monkeypatch.setenv("COLUMNS", "40")
-    code, out, err = told(monkeypatch, capsys, words)
+    code, out, err = typed(monkeypatch, capsys, *words.split())
     assert (code, out) == (2, "")
     assert err.startswith(line)
     assert err.count("\n") == 1
@@ -52,6 +41,6 @@ def test_it_takes_a_line_whatever_the_terminal(
 def test_a_word_that_wants_another_shows_its_help(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], words: str
 ) -> None:
-    code, out, err = told(monkeypatch, capsys, words)
+    code, out, err = typed(monkeypatch, capsys, *words.split())
     assert (code, err) == (2, "")
     assert "Commands" in out

@@ -10,6 +10,7 @@ import pytest
 import zenoh
 
 from giraff_cli.watcher import free_port
+from giraff_node.config import ConfigError
 from giraff_node.robots import NoRobotError, find_way, only_robot, others
 from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.topics import alive_key
@@ -49,20 +50,48 @@ def test_the_command_line_counts_before_the_environment_and_that_before_the_file
 
 @pytest.mark.parametrize(
     ("text", "told"),
-    [("[robot", "not TOML"), ("[rowboat]", "unknown table"), ("[network]\nlocal = 'perhaps'", "local")],
+    [
+        ("[robot", "not TOML"),
+        ("[rowboat]", "unknown table"),
+        ("[network]\nlocal = 'perhaps'", "local"),
+    ],
 )
-def test_a_broken_robot_file_is_told_and_stops_nobody_from_stopping_a_robot(
-    elsewhere: Path, text: str, told: str
-) -> None:
-    way = find_way(None, (), robot_file(elsewhere, text) | {"GIRAFF_ROBOT_NAME": "named"})
-    assert way.robot == "named"
-    assert told in way.warning
-    assert find_way("told", (), {"GIRAFF_CONFIG": "missing.toml", "GIRAFF_SPEED": "1"}).robot == "told"
+def test_a_file_that_may_mean_another_robot_is_refused(elsewhere: Path, text: str, told: str) -> None:
+    """Each command and the client: tests/unit/cli/test_refusal.py."""
+    with pytest.raises(ConfigError, match=told):
+        find_way("told", (), robot_file(elsewhere, text) | {"GIRAFF_ROBOT_NAME": "named"})
+
+
+def test_what_is_wrong_elsewhere_is_told_and_stops_nobody_from_stopping_a_robot(elsewhere: Path) -> None:
+    environment = robot_file(elsewhere, '[gaurd]\n[robot]\nname = "filed"\n[network]\nconnect = ["a:1"]')
+    way = find_way(None, (), environment | {"GIRAFF_SPEED": "1"})
+    assert (way.robot, way.network.connect) == ("filed", ("a:1",))
+    assert "unknown table [gaurd]" in way.warning
+    assert "GIRAFF_SPEED: names no field" in way.warning
+
+
+def test_the_null_device_is_no_file_wherever_one_is(elsewhere: Path) -> None:
+    """What a refused `giraff estop engage` names as the way out."""
+    (elsewhere / "deploy").mkdir()
+    (elsewhere / "deploy" / "robot.toml").write_text("[robot")
+    with pytest.raises(ConfigError, match="not TOML"):
+        find_way("told", (), {"GIRAFF_CONFIG": ""})
+    way = find_way("told", (), {"GIRAFF_CONFIG": "/dev/null", "GIRAFF_NETWORK_CONNECT": '["a:1"]'})
+    assert way.network == NetworkConfig(connect=("a:1",))
+
+
+def test_a_file_that_leads_nowhere_is_not_passed_over(elsewhere: Path) -> None:
+    (elsewhere / "deploy").mkdir()
+    (elsewhere / "deploy" / "robot.toml").symlink_to("/nowhere/robot.toml")
+    with pytest.raises(ConfigError, match="no robot file at"):
+        find_way("told", (), {})
 
 
 def test_a_name_that_can_be_none_is_refused() -> None:
     with pytest.raises(NoRobotError, match=r"robot: 'a/b' cannot be part of a key"):
         find_way("a/b", (), {})
+    with pytest.raises(NoRobotError, match=r"--connect: connect: 'a b' is no address"):
+        find_way("anne", ["a b"], {})
 
 
 @pytest.fixture

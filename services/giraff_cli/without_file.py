@@ -1,0 +1,122 @@
+"""How to stop a robot where robot file or environment cannot be used: a command line that says what they should."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shlex
+import shutil
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+import tomlkit
+
+from giraff_node.config import NO_FILE, TABLES, ConfigError, Given, is_at_hand, read
+from giraff_node.robots import may_matter, name_of
+from giraff_node.session import CERTIFICATES, NetworkConfig
+
+_NAME, _HOST, _ADDRESS = "NAME", "HOST", "ADDRESS"
+_MEANING: Final = {
+    _NAME: "the robot's name",
+    _HOST: "the name in the certificate of the robot's host",
+    _ADDRESS: "where that host is reached",
+}
+"""What stands in the command for what cannot be known here."""
+
+
+def way_to_stop(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> str:
+    """What to do in the place of a `giraff estop engage` that was refused, in one line.
+
+    The command is told all that can still be read of the network: it is to reach the robot, and no other.
+    """
+    given, is_lost = _given(environment)
+    values = given.tables.get("network", {})
+    network = _sound(values)
+    in_doubt = is_lost or len(network) < len(values)
+    keys = Path(network.get("keys", NetworkConfig().keys))
+    if in_doubt and "mode" not in network and _seems_secured(values, keys):
+        network = {"access": {"robot": [_HOST]}, **network, "mode": "secured"}
+        is_far = is_lost or not is_at_hand(environment)  # else the file has what it takes, if only on the robot's host
+        if is_far and not (connect or network.get("connect") or network.get("router")):
+            connect = (_ADDRESS,)
+    name = robot or _name(given, is_lost=is_lost)
+    settings = {f"GIRAFF_NETWORK_{field.upper()}": _text(value) for field, value in network.items()}
+    unset = [each for each in sorted(environment) if _may_matter(each) and each not in settings]
+    command = ["env", *(word for each in unset for word in ("-u", each)), f"GIRAFF_CONFIG={NO_FILE}"]
+    command += [f"{variable}={text}" for variable, text in settings.items()]
+    command += [_giraff(), "estop", "engage", *(["--robot", name] if name else [])]
+    command += [word for address in connect for word in ("--connect", address)]
+    told = [f"NOTHING IS STOPPED: use the battery switch, or without the file: {shlex.join(command)}"]
+    told += [f"{word}: {meaning}" for word, meaning in _MEANING.items() if word in (name, *connect)]
+    if network.get("access") == {"robot": [_HOST]}:
+        told.append(f"{_HOST}: {_MEANING[_HOST]}")
+    if network.get("mode") != "secured":
+        told += ["a secured network takes more: docs/estop.md"] * in_doubt
+    elif not _has_bundle(keys):
+        told.append(f"the network is secured, and this host's keys are not in {keys}")
+    return "; ".join(told)
+
+
+def _given(environment: Mapping[str, str]) -> tuple[Given, bool]:
+    """What can be read, and whether something of the network or of the name may be missing in it."""
+    try:
+        given = read(environment, with_file=is_at_hand(environment))
+    except ConfigError:
+        return read(environment, with_file=False), True
+    return given, any(map(may_matter, given.strange))
+
+
+def _sound(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The fields of [network] that can be used."""
+    sound: dict[str, Any] = {}
+    for field in reversed(NetworkConfig.__struct_fields__):  # one that asks for another comes after it
+        if field in values:
+            tried = sound | {field: values[field]}
+            try:
+                msgspec.convert(tried, NetworkConfig, strict=False)
+            except msgspec.ValidationError:
+                continue
+            sound = tried
+    return sound
+
+
+def _seems_secured(values: Mapping[str, Any], keys: Path) -> bool:
+    """Without a mode: by what else says so."""
+    return "access" in values or "secur" in str(values.get("mode")).lower() or _has_bundle(keys)
+
+
+def _has_bundle(keys: Path) -> bool:
+    with contextlib.suppress(OSError):  # one may not look: what is there is of no use
+        return all((keys / name).is_file() for name in CERTIFICATES.values())
+    return False
+
+
+def _name(given: Given, *, is_lost: bool) -> str:
+    """The robot's; empty: nobody has named one."""
+    try:
+        return name_of(given) or (_NAME if is_lost else "")
+    except ConfigError:
+        return _NAME
+
+
+def _text(value: Any) -> str:
+    """As a variable holds it."""
+    if isinstance(value, dict):
+        table = tomlkit.inline_table()
+        table.update(value)
+        return table.as_string()
+    return value if isinstance(value, str) else tomlkit.item(value).as_string()
+
+
+def _may_matter(variable: str) -> bool:
+    table = variable.removeprefix("GIRAFF_").lower().partition("_")[0]
+    is_ours = variable.startswith("GIRAFF_") and variable != "GIRAFF_CONFIG"
+    return is_ours and (table in ("network", "robot") or table not in TABLES)
+
+
+def _giraff() -> str:
+    """As it can be typed."""
+    return "giraff" if shutil.which("giraff") else sys.argv[0]
