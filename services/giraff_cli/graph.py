@@ -80,13 +80,18 @@ def dot(drawn: Graph) -> str:
     lines = [f"digraph {quoted(drawn.robot)} {{", "  rankdir=LR;", "  node [shape=ellipse];"]
     lines += [f"  {quoted(name)};" for name in drawn.nodes]
     unheard = sorted({edge.key for edge in drawn.edges if not edge.target})
-    lines += [f"  {quoted(key)} [shape=box, style=dashed];" for key in unheard]
+    lines += [f"  {_box(key)} [label={quoted(key)}, shape=box, style=dashed];" for key in unheard]
     for edge in drawn.edges:
         if edge.target:
             lines.append(f"  {quoted(edge.source)} -> {quoted(edge.target)} [label={quoted(edge.key)}];")
         else:
-            lines.append(f"  {quoted(edge.source)} -> {quoted(edge.key)} [style=dashed];")
+            lines.append(f"  {quoted(edge.source)} -> {_box(edge.key)} [style=dashed];")
     return "\n".join([*lines, "}"])
+
+
+def _box(key: str) -> str:
+    """The node of a key, apart from those of services: base says `base`. No service's name has a slash."""
+    return quoted(f"/{key}")
 
 
 def _show(drawn: Graph) -> None:

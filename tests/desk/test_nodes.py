@@ -89,7 +89,8 @@ def test_the_graph_has_every_edge(desk: Desk) -> None:
     assert dot.startswith('digraph "sim-test" {\n')
     arrows = re.findall(r'^  "(\S+)" -> "(\S+)" \[label="(\S+)"\];$', dot, re.MULTILINE)
     assert {(source, key, target) for source, target, key in arrows} == {edge for edge in EDGES if edge[2]}
-    assert '"odometry" -> "odom" [style=dashed];' in dot
+    assert '"odometry" -> "/odom" [style=dashed];' in dot
+    assert '"base" -> "/base" [style=dashed];' in dot
     text = desk.run("graph").stdout
     assert re.search(r"tick +-> guard, joystick, ranger$", text, re.MULTILINE)
     assert re.search(r"odom +-> nobody that says so$", text, re.MULTILINE)
