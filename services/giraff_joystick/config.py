@@ -22,8 +22,9 @@ class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """Name under which this operator's commands are published: `cmd_vel/<operator>`."""
     curve: Annotated[Curve, Live.FIXED] = "angle"
     """`angle`: speed grows with the angle between `dead_zone_deg` and `full_tilt_deg`; yaw is capped at the
-    robot's `max_angular_speed`. `source`: the published curve, exactly: speed grows with the acceleration from
-    4.5 to 9.5 m/s², which is 27 to 76 degrees; yaw is limited by the wheels alone."""
+    robot's `max_angular_speed`. `source`: asks for the published curve, exactly: speed grows with the acceleration from
+    4.5 to 9.5 m/s², which is 27 to 76 degrees; yaw is limited by the wheels alone. The robot drives it exactly up to
+    its `max_angular_speed`: guard slows what turns faster, in the same curve, whoever asks."""
     dead_zone_deg: Annotated[float, Live.UP] = 8.0
     """Degrees from the zero within which nothing moves; of the curve `angle`."""
     full_tilt_deg: Annotated[float, Live.UP] = 35.0

@@ -70,7 +70,7 @@ def test_combined_tilt_keeps_the_published_proportion_and_the_wheels_level(x: in
 
 def test_full_tilt_of_the_source_curve_is_full_speed_of_the_wheels() -> None:
     assert asked(9.5, 0.0, 1.0, "source").linear_x == pytest.approx(0.6)
-    assert asked(0.0, 9.5, 1.0, "source").angular_z == pytest.approx(2 * 0.6 / 0.47)  # not capped in yaw
+    assert asked(0.0, 9.5, 1.0, "source").angular_z == pytest.approx(2 * 0.6 / 0.47)  # capped by guard, and not here
 
 
 @pytest.mark.parametrize(
