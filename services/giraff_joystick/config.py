@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from giraff_node.config import require_positive
 from giraff_node.live import Live
+from giraff_node.ranges import Within, require_plausible
 from giraff_schemas.topics import require_chunk
 
 Curve = Literal["angle", "source"]
@@ -29,7 +29,7 @@ class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """Degrees from the zero within which nothing moves; of the curve `angle`."""
     full_tilt_deg: Annotated[float, Live.UP] = 35.0
     """Degrees from the zero at which full speed is reached; of the curve `angle`."""
-    stillness: Annotated[float, Live.UP] = 0.045
+    stillness: Annotated[float, Live.UP, Within(0.001, 2.0, "m/s²")] = 0.045
     """m/s², rms over 1 s: what moves less while it asks to drive has been laid down. Twice the sensor's own noise
     (0.021), and below the tremor of most hands (0.07). A steadier hand needs less."""
 
@@ -37,7 +37,7 @@ class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         if not self.port:
             raise ValueError("port is empty: give the path of the joystick board's serial port")
         require_chunk(self.operator)
-        require_positive(self, "stillness")
+        require_plausible(self)
         if not 0.0 < self.dead_zone_deg < self.full_tilt_deg <= 90.0:
             raise ValueError(
                 f"dead_zone_deg is {self.dead_zone_deg} and full_tilt_deg {self.full_tilt_deg}: "

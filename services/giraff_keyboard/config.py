@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
 from giraff_node.live import Live
+from giraff_node.ranges import Within, require_plausible
 from giraff_schemas.topics import require_chunk
 
 
@@ -17,12 +18,13 @@ class KeyboardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
     operator: str = "keyboard"
     """Name under which this operator's commands are published: `cmd_vel/<operator>`."""
-    steps: int = 5
+    steps: Annotated[int, Within(1, 100)] = 5
     """Speeds that + and - choose from, equally far apart; the last one is the robot's full speed."""
     first_step: int = 2
     """The one to begin with, from 1."""
 
     def __post_init__(self) -> None:
         require_chunk(self.operator)
+        require_plausible(self)
         if not 1 <= self.first_step <= self.steps:
             raise ValueError(f"first_step is {self.first_step} and steps {self.steps}: it must be in 1..steps")

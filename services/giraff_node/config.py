@@ -8,7 +8,6 @@ suggests the right word.
 from __future__ import annotations
 
 import difflib
-import math
 import os
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -20,10 +19,6 @@ import msgspec
 import msgspec.inspect
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
-
-_MOST: Final = 1e9
-"""Of any unit: as seconds it is 30 years and fits into 64 bits of ns; what is squared and summed stays finite."""
-_AT_MOST: Final = f", {_MOST:g} at most"
 
 TABLES = (
     "robot",
@@ -196,26 +191,6 @@ def _hint(values: Mapping[str, Any], config: type[msgspec.Struct], told: str) ->
         if isinstance(kind, msgspec.inspect.LiteralType) and value not in kind.values and f"`$.{name}`" in told:
             return suggestion(str(value), tuple(map(str, kind.values)))
     return ""
-
-
-def require_positive(config: msgspec.Struct, *names: str) -> None:
-    """ValueError unless each of these fields is a number above 0 that can be counted with."""
-    for name in names:
-        value = getattr(config, name)
-        if not (_is_countable(value) and value > 0.0):
-            raise ValueError(f"{name} is {value}: it must be a positive number{_AT_MOST}")
-
-
-def require_not_negative(config: msgspec.Struct, *names: str) -> None:
-    """ValueError unless each of these fields is a number, 0 or above, that can be counted with."""
-    for name in names:
-        value = getattr(config, name)
-        if not (_is_countable(value) and value >= 0.0):
-            raise ValueError(f"{name} is {value}: it must be zero or a positive number{_AT_MOST}")
-
-
-def _is_countable(value: float) -> bool:
-    return isinstance(value, int) or (math.isfinite(value) and value <= _MOST)
 
 
 def _value(variable: str, text: str) -> Any:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
-from giraff_node.config import require_not_negative, require_positive
 from giraff_node.live import Live
+from giraff_node.ranges import Within, require_plausible
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS, Wiring
 
@@ -18,14 +18,12 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     index: int
     """Number of the sensor on the ranger board."""
-    x: float
-    y: float
-    yaw: float
+    x: Annotated[float, Within(-2.0, 2.0, "m")]
+    y: Annotated[float, Within(-2.0, 2.0, "m")]
+    yaw: Annotated[float, Within(-math.tau, math.tau, "rad")]
 
     def __post_init__(self) -> None:
-        for name in ("x", "y", "yaw"):
-            if not math.isfinite(getattr(self, name)):
-                raise ValueError(f"{name} is {getattr(self, name)}: it must be a number")
+        require_plausible(self)
 
 
 class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -34,21 +32,21 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     LIVE: ClassVar = Live.FIXED
 
     name: str
-    track_width: float
+    track_width: Annotated[float, Within(0.05, 2.0, "m")]
     """m between the wheels' contact points."""
-    ticks_per_metre: float
+    ticks_per_metre: Annotated[float, Within(50.0, 200_000.0, "1/m", "are these counts per millimetre?")]
     """Encoder counts of the base board (both edges of A) per metre of wheel travel."""
-    max_wheel_speed: float
+    max_wheel_speed: Annotated[float, Within(0.02, 5.0, "m/s")]
     """m/s of one wheel at `max_level`."""
-    max_level: int
+    max_level: Annotated[int, Within(1, 255)]
     """Largest PWM level asked of a motor, of 255."""
-    max_angular_speed: float
+    max_angular_speed: Annotated[float, Within(0.05, 20.0, "rad/s")]
     """rad/s."""
-    footprint_radius: float
+    footprint_radius: Annotated[float, Within(0.03, 2.0, "m")]
     """m: a disc about `base_link` that holds the whole robot."""
-    battery_volts_per_count: float
+    battery_volts_per_count: Annotated[float, Within(0.0, 0.5, "V")]
     """V per ADC count of the base board; 0 = not calibrated, no battery is published."""
-    stall_level: int = 25
+    stall_level: Annotated[int, Within(1, 255)] = 25
     """Level from which a wheel that does not turn is stuck: one at which each wheel turns for certain, of 255."""
     # How motors and encoders are soldered. None: nobody has checked, and base does not arm.
     swap_motors: bool | None = None
@@ -61,13 +59,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     def __post_init__(self) -> None:
         require_chunk(self.name)
-        require_positive(
-            self, "track_width", "ticks_per_metre", "max_wheel_speed", "max_angular_speed", "footprint_radius"
-        )
-        require_not_negative(self, "battery_volts_per_count")
-        for name in ("max_level", "stall_level"):
-            if not 1 <= getattr(self, name) <= 255:
-                raise ValueError(f"{name} is {getattr(self, name)}: it must be in 1..255")
+        require_plausible(self)
         for sensor, pose in self.sensors.items():
             require_chunk(sensor)
             if not 0 <= pose.index < RANGE_SENSORS:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import msgspec
 
-from giraff_node.config import require_positive
 from giraff_node.live import Live
+from giraff_node.ranges import Within, require_plausible
 
 
 class RecorderConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -15,19 +15,19 @@ class RecorderConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
     LIVE: ClassVar = Live.FIXED
 
-    before: float = 60.0
+    before: Annotated[float, Within(0.1, 3600.0, "s")] = 60.0
     """s before an event that are kept."""
-    after: float = 5.0
+    after: Annotated[float, Within(0.1, 3600.0, "s")] = 5.0
     """s after it that are."""
-    memory: int = 32_000_000
+    memory: Annotated[int, Within(1000, 10**11, "bytes")] = 32_000_000
     """bytes that what is remembered may take; beyond them the oldest is forgotten early. A minute of a whole robot
     takes half of it."""
-    files: int = 20
+    files: Annotated[int, Within(1, 100_000)] = 20
     """Files that are kept; then the oldest goes."""
-    disk: int = 100_000_000
+    disk: Annotated[int, Within(100, 10**15, "bytes")] = 100_000_000
     """bytes that all files together may have; beyond them the oldest goes. A minute takes 3 million."""
-    health_period: float = 5.0
+    health_period: Annotated[float, Within(0.1, 3600.0, "s")] = 5.0
     """s between two questions to the robot's services how they are."""
 
     def __post_init__(self) -> None:
-        require_positive(self, *self.__struct_fields__)
+        require_plausible(self)

@@ -6,15 +6,15 @@ from typing import Annotated
 
 import msgspec
 
-from giraff_node.config import require_positive
 from giraff_node.live import Live
+from giraff_node.ranges import Within, require_plausible
 
 
 class SentryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How often the same refusal is told."""
 
-    again: Annotated[float, Live.FREE] = 10.0
+    again: Annotated[float, Live.FREE, Within(0.01, 86_400.0, "s")] = 10.0
     """s until a refusal that goes on is told again, with its count."""
 
     def __post_init__(self) -> None:
-        require_positive(self, "again")
+        require_plausible(self)

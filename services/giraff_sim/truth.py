@@ -12,7 +12,7 @@ from typing import Final, Literal
 
 import msgspec
 
-from giraff_node.config import require_not_negative
+from giraff_node.ranges import require_not_negative
 from giraff_schemas.wire import RANGE_SENSORS
 
 Level = Literal["exact", "calibrated", "uncalibrated"]

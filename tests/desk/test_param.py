@@ -75,7 +75,7 @@ def test_a_loosening_is_refused_with_the_rule(robot: ProcessRobot) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "complaint"),
     [
-        (("set", "guard.margin", "nan"), 1, "margin is nan: it must be a positive number"),
+        (("set", "guard.margin", "nan"), 1, "margin is nan: it must be within 0.01..2 m"),
         (("set", "guard.marign", "0.5"), 1, "guard has no parameter marign; did you mean guard.margin?"),
         (("set", "base.battery_cutoff", "23"), 1, "battery_cutoff is 23.0: it must not be above battery_low"),
         (("set", "guard", "0.5"), 2, "name service and field, like guard.margin"),

@@ -18,10 +18,9 @@ IMPURE = {
 PURE_RUNTIME = {
     *{"giraff_node.base_frames", "giraff_node.counters", "giraff_node.estop", "giraff_node.freshness"},
     *{"giraff_node.lease", "giraff_node.live", "giraff_node.robot", "giraff_node.tick_down"},
-    *{"giraff_node.access", "giraff_node.site"},
+    *{"giraff_node.access", "giraff_node.ranges", "giraff_node.site"},
     *{"giraff_node.inbox", "giraff_node.io", "giraff_node.pacing", "giraff_node.repeating"},
 }
-PURE_CHECKS = {"require_positive", "require_not_negative"}  # of giraff_node.config
 WIRING = {"main.py", "__main__.py"}
 DEVICES = {"giraff_keyboard/terminal.py"}  # what is read and shown where giraff_node has no link for it
 
@@ -33,8 +32,6 @@ def impure_imports(source: str) -> list[str]:
         match node:
             case ast.Import(names=names):
                 imported += [alias.name for alias in names]
-            case ast.ImportFrom(module="giraff_node.config", names=names) if {n.name for n in names} <= PURE_CHECKS:
-                continue
             case ast.ImportFrom(module=str(module)):
                 imported.append(module)
     return [
@@ -60,8 +57,8 @@ def test_only_main_touches_the_world(package: str) -> None:
         ("from os.path import exists", ["os.path"]),
         ("def now() -> int:\n    from giraff_node import robot_now_ns", ["giraff_node"]),
         ("from giraff_node.robot import RobotConfig", []),
-        ("from giraff_node.config import require_positive", []),
-        ("from giraff_node.config import load, require_positive", ["giraff_node.config"]),
+        ("from giraff_node.ranges import require_positive", []),
+        ("from giraff_node.config import load", ["giraff_node.config"]),
         ("import math", []),
     ],
 )

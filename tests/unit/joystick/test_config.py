@@ -23,7 +23,7 @@ def test_the_defaults_are_valid() -> None:
         ({"dead_zone_deg": math.nan}, "dead_zone_deg is nan"),
         ({"full_tilt_deg": 91.0}, "full_tilt_deg 91.0"),
         ({"full_tilt_deg": math.inf}, "full_tilt_deg inf"),
-        ({"stillness": 0.0}, "stillness is 0.0"),
+        ({"stillness": 0.0}, "stillness is 0: it must be within"),
         ({"stillness": math.nan}, "stillness is nan"),
         ({"ports": "/dev/x"}, "unknown field `ports`"),
     ],

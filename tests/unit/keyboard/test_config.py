@@ -14,7 +14,7 @@ def test_the_defaults_are_valid() -> None:
     ("table", "words"),
     [
         ({"operator": "a/b"}, "cannot be part of a key"),
-        ({"steps": 0}, "steps 0"),
+        ({"steps": 0}, "steps is 0: it must be within 1..100"),
         ({"first_step": 0}, "first_step is 0"),
         ({"first_step": 6}, "first_step is 6 and steps 5"),
         ({"speed": 1.0}, "unknown field `speed`"),

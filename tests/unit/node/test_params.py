@@ -7,9 +7,9 @@ from typing import Annotated, Any
 import msgspec
 import pytest
 
-from giraff_node.config import require_positive
 from giraff_node.live import Live
 from giraff_node.params import ParamError, Params
+from giraff_node.ranges import require_positive
 from giraff_schemas.params import Param
 from tests.robots import ROBOT
 

@@ -1,0 +1,88 @@
+"""What the numbers of a robot file can be. The range of a field stands beside it.
+
+The ranges hold any robot on two driven wheels of 0.1 to 2 m, and far more. What is outside is a slip: degrees for
+radians, millimetres for metres, a digit too many.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Final, get_args, get_type_hints
+
+import msgspec
+
+_MOST: Final = 1e9
+"""Of any unit: as seconds it is 30 years and fits into 64 bits of ns; what is squared and summed stays finite."""
+_AT_MOST: Final = f", {_MOST:g} at most"
+_MISTAKEN: Final = {
+    "m": "are these millimetres?",
+    "m/s": "are these millimetres a second?",
+    "m/s²": "are these millimetres per second squared?",
+    "rad": "are these degrees?",
+    "rad/s": "are these degrees a second?",
+    "s": "are these milliseconds?",
+    "V": "are these millivolts?",
+}
+"""By unit, what is likely where a number is too large."""
+_ANGLES: Final = {-math.tau: "-2π", math.pi / 4: "π/4", math.pi / 2: "π/2", math.tau: "2π"}
+
+
+@dataclass(frozen=True)
+class Within:
+    """`track_width: Annotated[float, Within(0.05, 2.0, "m")]`; None, where the type has it, is no number."""
+
+    low: float
+    high: float
+    unit: str = ""
+    hint: str = ""
+    """The likely cause, where the unit does not tell it."""
+
+    def require(self, name: str, value: float) -> None:
+        """ValueError unless it is in here."""
+        if self.low <= value <= self.high:
+            return
+        cause = self.hint or (_MISTAKEN.get(self.unit, "") if abs(value) > self.high else "")
+        bounds = f"{_shown(self.low)}..{_shown(self.high)} {self.unit}".rstrip()
+        raise ValueError(f"{name} is {value:.10g}: it must be within {bounds}{cause and f'; {cause}'}")
+
+
+def require_plausible(config: msgspec.Struct) -> None:
+    """ValueError unless each field is within the range that stands beside it."""
+    for name, within in ranges(type(config)).items():
+        value = getattr(config, name)
+        if value is not None:
+            within.require(name, value)
+
+
+@functools.cache
+def ranges(config: type[msgspec.Struct]) -> dict[str, Within]:
+    """By field."""
+    hints = get_type_hints(config, include_extras=True)
+    told = {name: [each for each in get_args(hint) if isinstance(each, Within)] for name, hint in hints.items()}
+    return {name: found[0] for name, found in told.items() if found}
+
+
+def require_positive(config: msgspec.Struct, *names: str) -> None:
+    """ValueError unless each of these fields is a number above 0 that can be counted with."""
+    for name in names:
+        value = getattr(config, name)
+        if not (_is_countable(value) and value > 0.0):
+            raise ValueError(f"{name} is {value}: it must be a positive number{_AT_MOST}")
+
+
+def require_not_negative(config: msgspec.Struct, *names: str) -> None:
+    """ValueError unless each of these fields is a number, 0 or above, that can be counted with."""
+    for name in names:
+        value = getattr(config, name)
+        if not (_is_countable(value) and value >= 0.0):
+            raise ValueError(f"{name} is {value}: it must be zero or a positive number{_AT_MOST}")
+
+
+def _is_countable(value: float) -> bool:
+    return isinstance(value, int) or (math.isfinite(value) and value <= _MOST)
+
+
+def _shown(bound: float) -> str:
+    return _ANGLES.get(bound) or f"{bound:g}"
