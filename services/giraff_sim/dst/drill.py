@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from pathlib import Path
 from random import Random
 from typing import Any, Final, NamedTuple
 
@@ -112,6 +113,7 @@ class Drill:
         self.network = FaultyNetwork(agenda, chance)
         self.judge = Judge(agenda, running, settings, self.story)
         self.loop = ClosedLoop(running, settings, services, self.network, self.judge, agenda)
+        self.judge.watch(self.loop.hosts["robot"].disk)
         self.loop.kill("odometry")  # not in the chain that drives
         for host in self.loop.hosts.values():
             host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
@@ -231,10 +233,10 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
     return Scenario(seed, room, hand, seconds, befalls, draw_truth("uncalibrated", _SIM.truth, seed))
 
 
-def play(scenario: Scenario, settings: Settings, services: Services | None = None) -> Outcome:
-    """Run a scenario to its end."""
+def play(scenario: Scenario, settings: Settings, services: Services | None = None, build: Path = BUILD) -> Outcome:
+    """Run a scenario to its end. `build`: where the boards were compiled to."""
     world = World(scenario.room, settings.robot, _SIM, scenario.hand, scenario.seed, _STEP_US, truth=scenario.truth)
-    with simulation(world, implementation=Implementation.HOST, build=BUILD) as running:
+    with simulation(world, implementation=Implementation.HOST, build=build) as running:
         run = Drill(running, settings, services or Services(), scenario)
         run.run()
         plant = world.plant

@@ -12,14 +12,15 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
-from giraff_schemas.messages import BaseState, EStopEngage, EStopReset, GuardedCommand, Lease
+from giraff_schemas.messages import BaseState, EStopAnswer, EStopEngage, EStopReset, GuardedCommand, Lease
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame
 from giraff_sim.closed_loop import Settings
 from giraff_sim.dst.contrary import Contrary
 from giraff_sim.dst.explain import Explainer, Twist
 from giraff_sim.dst.freedom import Freedom
+from giraff_sim.dst.latch import LatchWatch
 from giraff_sim.dst.ledger import BASE, Ledger, Passed
 from giraff_sim.dst.obstacles import Obstacles
 from giraff_sim.dst.pins import Pins
@@ -27,6 +28,7 @@ from giraff_sim.dst.stops import ROBOT_US, Stops
 from giraff_sim.dst.story import Story, kind_of
 from giraff_sim.dst.wishes import Wishes
 from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.disk import Disk
 from giraff_sim.hosts.process import Process
 from giraff_sim.simulation import Simulation
 
@@ -70,6 +72,8 @@ class Judge(Ledger):
         self._newest: Passed | None = None
         self._operator_born_us = 0
         self._engaged_us: int | None = None
+        self._engaged_at: Process | None = None  # the base that was asked
+        self._latch: LatchWatch | None = None
         self._resets: dict[EStopReset, int] = {}
         self._state: BaseState | None = None
 
@@ -79,9 +83,24 @@ class Judge(Ledger):
         grants = self.leases.get(self._guard)
         return grants[-1].holder if grants else ""
 
+    def watch(self, disk: Disk) -> None:
+        """The robot's disk, from the beginning on."""
+        self._latch = LatchWatch(disk)
+
+    def answered(self, process: Process, answer: Any) -> None:
+        if isinstance(answer, EStopAnswer):
+            self._story.count(f"answer: {kind_of(answer.reason) or ('stopped' if answer.engaged else 'released')}")
+            if (
+                process.name == BASE
+                and self._latch is not None
+                and (wrong := self._latch.answered(answer, self._agenda.now_us))
+            ):
+                self._violated("d", wrong)
+
     def after_step(self) -> None:
-        """Look at the motors."""
+        """Look at the motors and the disk."""
         now_us = self._agenda.now_us
+        self._look_at_latch(now_us)
         self._obstacles.note(now_us)
         if self._world.plant.contacts != self._contacts:
             self._contacts = self._world.plant.contacts
@@ -99,6 +118,8 @@ class Judge(Ledger):
             self._violated("a", overdue)
         if now_us - self._level_us > _OUTLIVES_US:
             self._violated("b", f"power {(now_us - self._level_us) / 1e6:.3f} s after the last frame with a level")
+        if self._latch is not None and (wrong := self._latch.power(now_us)):
+            self._violated("d", wrong)
         if self._engaged_us is not None and now_us - self._engaged_us > ROBOT_US:
             self._violated("d", f"power {(now_us - self._engaged_us) / 1e6:.3f} s after the emergency stop")
 
@@ -142,8 +163,10 @@ class Judge(Ledger):
         if name := self._missed_sensor(passed, now_us - stale_us):
             self._missed_us, self._missed = now_us, name
 
-    def on_engage(self, asked: EStopEngage) -> None:
+    def on_engage(self, process: Process, asked: EStopEngage) -> None:
         self._story.tell(f"base is asked for an emergency stop by {asked.by}")
+        if process.name == BASE:
+            self._engaged_at = process
         if self._engaged_us is None:
             self._engaged_us = self._agenda.now_us
 
@@ -185,6 +208,20 @@ class Judge(Ledger):
             self._expect_armed(passed.command.operator, twist)
         if twist.goes and (collision := self._obstacles.ahead(twist.linear, self.readings, now_us)):
             self._violated("e", collision)
+
+    def _look_at_latch(self, now_us: int) -> None:
+        if self._latch is None:
+            return
+        self._latch.look(now_us)
+        if self._engaged_us is None or self._engaged_at is None:
+            return
+        if wrong := self._latch.unsaved(self._engaged_at, self._world.step_us):
+            self._violated("d", wrong)
+        if self._engaged_at.ended and not self._latch.says_engaged:
+            # Nobody was told that it is kept: who asked goes on asking, or knows.
+            self._story.tell("base ended before the emergency stop was on disk")
+            self._story.count("an emergency stop was lost with its base")
+            self._engaged_us = None
 
     def _expect_armed(self, operator: str, twist: Twist) -> None:
         """A held neutral since the last that disarmed; of travel also since a sensor on its way was missed."""

@@ -168,7 +168,7 @@ class Ledger(Observer):
                 self._heard_by_base[process].append((self._agenda.now_us, self.passed(sample)))
                 self.on_guarded(process, sample)
             case EStopEngage():
-                self.on_engage(sample)
+                self.on_engage(process, sample)
             case EStopReset():
                 self.on_reset_asked(sample)
 
@@ -198,7 +198,7 @@ class Ledger(Observer):
     def on_guarded(self, base: Process, command: GuardedCommand) -> None:
         """Base is handed a command of a guard."""
 
-    def on_engage(self, asked: EStopEngage) -> None:
+    def on_engage(self, process: Process, asked: EStopEngage) -> None:
         """Base is asked to stop."""
 
     def on_reset_asked(self, asked: EStopReset) -> None:

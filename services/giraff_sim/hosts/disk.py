@@ -29,6 +29,10 @@ class Disk:
         self._agenda = agenda
         self._held: list[Action] = []
 
+    @property
+    def works(self) -> bool:
+        return not (self.trouble or self._hangs or self._held)
+
     def write(self, name: str, data: bytes, done: Callable[[str], None], is_wanted: Callable[[], bool]) -> None:
         """Replace a file; `done` is told why that failed. Nothing happens once it `is_wanted` no more."""
         self._agenda.at(self._agenda.now_us + self.write_us, partial(self._finish, name, data, done, is_wanted))

@@ -324,6 +324,9 @@ class Observer:
     def heard(self, process: Process, sample: Any) -> None:
         """The service of `process` is handed `sample`, a request among them."""
 
+    def answered(self, process: Process, answer: Any) -> None:
+        """The service of `process` answers a request."""
+
     def held(self, process: Process, acceleration: Vector) -> None:
         """The joystick of `process` is held just now so that this truly acts on it, m/s²."""
 
