@@ -87,8 +87,7 @@ class Network:
         self._marked: dict[str, set[str]] = {host: set() for host in HOSTS}
         self._declared: list[Any] = [self.base.declare_subscriber("marks/base", direct(self._on_sample))]
         for host, session in self.sessions.items():
-            marked = self._marked[host]
-            take = direct(partial(_mark, marked))
+            take = direct(partial(self._on_mark, host))
             self._declared.append(session.declare_subscriber(f"marks/{host}", take))
         for topic in TOPICS:
             self._declared.append(self.base.declare_subscriber(key_of(ROBOT, topic), direct(self._on_sample)))
@@ -150,6 +149,9 @@ class Network:
     def _on_sample(self, sample: zenoh.Sample) -> None:
         self.heard.append((str(sample.key_expr).removeprefix(f"giraff/{ROBOT}/"), sample.payload.to_string()))
 
+    def _on_mark(self, host: str, sample: zenoh.Sample) -> None:
+        self._marked[host].add(sample.payload.to_string())
+
     def _on_query(self, query: zenoh.Query) -> None:
         with query:
             query.reply(query.key_expr, "done")
@@ -173,7 +175,3 @@ class Network:
     def close(self) -> None:
         for session in (*self.sessions.values(), self.base):
             close_session(session)
-
-
-def _mark(marked: set[str], sample: zenoh.Sample) -> None:
-    marked.add(sample.payload.to_string())
