@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 
 import pytest
 
+from tests.campaign.records import RECORDS
 from tests.mutants.laboratory import Mutant, MutantError, mutated, read_mutants
 from tests.rules.repository import ROOT
 
 MUTANTS = read_mutants()
-LEAST = 25
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.rule)
@@ -19,10 +20,15 @@ def test_a_mutant_breaks_what_is_there(mutant: Mutant) -> None:
     assert mutated((ROOT / mutant.file).read_text(), mutant)
 
 
-def test_there_are_enough_in_both_languages() -> None:
+def test_there_are_some_in_both_languages() -> None:
     kinds = {suffix: sum(mutant.file.endswith(suffix) for mutant in MUTANTS) for suffix in (".c", ".py")}
-    assert len(MUTANTS) >= LEAST
     assert min(kinds.values()) >= 8, kinds
+
+
+def test_none_is_taken_away_unseen() -> None:
+    """One rule may take another's place; that there are fewer takes a campaign, whose record shows it."""
+    newest = max(RECORDS.glob("*-mutants.json"))
+    assert len(MUTANTS) >= json.loads(newest.read_text())["mutants"], newest.name
 
 
 def test_no_rule_is_listed_twice() -> None:
