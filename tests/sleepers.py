@@ -17,7 +17,7 @@ while True:
     due += 2_000_000
     time.sleep(max(0, due - time.monotonic_ns()) / 1e9)
     late = time.monotonic_ns() - due
-    if late > 500_000:
+    if late > int(sys.argv[2]):
         print(due, due + late, flush=True)
         due += late
 """
@@ -35,25 +35,28 @@ class Stalls:
         """Whether any was within this time of `time.monotonic_ns`."""
         return any(begin - _AROUND <= end_ns and begin_ns <= end + _AROUND for begin, end in self._spans())
 
-    def longest(self, since_ns: int) -> float:
-        """s, of those that ended since; 0 if none did."""
-        return max((end - begin for begin, end in self._spans() if end >= since_ns), default=0) * 1e-9
+    def longest(self, begin_ns: int, end_ns: int) -> float:
+        """s, of those that were at least in part within this time; 0 if none was."""
+        within = [end - begin for begin, end in self._spans() if begin <= end_ns and begin_ns <= end]
+        return max(within, default=0) * 1e-9
 
     def _spans(self) -> list[tuple[int, int]]:
-        lines = [line.split() for file in self._files for line in file.read_text().splitlines()]
+        # What has no line's end yet is still being written.
+        whole = [file.read_text().rpartition("\n")[0] for file in self._files]
+        lines = [line.split() for text in whole for line in text.splitlines()]
         return [(int(begin), int(end)) for begin, end in lines]
 
 
 @contextmanager
-def stalls_seen(directory: Path) -> Iterator[Stalls]:
-    """From now until the end of the block."""
+def stalls_seen(directory: Path, least: float = 0.0005) -> Iterator[Stalls]:
+    """Those of `least` s and more, from now until the end of the block."""
     processors = sorted(os.sched_getaffinity(0))
     files = [directory / f"stalls.{processor}" for processor in processors]
     sleepers = []
     try:
         for processor, file in zip(processors, files, strict=True):
             with file.open("w") as out:
-                command = [sys.executable, "-S", "-c", _SLEEPER, str(processor)]
+                command = [sys.executable, "-S", "-c", _SLEEPER, str(processor), str(round(least * 1e9))]
                 sleepers.append(subprocess.Popen(command, stdout=out))
         yield Stalls(files)
     finally:

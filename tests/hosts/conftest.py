@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 
 import pytest
 
 from tests.hosts.lab import Lab
+from tests.stalled import by_the_wall
 
 _measured: list[str] = []
 
@@ -21,13 +24,15 @@ def lab() -> Iterator[Lab]:
         lab.close()
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture
 def figure() -> Callable[[str, float, float, str], None]:
-    """What was measured, its bound and their unit: printed at the end, and held."""
+    """What was measured, its bound and their unit: printed at the end, and held. Seconds are the wall clock's."""
+    begin_ns = time.monotonic_ns()
 
     def note(what: str, value: float, bound: float, unit: str) -> None:
         _measured.append(f"{what:<72} {value:8.2f} {unit:<2} (bound {bound:g})")
-        assert value <= bound, f"{what}: {value:.2f} {unit}, and {bound:g} is the bound"
+        with by_the_wall(begin_ns) if unit == "s" else nullcontext():
+            assert value <= bound, f"{what}: {value:.2f} {unit}, and {bound:g} is the bound"
 
     return note
 

@@ -13,7 +13,8 @@ from typing import Any, Final, NamedTuple
 from tests.hosts.bad_cable import BAD
 from tests.hosts.lab import NAME, NUMBERS, Lab
 from tests.hosts.machine import kill
-from tests.system.stalls import StallProbe
+from tests.sleepers import Stalls, stalls_seen
+from tests.stalled import STALL
 from tests.waiting import wait
 
 BULK: Final = Path(__file__).with_name("bulk.py")
@@ -98,7 +99,7 @@ def slow_link(lab: Lab) -> Iterator[Bulk]:
 def ride(lab: Lab, bulk: Bulk, seconds: float) -> Ride:
     """In circles, with the joystick tilted all the time."""
     stood: list[float] = []
-    with lab.listen("robot", "base") as base, StallProbe() as probe:
+    with lab.listen("robot", "base") as base, stalls_seen(lab.directory, STALL) as stalls:
         drive_in_circles(lab)
         began, carried = time.monotonic(), bulk.come()
         while time.monotonic() < began + seconds:
@@ -109,7 +110,7 @@ def ride(lab: Lab, bulk: Bulk, seconds: float) -> Ride:
                 if not lab.hardware.drives():  # a command so old has disarmed it
                     drive_in_circles(lab)
         share = (bulk.come() - carried) * 8 / (time.monotonic() - began) / BAD.rate
-        stops = [_stop(at - began, base.said(at - _BEFORE, at + _AFTER), _stalled(at, probe.stalls)) for at in stood]
+        stops = [_stop(at - began, base.said(at - _BEFORE, at + _AFTER), _stalled(at, stalls)) for at in stood]
     return Ride([stop for stop in stops if not stop.stalled], sum(stop.stalled for stop in stops), share)
 
 
@@ -126,5 +127,5 @@ def _stop(at: float, said: list[dict[str, Any]], stalled: bool) -> Stop:
     return Stop(at, min(left), list(dict.fromkeys(state["reason"] for state in said)), stalled)
 
 
-def _stalled(at: float, stalls: list[float]) -> bool:
-    return any(at - _AGE <= stall <= at for stall in stalls)
+def _stalled(at: float, stalls: Stalls) -> bool:
+    return stalls.longest(round((at - _AGE) * 1e9), round(at * 1e9)) > STALL

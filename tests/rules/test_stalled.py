@@ -1,33 +1,53 @@
-"""A failure is tried again where the machine stood still, once, and nowhere else."""
+"""A failure that the wall clock judged is tried again where the machine stood still, once, and no other one ever."""
 
 from __future__ import annotations
 
+import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Final
 
 import pytest
 
 from tests.rules.repository import ROOT
+from tests.sleepers import Stalls
+from tests.stalled import TALLY
 
-CONFTEST = """
+CONFTEST: Final = """
+import time
 from contextlib import contextmanager
 from pathlib import Path
+import pytest
 import tests.stalled
 
+spans = []
+
 class Machine:
-    def longest(self, since_ns):
-        return {stall}
+    def longest(self, begin_ns, end_ns):
+        return max((end - begin for begin, end in spans if begin <= end_ns and begin_ns <= end), default=0) * 1e-9
 
 @contextmanager
-def seen(folder):
+def seen(folder, least):
     yield Machine()
+
+@pytest.fixture
+def stall():
+    def stand_still(seconds):
+        now = time.monotonic_ns()
+        spans.append((now - round(seconds * 1e9), now))
+    return stand_still
 
 tests.stalled._TESTS, tests.stalled.stalls_seen = Path(__file__).parent, seen
 """
-FAILING = """
+FAILING: Final = """
+import time
+from collections import Counter
 import pytest
-tries = []
+from tests.stalled import by_the_wall
+
+tries = Counter()
 
 @pytest.fixture(scope="module")
 def robot():
@@ -35,36 +55,149 @@ def robot():
     print("the robot ends")
 
 @pytest.mark.parametrize("number", range({tests}))
-def test_it(number, robot):
-    tries.append(number)
-    assert tries.count(number) > {fails}, f"try {{tries.count(number)}}"
+def test_it(number, robot, stall):
+    tries[number] += 1
+    fails = number < {failing} and tries[number] <= {fails}
+{body}
+"""
+WITHIN: Final = """
+    with by_the_wall():
+        stall(0.06)
+        assert not fails
+"""
+BRIEFLY: Final = WITHIN.replace("0.06", "0.04")
+BEFORE: Final = """
+    stall(0.06)
+    time.sleep(0.001)
+    with by_the_wall():
+        assert not fails
+"""
+AFTER: Final = """
+    try:
+        with by_the_wall():
+            assert not fails
+    finally:
+        time.sleep(0.2)
+        stall(0.06)
+"""
+NOT_JUDGED_BY_THE_WALL: Final = """
+    stall(0.06)
+    assert not fails
+"""
+A_MISTAKE: Final = """
+    with by_the_wall():
+        stall(0.06)
+        if fails:
+            raise ValueError
+"""
+NESTED: Final = """
+    with by_the_wall():
+        stall(0.06)
+        time.sleep(0.001)
+        with by_the_wall():
+            assert not fails
 """
 
 
-@pytest.mark.parametrize(
-    ("folder", "stall", "fails", "tests", "passed", "again"),
-    [
-        ("system", 0.06, 1, 1, True, 1),
-        ("system", 0.04, 1, 1, False, 0),
-        ("unit", 0.06, 1, 1, False, 0),
-        ("desk", 0.06, 2, 1, False, 1),
-        ("desk", 0.06, 0, 5, True, 0),
-        ("system", 0.06, 1, 3, False, 3),
-    ],
-)
-def test_what_is_tried_again(
-    tmp_path: Path, folder: str, stall: float, fails: int, tests: int, passed: bool, again: int
-) -> None:
-    (tmp_path / folder).mkdir()
-    (tmp_path / "conftest.py").write_text(CONFTEST.format(stall=stall))
-    (tmp_path / folder / "test_it.py").write_text(FAILING.format(fails=fails, tests=tests))
+def write(folder: Path, name: str, body: str, *, fails: int = 1, failing: int = 1, tests: int = 1) -> None:
+    """A file of so many tests, so many of which fail so often."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder.parent / "conftest.py").write_text(CONFTEST)
+    text = FAILING.format(body=body, fails=fails, failing=failing, tests=tests)
+    (folder / f"test_{name}.py").write_text(text)
+
+
+def run(where: Path, *options: str, tally: Path | None = None) -> tuple[bool, str]:
+    """Whether the tests there have passed, and what was told."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
+    environment.pop(TALLY, None)
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-c", ROOT / "pyproject.toml", "--rootdir", tmp_path, tmp_path],
+        [sys.executable, "-m", "pytest", "-c", ROOT / "pyproject.toml", "--rootdir", where, where, *options],
         cwd=ROOT,
         check=False,
         capture_output=True,
         text=True,
+        env=environment | ({TALLY: str(tally)} if tally else {}),
     )
-    assert (done.returncode == 0) == passed, done.stdout + done.stderr
-    assert done.stdout.count("test_it.py::") - done.stdout.count("FAILED") == again, done.stdout
-    assert ("stood still" in done.stdout) == bool(again)
+    return done.returncode == 0, done.stdout + done.stderr
+
+
+def again(told: str) -> int:
+    return told.count(" s; assert")
+
+
+def test_only_what_the_wall_clock_judged_within_a_stall_is_tried_again(tmp_path: Path) -> None:
+    write(tmp_path / "system", "within", WITHIN)
+    write(tmp_path / "desk", "twice", WITHIN, fails=2)
+    write(tmp_path / "desk", "well", WITHIN, failing=0, tests=5)
+    never = {
+        "briefly": BRIEFLY,
+        "before": BEFORE,
+        "after": AFTER,
+        "not_judged": NOT_JUDGED_BY_THE_WALL,
+        "a_mistake": A_MISTAKE,
+        "nested": NESTED,
+    }
+    for name, body in never.items():
+        write(tmp_path / "system", name, body)
+    write(tmp_path / "unit", "elsewhere", WITHIN)
+    has_passed, told = run(tmp_path)
+    assert not has_passed
+    failed = set(re.findall(r"^FAILED \S+/test_(\w+)\.py", told, re.MULTILINE))
+    assert failed == {"twice", "elsewhere", *never}, told
+    assert re.findall(r"^\w+/test_(\w+)\.py::.* s; assert", told, re.MULTILINE) == ["twice", "within"], told
+    assert "passed" in told
+    assert "too many" not in told
+
+
+def test_a_machine_that_stands_still_all_the_time_proves_nothing(tmp_path: Path) -> None:
+    write(tmp_path / "system", "it", WITHIN, failing=3, tests=3)
+    has_passed, told = run(tmp_path)
+    assert not has_passed
+    assert "3 passed" in told
+    assert again(told) == 3
+
+
+def test_of_one_file_it_is_one_in_five(tmp_path: Path) -> None:
+    write(tmp_path / "system", "others", WITHIN, failing=0, tests=60)
+    write(tmp_path / "system", "faults", WITHIN, failing=3, tests=13)
+    has_passed, told = run(tmp_path)
+    assert not has_passed
+    assert "too many of system/test_faults.py: 3" in told
+
+
+def test_all_processes_of_a_run_are_counted_together(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        write(tmp_path / name / "system", name, WITHIN, failing=2, tests=3)
+    tally = tmp_path / "tally"
+    tally.touch()
+    assert run(tmp_path / "one", tally=tally)[0]
+    has_passed, told = run(tmp_path / "two", tally=tally)
+    assert not has_passed
+    assert "too many of all tests: 4" in told
+    assert again(told) == 4
+
+
+def test_workers_count_and_tell_as_one_process_does(tmp_path: Path) -> None:
+    write(tmp_path / "system", "it", WITHIN, failing=3, tests=6)
+    has_passed, told = run(tmp_path, "--numprocesses=2")
+    assert not has_passed, told
+    assert again(told) == 3, told
+
+
+def test_a_stall_that_is_still_being_written_is_not_read(tmp_path: Path) -> None:
+    file = tmp_path / "stalls.0"
+    file.write_text("1000 2000\n5000 60")
+    stalls = Stalls([file])
+    assert stalls.longest(0, 10_000) == pytest.approx(1e-6)
+    file.write_text("10")
+    assert stalls.longest(0, 10_000) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "found"), [(0, 999, 0), (0, 1000, 1), (1500, 1600, 1), (2000, 9000, 1), (2001, 9000, 0)]
+)
+def test_only_a_stall_within_the_time_counts(tmp_path: Path, begin: int, end: int, found: int) -> None:
+    file = tmp_path / "stalls.0"
+    file.write_text("1000 2000\n")
+    assert round(Stalls([file]).longest(begin, end) * 1e6) == found

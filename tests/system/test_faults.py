@@ -9,8 +9,7 @@ import pytest
 from tests.system.faults import Scenario
 from tests.system.robot import FULL_TILT
 from tests.system.scenarios import SCENARIOS
-from tests.system.stalls import Tally
-from tests.system.trials import Stand, judge, stand
+from tests.system.trials import Stand, stand
 
 QUICK = [scenario for scenario in SCENARIOS if scenario.quick]
 
@@ -23,9 +22,7 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stand]:
 
 @pytest.mark.parametrize("scenario", QUICK, ids=lambda scenario: scenario.name)
 def test_a_fault_stops_the_robot_and_only_a_level_hand_starts_it_again(scenario: Scenario, robots: Stand) -> None:
-    figures = robots.tried(scenario, phase=0.0, tally=Tally())
-    print(figures)
-    judge(scenario, figures)
+    robots.tried(scenario)
 
 
 def test_a_second_joystick_of_the_same_name_moves_nothing(robots: Stand) -> None:

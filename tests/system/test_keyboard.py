@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tests.stalled import by_the_wall
 from tests.system.robot import ProcessRobot, process_robot
-from tests.system.stalls import without_stall
 from tests.terminals import Screen, screen
 
 KEYBOARD = [sys.executable, "-m", "giraff_keyboard"]
@@ -58,27 +58,27 @@ def test_it_takes_arms_drives_and_stops_by_the_space_bar(tmp_path: Path) -> None
         robot.run(1.0)
         assert "keyboard drives" not in shown.read()  # nobody takes a robot by starting a program
         take(shown)
-
-        def let_go() -> tuple[float, float]:
+        with by_the_wall():
             hold(shown, b"w", 1.0)
             assert robot.drives()
-            return stop_time(robot, robot.simulator.now()), 0.0
+            took = stop_time(robot, robot.simulator.now())
+            print(f"key let go: PWM 0 after {took:.3f} s")
+            assert took <= STOPS_WITHIN
 
-        took, _ = without_stall(let_go)
-        print(f"key let go: PWM 0 after {took:.3f} s")
-        assert took <= STOPS_WITHIN
-
-        hold(shown, b"\x1b[D", 1.0)
-        says = robot.simulator.state().base
-        assert says is not None
+        with by_the_wall():
+            hold(shown, b"\x1b[D", 1.0)
+            says = robot.simulator.state().base
+            assert says is not None
+            assert says.left_pwm_counts != 0
         assert says.left_pwm_counts < 0 < says.right_pwm_counts
         shown.forget()
-        pressed_us = robot.simulator.now()
+        begin_ns, pressed_us = time.monotonic_ns(), robot.simulator.now()
         shown.type(b" ")
         shown.wait_for("STOPPED: base has confirmed")
         took = stop_time(robot, pressed_us)
         print(f"space bar: PWM 0 after {took:.3f} s")
-        assert took <= 0.35
+        with by_the_wall(begin_ns):
+            assert took <= 0.35
         shown.wait_for("EMERGENCY STOP, engaged by keyboard@")
         hold(shown, b"w", 1.0)
         assert robot.simulator.record(pressed_us + 500_000).driven_ms == 0
@@ -86,13 +86,15 @@ def test_it_takes_arms_drives_and_stops_by_the_space_bar(tmp_path: Path) -> None
         assert robot.giraff("estop", "reset") == 0
         shown.forget()
         shown.wait_for("keyboard drives   armed")
-        hold(shown, b"s", 1.0)
-        assert robot.drives()
+        with by_the_wall():
+            hold(shown, b"s", 1.0)
+            assert robot.drives()
         shown.type(b"\x03")
         assert shown.process.wait(10.0) == 0
         assert shown.is_restored()
-        ended_us = robot.simulator.now()
-        assert stop_time(robot, ended_us) <= STOPS_WITHIN
+        with by_the_wall():
+            ended_us = robot.simulator.now()
+            assert stop_time(robot, ended_us) <= STOPS_WITHIN
 
 
 def test_what_is_typed_pasted_or_torn_while_it_sleeps_or_not_moves_nothing(tmp_path: Path) -> None:
@@ -114,16 +116,13 @@ def test_what_is_typed_pasted_or_torn_while_it_sleeps_or_not_moves_nothing(tmp_p
 def test_killed_it_drives_nothing_any_more(tmp_path: Path) -> None:
     with process_robot(tmp_path, boards="host") as robot:
         robot.stop("joystick")
-
-        def drive_and_kill() -> tuple[float, float]:
-            with screen(KEYBOARD, tmp_path / "keyboard.log", robot.environment) as shown:
-                shown.wait_for("nobody drives")
-                take(shown)
+        with screen(KEYBOARD, tmp_path / "keyboard.log", robot.environment) as shown:
+            shown.wait_for("nobody drives")
+            take(shown)
+            with by_the_wall():
                 hold(shown, b"w", 1.0)
                 assert robot.drives()
                 shown.process.kill()
-                return stop_time(robot, robot.simulator.now()), 0.0
-
-        took, _ = without_stall(drive_and_kill)
-        print(f"SIGKILL: PWM 0 after {took:.3f} s")
-        assert took <= STOPS_WITHIN
+                took = stop_time(robot, robot.simulator.now())
+                print(f"SIGKILL: PWM 0 after {took:.3f} s")
+                assert took <= STOPS_WITHIN
