@@ -10,7 +10,7 @@ import msgspec
 import pytest
 
 from tests.campaign.fault_table import write as write_table
-from tests.campaign.records import write_record
+from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.stalled import tried_again
 from tests.system.faults import Scenario
 from tests.system.scenarios import SCENARIOS
@@ -37,7 +37,7 @@ class Campaign:
             "tried_again_for_stalls": tried_again(),
             "rows": rows,
         }
-        write_record("faults", record)
+        write_record("faults", record, judged(__name__, *PROCESSES, "giraff_cli.estop", also=ROBOT))
         write_table(record)
 
     def _row(self, scenario: Scenario) -> dict[str, object]:

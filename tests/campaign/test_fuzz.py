@@ -10,7 +10,7 @@ import pytest
 
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.topics import Query, Topic
-from tests.campaign.records import write_record
+from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.fuzz.boards import BOARDS, fuzz_board, require_harmless
 from tests.fuzz.growth import LIMIT
 from tests.fuzz.hosts import fuzz_host_side
@@ -29,7 +29,7 @@ def figures() -> Iterator[dict[str, Any]]:
     made: dict[str, Any] = {"boards": {}, "host_side": {}, "keys": {}}
     yield made
     if (len(made["boards"]), len(made["host_side"]), len(made["keys"])) == (3, 3, len(KEYS) + len(PARAM_KEYS)):
-        write_record("fuzz", made)
+        write_record("fuzz", made, judged(__name__, "tests.fuzz.board", also=FIRMWARE))
 
 
 @pytest.mark.parametrize("board", BOARDS)

@@ -7,7 +7,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from tests.campaign.records import write_record
+from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.fuzz.network import fuzz_network
 from tests.system.faults import ARENA
 from tests.system.robot import process_robot
@@ -23,4 +23,5 @@ def test_payloads_over_the_network_at_real_processes(tmp_path: Path, monkeypatch
     monkeypatch.setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
     with process_robot(tmp_path, ARENA) as robot:
         counted = fuzz_network(robot, PAYLOADS, SEED)
-    write_record("fuzz-network", msgspec.to_builtins(counted))
+    files = judged(__name__, *PROCESSES, also=ROBOT)
+    write_record("fuzz-network", msgspec.to_builtins(counted), files)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from tests.campaign.records import write_record
+from tests.campaign.records import judged, write_record
 from tests.mutants.laboratory import Laboratory, Mutant, read_mutants
 
 MUTANTS = read_mutants()
@@ -24,7 +24,10 @@ def killed() -> Iterator[list[Mutant]]:
     yield found
     if len(found) == len(MUTANTS):
         killers = {mutant.rule: mutant.killed_by for mutant in found}
-        write_record("mutants", {"mutants": len(MUTANTS), "killed_by": killers})
+        broken = {mutant.file for mutant in MUTANTS}
+        noticed_by = {mutant.killed_by.partition("::")[0] for mutant in MUTANTS}
+        files = judged(__name__, also=("tests/mutants", *broken, *noticed_by))
+        write_record("mutants", {"mutants": len(MUTANTS), "killed_by": killers}, files)
 
 
 @pytest.mark.parametrize("killer", sorted({mutant.killed_by for mutant in MUTANTS}))

@@ -13,7 +13,7 @@ import msgspec
 from giraff_schemas.messages import Range
 from giraff_schemas.topics import RANGE
 from giraff_sim.sonar import SonarFault
-from tests.campaign.records import write_record
+from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.sleepers import Stalls, stalls_seen
 from tests.stalled import STALL, by_the_wall, tried_again
 from tests.system.faults import ARENA, FORWARD, Scenario
@@ -111,7 +111,7 @@ def test_the_first_short_reading_stops_it_at_once(tmp_path: Path) -> None:
         "tried_again_for_stalls": tried_again(),
         "drives": [msgspec.to_builtins(each) for each in drives],
     }
-    write_record("reaction-drives", record)
+    write_record("reaction-drives", record, judged(__name__, *PROCESSES, also=ROBOT))
     for each in drives:
         assert each.contacts == 0, each
         with by_the_wall(begin_ns):

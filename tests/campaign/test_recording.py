@@ -19,7 +19,7 @@ from giraff_mcap.heard import Heard
 from giraff_mcap.reading import Recording
 from giraff_schemas.messages import BaseState
 from giraff_schemas.topics import BASE
-from tests.campaign.records import write_record
+from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.desk.recorders import giraff_process, hearing, killed_recording, records, require_the_same
 from tests.system.robot import FULL_TILT, ProcessRobot, process_robot
 from tests.waiting import wait
@@ -185,6 +185,7 @@ def test_ten_minutes_are_recorded_and_cost_little(tmp_path: Path) -> None:
             "missing_after_a_kill_s": round(missing, 3),
             "said_again": again,
         },
+        judged(__name__, *PROCESSES, "giraff_cli.record", "giraff_cli.play", also=ROBOT),
     )
     print(written.read_text())
     for key, numbers in sequences.items():

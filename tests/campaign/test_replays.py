@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.campaign.records import write_record
+from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.system.faults import ARENA
 from tests.system.replays import record_drive, say_again
 from tests.system.robot import process_robot
@@ -29,5 +29,5 @@ def test_a_recorded_drive_moves_nothing_however_late_it_is(tmp_path: Path) -> No
             rows.append({"late_s": late, "samples": len(said), "driven_ms": verdict.driven_ms})
             robot.start("joystick")
             robot.drive_forward()
-    print(write_record("replays", {"rows": rows}).read_text())
+    print(write_record("replays", {"rows": rows}, judged(__name__, *PROCESSES, also=ROBOT)).read_text())
     assert [row["driven_ms"] for row in rows] == [0] * len(LATE)

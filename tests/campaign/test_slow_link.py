@@ -6,7 +6,7 @@ import subprocess
 from contextlib import closing
 
 from giraff_sim.board import ROOT
-from tests.campaign.records import write_record
+from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.hosts.bad_cable import BAD
 from tests.hosts.lab import Lab
 from tests.hosts.slow_link import ride, slow_link
@@ -28,6 +28,7 @@ def test_ten_minutes_over_a_bad_link() -> None:
             "stops_by_stalls_of_this_machine": ridden.stalls,
             "stops": [stop._asdict() for stop in ridden.stops],
         },
+        judged(__name__, *PROCESSES, also=(*ROBOT, "Dockerfile", "docker-compose.yml", "deploy/env")),
     )
     print(path.read_text())
     ridden.require_reasons()

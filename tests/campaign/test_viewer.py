@@ -19,7 +19,7 @@ from giraff_sim.board import ROOT
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show
 from giraff_viewer.window import Window
-from tests.campaign.records import sources_of, write_record
+from tests.campaign.records import judged, write_record
 from tests.unit.cli.samples import SENSORS, at, base, command, estop, guard, lease, odometry, reading, verdict, wheels
 from tests.waiting import wait
 
@@ -106,7 +106,7 @@ def test_an_hour_stays_within_its_memory() -> None:
             "of_these_data": [round(use.data) for use in uses],
             "megabytes_of_giraff_view": [round(size) for size in own],
         },
-        sources_of("giraff_viewer.show"),
+        judged("giraff_viewer.show", "giraff_viewer.window", also=("tests/campaign/test_viewer.py",)),
     )
     print(path.read_text())
     quarter = len(uses) // 4
