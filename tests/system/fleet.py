@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -59,8 +60,15 @@ NO_RULES = {"access_control": {"enabled": False}}
 """A host that does not keep to the rules itself: those of the others must do."""
 
 
+Heard = dict[Host, list[tuple[str, str]]]
+"""(key, text) of what has come to each session."""
+
+
 class Fleet:
+    """That something does not come is shown by what is sent after it on the same way, and does: a mark."""
+
     def __init__(self, behind: BehindRouter, sites: Sites) -> None:
+        self._marks = count()
         self.behind = behind
         self.sites = sites
         behind.start_router()
@@ -79,7 +87,37 @@ class Fleet:
         for host in ("laptop", "desk", "unnamed"):
             for session in (self.of[host], self.lawless[host]):
                 session.ask("subscribe", *(key_of(robot, topic) for robot in (ANNE, BOB) for topic in (ODOM, TICK)))
+        self.lawless["doctor"].ask("subscribe", key_of(BOB, TICK))
         self.all_meet()
+
+    def mark(self, speaker: Host, keys: Iterable[str], listeners: Iterable[Host], heard: Heard | None = None) -> None:
+        """Wait until each listener has what went the same way before; what they hear meanwhile is put into `heard`."""
+        text, waiting = f"mark {next(self._marks)}", set(listeners)
+
+        def has_come() -> bool:
+            speaker.ask("put", text, *keys)
+            for listener in tuple(waiting):
+                news = [(key, said) for key, said in listener.ask("heard")]
+                if heard is not None and listener in heard:
+                    heard[listener] += news
+                if any(said == text for _, said in news):
+                    waiting.remove(listener)
+            return not waiting
+
+        wait(has_come)
+
+    def router_has_all_of(self, host: Host, name: str, heard: Heard) -> None:
+        """Wait until it has: by what this host may say. One that may say nothing is given time, and shows less."""
+        match name:
+            case "laptop" | "doctor":
+                topic = JOYSTICK if name == "laptop" else DOCTOR
+                self.mark(host, [key_of(ANNE, topic)], [self.of["anne-pc"]], heard)
+            case "bob":
+                self.mark(host, [key_of(BOB, TICK)], [self.lawless["doctor"]], heard)
+            case "desk":
+                assert host.ask("get", key_of(ANNE, ESTOP_ENGAGE)) == ["done"]
+            case _:
+                time.sleep(0.5)
 
     def all_meet(self) -> float:
         """s until each session of a robot hears each of its operators', and each of its readers' hears the robot."""
@@ -104,18 +142,18 @@ class Fleet:
     def say_everything(self, host: Host, text: str) -> dict[str, set[str]]:
         """Keys that each robot's host hears of what `host` says on each key of both robots, and on several at once."""
         robots = {robot: (self.of[f"{robot}-pc"], self.lawless[f"{robot}-pc"]) for robot in ("anne", "bob")}
-        for sessions in robots.values():
-            for session in sessions:
-                session.ask("heard")
+        heard: Heard = {session: [] for sessions in robots.values() for session in sessions if session is not host}
+        for session in heard:
+            session.ask("heard")
         host.ask("put", text, *(key_of(robot, topic) for robot in (ANNE, BOB) for topic in EVERY))
         host.ask("put", text, *(several.format(robot) for several in SEVERAL for robot in (ANNE, BOB)))
-        time.sleep(0.5)  # nothing coming has no event to wait for
+        self.router_has_all_of(host, text, heard)
+        self.mark(self.lawless["doctor"], [key_of(ANNE, DOCTOR), key_of(BOB, DOCTOR)], heard, heard)
         return {
             robot: {
                 key.removeprefix("giraff/")
                 for session in sessions
-                if session is not host
-                for key, said in session.ask("heard")
+                for key, said in heard.get(session, [])
                 if said == text
             }
             for robot, sessions in robots.items()

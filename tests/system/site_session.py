@@ -35,8 +35,10 @@ class SiteSession:
         self._declared += [session.declare_subscriber(key, lambda _: None) for session in self._crowd]
 
     def subscribe(self, *keys: str) -> None:
+        # Called by the link itself, so that what came first was also heard first, on whatever keys it came.
+        take = zenoh.handlers.Callback(self._on_sample, indirect=False)
         for key in keys:
-            self._declared.append(self._session.declare_subscriber(key, self._on_sample))
+            self._declared.append(self._session.declare_subscriber(key, take))
 
     def answer(self, *keys: str) -> None:
         for key in keys:

@@ -12,9 +12,23 @@ from typing import Any
 import pytest
 
 from giraff_cli.keys import make_authority, make_bundle
-from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, ODOM, TILT, Topic, alive_key, key_of
+from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, ODOM, TICK, TILT, Topic, alive_key, key_of
 from tests.system.behind_router import BehindRouter
-from tests.system.fleet import ANNE, AWAY, BOB, DOCTOR, EVERY, HOME, JOYSTICK, NO_RULES, PLACES, SEVERAL, Fleet, fleet
+from tests.system.fleet import (
+    ANNE,
+    AWAY,
+    BOB,
+    DOCTOR,
+    EVERY,
+    HOME,
+    JOYSTICK,
+    NO_RULES,
+    PLACES,
+    SEVERAL,
+    Fleet,
+    Heard,
+    fleet,
+)
 from tests.system.sites import ROUTER, Sites
 from tests.waiting import wait
 
@@ -60,10 +74,17 @@ def test_whoever_is_named_reads(world: Fleet, host: str, hears: bool) -> None:
     sessions = (world.of[host], world.lawless[host])
     for session in sessions:
         session.ask("heard")
-    world.of["anne-pc"].ask("put", "here", key_of(ANNE, ODOM))
-    time.sleep(0.5)
-    expected = [[key_of(ANNE, ODOM), "here"]] if hears else []
-    assert [session.ask("heard") for session in sessions] == [expected, expected]
+    robot, heard = world.of["anne-pc"], {session: list[tuple[str, str]]() for session in sessions}
+    robot.ask("put", "here", key_of(ANNE, ODOM))
+    world.mark(robot, [key_of(ANNE, TICK)], sessions if hears else [world.of["laptop"]], heard)
+    if host == "bob-pc":
+        world.mark(world.lawless["doctor"], [key_of(BOB, DOCTOR)], sessions, heard)
+    elif not hears:
+        time.sleep(0.5)  # nothing at all may come to it that could be waited for
+    for session in sessions:
+        heard[session] += [(key, said) for key, said in session.ask("heard")]
+        found = [key for key, said in heard[session] if said == "here"]
+        assert found == ([key_of(ANNE, ODOM)] if hears else [])
 
 
 @pytest.mark.parametrize(
@@ -95,11 +116,17 @@ def test_the_router_says_who_is_here_and_who_may_do_nothing(world: Fleet) -> Non
     assert "unnamed: has a certificate, but no part in any [router.robots]" in said
 
 
+def require_a_link_of_one_who_came_later(world: Fleet) -> None:
+    """All dial as often as it has."""
+    later = world.behind.join("desk", AWAY, ANNE)
+    wait(lambda: any(link.startswith(ROUTER) for link in later.ask("links")))
+
+
 def test_a_site_that_is_not_the_routers_gets_no_link(world: Fleet) -> None:
     path = world.behind.robot_file("laptop", AWAY, ANNE)
     path.write_text(path.read_text().replace(f'site = "{AWAY}"', 'site = "nowhere"'))
     elsewhere = world.behind.open(AWAY, path, ANNE)
-    time.sleep(2.0)  # several attempts
+    require_a_link_of_one_who_came_later(world)
     assert not [link for link in elsewhere.ask("links") if link.startswith(ROUTER)]
 
 
@@ -111,7 +138,7 @@ def test_a_stranger_gets_no_link(world: Fleet, tmp_path: Path) -> None:
     path = world.behind.robot_file("laptop", AWAY, ANNE)
     path.write_text(path.read_text().replace(str(world.behind.keys), str(others)))
     stranger = world.behind.open(AWAY, path, ANNE, **NO_RULES)
-    time.sleep(2.0)
+    require_a_link_of_one_who_came_later(world)
     assert stranger.ask("links") == []
     assert world.say_everything(stranger, "stranger") == {"anne": set(), "bob": set()}
 
@@ -135,10 +162,11 @@ def test_what_has_become_of_the_router_does_not_matter_to_base(world: Fleet) -> 
     rogue = world.behind.rogue_router()
     robot = world.of["anne-pc"]
     wait(lambda: any(link.startswith("anne-pc") for link in rogue.ask("links")))
-    time.sleep(1.0)
-    robot.ask("heard")
+    world.mark(rogue, [key_of(ANNE, JOYSTICK)], [robot])
     rogue.ask("put", "rogue", *(key_of(ANNE, topic) for topic in EVERY))
     rogue.ask("put", "rogue", *(several.format(ANNE) for several in SEVERAL))
-    time.sleep(0.5)
-    heard = {key.removeprefix("giraff/") for key, said in robot.ask("heard") if said == "rogue"}
-    assert heard == keys_of(ANNE, JOYSTICK, DOCTOR, TILT)
+    heard: Heard = {robot: []}
+    world.mark(rogue, [key_of(ANNE, JOYSTICK)], [robot], heard)
+    assert {key.removeprefix("giraff/") for key, said in heard[robot] if said == "rogue"} == keys_of(
+        ANNE, JOYSTICK, DOCTOR, TILT
+    )
