@@ -23,7 +23,7 @@ from giraff_sim.dst.faults import Kind
 from giraff_sim.dst.hands import RestlessHand
 from giraff_sim.dst.judge import Judge, Violation
 from giraff_sim.dst.network import FaultyNetwork, Link
-from giraff_sim.dst.people import Button
+from giraff_sim.dst.people import Button, Caretaker
 from giraff_sim.dst.rooms import lay_threshold, random_room
 from giraff_sim.dst.stops import Stop, Way
 from giraff_sim.dst.story import Story
@@ -118,6 +118,7 @@ class Drill:
         for host in self.loop.hosts.values():
             host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
         self.loop.launch("button", self._press_button, self.loop.hosts["operator"])
+        self.loop.launch("caretaker", self._take_care, self.loop.hosts["operator"])
         self._names = 0
         self._claims: list[Any] = []  # of the fault that begins
         self._claimed: list[Any] = []
@@ -184,6 +185,10 @@ class Drill:
     def _press_button(self, process: Process) -> Button:
         self.button = Button(process, self.judge)
         return self.button
+
+    def _take_care(self, process: Process) -> Caretaker:
+        self.caretaker = Caretaker(process)
+        return self.caretaker
 
     def _plan(self, kind: Kind, at: float, chance: Random) -> None:
         """Let a fault happen at that moment."""

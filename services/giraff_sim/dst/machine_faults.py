@@ -20,6 +20,20 @@ _HOUR_NS: Final = 3_600_000_000_000
 _IN_THE_CHAIN: Final = ("joystick", "guard", "base", "ranger")
 
 
+_STOPPED: Final = 0.5
+_SAVED: Final = 0.3
+_PARAMETERS: Final = (
+    ("guard", "margin", 0.40, 0.02),
+    ("guard", "creep_linear", 0.05, 0.60),
+    ("guard", "operator_budget", 0.25, 3.0),
+    ("guard", "deceleration", 0.8, 9.0),
+    ("base", "operator_budget", 0.25, 3.0),
+    ("base", "range_budget", 0.30, 3.0),
+    ("base", "arm_time", 0.40, 0.01),
+    ("base", "linear_acceleration", 0.30, 5.0),
+    ("joystick", "full_tilt_deg", 45.0, 15.0),
+)
+"""Service, name, a tighter value and one that is looser than the robot file's."""
 _WITH_A_BOARD: Final = {"operator": ("joystick",), "robot": ("base", "ranger")}
 
 
@@ -89,6 +103,46 @@ def wall_clock(drill: Drill, chance: Random) -> Course:
     host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
     host.wall_drift = chance.uniform(-1e-3, 1e-3)
     yield f"the {name}'s wall clock jumps, to {host.wall_ahead_ns / 1e9:+.0f} s from the truth"
+
+
+@fault(KINDS, weight=2.0, lasts=(0.3, 4.0))
+def disk(drill: Drill, chance: Random) -> Course:
+    """Half of the time with an emergency stop that it is asked to keep."""
+    disk = drill.loop.hosts["robot"].disk
+    if not drill.claims(disk):
+        return
+    told = chance.choice(("hangs", "is full"))
+    if told == "hangs":
+        disk.hang()
+    else:
+        disk.trouble = "No space left on device"
+    is_stopped = chance.random() < _STOPPED and drill.claims(drill.button)
+    if is_stopped:
+        drill.button.engage()
+        told += ", and somebody engages the emergency stop"
+    yield f"the robot's disk {told}"
+    disk.trouble = ""
+    disk.go_on()
+    if is_stopped:
+        drill.release_later()
+
+
+@fault(KINDS, weight=2.0, lasts=(1.0, 6.0), calm_after=4.0)
+def parameter(drill: Drill, chance: Random) -> Course:
+    """Tighter ones are taken back at the end; looser ones must be refused."""
+    service, name, tighter, looser = chance.choice(_PARAMETERS)
+    if not drill.claims(f"{service}.{name}"):
+        return
+    filed = getattr(getattr(drill.loop.settings, service), name)
+    value = chance.choice((tighter, looser))
+    drill.caretaker.set(service, name, value)
+    is_saved = chance.random() < _SAVED
+    if is_saved:
+        drill.caretaker.save(service)
+    yield f"somebody sets {service}.{name} to {value:g}" + (", and saves it" if is_saved else "")
+    drill.caretaker.set(service, name, filed)
+    if is_saved:
+        drill.caretaker.save(service)
 
 
 @fault(KINDS, weight=1.5, lasts=(0.1, 4.0), calm_after=4.0)

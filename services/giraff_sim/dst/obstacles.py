@@ -96,7 +96,7 @@ class Obstacles:
                 if self._clearance(echo.surface, math.copysign(_A_LITTLE, linear)) >= clearance:
                     continue
                 # A post is passed by as near as its edge allows; a wall is what the robot comes to rest before.
-                least = stopping if echo.round or heard is not handed[-1] else max(stopping, REST)
+                least = stopping if echo.round or heard is not handed[-1] else stopping + REST
                 if clearance < least:
                     return (
                         f"{linear:.2f} m/s towards what {name} must have heard at {echo.distance:.2f} m "

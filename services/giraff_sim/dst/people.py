@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import random
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
+
+import msgspec
 
 from giraff_joystick.service import Joystick
 from giraff_keyboard.config import KeyboardConfig
@@ -13,7 +15,8 @@ from giraff_node.estop import stops_for_good
 from giraff_node.pacing import Pacer
 from giraff_node.repeating import Repeated
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
-from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
+from giraff_schemas.params import ParamSave, ParamSet
+from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, PARAM_SAVE, PARAM_SET, TICK, Query
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, Frame, TickFrame, TiltFrame, TiltStatus
 from giraff_sim.dst.hands import Fingers, RestlessHand
 from giraff_sim.hosts.process import Process
@@ -117,6 +120,40 @@ class _TiltBoard:
             button=0,
             line_errors=0,
         )
+
+
+class Caretaker:
+    """`giraff param set` and `giraff param save`, and who presses the emergency stop at the same moment as another."""
+
+    link = None
+
+    def __init__(self, process: Process) -> None:
+        self._process = process
+        self._asking: list[Repeated[Any]] = []
+        self.pacers = (Pacer(_POLL_HZ),)
+
+    def set(self, service: str, name: str, value: float) -> None:
+        """Ask for another value of a parameter."""
+        self._ask(PARAM_SET.at(service), ParamSet(name=name, value=value, by=self._process.instance))
+
+    def save(self, service: str) -> None:
+        """Ask that all parameters of a service be kept as they are."""
+        self._ask(PARAM_SAVE.at(service), ParamSave(by=self._process.instance))
+
+    def engage(self) -> None:
+        """Ask to stop."""
+        self._ask(ESTOP_ENGAGE, EStopEngage(by=self._process.instance, reason="drill"))
+
+    def turn(self, now: float) -> None:
+        self.pacers[0].due(now)
+        self._asking = [asking for asking in self._asking if asking.poll(now) is None]
+
+    def end(self) -> None:
+        """Nothing is left to say."""
+
+    def _ask(self, query: Query[Any, Any], request: msgspec.Struct) -> None:
+        self._asking.append(self._process.ask(query, request, lambda _: True))
+        self._process.wake()
 
 
 class Button:

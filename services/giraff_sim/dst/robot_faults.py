@@ -122,6 +122,18 @@ def emergency_stop(drill: Drill, chance: Random) -> Course:
     drill.button.reset()
 
 
+@fault(KINDS, weight=1.5, lasts=(0.2, 2.0))
+def two_at_the_emergency_stop(drill: Drill, chance: Random) -> Course:
+    if not drill.claims(drill.button):
+        return
+    drill.button.engage()
+    yield "somebody engages the emergency stop, and will reset it while another engages it anew"
+    first, second = chance.sample((drill.button.reset, drill.caretaker.engage), 2)
+    first()
+    drill.loop.agenda.at(drill.loop.agenda.now_us + chance.choice((0, 4_000, 12_000)), second)
+    drill.release_later()
+
+
 @fault(KINDS, weight=1.0, lasts=(2.0, 8.0), calm_after=6.0)
 def battery(drill: Drill, chance: Random) -> Course:
     plant = drill.loop.simulation.world.plant

@@ -18,8 +18,8 @@ _SAME_US: Final = 30_000  # a reading's age within its board: what the hand did 
 _DOUBT_DEG: Final = 1.0
 _KEYS: Final = {ord("w"): (1, 0), ord("s"): (-1, 0), ord("a"): (0, 1), ord("d"): (0, -1)}
 
-Way = tuple[int, int]
-"""Sign of the way that a hand asks for, forward and left; 0: neither for certain."""
+Way = tuple[int | None, int | None]
+"""Sign of the way that a hand asks for, forward and left; 0: surely neither, None: one cannot tell."""
 
 
 class _Held(NamedTuple):
@@ -35,7 +35,7 @@ class Wishes:
 
     def __init__(self, config: JoystickConfig, offset: Vector) -> None:
         """`offset`: m/s² that the sensor reads too much: a level hand may be that far off for it."""
-        self._zone = config.dead_zone_deg + _DOUBT_DEG
+        self._zone = config.dead_zone_deg
         self._off = [math.degrees(math.asin(abs(axis) / GRAVITY)) for axis in offset[:2]]
         self._held: dict[str, deque[_Held]] = defaultdict(deque)
         self._pressed: dict[str, deque[tuple[int, Way]]] = defaultdict(deque)
@@ -44,14 +44,17 @@ class Wishes:
         """A joystick is held so that this truly acts on it (m/s²)."""
         x, y, z = acceleration
         angles = math.degrees(math.atan2(x, math.hypot(y, z))), math.degrees(math.atan2(y, math.hypot(x, z)))
-        beyond = [abs(angle) - off - self._zone for angle, off in zip(angles, self._off, strict=True)]
-        forward, left = (
-            int(math.copysign(1.0, angle)) if over > 0.0 else 0 for angle, over in zip(angles, beyond, strict=True)
-        )
+        ways = [self._sign(angle, off + _DOUBT_DEG) for angle, off in zip(angles, self._off, strict=True)]
         held = self._held[instance]
-        held.append(_Held(now_us, neutral=max(beyond) <= 0.0, way=(forward, left)))
+        held.append(_Held(now_us, neutral=all(way in (0, None) for way in ways), way=(ways[0], ways[1])))
         while now_us - held[0].at_us > _KEPT_US:
             held.popleft()
+
+    def _sign(self, angle: float, doubt: float) -> int | None:
+        """Of an angle in degrees that may be read `doubt` too large or too small."""
+        if abs(angle) > self._zone + doubt:
+            return int(math.copysign(1.0, angle))
+        return 0 if abs(angle) < self._zone - doubt else None
 
     def press(self, instance: str, keys: bytes, now_us: int) -> None:
         """Keys of a keyboard are pressed."""

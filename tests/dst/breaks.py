@@ -1,0 +1,225 @@
+"""Ways to break the robot that change what it does, and not what it says: each is to be found by the judge."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import msgspec
+
+from giraff_base.policy import BasePolicy
+from giraff_base.service import Base
+from giraff_guard.policy import GuardPolicy
+from giraff_guard.service import Guard
+from giraff_joystick.policy import JoystickPolicy
+from giraff_joystick.service import Joystick
+from giraff_node.io import IO
+from giraff_ranger.policy import RangerPolicy
+from giraff_ranger.service import Ranger
+from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, Lease, Range, RobotTime
+from giraff_schemas.wire import DriveFrame, Frame, RangeFrame
+from giraff_sim.board import BUILD
+from giraff_sim.closed_loop import Services
+from tests.firmware.builds import with_fault
+
+_LATE: Final = 0.4  # s
+
+
+class LateJoystick(JoystickPolicy):
+    """Tells the first 0.4 s of a tilt as neutral."""
+
+    _level_at = 0.0
+
+    def command(self, now: float) -> DriveCommand:
+        command = super().command(now)
+        if command.neutral:
+            self._level_at = now
+        is_late = command.source == "hand" and now - self._level_at < _LATE
+        return msgspec.structs.replace(command, linear_x=0.0, angular_z=0.0) if is_late else command
+
+
+class LingeringJoystick(JoystickPolicy):
+    """Goes on with a tilt for a second after the hand is level."""
+
+    _tilted: tuple[float, DriveCommand] | None = None
+
+    def command(self, now: float) -> DriveCommand:
+        command = super().command(now)
+        if not command.neutral:
+            self._tilted = now, command
+        elif self._tilted is not None and command.source == "hand" and now - self._tilted[0] < 1.0:
+            before = self._tilted[1]
+            return msgspec.structs.replace(command, linear_x=before.linear_x, angular_z=before.angular_z)
+        return command
+
+
+class InvertedJoystick(JoystickPolicy):
+    """Drives backward where the hand points forward."""
+
+    def command(self, now: float) -> DriveCommand:
+        command = super().command(now)
+        return msgspec.structs.replace(command, linear_x=-command.linear_x)
+
+
+class LongRanger(RangerPolicy):
+    """Tells twice each range."""
+
+    def on_frame(self, frame: RangeFrame) -> Range | None:
+        sample = super().on_frame(frame)
+        if sample is None or sample.range is None:
+            return sample
+        return msgspec.structs.replace(sample, range=2.0 * sample.range)
+
+
+class LateRanger(RangerPolicy):
+    """Tells what it heard five readings ago, under the newest tick."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self._told: dict[str, deque[Range]] = {}
+
+    def on_frame(self, frame: RangeFrame) -> Range | None:
+        sample = super().on_frame(frame)
+        if sample is None:
+            return None
+        told = self._told.setdefault(sample.sensor, deque(maxlen=6))
+        told.append(sample)
+        return msgspec.structs.replace(told[0], tick=sample.tick)
+
+
+class OptimisticGuard(GuardPolicy):
+    """Believes everything to be 0.6 m farther away."""
+
+    def on_range(self, reading: Range, robot_ns: int) -> None:
+        if reading.range is not None:
+            reading = msgspec.structs.replace(reading, range=reading.range + 0.6)
+        super().on_range(reading, robot_ns)
+
+
+class TurnedGuard(GuardPolicy):
+    """Takes the sensors in front for the one behind, and the other way round."""
+
+    def on_range(self, reading: Range, robot_ns: int) -> None:
+        names = {"front_left": ["rear"], "front_right": [], "rear": ["front_left", "front_right"]}
+        for name in names[reading.sensor]:
+            super().on_range(msgspec.structs.replace(reading, sensor=name), robot_ns)
+
+
+class HalfGuard(GuardPolicy):
+    """Takes what the left sensor hears for what the right one does, too."""
+
+    def on_range(self, reading: Range, robot_ns: int) -> None:
+        if reading.sensor == "front_right":
+            return
+        super().on_range(reading, robot_ns)
+        if reading.sensor == "front_left":
+            super().on_range(msgspec.structs.replace(reading, sensor="front_right"), robot_ns)
+
+
+class CloseGuard(GuardPolicy):
+    """Keeps no margin worth the name."""
+
+    def __init__(self, config: Any, *rest: Any, **named: Any) -> None:
+        super().__init__(msgspec.structs.replace(config, margin=0.02, memory_margin=0.01), *rest, **named)
+
+
+class FastGuard(GuardPolicy):
+    """Lets nothing slow the robot down but what blocks it."""
+
+    def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
+        passed, state, lease = super().decide(robot_ns)
+        wish = self._authority.command
+        if passed.linear_x != 0.0 and wish is not None:
+            passed = msgspec.structs.replace(passed, linear_x=wish.linear_x, angular_z=wish.angular_z)
+        return passed, state, lease
+
+
+class SuddenBase(BasePolicy):
+    """Ramps no start."""
+
+    def __init__(self, config: Any, *rest: Any) -> None:
+        sudden = msgspec.structs.replace(config, linear_acceleration=5.0, angular_acceleration=20.0)
+        super().__init__(sudden, *rest)
+
+
+class MirroredBase(BasePolicy):
+    """Gives the left level to the right wheel."""
+
+    def next_frame(self, now: RobotTime) -> Frame | None:
+        frame = super().next_frame(now)
+        if isinstance(frame, DriveFrame):
+            return msgspec.structs.replace(frame, left_level=frame.right_level, right_level=frame.left_level)
+        return frame
+
+
+class LazyBase(BasePolicy):
+    """Goes on for 0.3 s after it should stop."""
+
+    _level: tuple[int, int, int] = 0, 0, 0
+
+    def next_frame(self, now: RobotTime) -> Frame | None:
+        frame = super().next_frame(now)
+        if isinstance(frame, DriveFrame):
+            if frame.left_level or frame.right_level:
+                self._level = now.robot_ns, frame.left_level, frame.right_level
+            elif now.robot_ns - self._level[0] < 300_000_000:
+                return msgspec.structs.replace(frame, left_level=self._level[1], right_level=self._level[2])
+        return frame
+
+
+class LyingWriter:
+    """Says that it wrote, and does not."""
+
+    def __init__(self) -> None:
+        self._news = deque[str]()
+
+    def save(self, data: bytes) -> None:
+        del data
+        self._news.append("")
+
+    def outcome(self) -> str | None:
+        return self._news.popleft() if self._news else None
+
+
+def forgetful_base(io: IO, *given: Any) -> Base:
+    """Its emergency stop is never on disk."""
+    store: Any = io.store
+    store.writer = lambda name: LyingWriter()  # noqa: ARG005
+    return Base(io, *given)
+
+
+class Break(NamedTuple):
+    """What is broken, and the first seed that shows it."""
+
+    name: str
+    seed: int
+    rule: str
+    """Letter of what is violated in it."""
+    services: Services = Services()
+    build: Callable[[], Path] = lambda: BUILD
+
+
+_MOTORS: Final = ("hal_motor_pwm", "hal_motor_direction", "hal_motor_off")
+
+BREAKS: Final = (
+    Break("joystick late", 0, "c", Services(joystick=partial(Joystick, policy=LateJoystick))),
+    Break("board triple", 0, "g", build=lambda: with_fault("triple_pwm", "hal_motor_pwm")),
+    Break("board swapped", 0, "g", build=lambda: with_fault("swapped_motors", *_MOTORS)),
+    Break("joystick inverted", 0, "c", Services(joystick=partial(Joystick, policy=InvertedJoystick))),
+    Break("ranges doubled", 0, "e", Services(ranger=partial(Ranger, policy=LongRanger))),
+    Break("guard optimistic", 0, "e", Services(guard=partial(Guard, policy=OptimisticGuard))),
+    Break("base sudden", 0, "g", Services(base=partial(Base, policy=SuddenBase))),
+    Break("guard turned", 0, "e", Services(guard=partial(Guard, policy=TurnedGuard))),
+    Break("joystick lingering", 0, "c", Services(joystick=partial(Joystick, policy=LingeringJoystick))),
+    Break("ranges late", 0, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
+    Break("guard half", 0, "e", Services(guard=partial(Guard, policy=HalfGuard))),
+    Break("guard close", 0, "e", Services(guard=partial(Guard, policy=CloseGuard))),
+    Break("guard fast", 0, "e", Services(guard=partial(Guard, policy=FastGuard))),
+    Break("base mirrored", 0, "c", Services(base=partial(Base, policy=MirroredBase))),
+    Break("base lazy", 0, "b", Services(base=partial(Base, policy=LazyBase))),
+    Break("base forgetful", 0, "d", Services(base=forgetful_base)),
+    Break("board lingering", 0, "g", build=lambda: with_fault("lingering_motors", "hal_motor_off")),
+)
