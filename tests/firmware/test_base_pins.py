@@ -68,6 +68,12 @@ def test_ticks_come_from_the_encoders_the_wiring_says(base: BaseBench, wiring: i
     assert (base.wheels().left_ticks, base.wheels().right_ticks) == ticks
 
 
+@pytest.mark.parametrize("levels", [(60, -30), (-20, 70)])
+def test_each_wheels_level_is_told_as_its_own(base: BaseBench, levels: tuple[int, int]) -> None:
+    base.start(*levels)
+    assert (base.wheels().left_pwm_counts, base.wheels().right_pwm_counts) == levels
+
+
 def test_20_000_edges_a_second_on_both_wheels_are_counted(base: BaseBench) -> None:
     for _ in range(2000):
         base.model.motor[0].position += 40

@@ -158,6 +158,16 @@ def test_but_a_wall_farther_away_is_believed_at_once(ranger: Bench) -> None:
     assert second.echo_us == pytest.approx(40 * US_PER_CM, abs=5)
 
 
+def test_what_comes_near_once_a_clone_hears_again_is_believed(ranger: Bench) -> None:
+    """The doubt is of one pulse."""
+    answers = itertools.chain([CLONE_NO_ECHO_US, WALL_US, WALL_US], itertools.repeat(5 * US_PER_CM))
+    hear(ranger, lambda sensor: next(answers) if sensor == 0 else WALL_US)
+    ranger.run(1300)
+    near = of(ranger, 0)[-1]
+    assert (near.state, near.fault) == ECHO
+    assert near.echo_us == pytest.approx(5 * US_PER_CM, abs=5)
+
+
 def test_after_an_ordinary_silence_a_near_wall_is_believed_at_once(ranger: Bench) -> None:
     answers = itertools.chain([NO_ECHO_US], itertools.repeat(5 * US_PER_CM))
     hear(ranger, lambda sensor: next(answers) if sensor == 0 else WALL_US)

@@ -157,6 +157,19 @@ def test_each_new_push_has_its_half_second(base: BaseBench) -> None:
     assert latched(base) is Latch.NONE
 
 
+def test_a_push_the_other_way_counts_from_where_the_wheel_stands_then(base: BaseBench) -> None:
+    """Nine ticks of the push before and one more are not ten of this one."""
+
+    def nine_and_one(ms: int) -> float:
+        return 100.0 if ms < 95 else 1000.0 if ms == 600 else 0.0
+
+    ready(base)
+    turning(base, nine_and_one, nine_and_one)
+    base.drive(40, 40, 200)
+    assert driven_ms(base, -40, -40) <= STUCK_MS + 20
+    assert latched(base) in (Latch.LEFT_STUCK, Latch.RIGHT_STUCK)
+
+
 def test_what_a_push_has_used_up_ends_with_its_session(base: BaseBench) -> None:
     ready(base)
     base.drive(40, 40, 480)

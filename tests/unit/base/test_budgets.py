@@ -159,6 +159,19 @@ def test_a_slowed_robot_says_whose_commands_come_late() -> None:
     assert "guard" in rig.base.state().reason
 
 
+@pytest.mark.parametrize(("linear", "angular"), [(0.6, 0.0), (0.0, 1.5), (0.3, 1.0)])
+def test_what_comes_late_drives_and_turns_slower_alike(linear: float, angular: float) -> None:
+    levels = []
+    for age in (0.03, 0.3):
+        rig = Rig()
+        rig.arm()
+        rig.operator_age = age
+        rig.tilt(linear, angular)
+        levels.append(rig.run(1.5)[-1].levels)
+    for prompt, late in zip(*levels, strict=True):
+        assert late == pytest.approx(prompt / 2, abs=3)
+
+
 def test_each_kind_of_staleness_is_named() -> None:
     reasons = {}
     for tick in ("operator_tick", "range_tick"):

@@ -65,3 +65,17 @@ def test_a_clock_that_goes_back_while_the_robot_stands_lets_nothing_arm() -> Non
     rig.run(5.0)
     assert not rig.base.state().armed
     assert "clock went back" in rig.base.state().reason
+
+
+def test_a_clock_that_goes_back_twice_is_held_against_all_it_has_ever_shown() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    latest = rig.robot_ns
+    rig.tilt(0.0)
+    for back in (20 * NS, NS // 2):
+        rig.robot_ns -= back
+        rig.run(1.0)
+    while rig.robot_ns < latest + NS - 10_000_000:
+        assert moving(rig.run(0.1)) == []
+        assert not rig.base.state().armed
+    rig.drive(0.6)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_base.drive import ramped, wheel_levels
+from giraff_base.drive import Ramp, ramped, wheel_levels
 from tests.unit.base.rig import ROBOT
 
 LINEAR = st.floats(-3.0, 3.0)
@@ -92,3 +92,15 @@ def test_a_ramp_never_exceeds_what_is_asked_and_only_starts_take_time(
     assert abs(value) <= start + step
     if abs(target) <= start + step:
         assert value == target
+
+
+def test_after_a_stop_driving_and_turning_begin_from_rest() -> None:
+    ramp = Ramp(linear_acceleration=0.6, angular_acceleration=2.5)
+    step = 20_000_000
+    for n in range(100):
+        ramp.follow(0.6, 1.5, n * step)
+    assert (ramp.linear, ramp.angular) == (0.6, 1.5)
+    ramp.stop()
+    assert (ramp.linear, ramp.angular) == (0.0, 0.0)
+    ramp.follow(0.6, 1.5, 100 * step)
+    assert (ramp.linear, ramp.angular) == pytest.approx((0.012, 0.05))

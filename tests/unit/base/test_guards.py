@@ -130,6 +130,15 @@ def test_a_restarted_guard_is_bound_only_at_rest() -> None:
     rig.drive(0.6)
 
 
+def test_a_restarted_guard_begins_its_numbers_anew() -> None:
+    rig = Rig()
+    rig.run(10.0)
+    rig.guard_speaks = False
+    rig.run(0.6)
+    rig.guard_speaks, rig.guard = True, "guard-2"
+    rig.drive(0.6)
+
+
 def test_a_guard_that_does_not_hear_base_is_not_bound() -> None:
     rig = Rig()
     rig.arm()

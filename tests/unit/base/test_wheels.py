@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -146,3 +147,12 @@ def test_after_forgetting_nothing_is_known() -> None:
     reports.forget()
     assert (reports.left_velocity, reports.right_velocity) == (0.0, 0.0)
     assert reports.at_rest
+
+
+@pytest.mark.parametrize("powered", ["left_pwm_counts", "right_pwm_counts"])
+def test_a_robot_with_power_on_one_wheel_is_not_at_rest(powered: str) -> None:
+    reports = WheelReports(ROBOT)
+    for n in range(10):
+        still = report(n * 10_000, 0, 0)
+        reports.take(msgspec.structs.replace(still, **{powered: 20}), TICK)
+    assert not reports.at_rest

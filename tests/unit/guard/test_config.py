@@ -32,3 +32,18 @@ def test_priorities_are_a_table_of_their_own(tmp_path: Path) -> None:
     path.write_text('[guard.priorities]\ncarer = "first"\n')
     with pytest.raises(ConfigError, match="priorities"):
         load("guard", GuardConfig, {"GIRAFF_CONFIG": str(path)})
+
+
+def test_what_a_robot_file_leaves_out_is_what_safety_was_reckoned_with() -> None:
+    """Each stands in the figures of docs/safety.md: to change one is to measure them again."""
+    default = GuardConfig()
+    assert (default.margin, default.release, default.reaction_time, default.deceleration) == (0.25, 0.05, 0.10, None)
+    assert (default.range_budget, default.operator_budget) == (0.4, 0.4)
+    assert (default.operator_release, default.fault_release, default.idle_release) == (1.0, 2.0, 30.0)
+    assert (default.maker_silence, default.priorities) == (0.5, {})
+    assert (default.creep_linear, default.creep_angular, default.slowest, default.regain) == (0.10, 0.35, 0.03, 0.12)
+    assert (default.reach, default.near, default.frozen_travel) == (4.0, 0.10, 0.20)
+    assert [math.degrees(angle) for angle in (default.half_cone, default.incidence)] == pytest.approx([7.5, 25.0])
+    assert (default.agreement, default.person_speed) == (0.10, 1.0)
+    assert (default.memory_range, default.memory_time, default.memory_travel) == (1.2, 10.0, 2.0)
+    assert default.memory_margin == 0.05

@@ -295,6 +295,24 @@ def test_the_way_since_the_reading_counts() -> None:
     assert "0.50 m" in senses.verdict().reason
 
 
+@pytest.mark.parametrize(("way", "sign", "sensors"), [("forward", 1.0, FRONT), ("backward", -1.0, ("rear",))])
+def test_a_reading_counts_from_where_the_robot_was_when_it_was_taken(
+    way: str, sign: float, sensors: tuple[str, ...]
+) -> None:
+    """It came late: the robot has driven 0.12 m since."""
+    allowed = []
+    for driven in (0.0, 0.12):
+        senses = opened()
+        senses.linear = sign * driven / 0.24
+        senses.wait(0.24)
+        senses.linear = 0.0
+        senses.report()
+        senses.hear(0.5, *sensors, age=0.24)
+        allowed.append(senses.allowed(way))
+    assert allowed[0] > 0.3
+    assert allowed[1] < 0.25
+
+
 def test_turning_is_not_driving() -> None:
     senses = opened()
     senses.angular = 1.5
@@ -336,6 +354,21 @@ def test_distance_counts_from_where_the_sensor_sits(x: float, yaw: float, offset
     senses.hear(0.7 - offset)
     # The obstacle is 0.7 m from base_link each time: 0.4 m from the footprint, 0.15 m beyond the margin.
     assert stopping_room(senses, "forward" if yaw == 0.0 else "backward") == pytest.approx(0.15)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.5, -0.5, math.pi, math.pi - 0.5, 0.5 - math.pi])
+@pytest.mark.parametrize(("x", "y"), [(0.2, 0.15), (0.2, -0.15), (-0.2, 0.1)])
+def test_a_sensor_that_looks_askew_counts_from_where_it_sits(x: float, y: float, yaw: float) -> None:
+    """A wall at 25 degrees to either side, whose echo came from the near edge of the cone."""
+    if (x * math.cos(yaw) + y * math.sin(yaw)) < 0.0:
+        x, y = -x, -y
+    senses = opened(msgspec.structs.replace(ROBOT, sensors={"only": SensorPose(index=0, x=x, y=y, yaw=yaw)}))
+    senses.hear(0.6)
+    normals = (yaw + math.radians(25.0), yaw - math.radians(25.0))
+    walls = [x * math.cos(normal) + y * math.sin(normal) + 0.6 * math.cos(math.radians(17.5)) for normal in normals]
+    way = "forward" if abs(yaw) < 1.0 else "backward"
+    expected = min(0.18, min(walls) - ROBOT.footprint_radius - CONFIG.margin)  # full speed takes 0.18 m
+    assert stopping_room(senses, way) == pytest.approx(expected)
 
 
 @each_way

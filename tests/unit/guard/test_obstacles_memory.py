@@ -227,25 +227,36 @@ def test_a_curve_backward_sweeps_the_side_it_turns_to() -> None:
     assert senses.passes(-0.6, -1.2) == (-0.6, -1.2)
 
 
+PLACES = st.builds(Place, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.floats(-3.1, 3.1))
+
+
 @settings(max_examples=100, deadline=None)
 @given(
     pose=st.builds(
         SensorPose, index=st.just(0), x=st.floats(-0.3, 0.3), y=st.floats(-0.3, 0.3), yaw=st.floats(-3.1, 3.1)
     ),
     distance=st.floats(0.1, 1.2),
-    place=st.builds(Place, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.floats(-3.1, 3.1)),
+    heard_from=PLACES,
+    place=PLACES,
     sign=st.sampled_from([1.0, -1.0]),
     curvature=st.floats(-6.0, 6.0).filter(lambda c: abs(c) > 0.05),
     radius=st.sampled_from([0.2, 0.3, 0.45]),
 )
 def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
-    pose: SensorPose, distance: float, place: Place, sign: float, curvature: float, radius: float
+    pose: SensorPose,
+    distance: float,
+    heard_from: Place,
+    place: Place,
+    sign: float,
+    curvature: float,
+    radius: float,
 ) -> None:
     """Driven in small steps, forward or backward, as odometry reckons."""
     echoes = Echoes(CONFIG, radius)
     for robot_ns in range(3):
-        echoes.take(Sensor("only", pose, CONFIG), Ping(robot_ns, distance, True, Place(0.0, 0.0, 0.0)), 0.0)
-    x, y = pose.x + distance * math.cos(pose.yaw), pose.y + distance * math.sin(pose.yaw)
+        echoes.take(Sensor("only", pose, CONFIG), Ping(robot_ns, distance, True, heard_from), 0.0)
+    sits = heard_from.moved(pose.x, 0.0)._replace(yaw=heard_from.yaw + math.pi / 2.0).moved(pose.y, 0.0)
+    x, y, _ = sits._replace(yaw=heard_from.yaw + pose.yaw).moved(distance, 0.0)
 
     def touched_after(reach: float) -> float | None:
         at, step = place, 0.005
@@ -266,3 +277,43 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
         assert found is None or found.distance > 1.4
     elif found is not None:
         assert found.distance >= perhaps - 0.01
+
+
+def hear(echoes: Echoes, distance: float, *, name: str = "only", y: float = 0.0) -> None:
+    """Three times the same, ahead of the robot's middle, from `y` m beside the beginning."""
+    sensor = Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    for robot_ns in range(3):
+        echoes.take(sensor, Ping(robot_ns, distance, True, Place(0.0, y, 0.0)), 0.0)
+
+
+@pytest.mark.parametrize("distances", [(0.6, 1.0), (1.0, 0.6)])
+def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -> None:
+    echoes = Echoes(CONFIG, 0.3)
+    for name, distance, y in zip(("one", "other"), distances, (0.0, 0.2), strict=True):
+        hear(echoes, distance, name=name, y=y)
+    found = echoes.first_in_the_way(Place(0.0, 0.0, 0.0), 1.0)
+    assert found is not None
+    assert found.sensor == ("one" if distances[0] < distances[1] else "other")
+    assert found.distance < 0.35
+
+
+def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
+    echoes = Echoes(CONFIG, 0.3)
+    for number in range(4):
+        sensor = Sensor(f"sensor {number % 2}", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+        echoes.take(sensor, Ping(number, 0.6, True, Place(0.0, 0.0, 0.0)), 0.0)
+    assert echoes.first_in_the_way(Place(0.0, 0.0, 0.0), 1.0) is None
+
+
+def test_what_is_far_from_the_sensor_is_not_remembered() -> None:
+    echoes = Echoes(CONFIG, 0.3)
+    hear(echoes, CONFIG.memory_range + 0.01)
+    assert echoes.first_in_the_way(Place(0.0, 0.0, 0.0), 1.0) is None
+
+
+def test_of_too_many_echoes_the_newest_are_kept() -> None:
+    echoes = Echoes(CONFIG, 0.3)
+    for number in range(100):
+        hear(echoes, 1.0, y=float(number))
+    assert echoes.first_in_the_way(Place(0.0, 99.0, 0.0), 1.0) is not None
+    assert echoes.first_in_the_way(Place(0.0, 0.0, 0.0), 1.0) is None

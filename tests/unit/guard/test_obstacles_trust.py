@@ -8,6 +8,9 @@ import random
 import msgspec
 import pytest
 
+from giraff_guard.motion import Place
+from giraff_guard.sensor import Ping, Sensor
+from giraff_node.robot import SensorPose
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
 
 
@@ -199,6 +202,53 @@ def test_a_wrapped_counter_is_no_leap() -> None:
     assert senses.obstacles._motion.place.x - at.x == pytest.approx(0.5, abs=0.002)
 
 
+@pytest.mark.parametrize(("left", "right"), [(1.0, 1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)])
+def test_a_leap_of_a_wheel_moves_nothing(left: float, right: float) -> None:
+    """A metre in 20 ms, of either wheel or of both."""
+    senses = opened()
+    at = senses.obstacles._motion.place
+    senses._left += left
+    senses._right += right
+    senses.robot_ns += 20_000_000
+    senses.report()
+    assert senses.obstacles._motion.place == at
+    assert senses.obstacles._motion.breaks == 1
+
+
+@pytest.mark.parametrize(("linear", "angular"), [(0.5, 0.0), (-0.5, 0.0), (0.0, 1.0), (0.4, -0.8)])
+def test_between_two_reports_the_robot_goes_on_as_it_did(linear: float, angular: float) -> None:
+    senses = opened()
+    senses.linear, senses.angular = linear, angular
+    senses.report()
+    senses.robot_ns += 100_000_000
+    senses.judge()
+    place = senses.obstacles._motion.place
+    assert place.yaw == pytest.approx(0.1 * angular)
+    assert (place.x, place.y) == pytest.approx(
+        (0.1 * linear * math.cos(0.05 * angular), 0.1 * linear * math.sin(0.05 * angular)), abs=1e-3
+    )
+
+
+def test_a_command_that_ended_still_drives_for_the_reaction_time() -> None:
+    """Where the wheels are not heard; and where they are, one that has just begun does not drive yet."""
+    senses = opened()
+    senses.asked = (0.4, 0.0)
+    senses.wait(0.06)
+    assert senses.obstacles._motion.speed(1.0) == 0.0
+    senses.wait(0.14)
+    assert senses.obstacles._motion.speed(1.0) == pytest.approx(0.4)
+    for _ in range(3):
+        senses.hear(FAR)
+        senses.wait(0.18, wheels=False)
+    senses.hear(FAR)
+    senses.asked = (0.0, 0.0)
+    senses.wait(0.06, wheels=False)
+    assert not senses.obstacles._motion.heard
+    assert senses.obstacles._motion.speed(1.0) == pytest.approx(0.4)
+    senses.wait(0.1, wheels=False)
+    assert senses.obstacles._motion.speed(1.0) == 0.0
+
+
 @pytest.mark.parametrize("kind", ["boot", "leap"])
 def test_counters_that_cannot_be_followed_move_nothing(kind: str) -> None:
     senses = opened()
@@ -214,12 +264,42 @@ def test_counters_that_cannot_be_followed_move_nothing(kind: str) -> None:
 def test_the_place_at_a_reading_is_found_between_two_reports() -> None:
     senses = opened()
     began = senses.robot_ns
-    senses.linear, senses.angular = 0.5, 0.5
+    senses.linear, senses.angular = 0.5, 1.5
     senses.wait(1.0)
     motion = senses.obstacles._motion
-    middle = motion.place_at(began + 510_000_000)
-    assert middle.yaw == pytest.approx(0.255, abs=0.003)
-    assert math.hypot(middle.x, middle.y) == pytest.approx(2 * math.sin(0.1275), abs=0.003)
+    for milliseconds in (500, 505, 510, 515):
+        at = motion.place_at(began + milliseconds * 1_000_000)
+        yaw = 1.5e-3 * milliseconds
+        assert at.yaw == pytest.approx(yaw, abs=0.003)
+        # The chord of the arc, whose radius is 1/3 m.
+        assert math.hypot(at.x, at.y) == pytest.approx(2 / 3 * math.sin(yaw / 2), abs=0.002)
+        assert math.atan2(at.y, at.x) == pytest.approx(yaw / 2, abs=0.01)
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.0, -2.5])
+@pytest.mark.parametrize("axis", [0.0, 0.5, -2.0, math.pi])
+def test_ahead_is_the_part_of_the_way_along_an_axis(heading: float, axis: float) -> None:
+    here = Place(0.3, -0.2, heading)
+    assert here.ahead(here.moved(0.5, 0.0), axis) == pytest.approx(0.5 * math.cos(axis))
+    beside = Place(here.x - 0.5 * math.sin(heading), here.y + 0.5 * math.cos(heading), heading)
+    assert here.ahead(beside, axis) == pytest.approx(0.5 * math.sin(axis))
+
+
+def test_without_wheels_what_is_passed_on_now_counts_as_driven() -> None:
+    senses = opened()
+    motion = senses.obstacles._motion
+    senses.asked = (0.3, 0.0)
+    for _ in range(4):
+        senses.hear(FAR)
+        senses.wait(0.18, wheels=False)
+    assert not motion.heard
+    assert motion.travel > 0.05
+    senses.hear(FAR)
+    senses.asked = (0.0, 0.0)
+    senses.wait(0.02, wheels=False)
+    stopped = motion.place
+    senses.wait(0.08, wheels=False)
+    assert motion.place == stopped
 
 
 def test_wheels_that_are_heard_again_say_where_the_robot_is() -> None:
@@ -249,3 +329,32 @@ def test_what_is_remembered_has_an_end() -> None:
     for _ in range(2000):
         senses.hear(choose.uniform(0.02, 1.0), "front_left")
     assert len(senses.obstacles._echoes._echoes) <= 65
+
+
+@pytest.mark.parametrize("yaw", [0.0, math.pi])
+def test_a_reading_follows_from_the_one_before_along_its_sensors_axis(yaw: float) -> None:
+    """The robot has driven 0.5 m forward: towards what is ahead, and away from what is behind."""
+    sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=yaw), CONFIG)
+    before = Ping(0, 1.5, True, Place(0.0, 0.0, 0.0))
+    expected = 1.0 if yaw == 0.0 else 2.0
+    compared = [
+        sensor._compare(before, Ping(1, expected + more, True, Place(0.5, 0.0, 0.0))) for more in (-0.2, 0.0, 0.2)
+    ]
+    assert compared == [-1, 0, 1]
+
+
+@pytest.mark.parametrize("turned", [0.2, -0.2])
+def test_a_slanted_wall_may_come_nearer_or_go_while_the_robot_turns(turned: float) -> None:
+    sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    before = Ping(0, 2.0, True, Place(0.0, 0.0, 0.0))
+    for distance, nearer_or_farther in ((1.7, -1), (2.3, 1)):
+        assert sensor._compare(before, Ping(1, distance, True, Place(0.0, 0.0, 0.0))) == nearer_or_farther
+        assert sensor._compare(before, Ping(1, distance, True, Place(0.0, 0.0, turned))) == 0
+
+
+def test_the_newest_echo_before_the_loss_tells_whether_it_nearly_touched() -> None:
+    for distances, lost in (((0.12, 0.09), True), ((0.09, 0.12), False)):
+        senses = opened()
+        for distance in (*distances, None):
+            senses.cycle({"front_left": distance})
+        assert ("lost something" in senses.verdict().reason) is lost

@@ -76,14 +76,14 @@ def test_a_slower_creep_holds_for_turning_before_an_obstacle() -> None:
 def rig(config: GuardConfig = CONFIG) -> Rig:
     """A guard that lets its operator drive."""
     rig = Rig(config=config)
-    rig.look()
+    rig.look(1.5)
     assert rig.passes(0.6) == (0.6, 0.0)
     return rig
 
 
 def test_the_policy_hands_it_to_the_obstacles() -> None:
     guarded = rig()
-    guarded.guard.reconfigure(msgspec.structs.replace(CONFIG, margin=4.0))
+    guarded.guard.reconfigure(msgspec.structs.replace(CONFIG, margin=1.9))
     assert guarded.passes(0.6) == (0.0, 0.0)
 
 

@@ -116,6 +116,14 @@ def test_a_contact_that_opens_for_a_reading_is_still_pressed() -> None:
     assert drives(hand.hold(0.5, 30.0)) == {True}
 
 
+def test_a_contact_that_opens_twice_for_two_readings_is_still_pressed() -> None:
+    hand = Held()
+    hand.hold(0.5, 0.0, button=True)
+    for _ in range(3):
+        assert drives(hand.hold(0.04, 30.0)) == {False}
+        assert drives(hand.hold(0.02, 30.0, button=True)) == {False}
+
+
 def test_a_fault_counts_whatever_the_button_says() -> None:
     hand = Held()
     hand.hold(0.5, 0.0, button=True)

@@ -31,3 +31,10 @@ def test_the_defaults_are_valid() -> None:
 def test_a_senseless_value_is_refused_in_clear_words(table: dict[str, object], words: str) -> None:
     with pytest.raises(msgspec.ValidationError, match=words):
         msgspec.convert(table, JoystickConfig)
+
+
+def test_what_a_robot_file_leaves_out_is_what_hands_were_tried_with() -> None:
+    """docs/operator.md has the figures that stand on them."""
+    default = JoystickConfig()
+    assert (default.curve, default.dead_zone_deg, default.full_tilt_deg) == ("angle", 8.0, 35.0)
+    assert default.stillness == 0.045

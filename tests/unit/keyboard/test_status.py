@@ -43,6 +43,20 @@ def test_a_robot_that_obeys() -> None:
     assert (third, last) == ("the robot obeys", HELP)
 
 
+def test_each_direction_is_shown_as_what_it_is() -> None:
+    verdicts = {way: msgspec.structs.replace(FREE, sensor=way) for way in ("ahead", "behind", "left", "right")}
+    guard = msgspec.structs.replace(
+        GUARD,
+        forward=verdicts["ahead"],
+        backward=verdicts["behind"],
+        turn_left=verdicts["left"],
+        turn_right=verdicts["right"],
+    )
+    someone = person()
+    shown = heard(someone, BASE, guard).lines(someone.policy, "", someone.now)[1]
+    assert shown == "forward free (ahead)   backward free (behind)   left free (left)   right free (right)"
+
+
 def why(someone: Person, *samples: BaseState | GuardState) -> str:
     return heard(someone, *samples).lines(someone.policy, "", someone.now)[2]
 

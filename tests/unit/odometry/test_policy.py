@@ -57,6 +57,20 @@ def test_it_starts_at_zero_wherever_the_counters_stand() -> None:
     assert (start.board_us, start.boot_id, start.tick.epoch) == (77, 9, 3)
 
 
+def test_the_way_back_counts_as_way() -> None:
+    there_and_back = reports([(20, 20)] * 50 + [(-20, -20)] * 50)
+    end = followed(policy(), *there_and_back)
+    assert (end.x, end.path) == pytest.approx((0.0, 1.0))
+
+
+def test_a_change_of_its_parameters_counts_at_once() -> None:
+    odometry = policy()
+    odometry.reconfigure(msgspec.structs.replace(CONFIG, max_wheel_speed=0.5))
+    followed(odometry, *reports([(20, 20)]))
+    assert odometry.breaks == 1
+    assert "max_wheel_speed" in odometry.notice
+
+
 def test_pose_twist_and_path_of_a_bend() -> None:
     end = followed(policy(), *DRIVING)
     turn, path = 50 * 4 / 2000 / 0.47, 50 * 12 / 2000

@@ -12,6 +12,7 @@ from giraff_node.config import load
 from giraff_node.robot import RobotConfig, SensorPose
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import LONGEST_ECHO_US, RangerPolicy
+from giraff_schemas import frames
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import Range, RobotTime, Tick
 from giraff_schemas.wire import FrameType, RangeFault, RangeFrame, RangeState, TickFrame
@@ -147,3 +148,13 @@ def test_the_configuration_wants_a_port() -> None:
         msgspec.convert({"port": ""}, RangerConfig)
     with pytest.raises(msgspec.ValidationError, match="unknown field `sensors`"):
         msgspec.convert({"sensors": {}}, RangerConfig)
+
+
+def test_a_sensors_frame_is_where_it_sits() -> None:
+    where = {
+        each.child: (each.parent, each.x, each.y, each.yaw, each.fixed) for each in RangerPolicy(ROBOT).transforms()
+    }
+    assert where == {
+        frames.range_frame("front_left"): (frames.BASE_FRAME, 0.25, 0.15, 0.0, True),
+        frames.range_frame("rear"): (frames.BASE_FRAME, -0.25, 0.0, 3.14, True),
+    }
