@@ -85,8 +85,13 @@ class Direction:
         return "left" if difference > 0.0 else "right"
 
     def speed_before(self, distance: float) -> float:
-        """m/s from which the robot stops within `distance` m."""
-        return fastest(distance, self._config.reaction_time, self._config.deceleration or _UNMEASURED)
+        """m/s from which the robot stops `margin` before what is remembered `distance` m on.
+
+        Of that margin the strip that is swept already holds `memory_margin`; beside it, no more is kept: a way past
+        what was heard stays one.
+        """
+        room = distance - max(0.0, self._config.margin - self._config.memory_margin)
+        return fastest(room, self._config.reaction_time, self._config.deceleration or _UNMEASURED)
 
     def _by_sensor(self, sensor: Sensor, motion: Motion, now: RobotTime) -> Verdict:
         if blindness := sensor.blindness(now):

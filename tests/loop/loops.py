@@ -15,7 +15,7 @@ from giraff_sim.hand import StillHand
 from giraff_sim.room import Room
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth
-from giraff_sim.world import World
+from giraff_sim.world import STEP_US, World
 from tests.robots import ROBOT
 from tests.sim.robots import EXACT
 
@@ -35,9 +35,10 @@ def closed_loop(
     seed: int = 1,
     services: Services | None = None,
     truth: Truth | None = None,
+    step_us: int = STEP_US,
 ) -> Iterator[ClosedLoop]:
     """A robot that is exactly as its file says, unless another `truth` is given."""
-    world = World(room, settings.robot, sim, StillHand(), seed, truth=truth or Truth())
+    world = World(room, settings.robot, sim, StillHand(), seed, step_us, truth=truth or Truth())
     with simulation(world, implementation=implementation) as running:
         yield ClosedLoop(running, settings, services)
 

@@ -7,13 +7,19 @@ import random
 
 import pytest
 
+from giraff_sim import sonar
 from giraff_sim.closed_loop import ClosedLoop
-from tests.loop.loops import SETTINGS, arm, closed_loop, hold
+from giraff_sim.room import Room
+from giraff_sim.truth import TrueWheel, Truth
+from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold
 from tests.sim.robots import empty_room
 
 APPROACHES = 100
 LARGEST_INCIDENCE = math.radians(25.0)
 MARGIN = SETTINGS.guard.margin
+WEAK = Truth(right=TrueWheel(strength=0.85))
+"""Driven straight on, it goes to the right by an arc of 2.9 m; backwards too."""
+SMOOTH_MARGIN = 0.20  # m
 
 
 def come_to_rest(loop: ClosedLoop) -> None:
@@ -27,6 +33,15 @@ def come_to_rest(loop: ClosedLoop) -> None:
         still_ms = still_ms + 1 if (wheels.left_velocity, wheels.right_velocity) == (0.0, 0.0) else 0
 
 
+def slanted(distance: float, incidence: float) -> Room:
+    """A wall that crosses the robot's axis `distance` m ahead (negative: behind), slanted by `incidence` rad."""
+    room = empty_room()
+    x, y = distance * math.cos(incidence) ** 2, distance * math.cos(incidence) * math.sin(incidence)
+    along = (-math.sin(incidence) * 10.0, math.cos(incidence) * 10.0)
+    room.add_wall("wall", [(x - along[0], y - along[1]), (x + along[0], y + along[1])])
+    return room
+
+
 def approach(number: int) -> tuple[float, float]:
     """One approach from its seed: the clearance where the robot came to rest, and how far it got away, m."""
     choose = random.Random(number)
@@ -34,12 +49,8 @@ def approach(number: int) -> tuple[float, float]:
     distance = choose.uniform(1.0, 3.0)
     tilt = choose.uniform(2.5, 7.5)  # of the default curve: from a third of the speed up to all of it
     backward = choose.random() < 0.3
-    room = empty_room()
     side = -1.0 if backward else 1.0
-    foot = (side * distance * math.cos(incidence) ** 2, side * distance * math.cos(incidence) * math.sin(incidence))
-    along = (-math.sin(incidence) * 10.0, math.cos(incidence) * 10.0)
-    room.add_wall("wall", [(foot[0] - along[0], foot[1] - along[1]), (foot[0] + along[0], foot[1] + along[1])])
-    with closed_loop(room, seed=number) as loop:
+    with closed_loop(slanted(side * distance, incidence), seed=number) as loop:
         plant = loop.simulation.world.plant
         arm(loop)
         hold(loop, x=side * tilt)
@@ -73,3 +84,27 @@ def test_a_hundred_approaches_stop_outside_the_margin() -> None:
         rests.append(rest)
     print(f"{APPROACHES} approaches: at rest {min(rests):.3f} to {max(rests):.3f} m from the wall")
     assert max(rests) < MARGIN + 0.35, "a guard that stops this far out is of no use"
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0], ids=["forward", "backward"])
+@pytest.mark.parametrize("distance", [1.5, 1.8, 2.1, 2.4])
+@pytest.mark.parametrize("loses_at", [0.55, 0.7, 0.9])
+def test_a_robot_that_curves_stops_before_a_wall_that_it_no_longer_hears(
+    monkeypatch: pytest.MonkeyPatch, distance: float, side: float, loses_at: float
+) -> None:
+    """Its right motor is 15 % weak. The wall is so smooth that nothing comes back from it beyond 25 degrees, which the
+    robot's arc passes about `loses_at` m before it: what was heard until then must keep it off."""
+    monkeypatch.setattr(sonar, "_DOUBTFUL", sonar._SURE)
+    monkeypatch.setattr(sonar, "_HEARD_SLANTED", 0.0)
+    monkeypatch.setattr(sonar, "_LOST_SLANTED", 1.0)
+    curvature = 2.0 * 0.15 / (1.85 * SETTINGS.robot.track_width)
+    incidence = LARGEST_INCIDENCE - curvature * max(0.0, distance - loses_at)
+    room = slanted(side * distance, side * incidence)
+    with closed_loop(room, truth=WEAK, step_us=4000) as loop:
+        plant = loop.simulation.world.plant
+        arm(loop)
+        hold(loop, x=side * FULL_TILT)
+        loop.run(9.0)
+        assert abs(plant.speed) < 1e-3, loop.newest["guard"]
+        assert plant.closest >= SMOOTH_MARGIN
+        assert plant.path_length > 0.2
