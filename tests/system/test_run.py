@@ -27,6 +27,7 @@ from giraff_node.session import NetworkConfig, open_session
 from giraff_schemas import topics
 from giraff_schemas.topics import alive_key
 from giraff_sim.board import ROOT
+from giraff_sim.truth import Truth, TruthRanges, draw_truth
 from tests.stalled import by_the_wall
 from tests.waiting import wait
 
@@ -123,15 +124,14 @@ def read_summary(path: Path) -> dict[str, Any]:
 def test_it_drives_around_the_room_and_sums_up(command: Command) -> None:
     path = command.directory / "summary.json"
     begin_ns = time.monotonic_ns()
-    code, out, err = command.run("--for", "20", "--summary", str(path))
+    code, out, err = command.run("--for", "20", "--truth", "exact", "--summary", str(path))
     assert (code, err) == (0, "")
     assert command.leaves_nothing()
     told = read_summary(path)
-    # Calibrated, not exact: 3 per mille of track, 1 % of slip and a carpet are more than noise.
-    assert 0.0 < told["odom_error_m"] < 0.04 * told["distance_m"]
+    assert told["odom_error_m"] < 0.01 * told["distance_m"]
+    assert told["odom_error_deg"] < 1.0
     assert 0.0 < told["odom_sigma_m"] < 0.04 * told["distance_m"]
-    assert told["truth"] == "calibrated"
-    assert told["drawn"]["track_scale"] != 1.0
+    assert told["truth"] == "exact"
     assert (told["contacts"], told["line_errors"]) == (0, 0)
     assert told["closest_m"] > 0.1
     assert (told["seed"], told["failures"]) == (1, [])
@@ -161,10 +161,14 @@ def test_a_script_drives_the_boards_that_were_compiled_for_this_machine(command:
     world.write_text(SMALL_ROOM)
     options = ["--boards", "host", "--seed", "7", "--tilt-script", str(script), "--summary", str(path)]
     options += ["--world", str(world)]
-    code, _, err = command.run("--for", "9", *options)
+    code, out, err = command.run("--for", "9", *options)
     assert (code, err) == (0, "")
     told = read_summary(path)
     assert (told["boards"], told["seed"]) == ("host", 7)
+    assert told["truth"] == "calibrated"
+    drawn = msgspec.convert(told["drawn"], Truth)
+    assert drawn == draw_truth("calibrated", TruthRanges(), 7)
+    assert "true robot  calibrated: wheels" in out
     assert 0.5 < told["distance_m"] < 1.3  # two seconds at no more than 0.6 m/s
     assert command.leaves_nothing()
 
