@@ -43,6 +43,8 @@ class SonarFault(StrEnum):
     """The echo line never rises."""
     STUCK = "stuck"
     """The echo line rises and stays."""
+    DEAF = "deaf"
+    """It pings and nothing answers, as in the open: a membrane that is covered, or has come off."""
     FROZEN = "frozen"
     """Every ping measures what the last one before the fault did."""
     WILD = "wild"
@@ -76,6 +78,8 @@ class Sonar:
                 return SILENT_US
             case SonarFault.STUCK:
                 return STUCK_US
+            case SonarFault.DEAF:
+                return NO_ECHO_US
             case SonarFault.WILD:
                 return self._random.uniform(SHORTEST, RANGE) * ECHO_US_PER_M
             case SonarFault.WILD_SOME if self._wild.random() < self.wild_share:

@@ -19,7 +19,7 @@ from giraff_joystick.service import Joystick
 from giraff_node.io import IO
 from giraff_ranger.policy import RangerPolicy
 from giraff_ranger.service import Ranger
-from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, Lease, Range, RobotTime
+from giraff_schemas.messages import DriveCommand, Range, RobotTime
 from giraff_schemas.wire import DriveFrame, Frame, RangeFrame
 from giraff_sim.board import BUILD
 from giraff_sim.closed_loop import Services
@@ -126,17 +126,6 @@ class CloseGuard(GuardPolicy):
         super().__init__(msgspec.structs.replace(config, margin=0.02, memory_margin=0.01), *rest, **named)
 
 
-class FastGuard(GuardPolicy):
-    """Lets nothing slow the robot down but what blocks it."""
-
-    def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
-        passed, state, lease = super().decide(robot_ns)
-        wish = self._authority.command
-        if passed.linear_x != 0.0 and wish is not None:
-            passed = msgspec.structs.replace(passed, linear_x=wish.linear_x, angular_z=wish.angular_z)
-        return passed, state, lease
-
-
 class SuddenBase(BasePolicy):
     """Ramps no start."""
 
@@ -192,7 +181,7 @@ def forgetful_base(io: IO, *given: Any) -> Base:
 
 
 class Break(NamedTuple):
-    """What is broken, and the first seed that shows it."""
+    """What is broken, and a seed that shows it: the first one, as tests/campaign/test_breaks.py finds it."""
 
     name: str
     seed: int
@@ -217,7 +206,6 @@ BREAKS: Final = (
     Break("ranges late", 0, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
     Break("guard half", 0, "e", Services(guard=partial(Guard, policy=HalfGuard))),
     Break("guard close", 0, "e", Services(guard=partial(Guard, policy=CloseGuard))),
-    Break("guard fast", 0, "e", Services(guard=partial(Guard, policy=FastGuard))),
     Break("base mirrored", 0, "c", Services(base=partial(Base, policy=MirroredBase))),
     Break("base lazy", 0, "b", Services(base=partial(Base, policy=LazyBase))),
     Break("base forgetful", 0, "d", Services(base=forgetful_base)),

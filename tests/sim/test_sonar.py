@@ -167,6 +167,8 @@ def test_faults() -> None:
     assert sonar.echo_us(ORIGIN) == SILENT_US
     sonar.fault = SonarFault.STUCK
     assert sonar.echo_us(ORIGIN) == STUCK_US
+    sonar.fault = SonarFault.DEAF
+    assert sonar.echo_us(ORIGIN) == NO_ECHO_US
     sonar.fault = SonarFault.FROZEN
     room.remove("wall")
     assert sonar.echo_us(ORIGIN) == pytest.approx(5800.0)
@@ -174,4 +176,4 @@ def test_faults() -> None:
     assert len({sonar.echo_us(ORIGIN) for _ in range(50)}) == 50
     sonar.fault = SonarFault.NONE
     assert sonar.echo_us(ORIGIN) == NO_ECHO_US
-    assert sonar.pings == 55
+    assert sonar.pings == 56
