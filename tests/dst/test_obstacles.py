@@ -49,9 +49,9 @@ def room_with_wall(clearance: float) -> Room:
 
 @pytest.mark.parametrize(
     ("clearance", "level", "found"),
-    [(0.10, FAST, True), (0.19, SLOWLY, True), (0.21, SLOWLY, False), (0.21, FAST, False), (0.01, SLOWLY, True)],
+    [(0.31, FAST, True), (0.33, FAST, False), (0.21, SLOWLY, True), (0.23, SLOWLY, False), (0.01, SLOWLY, True)],
 )
-def test_a_wall_ahead_nearer_than_the_stopping_distance_or_the_margin_is_found(
+def test_a_wall_ahead_nearer_than_the_stopping_distance_and_the_rest_of_the_margin_is_found(
     clearance: float, level: int, found: bool
 ) -> None:
     told = ahead(room_with_wall(clearance), level)
@@ -73,12 +73,24 @@ def test_a_sensor_that_is_deaf_hears_nothing_that_counts() -> None:
     assert ahead(room_with_wall(0.01), FAST, SonarFault.DEAD) == ""
 
 
+def test_what_has_come_since_the_ping_was_not_heard() -> None:
+    world = World(hall := room_with_wall(3.0), SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    obstacles = Obstacles(world, SETTINGS)
+    world.sonars[SENSOR.index].echo_us(world.plant.pose)
+    obstacles.note(HEARD_US)
+    hall.add_wall("new", [(RADIUS + 0.1, -1.0), (RADIUS + 0.1, 1.0)])
+    reading = Range(sensor="front_left", state="clear", range=None, echo_us=1, reason="", tick=None)
+    readings = {name: deque[Heard]() for name in SETTINGS.robot.sensors}
+    readings["front_left"].append(Heard(reading, HEARD_US, HEARD_US))
+    assert obstacles.ahead(0.6, readings, NOW_US) == ""
+
+
 def test_backing_away_from_it_is_right() -> None:
     assert ahead(room_with_wall(0.01), -FAST) == ""
 
 
 def test_what_touches_the_side_is_not_what_was_heard_ahead() -> None:
-    clearance = 0.22
+    clearance = 0.34
     room = room_with_wall(clearance)
     room.add_post("beside", 0.1, RADIUS + 0.05, 0.05)
     assert room.clearance(0.0, 0.0) < RADIUS + 0.02

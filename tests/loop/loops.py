@@ -14,7 +14,7 @@ from giraff_sim.config import SimConfig
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Room
 from giraff_sim.simulation import simulation
-from giraff_sim.truth import Truth
+from giraff_sim.truth import Truth, draw_truth
 from giraff_sim.world import STEP_US, World
 from tests.robots import ROBOT
 from tests.sim.robots import EXACT
@@ -24,6 +24,11 @@ SOURCE_CURVE = msgspec.structs.replace(SETTINGS, joystick=JoystickConfig(port="j
 GRAVITY = 9.81
 FULL_TILT = 7.5
 """m/s² along one axis: more than the default curve's full speed needs."""
+
+
+def drawn(seed: int) -> Truth:
+    """A robot that nobody has calibrated."""
+    return draw_truth("uncalibrated", SimConfig().truth, seed)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from giraff_sim.config import SimConfig
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Pose
 from giraff_sim.sonar import SonarFault
-from tests.loop.loops import GRAVITY, SETTINGS, arm, closed_loop
+from tests.loop.loops import GRAVITY, SETTINGS, arm, closed_loop, drawn
 from tests.robots import ROBOT
 from tests.sim.robots import proving_room
 
@@ -114,7 +114,7 @@ def circling(seed: int, wild_share: float) -> Iterator[tuple[Watcher, random.Ran
     """A robot that circles in the middle of a room, with nothing in its way."""
     choose = random.Random(f"{seed}/reaction")
     room = proving_room(Pose(0.0, 0.0, choose.uniform(-math.pi, math.pi)), _HALF_ROOM)
-    with closed_loop(room, sim=SimConfig(), seed=seed) as loop:
+    with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed)) as loop:
         arm(loop)
         for sonar in loop.simulation.world.sonars.values():
             sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, wild_share

@@ -17,7 +17,7 @@ from giraff_sim.config import SimConfig
 from giraff_sim.hand import LEVEL
 from giraff_sim.room import Pose, Room
 from giraff_sim.sonar import SonarFault
-from tests.loop.loops import SETTINGS, arm, closed_loop
+from tests.loop.loops import SETTINGS, arm, closed_loop, drawn
 from tests.loop.reaction import tilted
 from tests.robots import ROBOT
 
@@ -194,7 +194,7 @@ def cross(seed: int) -> Crossing | None:
     room = cluttered(seed)
     if not has_way(room):
         return None
-    with closed_loop(room, sim=SimConfig(), seed=seed) as loop:
+    with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed)) as loop:
         arm(loop)
         world = loop.simulation.world
         for sonar in world.sonars.values():

@@ -11,7 +11,7 @@ from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
 from giraff_sim.hand import Dropped, LaidDown, Shaken, StillHand
-from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
+from tests.loop.loops import FULL_TILT, arm, closed_loop, drawn, hold
 from tests.sim.robots import room_with_wall
 
 NOISY = SimConfig()
@@ -67,7 +67,7 @@ def test_a_mishap_stops_the_robot_within_its_bound(mishap: str) -> None:
     happens, bound = MISHAPS[mishap]
     worst = 0.0
     for delay_ms in DELAYS_MS:
-        with closed_loop(room_with_wall(4.0), sim=NOISY, seed=delay_ms) as loop:
+        with closed_loop(room_with_wall(4.0), sim=NOISY, seed=delay_ms, truth=drawn(delay_ms)) as loop:
             driving(loop, delay_ms)
             happens(loop)
             began_us = loop.simulation.now_us
@@ -83,7 +83,7 @@ def test_a_mishap_stops_the_robot_within_its_bound(mishap: str) -> None:
 
 @pytest.mark.parametrize("mishap", ["dropped", "shaken", "laid down"])
 def test_after_it_a_tilted_hand_moves_nothing_and_a_level_one_arms(mishap: str) -> None:
-    with closed_loop(room_with_wall(4.0), sim=NOISY) as loop:
+    with closed_loop(room_with_wall(4.0), sim=NOISY, truth=drawn(1)) as loop:
         driving(loop, 0)
         MISHAPS[mishap][0](loop)
         loop.run(2.0)
@@ -101,7 +101,7 @@ def test_after_it_a_tilted_hand_moves_nothing_and_a_level_one_arms(mishap: str) 
 
 def test_a_hand_that_holds_still_for_a_minute_drives_for_a_minute() -> None:
     """Turning in place, so that nothing but the hand can end it."""
-    with closed_loop(room_with_wall(4.0), sim=NOISY) as loop:
+    with closed_loop(room_with_wall(4.0), sim=NOISY, truth=drawn(1)) as loop:
         arm(loop)
         hold(loop, y=FULL_TILT)
         loop.run(1.0)
@@ -111,7 +111,7 @@ def test_a_hand_that_holds_still_for_a_minute_drives_for_a_minute() -> None:
 
 
 def test_the_clutch_stops_and_its_attitude_is_the_new_level() -> None:
-    with closed_loop(room_with_wall(4.0), sim=NOISY) as loop:
+    with closed_loop(room_with_wall(4.0), sim=NOISY, truth=drawn(1)) as loop:
         driving(loop, 0)
         loop.simulation.world.hand = StillHand((6.0, 0.0, 7.75))  # 38 degrees
         loop.run(0.3)

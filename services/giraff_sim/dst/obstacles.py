@@ -24,24 +24,28 @@ REST: Final = 0.20
 _REACTION_US: Final = 70_000  # from the first short reading at the guard to a zero frame: 60 ms, and a report's period
 _TWO_CYCLES_US: Final = 2 * RANGE_SENSORS * RANGE_SLOT_MS * 1000
 _SAME_US: Final = 12_000  # between a ping and the moment that its reading tells: steps of the world
+_SAME: Final = 0.10  # m between two echoes of one surface
 _A_LITTLE: Final = 0.01  # m
 
 
 class _Ping:
     """A ping of a sound sensor, and what it must have heard."""
 
-    def __init__(self, at_us: int, sonar: Sonar, pose: Pose) -> None:
+    def __init__(self, at_us: int, sonar: Sonar, pose: Pose, version: int) -> None:
+        """`version`: of the room."""
         self.at_us = at_us
         self._sonar = sonar
         self._pose = pose
-        self._version = -1
-        self._echo: Hit | None = None
+        self._version = version
+        self._echo = sonar.sure_echo(pose)
 
     def echo(self, version: int) -> Hit | None:
-        """Of the room as it is now: what was taken away meanwhile, or has moved, is none."""
-        if version != self._version:
+        """As far as it is still there: what has come, gone or moved far since then was not heard."""
+        if version != self._version and self._echo is not None:
             self._version = version
-            self._echo = self._sonar.sure_echo(self._pose)
+            now = self._sonar.sure_echo(self._pose)
+            same = now is not None and abs(now.distance - self._echo.distance) <= _SAME
+            self._echo = now if same else None
         return self._echo
 
 
@@ -63,7 +67,7 @@ class Obstacles:
             if sonar.pings != self._heard_before[mount.index]:
                 self._heard_before[mount.index] = sonar.pings
                 if sonar.fault is SonarFault.NONE:
-                    self._pings[name].append(_Ping(now_us, sonar, world.plant.pose))
+                    self._pings[name].append(_Ping(now_us, sonar, world.plant.pose, world.room.version))
 
     def touched(self, readings: Mapping[str, deque[Heard]]) -> str:
         """Where the body touches, and what the sensors told last."""

@@ -55,7 +55,8 @@ class Pins:
             ("left", left, [level for _, level, _ in asked]),
             ("right", right, [level for _, _, level in asked]),
         ):
-            if not min(levels, default=0) - _ROUNDING <= given <= max(levels, default=0) + _ROUNDING:
+            # From 0 on: a motor that stops within a step has had less in the mean.
+            if not min((0, *levels)) - _ROUNDING <= given <= max((0, *levels)) + _ROUNDING:
                 return f"{given:+.0f} counts at the {name} motor, for which base has not asked"
         return ""
 
