@@ -8,8 +8,9 @@ from pathlib import Path
 import msgspec
 from rich.console import Console
 
-from giraff_sim.dst.drill import SECONDS, Outcome
+from giraff_sim.dst.drill import KINDS, SECONDS, Outcome
 from giraff_sim.dst.many import Totals, run_many
+from giraff_sim.dst.marks import unreached
 
 _FAILED = 1  # exit code
 
@@ -42,10 +43,15 @@ def _sum_up(console: Console, totals: Totals, seconds: float) -> None:
         for name, count in totals.counts.most_common():
             if name.startswith(prefix):
                 console.print(f"{count:7d}  {name.removeprefix(prefix)}", markup=False, soft_wrap=True)
+    if never := unreached(totals.counts, KINDS):
+        console.print("\nnever reached by these seeds", style="bold")
+        for mark in never:
+            console.print(f"         {mark}", markup=False)
     failed = len(totals.failures)
     console.print(
         f"\nseeds: {totals.seeds}, {totals.simulated:g} s simulated in {seconds:.1f} s; the robot drove in "
-        f"{totals.drove} of them, {totals.path:.0f} m, was armed {totals.counts['armed']} times and touched something "
+        f"{totals.drove} of them, {totals.path:.0f} m, {totals.near:.0f} m of it within half a metre of something, was "
+        f"granted {totals.counts['granted']} times, armed {totals.counts['armed']} times and touched something "
         f"{totals.contacts} times; digest {totals.digest[:16]}",
         soft_wrap=True,
     )

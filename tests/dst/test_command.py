@@ -23,6 +23,7 @@ def outcome(seed: int, *violations: Violation) -> Outcome:
         story=("  1.000 s  armed", "  2.000 s  VIOLATION (b): too old"),
         counts={"armed": 2, "fault: cut": 1, "stop: forward blocked": 3},
         path=1.5,
+        near=0.5,
         contacts=0,
     )
 
@@ -61,6 +62,12 @@ def test_seeds_that_hold_are_summed_up() -> None:
     assert "no invariant is violated" in ran.output
     assert "2  cut" in ran.output
     assert "6  forward blocked" in ran.output
+    assert "3 m, 1 m of it within half a metre of something" in " ".join(ran.output.split())
+    never = ran.output.partition("never reached by these seeds")[2]
+    assert "fault: kill" in never
+    assert "answer: the disk hangs" in never
+    assert "fault: cut" not in never
+    assert "stop: forward blocked" not in never
 
 
 def test_a_single_seed_is_really_run_and_told() -> None:

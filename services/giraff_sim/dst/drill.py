@@ -68,6 +68,8 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
     counts: dict[str, int]
     path: float
     """m."""
+    near: float
+    """m of it with something less than half a metre from the body."""
     contacts: int
 
     @property
@@ -254,5 +256,6 @@ def play(scenario: Scenario, settings: Settings, services: Services | None = Non
             story=tuple(run.story.lines),
             counts=dict(run.story.counts),
             path=plant.path_length,
+            near=run.judge.near,
             contacts=plant.contacts,
         )

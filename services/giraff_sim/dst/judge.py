@@ -15,6 +15,7 @@ from __future__ import annotations
 from typing import Any, Final, NamedTuple
 
 from giraff_schemas.messages import BaseState, EStopAnswer, EStopEngage, EStopReset, GuardedCommand, Lease
+from giraff_schemas.params import ParamAnswer, ParamSave
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame
 from giraff_sim.closed_loop import Settings
 from giraff_sim.dst.contrary import Contrary
@@ -34,6 +35,8 @@ from giraff_sim.simulation import Simulation
 
 _WIRE_US: Final = 10_000  # a frame's way to the board, and the simulation's steps
 _OUTLIVES_US: Final = (ECHO_MAX_AGE_MS + COMMAND_TIMEOUT_MS) * 1000 + _WIRE_US
+_NEAR: Final = 0.5  # m
+_WAY_US: Final = 40_000
 _TICKS_US: Final = 40_000  # a held neutral is measured by ticks: two of them are its error
 
 
@@ -55,6 +58,9 @@ class Judge(Ledger):
         self._simulation = simulation
         self._world = simulation.world
         self._contacts = 0
+        self._way = 0.0  # m when it was looked at last
+        self.near = 0.0
+        """m driven with something less than half a metre from the body."""
         self._settings = settings
         self._story = story
         self._explainer = Explainer(self, settings.robot, settings.base)
@@ -87,7 +93,11 @@ class Judge(Ledger):
         """The robot's disk, from the beginning on."""
         self._latch = LatchWatch(disk)
 
-    def answered(self, process: Process, answer: Any) -> None:
+    def answered(self, process: Process, request: Any, answer: Any) -> None:
+        if isinstance(answer, ParamAnswer):
+            what = "saved" if isinstance(request, ParamSave) else "set"
+            refused = "not saved" if isinstance(request, ParamSave) else "refused"
+            self._story.count(f"parameter: {what if answer.done else refused}")
         if isinstance(answer, EStopAnswer):
             self._story.count(f"answer: {kind_of(answer.reason) or ('stopped' if answer.engaged else 'released')}")
             if (
@@ -100,6 +110,7 @@ class Judge(Ledger):
     def after_step(self) -> None:
         """Look at the motors and the disk."""
         now_us = self._agenda.now_us
+        self._measure_way(now_us)
         self._look_at_latch(now_us)
         self._obstacles.note(now_us)
         if self._world.plant.contacts != self._contacts:
@@ -138,6 +149,7 @@ class Judge(Ledger):
 
     def on_grant(self, lease: Lease) -> None:
         what = f"{lease.instance} gives the lease {lease.counter} to {lease.holder or 'nobody'}"
+        self._story.count("granted" if lease.holder else "lease ended")
         self._story.tell(what)
         if lease.instance == self._guard or not self._guard:
             self._disarmed(what)
@@ -208,6 +220,14 @@ class Judge(Ledger):
             self._expect_armed(passed.command.operator, twist)
         if twist.goes and (collision := self._obstacles.ahead(twist.linear, self.readings, now_us)):
             self._violated("e", collision)
+
+    def _measure_way(self, now_us: int) -> None:
+        if now_us % _WAY_US:
+            return
+        path = self._world.plant.path_length
+        if path > self._way and self._world.plant.clearance < _NEAR:
+            self.near += path - self._way
+        self._way = path
 
     def _look_at_latch(self, now_us: int) -> None:
         if self._latch is None:

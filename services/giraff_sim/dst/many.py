@@ -34,6 +34,8 @@ class Totals(msgspec.Struct, kw_only=True):
     """Seeds in which the robot drove."""
     path: float = 0.0
     """m."""
+    near: float = 0.0
+    """m of it with something less than half a metre from the body."""
     contacts: int = 0
     """Times the body came to touch something, whoever moved."""
     counts: Counter[str] = msgspec.field(default_factory=Counter)
@@ -47,6 +49,7 @@ class Totals(msgspec.Struct, kw_only=True):
         self.simulated += seconds
         self.drove += outcome.drove
         self.path += outcome.path
+        self.near += outcome.near
         self.contacts += outcome.contacts
         self.counts.update(outcome.counts)
         if outcome.violations:

@@ -81,7 +81,7 @@ class Request:
         self._message = message
 
     def answer(self, answer: Any) -> None:
-        self._taker.loop.observer.answered(self._taker, answer)
+        self._taker.loop.observer.answered(self._taker, self.request, answer)
         self._network.answer(self._taker, self._message, answer)
 
 

@@ -324,7 +324,7 @@ class Observer:
     def heard(self, process: Process, sample: Any) -> None:
         """The service of `process` is handed `sample`, a request among them."""
 
-    def answered(self, process: Process, answer: Any) -> None:
+    def answered(self, process: Process, request: Any, answer: Any) -> None:
         """The service of `process` answers a request."""
 
     def held(self, process: Process, acceleration: Vector) -> None:
