@@ -68,11 +68,15 @@ class Sonar:
         self._crosstalk = sim.sonar_crosstalk
         self._random = random.Random(seed)
         self._wild = random.Random(f"{seed}/wild")
+        self.must_have_heard: tuple[Pose, Hit | None, int] | None = None
+        """Of the newest ping: where the robot was, what a sound sensor heard for certain, and the room's version; None
+        of one that was not sound."""
         self._last_us = NO_ECHO_US
 
     def echo_us(self, robot: Pose) -> float:
         """Ping with the robot at `robot`: the echo pulse's length, or SILENT_US, or STUCK_US."""
         self.pings += 1
+        self.must_have_heard = None
         match self.fault:
             case SonarFault.DEAD:
                 return SILENT_US
@@ -116,6 +120,9 @@ class Sonar:
         """The range one ping measures before noise, m; None when nothing answers."""
         origin = self.origin(robot)
         hits = sorted(self.hits(origin))
+        sure = next((hit for hit in hits if self._incidence(hit, origin.yaw) >= _SURE), None)
+        if self.fault is SonarFault.NONE:
+            self.must_have_heard = robot, sure, self._room.version
         verdicts: dict[int, bool] = {}
         for hit in hits:
             if hit.round or hit.surface not in verdicts:

@@ -15,7 +15,7 @@ from giraff_schemas.wire import RANGE_SENSORS, RANGE_SLOT_MS
 from giraff_sim.closed_loop import Settings
 from giraff_sim.dst.ledger import Heard
 from giraff_sim.room import Hit, Pose
-from giraff_sim.sonar import Sonar, SonarFault
+from giraff_sim.sonar import Sonar
 from giraff_sim.world import World
 
 REST: Final = 0.20
@@ -31,13 +31,10 @@ _A_LITTLE: Final = 0.01  # m
 class _Ping:
     """A ping of a sound sensor, and what it must have heard."""
 
-    def __init__(self, at_us: int, sonar: Sonar, pose: Pose, version: int) -> None:
-        """`version`: of the room."""
+    def __init__(self, at_us: int, sonar: Sonar, heard: tuple[Pose, Hit | None, int]) -> None:
         self.at_us = at_us
         self._sonar = sonar
-        self._pose = pose
-        self._version = version
-        self._echo = sonar.sure_echo(pose)
+        self._pose, self._echo, self._version = heard
 
     def echo(self, version: int) -> Hit | None:
         """As far as it is still there: what has come, gone or moved far since then was not heard."""
@@ -66,8 +63,8 @@ class Obstacles:
             sonar = world.sonars[mount.index]
             if sonar.pings != self._heard_before[mount.index]:
                 self._heard_before[mount.index] = sonar.pings
-                if sonar.fault is SonarFault.NONE:
-                    self._pings[name].append(_Ping(now_us, sonar, world.plant.pose, world.room.version))
+                if sonar.must_have_heard is not None:
+                    self._pings[name].append(_Ping(now_us, sonar, sonar.must_have_heard))
 
     def touched(self, readings: Mapping[str, deque[Heard]]) -> str:
         """Where the body touches, and what the sensors told last."""
