@@ -16,7 +16,8 @@ from giraff_sim.config import SimConfig
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Pose
 from giraff_sim.sonar import SonarFault
-from tests.loop.loops import GRAVITY, SETTINGS, arm, closed_loop, drawn
+from giraff_sim.truth import Truth, draw_truth
+from tests.loop.loops import GRAVITY, SETTINGS, arm, closed_loop
 from tests.robots import ROBOT
 from tests.sim.robots import proving_room
 
@@ -109,12 +110,19 @@ def stops(turns: Sequence[Turn]) -> list[float]:
     return found
 
 
+def on_its_circle(seed: int) -> Truth:
+    """A calibrated robot with like motors and a tilt sensor without offset: another leaves the middle of the room."""
+    truth = draw_truth("calibrated", SimConfig().truth, seed)
+    left, right = (msgspec.structs.replace(wheel, strength=1.0) for wheel in (truth.left, truth.right))
+    return msgspec.structs.replace(truth, left=left, right=right, accelerometer_offset=(0.0, 0.0, 0.0))
+
+
 @contextmanager
 def circling(seed: int, wild_share: float) -> Iterator[tuple[Watcher, random.Random]]:
     """A robot that circles in the middle of a room, with nothing in its way."""
     choose = random.Random(f"{seed}/reaction")
     room = proving_room(Pose(0.0, 0.0, choose.uniform(-math.pi, math.pi)), _HALF_ROOM)
-    with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed)) as loop:
+    with closed_loop(room, sim=SimConfig(), seed=seed, truth=on_its_circle(seed)) as loop:
         arm(loop)
         for sonar in loop.simulation.world.sonars.values():
             sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, wild_share
