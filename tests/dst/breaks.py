@@ -194,20 +194,20 @@ class Break(NamedTuple):
 _MOTORS: Final = ("hal_motor_pwm", "hal_motor_direction", "hal_motor_off")
 
 BREAKS: Final = (
-    Break("joystick late", 0, "c", Services(joystick=partial(Joystick, policy=LateJoystick))),
+    Break("joystick late", 1, "c", Services(joystick=partial(Joystick, policy=LateJoystick))),
     Break("board triple", 0, "g", build=lambda: with_fault("triple_pwm", "hal_motor_pwm")),
     Break("board swapped", 0, "g", build=lambda: with_fault("swapped_motors", *_MOTORS)),
     Break("joystick inverted", 0, "c", Services(joystick=partial(Joystick, policy=InvertedJoystick))),
-    Break("ranges doubled", 0, "e", Services(ranger=partial(Ranger, policy=LongRanger))),
-    Break("guard optimistic", 0, "e", Services(guard=partial(Guard, policy=OptimisticGuard))),
+    Break("ranges doubled", 5, "e", Services(ranger=partial(Ranger, policy=LongRanger))),
+    Break("guard optimistic", 5, "e", Services(guard=partial(Guard, policy=OptimisticGuard))),
     Break("base sudden", 0, "g", Services(base=partial(Base, policy=SuddenBase))),
-    Break("guard turned", 0, "e", Services(guard=partial(Guard, policy=TurnedGuard))),
+    Break("guard turned", 5, "e", Services(guard=partial(Guard, policy=TurnedGuard))),
     Break("joystick lingering", 0, "c", Services(joystick=partial(Joystick, policy=LingeringJoystick))),
-    Break("ranges late", 0, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
-    Break("guard half", 0, "e", Services(guard=partial(Guard, policy=HalfGuard))),
-    Break("guard close", 0, "e", Services(guard=partial(Guard, policy=CloseGuard))),
+    Break("ranges late", 5, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
+    Break("guard half", 17, "e", Services(guard=partial(Guard, policy=HalfGuard))),
+    Break("guard close", 5, "e", Services(guard=partial(Guard, policy=CloseGuard))),
     Break("base mirrored", 0, "c", Services(base=partial(Base, policy=MirroredBase))),
     Break("base lazy", 0, "b", Services(base=partial(Base, policy=LazyBase))),
-    Break("base forgetful", 0, "d", Services(base=forgetful_base)),
+    Break("base forgetful", 1, "d", Services(base=forgetful_base)),
     Break("board lingering", 0, "g", build=lambda: with_fault("lingering_motors", "hal_motor_off")),
 )
