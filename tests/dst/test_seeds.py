@@ -19,9 +19,9 @@ PER_SEED = {
     "stop: the operator wishes so": 1.0,
     "stop: forward blocked": 0.2,
     "stop: joystick": 0.1,
-    "stop: emergency stop by button": 0.05,
+    "stop: emergency stop by button-N": 0.05,
     "stop: the guard is not heard": 0.03,
-    "stop: no fresh command of joystick": 0.05,
+    "stop: no fresh command of an operator": 0.05,
 }
 """How often, at the least, for each seed."""
 

@@ -15,7 +15,7 @@ _LASTS_US: Final = 500_000
 
 
 class Contrary:
-    """Asked after each step, once in a while without power too."""
+    """Asked after each step, with and without power."""
 
     def __init__(self, plant: Plant) -> None:
         self._plant = plant
@@ -24,20 +24,25 @@ class Contrary:
         self._asks_us = 0  # when the operator may have asked for something last
 
     def look(self, operator: str, way: Way, now_us: int) -> str:
-        """How it goes against the `way` that `operator` points; empty when it does not."""
-        if way != (0, 0) or operator != self._asked[0]:
+        """How a robot whose motors have power goes against the `way` that `operator` points; empty when it does not."""
+        (operator_before, way_before), self._asked = self._asked, (operator, way)
+        if way != (0, 0) or operator != operator_before:
             self._asks_us = now_us
-        elif now_us - self._asks_us > _LETS_GO_US:
+        changed = [operator != operator_before or now != before for now, before in zip(way, way_before, strict=True)]
+        against = self._against(way, changed, now_us)
+        if now_us - self._asks_us > _LETS_GO_US:
             return f"power {(now_us - self._asks_us) / 1e6:.3f} s after {operator} has let go"
+        return f"{against}, where {operator} points elsewhere" if against else ""
+
+    def _against(self, way: Way, changed: list[bool], now_us: int) -> str:
         plant = self._plant
         speeds = plant.speed, (plant.right.speed - plant.left.speed) / 2.0
+        against = ""
         for axis, (name, asked, speed) in enumerate(zip(("linear", "turning"), way, speeds, strict=True)):
-            has_changed = operator != self._asked[0] or asked != self._asked[1][axis]
-            if has_changed:
+            if changed[axis]:
                 self._since_us[axis] = now_us + _OBEYS_US
             elif asked is None or (asked * speed >= -_CONTRARY if asked else abs(speed) <= _UNASKED):
                 self._since_us[axis] = max(self._since_us[axis], now_us)
             if now_us - self._since_us[axis] > _LASTS_US:
-                return f"{name} at {speed:+.2f} m/s for {_LASTS_US / 1e6:g} s, where {operator} asks for {asked}"
-        self._asked = operator, way
-        return ""
+                against = f"{name} at {speed:+.2f} m/s for {_LASTS_US / 1e6:g} s"
+        return against

@@ -116,6 +116,7 @@ class Judge(Ledger):
         if self._world.plant.contacts != self._contacts:
             self._contacts = self._world.plant.contacts
             self._story.tell(f"the body touches something: {self._obstacles.touched(self.readings)}")
+        against = self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us)
         if self._simulation.peak_counts == 0:
             if refusal := self.freedom.refused(self._newest, self._state, now_us):
                 self._violated("f", refusal)
@@ -123,7 +124,7 @@ class Judge(Ledger):
         self.freedom.moved(now_us)
         if wrong := self._pins.look(now_us):
             self._violated("g", wrong)
-        if against := self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us):
+        if against:
             self._violated("c", against)
         if overdue := self.stops.overdue(now_us):
             self._violated("a", overdue)
