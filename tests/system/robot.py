@@ -23,6 +23,7 @@ from giraff_schemas.topics import BASE, GUARD
 from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN
+from giraff_sim.truth import Level
 from tests.system.cable import Cable
 from tests.system.observer import Observer
 from tests.waiting import wait
@@ -46,8 +47,10 @@ closed = true
 class ProcessRobot:
     """Starts, kills and watches the processes; the world is the simulator's control socket."""
 
-    def __init__(self, directory: Path, world: Path, boards: str, *, apart: bool = False) -> None:
-        """`apart`: the operator's side is another host, behind `cables`."""
+    def __init__(
+        self, directory: Path, world: Path, boards: str, truth: Level = "calibrated", *, apart: bool = False
+    ) -> None:
+        """`truth`: how far it differs from its file; `apart`: the operator's side is another host, behind `cables`."""
         self.directory = directory
         self.cables: list[Cable] = []
         self._end = ExitStack()
@@ -71,7 +74,7 @@ class ProcessRobot:
             self._set_apart()
         control = directory / "control"
         arguments = ["--ports", str(self.ports), "--control", str(control), "--world", str(world)]
-        arguments += ["--seed", "1", "--boards", boards, "--hand", "still"]
+        arguments += ["--seed", "1", "--truth", truth, "--boards", boards, "--hand", "still"]
         self._children.start("simulator", "giraff_sim", arguments, self.environment)
         self.wait("the simulator", lambda: b"\n" in self._children.output("simulator").read_bytes(), 20.0)
         self.simulator = SimulatorClient(control)
@@ -235,12 +238,17 @@ class ProcessRobot:
 
 @contextmanager
 def process_robot(
-    directory: Path, world: str = PROVING_ROOM, boards: str = "avr", *, apart: bool = False
+    directory: Path,
+    world: str = PROVING_ROOM,
+    boards: str = "avr",
+    truth: Level = "calibrated",
+    *,
+    apart: bool = False,
 ) -> Iterator[ProcessRobot]:
     """A robot with all its services; they end with the block. `apart`: the operator is on another host."""
     path = directory / "world.toml"
     path.write_text(world)
-    robot = ProcessRobot(directory, path, boards, apart=apart)
+    robot = ProcessRobot(directory, path, boards, truth, apart=apart)
     try:
         for service in SERVICES:
             robot.start(service)

@@ -16,7 +16,8 @@ MARGIN = 0.25  # m, of `[guard]`
 
 def test_five_approaches_stop_outside_the_margin(tmp_path: Path) -> None:
     choose = random.Random(5)
-    with process_robot(tmp_path) as robot:
+    # Exactly as its file says: another one comes by an arc, on which it may lose the wall (tests/loop has those).
+    with process_robot(tmp_path, truth="exact") as robot:
         for number in range(APPROACHES):
             begin_ns = time.monotonic_ns()
             incidence = choose.uniform(-1.0, 1.0) * math.radians(25.0)
