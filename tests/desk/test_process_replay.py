@@ -95,7 +95,9 @@ def test_odometry_goes_on_behind_a_gap(drive: Recording) -> None:
     assert found.equal == found.compared
 
 
-@pytest.mark.parametrize("changes", [{"margin": 0.5}, {"deceleration": 0.5}, {"operator_budget": 0.01}, {"near": 3.0}])
+@pytest.mark.parametrize(
+    "changes", [{"margin": 0.5}, {"deceleration": 0.5}, {"idle_release": 0.1}, {"reaction_time": 0.5}]
+)
 def test_a_guard_that_judges_otherwise_shows(drive: Recording, changes: dict[str, float]) -> None:
     assert min(agreement.share for agreement in guards(drive, said_in(drive), **changes).values()) < LEAST
 
