@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
-from typing import Generic, TypeVar
+from typing import Final, Generic, TypeVar
+
+MOST_REQUESTS: Final = 20
+"""That wait for their answers; the oldest goes without."""
 
 ItemT = TypeVar("ItemT")
 

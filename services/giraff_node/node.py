@@ -26,7 +26,7 @@ from giraff_node.board_link import BoardLink
 from giraff_node.clock import robot_now_ns
 from giraff_node.config import ConfigError, ConfigT, load
 from giraff_node.host_addresses import AddressWatch, host_addresses
-from giraff_node.inbox import Inbox
+from giraff_node.inbox import MOST_REQUESTS, Inbox
 from giraff_node.io import Asked, Selectable, Service
 from giraff_node.key_bundle import ExpiryWatch
 from giraff_node.pacing import Pacer
@@ -57,8 +57,6 @@ from giraff_schemas.topics import (
     key_of,
 )
 from giraff_schemas.wire import BoardKind
-
-_MOST_REQUESTS = 20  # that wait for their answers; the oldest goes without
 
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
 
@@ -193,7 +191,7 @@ class Node(Generic[ConfigT]):
 
     def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
         """What is asked of this service, for its loop to answer; its arrival wakes the loop."""
-        inbox: Inbox[Asked[RequestT, AnswerT]] = Inbox(_MOST_REQUESTS)
+        inbox: Inbox[Asked[RequestT, AnswerT]] = Inbox(MOST_REQUESTS)
         decoder = msgspec.msgpack.Decoder(query.request)
 
         def on_query(asked: zenoh.Query) -> None:

@@ -107,7 +107,7 @@ class Sonar:
     def sure_echo(self, robot: Pose) -> Hit | None:
         """The same with the surface that gives the echo."""
         origin = self.origin(robot)
-        return min((hit for hit in self.hits(origin) if self._incidence(hit, origin.yaw) >= _SURE), default=None)
+        return self._surest(sorted(self.hits(origin)), origin.yaw)
 
     def origin(self, robot: Pose) -> Pose:
         """Where the sensor truly is, and looks, with the robot at `robot`."""
@@ -116,13 +116,16 @@ class Sonar:
         x, y = robot.x + cos * mount.x - sin * mount.y, robot.y + sin * mount.x + cos * mount.y
         return Pose(x, y, robot.yaw + mount.yaw)
 
+    def _surest(self, hits: list[Hit], axis: float) -> Hit | None:
+        """The first of these, nearest first, that is heard for certain."""
+        return next((hit for hit in hits if self._incidence(hit, axis) >= _SURE), None)
+
     def _ping(self, robot: Pose) -> float | None:
         """The range one ping measures before noise, m; None when nothing answers."""
         origin = self.origin(robot)
         hits = sorted(self.hits(origin))
-        sure = next((hit for hit in hits if self._incidence(hit, origin.yaw) >= _SURE), None)
         if self.fault is SonarFault.NONE:
-            self.must_have_heard = robot, sure, self._room.version
+            self.must_have_heard = robot, self._surest(hits, origin.yaw), self._room.version
         verdicts: dict[int, bool] = {}
         for hit in hits:
             if hit.round or hit.surface not in verdicts:

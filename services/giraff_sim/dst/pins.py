@@ -40,10 +40,9 @@ class Pins:
         """What is wrong with the drive of this step; empty when nothing is."""
         motors = self._simulation.boards[BoardKind.BASE].model.motor
         left, right = float(motors[0].drive), float(motors[1].drive)
-        return self._too_much(now_us) or self._unasked(left, right, now_us) or self._unramped(left, right, now_us)
+        return self._too_much() or self._unasked(left, right, now_us) or self._unramped(left, right, now_us)
 
-    def _too_much(self, now_us: int) -> str:
-        del now_us
+    def _too_much(self) -> str:
         peak = self._simulation.peak_counts
         return f"{peak} counts at a motor, where {self._max_level} is the most" if peak > self._max_level else ""
 

@@ -13,7 +13,7 @@ import msgspec
 
 from giraff_node.board_link import BoardLink
 from giraff_node.config import ConfigT
-from giraff_node.inbox import Inbox
+from giraff_node.inbox import MOST_REQUESTS, Inbox
 from giraff_node.io import Asked, Board, Publisher, Service
 from giraff_node.param_desk import ParamDesk
 from giraff_node.params import Params
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
     from giraff_sim.hosts.host import Host
 
 _LONGEST_WAIT_US: Final = 100_000  # a node's loop comes round at least this often
-_MOST_REQUESTS: Final = 20  # that wait for their answers, as at a node
 _NEVER: Final = 1 << 62
 _LOG: Final = logging.getLogger("giraff_sim.process")
 _LOG.addHandler(logging.NullHandler())
@@ -93,7 +92,7 @@ class Process:
     def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
         observer = self.loop.observer
         inbox: Inbox[Asked[RequestT, AnswerT]] = _Inbox(
-            _MOST_REQUESTS, lambda asked: observer.heard(self, asked.request)
+            MOST_REQUESTS, lambda asked: observer.heard(self, asked.request)
         )
         self._subscribe(query.key, lambda message: inbox.accept(Request(self.loop.network, self, message)))
         return inbox
