@@ -166,7 +166,7 @@ class _Guard:
         age = first.seq / CMD_VEL.rate_hz
         self._settles_ns = round((min(age, config.memory_time) + _SETTLES) * 1e9)
         # One that has just begun has nothing to forget.
-        self._forgets_ns = 0 if age < _SETTLES else round(config.proof_time * 1e9)
+        self._forgets_ns = 0 if age < _SETTLES else round(max(config.fade_time, config.held_time) * 1e9)
         self._is_known = False
         self._linked_ns: int | None = None
         self._faults_before: int | None = None

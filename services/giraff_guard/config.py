@@ -8,7 +8,7 @@ from typing import Annotated
 import msgspec
 
 from giraff_node.live import Live
-from giraff_node.ranges import Within, require_plausible, require_positive
+from giraff_node.ranges import Within, require_plausible
 
 
 class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -43,14 +43,32 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """m/s; less is a stop."""
     reach: Annotated[float, Live.DOWN, Within(0.1, 10.0, "m")] = 4.0
     """m; what `clear` counts for."""
-    half_cone: Annotated[float, Live.FIXED, Within(0.0, math.pi / 4, "rad")] = math.radians(7.5)
+    half_cone: Annotated[float, Live.FIXED, Within(0.001, math.pi / 4, "rad")] = math.radians(7.5)
     """rad; an echo may come from anywhere this far off the sensor's axis."""
-    incidence: Annotated[float, Live.FIXED, Within(0.0, math.pi / 2, "rad")] = math.radians(25.0)
+    incidence: Annotated[float, Live.FIXED, Within(0.001, math.pi / 2, "rad")] = math.radians(25.0)
     """rad between a surface's normal and the sensor's axis, up to which an HC-SR04 reads reliably."""
-    proof_time: Annotated[float, Live.DOWN] = 30.0
-    """s after a sensor's last plausible echo, within which its `clear` counts."""
-    proof_travel: Annotated[float, Live.DOWN] = 5.0
-    """m the robot may travel after it, within which its `clear` counts too."""
+    proof_time: Annotated[float, Live.DOWN, Within(0.5, 60.0, "s")] = 10.0
+    """s after a sensor's last plausible echo, up to which its `clear` counts in full."""
+    proof_travel: Annotated[float, Live.DOWN, Within(0.1, 5.0, "m")] = 1.2
+    """m of way after it, up to which its `clear` counts in full."""
+    proof_turn: Annotated[float, Live.UP, Within(0.05, 10.0, "m/rad")] = 0.5
+    """m of way that a turn counts as, by rad."""
+    fade_time: Annotated[float, Live.DOWN, Within(0.5, 120.0, "s")] = 20.0
+    """s after it, from which on its `clear` is worth `unproved_linear`."""
+    fade_travel: Annotated[float, Live.DOWN, Within(0.1, 10.0, "m")] = 2.0
+    """m of way after it, from which on its `clear` is worth that."""
+    unproved_linear: Annotated[float, Live.DOWN, Within(0.005, 0.5, "m/s")] = 0.145
+    """m/s towards what only a silent sensor looks at, and to where something was heard until lately."""
+    held_range: Annotated[float, Live.UP, Within(0.1, 10.0, "m")] = 2.2
+    """m from the sensor; a plausible echo within it counts on when its way's sensors fall silent."""
+    held_time: Annotated[float, Live.UP, Within(0.5, 120.0, "s")] = 20.0
+    """s for which it does."""
+    held_radius: Annotated[float, Live.UP, Within(0.01, 1.0, "m")] = 0.10
+    """m around the spot in which what gave it may stand."""
+    held_beside: Annotated[float, Live.UP, Within(0.01, 2.0, "m")] = 0.3
+    """m between the footprint and such a spot beside it, within which the robot is slowed too."""
+    held_block: Annotated[float, Live.UP, Within(0.01, 60.0, "s")] = 1.0
+    """s of silence for which it may block a way; then it slows it to `unproved_linear`."""
     near: Annotated[float, Live.UP, Within(0.01, 1.0, "m")] = 0.10
     """m; an echo lost below it blocks its direction until the robot has moved or turned away."""
     regain: Annotated[float, Live.DOWN, Within(0.001, 5.0, "m/s")] = 0.12
@@ -61,16 +79,26 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """m/s at which what a sensor sees may move."""
     frozen_travel: Annotated[float, Live.DOWN, Within(0.01, 10.0, "m")] = 0.20
     """m along a sensor's axis after which a reading that has not changed at all is frozen."""
-    memory_range: Annotated[float, Live.UP, Within(0.01, 10.0, "m")] = 1.2
+    memory_range: Annotated[float, Live.UP, Within(0.01, 10.0, "m")] = 1.6
     """m from the sensor; echoes farther away are not remembered."""
-    memory_time: Annotated[float, Live.UP, Within(0.1, 600.0, "s")] = 10.0
+    memory_time: Annotated[float, Live.UP, Within(0.1, 600.0, "s")] = 20.0
     """s after which a remembered echo is forgotten."""
     memory_travel: Annotated[float, Live.UP, Within(0.01, 100.0, "m")] = 2.0
     """m of travel after which it is forgotten."""
+    memory_block: Annotated[float, Live.UP, Within(0.1, 600.0, "s")] = 8.0
+    """s for which a remembered echo may block a way; then it slows it to `unproved_linear`."""
     memory_margin: Annotated[float, Live.UP, Within(0.001, 1.0, "m")] = 0.05
     """m kept between the footprint and remembered echoes."""
 
     def __post_init__(self) -> None:
         require_plausible(self)
-        unset = {"priorities"} | ({"deceleration"} if self.deceleration is None else set())
-        require_positive(self, *(name for name in self.__struct_fields__ if name not in unset))
+        if self.proof_time >= self.fade_time or self.proof_travel >= self.fade_travel:
+            raise ValueError(
+                "a sensor's trust ends before it fades: proof_time < fade_time, proof_travel < fade_travel; to lower"
+                " both, begin with proof_time and proof_travel"
+            )
+        if self.unproved_linear < self.slowest:
+            raise ValueError(
+                f"unproved_linear is {self.unproved_linear:g} m/s and slowest {self.slowest:g} m/s: less than slowest"
+                " is a stop, and nothing would ever be proved: unproved_linear >= slowest"
+            )

@@ -9,6 +9,7 @@ import msgspec
 
 from giraff_guard.config import GuardConfig
 from giraff_guard.echoes import Echoes, Obstruction
+from giraff_guard.held import Held
 from giraff_guard.motion import Motion
 from giraff_guard.sensor import Ping, Sensor
 from giraff_guard.stopping import fastest, stopping_distance
@@ -22,6 +23,8 @@ _UNMEASURED: Final = 0.5
 """m/s² that a robot of unknown deceleration is taken to brake with from creeping."""
 _ASIDE: Final = 0.10
 """m of difference between left and right from which one side counts as the freer one."""
+_STUTTER: Final = 1.5
+"""Times the speed that is allowed: a robot that is hardly too fast is slowed by its level, not braked in turns."""
 
 
 class Direction:
@@ -36,6 +39,7 @@ class Direction:
         self._config = config
         self._robot = robot
         self.sensors = [sensor for sensor in sensors if self.sign * math.cos(sensor.pose.yaw) > 0.7]
+        self._held = Held(config, robot.footprint_radius)
         self._blocked = True
         self._blocker = ""
         """The sensor that blocked this way last."""
@@ -45,17 +49,25 @@ class Direction:
     def reconfigure(self, config: GuardConfig) -> None:
         """Judge by this from now on."""
         self._config = config
+        self._held.reconfigure(config)
 
-    def on_reading(self, sensor: str) -> None:
+    def on_reading(self, sensor: Sensor) -> None:
         """A sensor was heard."""
-        if not self._blocked and sensor == self._blocker:
+        if not self._blocked and sensor.name == self._blocker:
             self._regained += self._config.regain
+        surest = sensor.surest
+        if sensor in self.sensors and surest is not None and surest is sensor.newest:
+            self._held.take(sensor, surest)
 
     def judge(self, motion: Motion, echoes: Echoes, now: RobotTime) -> Verdict:
         """The verdict for now, without the way out."""
         verdicts = [self._by_sensor(sensor, motion, now) for sensor in self.sensors]
-        if obstruction := echoes.first_in_the_way(motion.place, self.sign):
+        remembered = echoes.in_the_way(motion.place, self.sign, now.robot_ns)
+        if obstruction := min(remembered, key=self.speed_towards, default=None):
             verdicts.append(self._by_memory(obstruction))
+        self._held.forget(now.robot_ns)
+        if silent := [sensor for sensor in self.sensors if sensor.is_silent]:
+            verdicts.extend(self._by_held(silent, motion, now))
         if not self.sensors:
             verdicts.append(self._creep("", f"no sensor looks {self.way}"))
         if self._config.deceleration is None:
@@ -84,14 +96,16 @@ class Direction:
             return ""
         return "left" if difference > 0.0 else "right"
 
-    def speed_before(self, distance: float) -> float:
-        """m/s from which the robot stops `margin` before what is remembered `distance` m on.
+    def speed_towards(self, obstruction: Obstruction) -> float:
+        """m/s from which the robot stops `margin` before what is remembered; slow at least where that is old.
 
         Of that margin the strip that is swept already holds `memory_margin`; beside it, no more is kept: a way past
         what was heard stays one.
         """
-        room = distance - max(0.0, self._config.margin - self._config.memory_margin)
-        return fastest(room, self._config.reaction_time, self._config.deceleration or _UNMEASURED)
+        config = self._config
+        room = obstruction.distance - max(0.0, config.margin - config.memory_margin)
+        allowed = self._fastest(room)
+        return max(allowed, config.unproved_linear) if obstruction.is_old else allowed
 
     def _by_sensor(self, sensor: Sensor, motion: Motion, now: RobotTime) -> Verdict:
         if blindness := sensor.blindness(now):
@@ -104,34 +118,66 @@ class Direction:
         if verdict.allowed <= self._config.creep_linear:
             return verdict
         if doubt := sensor.doubt(motion, now):
-            return self._creep(sensor.name, doubt)
+            allowed = sensor.worth(motion, now, self._robot.max_wheel_speed)
+            return self._verdict(allowed, sensor.name, doubt) if allowed < verdict.allowed else verdict
         return verdict
 
     def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime) -> Verdict:
         config = self._config
-        deceleration = config.deceleration or _UNMEASURED
         room = self._clearance(sensor, ping.distance) - config.margin
         came = ping.place.ahead(motion.place, sensor.pose.yaw)
-        allowed = fastest(room - came, config.reaction_time, deceleration)
+        allowed = self._fastest(room - came)
         if ping is sensor.newest and sensor.tick is not None:
             # As if it had gone on at that speed since the reading, whatever the wheels say.
-            allowed = min(allowed, fastest(room, config.reaction_time + age(sensor.tick, now), deceleration))
+            allowed = min(allowed, self._fastest(room, age(sensor.tick, now)))
         seen = f"{sensor.name} sees something at {ping.distance:.2f} m"
         too_close = room - came < config.release if self._blocked else room <= 0.0
         if too_close or allowed < config.slowest:
             return self._block(sensor.name, seen)
-        if came + stopping_distance(motion.speed(self.sign), config.reaction_time, deceleration) > room:
+        if came + self._stops_within(motion.speed(self.sign)) > room:
             # The robot is faster than it may be: power off brakes harder than a lower level does.
             return self._block(sensor.name, f"{seen}, braking")
         return self._verdict(allowed, sensor.name, seen)
 
+    def _by_held(self, silent: list[Sensor], motion: Motion, now: RobotTime) -> list[Verdict]:
+        """Towards where something was heard until lately: what hears nothing there now may have gone deaf.
+
+        It blocks for a moment, and says so; then it may be approached as slowly as what no sensor has proved.
+        """
+        config, names = self._config, " and ".join(sensor.name for sensor in silent)
+        slow = config.unproved_linear
+        verdicts = []
+        if heard := self._held.ahead(motion.place, self.sign):
+            room, speed = heard.distance - config.margin, motion.speed(self.sign)
+            reason = f"{names}: silent where {heard.sensor} heard something until lately"
+            if self._stops_within(speed) > room and (
+                speed > _STUTTER * slow or min(sensor.quiet(now) for sensor in silent) < config.held_block
+            ):
+                verdicts.append(self._block(silent[0].name, reason))
+            else:
+                allowed = max(slow, self._fastest(room))
+                verdicts.append(self._verdict(allowed, silent[0].name, reason))
+        if heard := self._held.beside(motion.place, self.sign):
+            reason = f"{names}: silent beside where {heard.sensor} heard something until lately"
+            verdicts.append(self._verdict(max(slow, self._fastest(heard.distance)), silent[0].name, reason))
+        return verdicts
+
     def _by_memory(self, obstruction: Obstruction) -> Verdict:
-        allowed = self.speed_before(obstruction.distance)
+        allowed = self.speed_towards(obstruction)
         side = "left" if obstruction.bearing > 0.0 else "right"
         reason = f"{obstruction.sensor} has heard something to the {side}, where no sensor looks now"
         if allowed < self._config.slowest:
             return self._block(obstruction.sensor, reason)
         return self._verdict(allowed, obstruction.sensor, reason)
+
+    def _fastest(self, room: float, old: float = 0.0) -> float:
+        """m/s from which the robot stops within `room` m, by what is `old` s old."""
+        config = self._config
+        return fastest(room, config.reaction_time + old, config.deceleration or _UNMEASURED)
+
+    def _stops_within(self, speed: float) -> float:
+        """m that it takes to stop from `speed` (m/s)."""
+        return stopping_distance(speed, self._config.reaction_time, self._config.deceleration or _UNMEASURED)
 
     def _block(self, sensor: str, reason: str) -> Verdict:
         return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=reason, way_out="")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 import msgspec
 
 from giraff_guard.config import GuardConfig
+from giraff_guard.geometry import Point, View, until_touch
 from giraff_guard.motion import Place
 from giraff_guard.sensor import Ping, Sensor
 
@@ -23,7 +25,7 @@ class _Echo(msgspec.Struct):
     x: float
     y: float
     sensor: str
-    ends: tuple[tuple[float, float], tuple[float, float]]
+    ends: tuple[Point, Point]
     """Where else it may be: at either edge of the cone that it was seen in."""
     robot_ns: int
     travel: float
@@ -40,6 +42,8 @@ class Obstruction(NamedTuple):
     """Which has heard it."""
     bearing: float
     """rad from the robot's heading, left positive."""
+    is_old: bool
+    """Whether it was heard so long ago that it may have gone."""
 
 
 class Echoes:
@@ -64,7 +68,7 @@ class Echoes:
         An echo is remembered, and counts once two more came from the same place.
         What the sensor would hear now, wherever in its cone it was, and does not, is gone at the second reading.
         """
-        view = _View(sensor, ping.place)
+        view = View(sensor.pose, ping.place)
         half_cone = self._config.half_cone
         for echo in self._echoes:
             if all(view.holds(x, y, 1.02 * half_cone, ping.distance - self._config.agreement) for x, y in echo.ends):
@@ -93,76 +97,23 @@ class Echoes:
             and travel - echo.travel <= self._config.memory_travel
         ]
 
-    def first_in_the_way(self, place: Place, sign: float, curvature: float = 0.0) -> Obstruction | None:
-        """What a footprint driving forward (1) or backward (-1) meets first.
+    def in_the_way(self, place: Place, sign: float, robot_ns: int, curvature: float = 0.0) -> Iterator[Obstruction]:
+        """What a footprint driving forward (1) or backward (-1) meets.
 
         `curvature`: angular_z / linear_x, 1/m: the arc's centre lies 1/curvature to the left, whichever way it goes.
         """
-        found: Obstruction | None = None
         for echo in self._echoes:
             if echo.seen < _SURE:
                 continue
-            x, y = _seen_from(place, echo)
-            distance = _until_touch(x * sign, y, curvature, self._reach)
-            if distance is not None and (found is None or distance < found.distance):
-                found = Obstruction(distance, echo.sensor, math.atan2(y, x))
-        return found
+            x, y = place.sees(echo.x, echo.y)
+            distance = until_touch(x * sign, y, curvature, self._reach)
+            if distance is not None:
+                is_old = (robot_ns - echo.robot_ns) * 1e-9 > self._config.memory_block
+                yield Obstruction(distance, echo.sensor, math.atan2(y, x), is_old)
 
     def touching(self, place: Place) -> str:
         """The sensor whose echo lies within the footprint and its margin; empty where none does."""
         for echo in self._echoes:
-            if echo.seen >= _SURE and math.hypot(*_seen_from(place, echo)) < self._reach:
+            if echo.seen >= _SURE and math.hypot(*place.sees(echo.x, echo.y)) < self._reach:
                 return echo.sensor
         return ""
-
-
-class _View:
-    """What a sensor looks at, with the robot at `place`."""
-
-    def __init__(self, sensor: Sensor, place: Place) -> None:
-        cos, sin = math.cos(place.yaw), math.sin(place.yaw)
-        self._x = place.x + cos * sensor.pose.x - sin * sensor.pose.y
-        self._y = place.y + sin * sensor.pose.x + cos * sensor.pose.y
-        self._axis = place.yaw + sensor.pose.yaw
-
-    def point(self, distance: float, off: float) -> tuple[float, float]:
-        """The point `distance` m away, `off` rad beside the axis."""
-        return self._x + distance * math.cos(self._axis + off), self._y + distance * math.sin(self._axis + off)
-
-    def holds(self, x: float, y: float, half_cone: float, distance: float) -> bool:
-        """Whether a point lies within the cone and nearer than `distance` m."""
-        off = math.remainder(math.atan2(y - self._y, x - self._x) - self._axis, math.tau)
-        return abs(off) <= half_cone and math.hypot(x - self._x, y - self._y) < distance
-
-
-def _seen_from(place: Place, echo: _Echo) -> tuple[float, float]:
-    """An echo in the robot's frame."""
-    cos, sin = math.cos(place.yaw), math.sin(place.yaw)
-    x, y = echo.x - place.x, echo.y - place.y
-    return cos * x + sin * y, cos * y - sin * x
-
-
-def _until_touch(x: float, y: float, curvature: float, radius: float) -> float | None:
-    """m that a disc at the origin goes along x, or on the arc about (0, 1/curvature), until it touches (x, y).
-
-    None when it never does. What it already covers is in the way of going nearer, and only of that.
-    """
-    if math.hypot(x, y) < radius:
-        return 0.0 if x > 0.0 else None
-    if abs(curvature) < 1e-3:
-        if x <= 0.0 or abs(y) >= radius:
-            return None
-        return x - math.sqrt(radius * radius - y * y)
-    turn = 1.0 / curvature
-    to_centre = math.hypot(x, y - turn)
-    if to_centre < 1e-9:
-        return None  # the arc goes round it
-    cos = (turn * turn + to_centre * to_centre - radius * radius) / (2.0 * abs(turn) * to_centre)
-    if cos >= 1.0:
-        return None
-    if cos <= -1.0:
-        return 0.0  # on the rim, and every way round leads over it
-    # Angles about the arc's centre, in the direction of travel.
-    angle = math.atan2(x, turn - y) if turn > 0.0 else math.atan2(x, y - turn)
-    turned = (angle - math.acos(cos)) % math.tau
-    return abs(turn) * turned if turned < math.tau - 1e-6 else 0.0  # it touches already, but for rounding

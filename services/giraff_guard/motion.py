@@ -34,6 +34,12 @@ class Place(NamedTuple):
         direction = self.yaw + axis
         return (other.x - self.x) * math.cos(direction) + (other.y - self.y) * math.sin(direction)
 
+    def sees(self, x: float, y: float) -> tuple[float, float]:
+        """A point of the frame, as m ahead of here and m to the left."""
+        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
+        x, y = x - self.x, y - self.y
+        return cos * x + sin * y, cos * y - sin * x
+
 
 class _Moment(NamedTuple):
     robot_ns: int
@@ -56,6 +62,8 @@ class Motion:
         self._measured = self.place  # at the newest report
         self.travel = 0.0
         """m the centre has made since the beginning, backwards counted too."""
+        self.turned = 0.0
+        """rad it has turned since the beginning, either way."""
         self.breaks = 0
         """How often the wheels' counters could not be followed."""
 
@@ -79,7 +87,7 @@ class Motion:
             else:
                 distance, turn = (left + right) / 2.0, (right - left) / self._robot.track_width
         self._measured = self._measured.moved(distance, turn)  # not from where it was reckoned meanwhile
-        self._reach(wheels.tick.robot_ns, self._measured, abs(distance))
+        self._reach(wheels.tick.robot_ns, self._measured, abs(distance), abs(turn))
 
     def on_passed(self, linear_x: float, angular_z: float, now: RobotTime) -> None:
         """What the guard lets through from now on."""
@@ -101,7 +109,7 @@ class Motion:
             return
         _, driving, turning = self._passed[-1] if self._passed else (0, 0.0, 0.0)
         self.place = self._moments[-1].place.moved(driving * seconds, turning * seconds)
-        self._reach(now.robot_ns, self.place, abs(driving * seconds))
+        self._reach(now.robot_ns, self.place, abs(driving * seconds), abs(turning * seconds))
 
     def place_at(self, robot_ns: int) -> Place:
         """Where the robot was; the oldest place that is known for what lies before it."""
@@ -128,9 +136,10 @@ class Motion:
             return max(measured, min(passed, default=0.0))
         return max(passed, default=0.0)
 
-    def _reach(self, robot_ns: int, place: Place, distance: float) -> None:
+    def _reach(self, robot_ns: int, place: Place, distance: float, turn: float) -> None:
         self.place = place
         self.travel += distance
+        self.turned += turn
         if self._moments and robot_ns <= self._moments[-1].robot_ns:
             robot_ns = self._moments.pop().robot_ns
         self._moments.append(_Moment(robot_ns, place))

@@ -63,7 +63,7 @@ class Obstacles:
         self._motion.look(now)
         sensor.on_range(reading, self._motion, now)
         for direction in (self._forward, self._backward):
-            direction.on_reading(sensor.name)
+            direction.on_reading(sensor)
         ping = sensor.newest
         if ping is not None and self._motion.heard:
             self._echoes.take(sensor, ping, self._motion.travel)
@@ -108,7 +108,7 @@ class Obstacles:
         if linear != 0.0:
             direction = self._forward if linear > 0.0 else self._backward
             verdict = self._verdicts.forward if linear > 0.0 else self._verdicts.backward
-            allowed, why = self._on_this_path(verdict, direction, angular / linear)
+            allowed, why = self._on_this_path(verdict, direction, angular / linear, now)
             if allowed == 0.0:
                 # Nothing is left of the curve: the rotation is judged alone, and passes slowly. Never a trap.
                 linear = 0.0
@@ -156,13 +156,16 @@ class Obstacles:
         slower = f"slowed: this robot turns at {largest:g} rad/s at most"
         return linear * share, math.copysign(largest, angular), slower
 
-    def _on_this_path(self, verdict: Verdict, direction: Direction, curvature: float) -> tuple[float, str]:
+    def _on_this_path(
+        self, verdict: Verdict, direction: Direction, curvature: float, now: RobotTime
+    ) -> tuple[float, str]:
         """The speed along a curve and why: a curve sweeps what straight ahead does not."""
         why = f"{verdict.reason}; {verdict.way_out}" if verdict.way_out else verdict.reason
-        obstruction = self._echoes.first_in_the_way(self._motion.place, direction.sign, curvature)
+        swept = self._echoes.in_the_way(self._motion.place, direction.sign, now.robot_ns, curvature)
+        obstruction = min(swept, key=direction.speed_towards, default=None)
         if obstruction is None:
             return verdict.allowed, why
-        allowed = direction.speed_before(obstruction.distance)
+        allowed = direction.speed_towards(obstruction)
         if allowed >= verdict.allowed:
             return verdict.allowed, why
         side = "left" if obstruction.bearing > 0.0 else "right"

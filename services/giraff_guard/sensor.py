@@ -7,6 +7,7 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_guard.config import GuardConfig
+from giraff_guard.hearing import Hearing
 from giraff_guard.motion import Motion, Place
 from giraff_guard.self_test import SelfTest
 from giraff_node.freshness import age
@@ -36,7 +37,9 @@ class Sensor:
         self._config = config
         self._pings: deque[Ping] = deque(maxlen=_KEPT)
         self._reading: Range | None = None
-        self._proof: tuple[int, float] | None = None  # robot_ns and travel at the last plausible echo
+        self._hearing = Hearing(config)
+        self.surest: Ping | None = None
+        """The last echo that follows from an echo just before it: both are of one surface."""
         self._lost: tuple[Place, float] | None = None  # where the robot was when a touching echo was lost, m
         self._self_test = SelfTest(config)
 
@@ -44,6 +47,7 @@ class Sensor:
         """Judge by this from now on."""
         self._config = config
         self._self_test.reconfigure(config)
+        self._hearing.reconfigure(config)
 
     @property
     def tick(self) -> RobotTime | None:
@@ -73,13 +77,16 @@ class Sensor:
             before = None
         self._note_loss(ping)
         self._pings.append(ping)
-        follows = before is not None and self._compare(before, ping) == 0
         both_echoes = before is not None and before.echo and ping.echo
+        follows = before is not None and self._follows(before, ping)
         if motion.heard:
             pulse = reading.echo_us if ping.echo else None
             self._self_test.on_reading(pulse, ping.place, self.pose.yaw, both_echoes and not follows)
+        *earlier, _ = self._pings
+        if ping.echo and any(each.echo and self._follows(each, ping) for each in earlier):
+            self._hearing.prove(ping.robot_ns, motion)
         if both_echoes and follows:
-            self._proof = (ping.robot_ns, motion.travel)
+            self.surest = ping
 
     def blindness(self, now: RobotTime) -> str:
         """Why the sensor does not count at all; empty when it does."""
@@ -99,15 +106,28 @@ class Sensor:
         return ""
 
     def doubt(self, motion: Motion, now: RobotTime) -> str:
-        """Why it is worth no more than creeping; empty when it is."""
+        """Why its silence is worth less than an echo; empty when it is not."""
         if self._self_test.wild:
             return f"{self.name} jumps as no surface does; face a wall squarely, else check the sensor"
-        if self._proof is None:
-            return f"{self.name} has not proved that it hears; face a wall within {self._config.reach:g} m"
-        since, travel = (now.robot_ns - self._proof[0]) * 1e-9, motion.travel - self._proof[1]
-        if since <= self._config.proof_time or travel <= self._config.proof_travel:
-            return ""
-        return f"{self.name} has heard nothing for {since:.0f} s and {travel:.0f} m; face a wall to prove that it hears"
+        if self._hearing.doubt(motion, now) > 0.0:
+            return f"{self.name} has not proved lately that it hears; face a wall within {self._config.reach:g} m"
+        return ""
+
+    def worth(self, motion: Motion, now: RobotTime, most: float) -> float:
+        """m/s that its silence allows, `most` where it is not in doubt."""
+        if self._self_test.wild:
+            return self._config.creep_linear
+        least = min(most, self._config.unproved_linear)
+        return most - self._hearing.doubt(motion, now) * (most - least)
+
+    @property
+    def is_silent(self) -> bool:
+        """Whether it hears nothing now: no echo among the readings that count."""
+        return not any(ping.echo for ping in list(self._pings)[-2:])
+
+    def quiet(self, now: RobotTime) -> float:
+        """s since its last plausible echo; infinite before the first."""
+        return math.inf if self.surest is None else (now.robot_ns - self.surest.robot_ns) * 1e-9
 
     def lost(self, motion: Motion) -> bool:
         """Whether an echo was lost so near that what gave it may touch the sensor.
@@ -166,6 +186,10 @@ class Sensor:
             self._lost = (last.place, last.distance)
         elif ping.echo and ping.distance < self._config.near:
             self._lost = None  # it is there again
+
+    def _follows(self, one: Ping, other: Ping) -> bool:
+        """Whether `other` may show what `one` did."""
+        return self._compare(one, other) == 0
 
     def _walked(self, one: Ping, other: Ping) -> float:
         """m that a person may have walked between two readings."""

@@ -181,6 +181,16 @@ class Room:
         """What stands in the room."""
         return sorted({segment.name for segment in self._segments} | {post.name for post in self._posts})
 
+    @property
+    def surfaces(self) -> range:
+        """The numbers of all surfaces."""
+        return range(len(self._segments) + len(self._posts))
+
+    def name_of(self, surface: int) -> str:
+        """What one surface is called."""
+        walls = len(self._segments)
+        return self._segments[surface].name if surface < walls else self._posts[surface - walls].name
+
     def clearance(self, x: float, y: float) -> float:
         """m from a point to the nearest surface; infinite in an empty room."""
         return self.nearest(x, y)[0]
@@ -207,14 +217,34 @@ class Room:
         return best, from_x / norm, from_y / norm
 
     def distance(self, surface: int, x: float, y: float) -> float:
-        """m from a point to one surface."""
+        """m from a point to one surface; negative in a post."""
         if surface >= len(self._segments):
             post = self._posts[surface - len(self._segments)]
             return math.hypot(x - post.x, y - post.y) - post.radius
+        return math.dist((x, y), self.nearest_of(surface, x, y))
+
+    def nearest_of(self, surface: int, x: float, y: float) -> Point:
+        """The point of one surface that is nearest to a point."""
+        if surface >= len(self._segments):
+            post = self._posts[surface - len(self._segments)]
+            share = post.radius / math.hypot(x - post.x, y - post.y)
+            return post.x + (x - post.x) * share, post.y + (y - post.y) * share
         segment = self._segments[surface]
-        offset_x, offset_y = x - segment.x, y - segment.y
-        part = min(segment.length, max(0.0, offset_x * segment.along_x + offset_y * segment.along_y))
-        return math.hypot(offset_x - part * segment.along_x, offset_y - part * segment.along_y)
+        part = (x - segment.x) * segment.along_x + (y - segment.y) * segment.along_y
+        part = min(segment.length, max(0.0, part))
+        return segment.x + part * segment.along_x, segment.y + part * segment.along_y
+
+    def points_at(self, wall: int, x: float, y: float, distance: float) -> tuple[Point, Point]:
+        """The two points of a wall's line that are `distance` m from a point; its foot twice where none is."""
+        segment = self._segments[wall]
+        foot = (x - segment.x) * segment.along_x + (y - segment.y) * segment.along_y
+        across = (y - segment.y) * segment.along_x - (x - segment.x) * segment.along_y
+        half = math.sqrt(max(0.0, distance**2 - across**2))
+        begin, end = foot - half, foot + half
+        return (
+            (segment.x + begin * segment.along_x, segment.y + begin * segment.along_y),
+            (segment.x + end * segment.along_x, segment.y + end * segment.along_y),
+        )
 
     def facing(self, x: float, y: float) -> list[float]:
         """Directions (radians) from a point to every surface point whose normal aims back at it."""

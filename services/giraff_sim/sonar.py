@@ -17,7 +17,7 @@ import msgspec
 from giraff_node.robot import SensorPose
 from giraff_schemas.wire import ECHO_US_PER_M
 from giraff_sim.config import SimConfig
-from giraff_sim.room import Hit, Pose, Room
+from giraff_sim.room import Hit, Point, Pose, Room
 from giraff_sim.truth import EXACT, Truth
 
 SILENT_US: Final = 0.0  # for board_model.h: the echo line never rises
@@ -71,12 +71,14 @@ class Sonar:
         self.must_have_heard: tuple[Pose, Hit | None, int] | None = None
         """Of the newest ping: where the robot was, what a sound sensor heard for certain, and the room's version; None
         of one that was not sound."""
+        self.measured: float | None = None
+        """m that the newest ping measured; None where nothing answered, or where the ping was not sound."""
         self._last_us = NO_ECHO_US
 
     def echo_us(self, robot: Pose) -> float:
         """Ping with the robot at `robot`: the echo pulse's length, or SILENT_US, or STUCK_US."""
         self.pings += 1
-        self.must_have_heard = None
+        self.must_have_heard = self.measured = None
         match self.fault:
             case SonarFault.DEAD:
                 return SILENT_US
@@ -92,6 +94,7 @@ class Sonar:
                 return self._wild.uniform(SHORTEST, RANGE) * ECHO_US_PER_M
             case SonarFault.NONE | SonarFault.WILD_SOME:
                 self._last_us = self._pulse_us(self._ping(robot))
+                self.measured = self._last_us / ECHO_US_PER_M if self._last_us < NO_ECHO_US else None
             case SonarFault.FROZEN:
                 pass
         return self._last_us
@@ -108,6 +111,17 @@ class Sonar:
         """The same with the surface that gives the echo."""
         origin = self.origin(robot)
         return self._surest(sorted(self.hits(origin)), origin.yaw)
+
+    def echo_point(self, robot: Pose, echo: Hit) -> Point:
+        """Where a surface gave this echo: of a wall's two points that far away, the one nearer to the sensor's axis."""
+        origin = self.origin(robot)
+        if echo.round:
+            return self._room.nearest_of(echo.surface, origin.x, origin.y)
+
+        def off_axis(point: Point) -> float:
+            return abs(math.remainder(math.atan2(point[1] - origin.y, point[0] - origin.x) - origin.yaw, math.tau))
+
+        return min(self._room.points_at(echo.surface, origin.x, origin.y, echo.distance), key=off_axis)
 
     def origin(self, robot: Pose) -> Pose:
         """Where the sensor truly is, and looks, with the robot at `robot`."""

@@ -12,6 +12,7 @@ WHITE: Final[Colour] = (230, 230, 230)
 GREY: Final[Colour] = (120, 120, 120)
 GREEN: Final[Colour] = (40, 190, 80)
 AMBER: Final[Colour] = (255, 176, 0)
+OLIVE: Final[Colour] = (140, 140, 40)
 RED: Final[Colour] = (240, 50, 50)
 VIOLET: Final[Colour] = (170, 90, 230)
 BLUE: Final[Colour] = (70, 140, 255)
@@ -22,5 +23,11 @@ ROBOT: Final = WHITE
 PATH: Final = BLUE
 TILT: Final = PINK
 
-CONES: Final[dict[ConeState, Colour]] = {"free": GREEN, "near": AMBER, "blocked": RED, "fault": VIOLET}
+CONES: Final[dict[ConeState, Colour]] = {
+    "free": GREEN,
+    "near": AMBER,
+    "blocked": RED,
+    "doubted": OLIVE,
+    "fault": VIOLET,
+}
 LEVELS: Final[dict[str, Colour]] = {"INFO": WHITE, "WARN": AMBER, "ERROR": RED}

@@ -6,7 +6,7 @@ from typing import Final, Literal
 
 from giraff_schemas.messages import GuardState, Range
 
-ConeState = Literal["free", "near", "blocked", "fault"]
+ConeState = Literal["free", "near", "blocked", "doubted", "fault"]
 
 NEAR: Final = 1.0  # m; an echo from nearer is worth a look
 STALE: Final = 0.5  # s; guard no longer counts on a reading that is older than 0.4 s
@@ -39,8 +39,10 @@ class Cone:
 
     def state(self, now_ns: int) -> ConeState:
         """The worst that is known of it."""
-        if self._stale(now_ns) or self._distrust or (self._reading is not None and self._reading.state == "fault"):
+        if self._reading is None or self._stale(now_ns) or self._reading.state == "fault":
             return "fault"
+        if self._distrust:
+            return "doubted" if self._reading.state == "clear" else "fault"
         if self._blocks:
             return "blocked"
         return "free" if self.distance is None or self.distance > NEAR else "near"
@@ -54,4 +56,4 @@ class Cone:
         return self._reading.reason or self._distrust
 
     def _stale(self, now_ns: int) -> bool:
-        return self._reading is None or (now_ns - self._read_ns) * 1e-9 > STALE
+        return (now_ns - self._read_ns) * 1e-9 > STALE

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.loop.reaction import quantile
-from tests.loop.rooms import WILD_SHARE, cross
+from tests.loop.rooms import WILD_SHARE, crossings
 
 ROOMS = 1000
 
 
 def test_rooms() -> None:
-    crossings = {seed: crossing for seed in range(ROOMS) if (crossing := cross(seed)) is not None}
-    seconds = [crossing.seconds for crossing in crossings.values()]
+    crossed = crossings(range(ROOMS))
+    seconds = [crossing.seconds for crossing in crossed.values()]
     figures = {
         "wild_share": WILD_SHARE,
         "rooms": ROOMS,
-        "rooms_with_a_way": len(crossings),
-        "not_reached": {seed: crossing.why for seed, crossing in crossings.items() if not crossing.reached},
+        "rooms_with_a_way": len(crossed),
+        "not_reached": {seed: crossing.why for seed, crossing in crossed.items() if not crossing.reached},
         "seconds_median": round(quantile(seconds, 0.5), 1),
         "seconds_max": round(max(seconds), 1),
-        "contacts": sum(crossing.contacts for crossing in crossings.values()),
-        "rooms_with_a_contact": sum(crossing.contacts > 0 for crossing in crossings.values()),
-        "contacts_towards_an_echo": {seed: c.towards_an_echo for seed, c in crossings.items() if c.towards_an_echo},
+        "contacts": sum(crossing.contacts for crossing in crossed.values()),
+        "rooms_with_a_contact": sum(crossing.contacts > 0 for crossing in crossed.values()),
+        "contacts_towards_an_echo": {seed: c.towards_an_echo for seed, c in crossed.items() if c.towards_an_echo},
     }
     print(write_record("rooms", figures, judged(__name__, also=FIRMWARE)).read_text())
     assert figures["not_reached"] == {}

@@ -6,7 +6,7 @@ import heapq
 import math
 import random
 from collections import defaultdict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any, Final, NamedTuple
 
 import msgspec
@@ -32,7 +32,7 @@ _WRIST_S: Final = 0.15  # s, time constant: a hand that jerks is taken for a joy
 _STUCK_S: Final = 3.0  # s without 5 cm of way, though forward is allowed
 _SURE: Final = math.cos(math.radians(25.0))  # of the incidence
 _REACTION_US: Final = 60_000
-_NEARLY: Final = 0.06  # m between an echo and the surface that gave it, with what the robot moved meanwhile
+NEARLY: Final = 0.06  # m between an echo and the surface that gave it, with what the robot moved meanwhile
 
 Cell = tuple[int, int]
 
@@ -93,6 +93,22 @@ def has_way(room: Room) -> bool:
     return bool(shortest(cell_of(*START), cell_of(*EXIT), cost))
 
 
+class Wrist:
+    """Holds the joystick as it is meant to be, no faster than a hand moves."""
+
+    def __init__(self) -> None:
+        self._held: Vector = LEVEL
+        self._time = 0.0
+
+    def towards(self, meant: Vector, seconds: float) -> Vector:
+        """How it is held at `seconds`, having been meant so since the last time."""
+        passed, self._time = seconds - self._time, seconds
+        share = 1.0 - math.exp(-passed / _WRIST_S)
+        x, y, z = (held + (to - held) * share for held, to in zip(self._held, meant, strict=True))
+        self._held = (x, y, z)
+        return self._held
+
+
 class Explorer:
     """Knows where it is and where the exit is; of what stands between, only what the verdicts say.
 
@@ -111,19 +127,15 @@ class Explorer:
         self._until = 0.0
         self._got_on = (0.0, Pose(math.inf, math.inf, 0.0))
         self._meant: Vector = LEVEL
-        self._held: Vector = LEVEL
-        self._time = self._next = 0.0
+        self._wrist = Wrist()
+        self._next = 0.0
 
     def acceleration(self, seconds: float, robot: Pose) -> Vector:
-        passed, self._time = seconds - self._time, seconds
         if seconds >= self._next:
             self._next = seconds + 0.04
             wish = self._wish(seconds, robot, self._loop.newest["guard"])
             self._meant = tilted(*wish).acceleration(seconds, robot)
-        share = 1.0 - math.exp(-passed / _WRIST_S)
-        x, y, z = (held + (meant - held) * share for held, meant in zip(self._held, self._meant, strict=True))
-        self._held = (x, y, z)
-        return self._held
+        return self._wrist.towards(self._meant, seconds)
 
     def _wish(self, seconds: float, robot: Pose, state: Any) -> tuple[float, float]:
         if self._backed_from is not None:
@@ -218,6 +230,11 @@ def cross(seed: int) -> Crossing | None:
         )
 
 
+def crossings(seeds: Iterable[int]) -> dict[int, Crossing]:
+    """What becomes of these rooms, by seed; none where there is no way."""
+    return {seed: crossing for seed in seeds if (crossing := cross(seed)) is not None}
+
+
 class _Heard:
     """The last two echoes of each sensor that invariant (e) speaks of: of a surface in the cone, up to 25° slanted."""
 
@@ -238,7 +255,7 @@ class _Heard:
             seen = math.inf  # a wild reading, or none, is of nothing
             for hit in sonar.hits(origin):
                 incidence = hit.incidence if hit.round else world.room.incidence(hit.surface, origin.yaw)
-                if incidence >= _SURE and reading.range is not None and abs(hit.distance - reading.range) < _NEARLY:
+                if incidence >= _SURE and reading.range is not None and abs(hit.distance - reading.range) < NEARLY:
                     seen = reading.range
             self._echoes[sensor].append(_Echo(seen, world.plant.path_length, self._loop.simulation.now_us))
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from tests.loop.rooms import cross, has_way
+from tests.loop.rooms import crossings, has_way
 from tests.sim.robots import proving_room
 
 ROOMS = range(12)
 
 
 def test_whoever_follows_the_verdicts_gets_through() -> None:
-    crossings = {seed: crossing for seed in ROOMS if (crossing := cross(seed)) is not None}
-    lost = {seed: crossing.why for seed, crossing in crossings.items() if not crossing.reached}
-    contacts = sum(crossing.contacts for crossing in crossings.values())
-    print(f"{len(crossings)} of {len(ROOMS)} rooms have a way; {contacts} contacts in them")
+    crossed = crossings(ROOMS)
+    lost = {seed: crossing.why for seed, crossing in crossed.items() if not crossing.reached}
+    contacts = sum(crossing.contacts for crossing in crossed.values())
+    print(f"{len(crossed)} of {len(ROOMS)} rooms have a way; {contacts} contacts in them")
     assert lost == {}
-    assert len(crossings) >= len(ROOMS) // 2
-    assert sum(crossing.towards_an_echo for crossing in crossings.values()) == 0
+    assert len(crossed) >= len(ROOMS) // 2
+    assert sum(crossing.towards_an_echo for crossing in crossed.values()) == 0
 
 
 @pytest.mark.parametrize(("gap", "way"), [(1.3, True), (1.0, False)])

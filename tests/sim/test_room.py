@@ -145,6 +145,21 @@ def test_nothing_faces_a_point_nearer_than_the_nearest_surface(x: float, y: floa
     assert math.hypot(normal[1], normal[2]) == pytest.approx(1.0)
 
 
+@given(coordinates, coordinates, st.floats(0.1, 9.0))
+def test_the_points_of_a_surface_lie_on_it(x: float, y: float, distance: float) -> None:
+    room = Room("some", ORIGIN)
+    room.add_wall("wall", [(-4.0, 3.5), (4.0, 3.5)])
+    room.add_post("post", 0.0, -4.0, 0.5)
+    assert [room.name_of(surface) for surface in room.surfaces] == ["wall", "post"]
+    for surface in room.surfaces:
+        nearest = room.nearest_of(surface, x, y)
+        assert room.distance(surface, *nearest) == pytest.approx(0.0, abs=1e-9)
+        assert math.dist(nearest, (x, y)) == pytest.approx(room.distance(surface, x, y))
+    for point in room.points_at(0, x, y, distance):
+        assert point[1] == 3.5
+        assert math.dist(point, (x, y)) == pytest.approx(max(distance, 3.5 - y))
+
+
 def test_a_post_is_met_at_its_near_side() -> None:
     room = empty_room()
     room.add_post("post", 2.0, 0.0, 0.5)

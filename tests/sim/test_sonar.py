@@ -159,6 +159,20 @@ def test_wild_pings_are_independent_the_seeds_and_leave_the_others_as_they_were(
     assert [echo for echo in told if echo in honest] == honest[: sum(echo in honest for echo in told)]
 
 
+def test_only_a_sound_ping_has_measured_something() -> None:
+    sonar = sonar_in(room_with_wall(1.0), noise=0.003)
+    told = sonar.echo_us(ORIGIN)
+    assert sonar.measured == told / 5800.0
+    for fault in set(SonarFault) - {SonarFault.NONE, SonarFault.WILD_SOME}:
+        sonar.fault = fault
+        sonar.echo_us(ORIGIN)
+        assert sonar.measured is None
+    sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, 0.5
+    pings = [(sonar.echo_us(ORIGIN) / 5800.0, sonar.measured) for _ in range(100)]
+    assert all(measured == (told if abs(told - 1.0) < 0.02 else None) for told, measured in pings)
+    assert {measured is None for _, measured in pings} == {True, False}
+
+
 def test_faults() -> None:
     room = room_with_wall(1.0)
     sonar = sonar_in(room)

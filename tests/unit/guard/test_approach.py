@@ -114,7 +114,7 @@ def test_no_approach_enters_the_margin(
 @given(wall=st.floats(0.7, 2.0), period=st.floats(0.06, 0.36), phase=st.floats(0.0, 0.18))
 def test_not_even_where_the_geometry_leaves_no_slack(wall: float, period: float, phase: float) -> None:
     """Head on, with a guard that counts on nothing but head on: only the timing keeps the margin."""
-    head_on = msgspec.structs.replace(CONFIG, incidence=1e-9, half_cone=1e-9)
+    head_on = msgspec.structs.replace(CONFIG, incidence=0.001, half_cone=0.001)
     approach = Approach(wall, 0.0, period, 0.03, phase, config=head_on)
     approach.run(5.0, lambda _: 0.6)
     assert approach.closest >= CONFIG.margin

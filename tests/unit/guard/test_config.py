@@ -45,5 +45,20 @@ def test_what_a_robot_file_leaves_out_is_what_safety_was_reckoned_with() -> None
     assert (default.reach, default.near, default.frozen_travel) == (4.0, 0.10, 0.20)
     assert [math.degrees(angle) for angle in (default.half_cone, default.incidence)] == pytest.approx([7.5, 25.0])
     assert (default.agreement, default.person_speed) == (0.10, 1.0)
-    assert (default.memory_range, default.memory_time, default.memory_travel) == (1.2, 10.0, 2.0)
-    assert default.memory_margin == 0.05
+    assert (default.memory_range, default.memory_time, default.memory_travel) == (1.6, 20.0, 2.0)
+    assert (default.memory_margin, default.memory_block) == (0.05, 8.0)
+    assert (default.proof_time, default.proof_travel, default.proof_turn) == (10.0, 1.2, 0.5)
+    assert (default.fade_time, default.fade_travel, default.unproved_linear) == (20.0, 2.0, 0.145)
+    assert (default.held_range, default.held_time, default.held_block) == (2.2, 20.0, 1.0)
+    assert (default.held_radius, default.held_beside) == (0.10, 0.3)
+
+
+@pytest.mark.parametrize("fields", [{"proof_time": 20.0}, {"fade_travel": 1.2}, {"proof_travel": 3.0}])
+def test_a_trust_that_fades_before_it_ends_is_refused(fields: dict[str, float]) -> None:
+    with pytest.raises(msgspec.ValidationError, match="proof_time < fade_time, proof_travel < fade_travel"):
+        msgspec.convert(fields, GuardConfig)
+
+
+def test_a_speed_towards_the_unproved_that_is_a_stop_is_refused() -> None:
+    with pytest.raises(msgspec.ValidationError, match="unproved_linear >= slowest"):
+        msgspec.convert({"unproved_linear": 0.02}, GuardConfig)

@@ -14,7 +14,7 @@ from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, FRONT, NEAR, ROBO
 
 WAYS = [("forward", 0.6, FRONT), ("backward", -0.6, ("rear",))]
 each_way = pytest.mark.parametrize(("way", "asked", "sensors"), WAYS, ids=["forward", "backward"])
-HEAD_ON = msgspec.structs.replace(CONFIG, incidence=1e-9, half_cone=1e-9)
+HEAD_ON = msgspec.structs.replace(CONFIG, incidence=0.001, half_cone=0.001)
 
 
 def assert_blocked(senses: Senses, way: str, sensor: str, *reasons: str) -> None:

@@ -4,28 +4,40 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from giraff_guard.echoes import Echoes, _until_touch
-from giraff_guard.motion import Place
+from giraff_guard.config import GuardConfig
+from giraff_guard.directions import Direction
+from giraff_guard.echoes import Echoes, Obstruction
+from giraff_guard.geometry import until_touch
+from giraff_guard.motion import Motion, Place
 from giraff_guard.sensor import Ping, Sensor
 from giraff_node.robot import SensorPose
-from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
+from giraff_schemas.messages import RobotTime
+from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, opened
 
 POST = 0.5  # m before the left sensor, so at (0.75, 0.15)
+MEMORY = msgspec.structs.replace(CONFIG, held_range=0.1)
+"""Nothing but the memory holds on to what was heard."""
 
 
-def passed_by(forward: float = 0.45, seconds: float = 2.0) -> Senses:
+def passed_by(forward: float = 0.45, seconds: float = 2.0, config: GuardConfig = MEMORY) -> Senses:
     """A post was heard by the left sensor; the robot then came nearer, and it is between the cones."""
-    senses = opened()
+    senses = opened(config=config)
     senses.cycle({"front_left": POST}, cycles=3)
     senses.linear = forward / seconds
     senses.cycle(None, cycles=round(seconds / CYCLE))
     senses.linear = 0.0
     senses.cycle(None, cycles=3)
     return senses
+
+
+def first(echoes: Echoes, place: Place, sign: float = 1.0, curvature: float = 0.0) -> Obstruction | None:
+    """What is met first."""
+    return min(echoes.in_the_way(place, sign, 0, curvature), key=lambda each: each.distance, default=None)
 
 
 def test_it_blocks_the_way_it_lies_in() -> None:
@@ -62,7 +74,7 @@ def test_turning_in_place_sweeps_nothing_but_what_touches_is_turned_past_slowly(
 
 def beside() -> Senses:
     """The post is now to the left of the robot, out of a straight path's way: it has turned away from it."""
-    senses = opened()
+    senses = opened(config=MEMORY)
     senses.cycle({"front_left": POST}, cycles=3)
     senses.angular = -0.5
     senses.cycle(None, cycles=round(1.0 / 0.5 / CYCLE))
@@ -99,21 +111,41 @@ def test_a_curve_that_would_touch_is_a_turn_in_place() -> None:
 
 def test_it_is_forgotten_when_nothing_answers_from_there_any_more() -> None:
     """From the same place, so that the sensor would hear it wherever in its cone it was."""
-    senses = opened()
+    senses = opened(config=MEMORY)
     senses.cycle({"front_left": POST}, cycles=3)
-    assert senses.obstacles._echoes.first_in_the_way(senses.obstacles._motion.place, 1.0) is not None
+    assert first(senses.obstacles._echoes, senses.obstacles._motion.place) is not None
     senses.cycle(None)
-    assert senses.obstacles._echoes.first_in_the_way(senses.obstacles._motion.place, 1.0) is not None
+    assert first(senses.obstacles._echoes, senses.obstacles._motion.place) is not None
     senses.cycle(None)
-    assert senses.obstacles._echoes.first_in_the_way(senses.obstacles._motion.place, 1.0) is None
+    assert first(senses.obstacles._echoes, senses.obstacles._motion.place) is None
 
 
-def test_it_is_forgotten_after_its_time() -> None:
+def test_it_blocks_for_its_time_then_slows_and_then_is_forgotten() -> None:
     senses = passed_by()
-    senses.cycle(None, cycles=round((CONFIG.memory_time - 3.5) / CYCLE))
+    senses.cycle(None, cycles=round((CONFIG.memory_block - 3.5) / CYCLE))
     assert senses.allowed() == 0.0
-    senses.cycle(None, cycles=round(3.5 / CYCLE))
-    assert senses.allowed() > 0.0
+    assert senses.passes(0.5, 0.0) == (0.0, 0.0)
+    senses.cycle({"front_right": FAR}, cycles=round(3.5 / CYCLE))
+    assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
+    assert senses.verdict().reason.endswith("to the left, where no sensor looks now")
+    assert senses.passes(0.5, 0.0)[0] == pytest.approx(CONFIG.unproved_linear)
+    senses.cycle(FAR, cycles=round((CONFIG.memory_time - CONFIG.memory_block) / CYCLE))
+    assert senses.verdict().freedom == "free"
+
+
+def test_what_is_old_does_not_hide_what_is_new() -> None:
+    echoes = Echoes(CONFIG, ROBOT.footprint_radius)
+    hear(echoes, 0.8)
+    motion = Motion(CONFIG, ROBOT)
+    motion.place = Place(0.4, 0.0, 0.0)
+    now = RobotTime(epoch=EPOCH, robot_ns=round((CONFIG.memory_block + 1.0) * 1e9))
+    forward = Direction("forward", CONFIG, ROBOT, [])
+    assert forward.judge(motion, echoes, now).allowed == CONFIG.creep_linear  # no sensor of its own
+    other = Sensor("other", SensorPose(index=1, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    for _ in range(3):
+        echoes.take(other, Ping(now.robot_ns, 0.85, True, Place(0.0, 0.05, 0.0)), 0.4)
+    judged = forward.judge(motion, echoes, now)
+    assert (judged.freedom, judged.sensor) == ("blocked", "other")
 
 
 def test_it_is_forgotten_after_its_way() -> None:
@@ -130,7 +162,8 @@ def test_it_is_forgotten_after_its_way() -> None:
         senses.wait(0.8)
     senses.linear = 0.0
     senses.cycle(None, cycles=8)
-    assert senses.verdict().freedom == "free"
+    assert first(senses.obstacles._echoes, senses.obstacles._motion.place) is None
+    assert "has not proved lately" in senses.verdict().reason
 
 
 def test_a_new_boot_of_the_wheels_board_forgets_it() -> None:
@@ -142,7 +175,7 @@ def test_a_new_boot_of_the_wheels_board_forgets_it() -> None:
 
 
 def test_what_moves_is_not_remembered() -> None:
-    senses = opened()
+    senses = opened(config=MEMORY)
     for step in range(6):
         senses.cycle({"front_left": 1.1 - 0.15 * step})
     senses.cycle(None, cycles=10)
@@ -150,7 +183,7 @@ def test_what_moves_is_not_remembered() -> None:
 
 
 def test_two_wild_echoes_are_not_remembered() -> None:
-    senses = opened()
+    senses = opened(config=MEMORY)
     senses.cycle({"front_left": 0.12}, cycles=2)
     senses.linear = 0.2
     senses.cycle(None, cycles=3)
@@ -185,7 +218,7 @@ def test_the_way_until_a_touch_is_the_one_of_small_steps(x: float, y: float, cur
     radius = 0.35
     assume(abs(math.hypot(x, y) - radius) > 0.006)  # on the rim either answer is right
     expected = stepped(x, y, curvature, radius)
-    found = _until_touch(x, y, curvature, radius)
+    found = until_touch(x, y, curvature, radius)
     if expected is None:
         # A path that only grazes may be told either way.
         nearer = stepped(x, y, curvature, radius + 0.005)
@@ -197,7 +230,7 @@ def test_the_way_until_a_touch_is_the_one_of_small_steps(x: float, y: float, cur
 
 
 def test_backwards_it_is_the_rear_sensors() -> None:
-    senses = opened()
+    senses = opened(config=MEMORY)
     senses.cycle({"rear": 0.5}, cycles=3)
     senses.linear = -0.225
     senses.cycle(None, cycles=round(2.0 / CYCLE))
@@ -211,7 +244,7 @@ def test_backwards_it_is_the_rear_sensors() -> None:
 
 def test_a_curve_backward_sweeps_the_side_it_turns_to() -> None:
     """The post is behind the robot to its right; backward with the nose to the left goes there."""
-    senses = opened()
+    senses = opened(config=MEMORY)
     senses.cycle({"rear": POST}, cycles=3)
     senses.linear = -0.25
     senses.cycle(None, cycles=7)
@@ -269,7 +302,7 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
     reach = radius + CONFIG.memory_margin
     assume(math.hypot(x - place.x, y - place.y) > reach + 0.01)  # what touches already may lie behind
     surely, perhaps = touched_after(reach - 0.01), touched_after(reach + 0.01)
-    found = echoes.first_in_the_way(place, sign, curvature)
+    found = first(echoes, place, sign, curvature)
     if surely is not None:
         assert found is not None
         assert found.distance <= surely
@@ -291,7 +324,7 @@ def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -
     echoes = Echoes(CONFIG, 0.3)
     for name, distance, y in zip(("one", "other"), distances, (0.0, 0.2), strict=True):
         hear(echoes, distance, name=name, y=y)
-    found = echoes.first_in_the_way(Place(0.0, 0.0, 0.0), 1.0)
+    found = first(echoes, Place(0.0, 0.0, 0.0))
     assert found is not None
     assert found.sensor == ("one" if distances[0] < distances[1] else "other")
     assert found.distance < 0.35
@@ -302,18 +335,18 @@ def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
     for number in range(4):
         sensor = Sensor(f"sensor {number % 2}", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
         echoes.take(sensor, Ping(number, 0.6, True, Place(0.0, 0.0, 0.0)), 0.0)
-    assert echoes.first_in_the_way(Place(0.0, 0.0, 0.0), 1.0) is None
+    assert first(echoes, Place(0.0, 0.0, 0.0)) is None
 
 
 def test_what_is_far_from_the_sensor_is_not_remembered() -> None:
     echoes = Echoes(CONFIG, 0.3)
     hear(echoes, CONFIG.memory_range + 0.01)
-    assert echoes.first_in_the_way(Place(0.0, 0.0, 0.0), 1.0) is None
+    assert first(echoes, Place(0.0, 0.0, 0.0)) is None
 
 
 def test_of_too_many_echoes_the_newest_are_kept() -> None:
     echoes = Echoes(CONFIG, 0.3)
     for number in range(100):
         hear(echoes, 1.0, y=float(number))
-    assert echoes.first_in_the_way(Place(0.0, 99.0, 0.0), 1.0) is not None
-    assert echoes.first_in_the_way(Place(0.0, 0.0, 0.0), 1.0) is None
+    assert first(echoes, Place(0.0, 99.0, 0.0)) is not None
+    assert first(echoes, Place(0.0, 0.0, 0.0)) is None

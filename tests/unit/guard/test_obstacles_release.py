@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import pytest
 
-from tests.unit.guard.senses import CYCLE, FAR, FRONT, NEAR, ROBOT, Senses, opened, robot_with
+from giraff_guard.config import GuardConfig
+from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, Senses, opened, robot_with
 
 SLOT = CYCLE / 3
 
 
-def stepped_in(sensors: tuple[str, ...] = FRONT) -> Senses:
+NOT_HELD = msgspec.structs.replace(CONFIG, held_range=0.1)
+"""What falls silent is gone."""
+
+
+def stepped_in(sensors: tuple[str, ...] = FRONT, config: GuardConfig = CONFIG) -> Senses:
     """Somebody has stepped in front of these sensors, and was heard twice."""
-    senses = opened()
+    senses = opened(config=config)
     senses.cycle(dict.fromkeys(sensors, NEAR), cycles=2)
     return senses
 
@@ -35,7 +41,7 @@ def test_two_contrary_readings_release_to_creep_and_each_further_one_adds_speed(
     sensors: tuple[str, ...], longer: float | None
 ) -> None:
     way = "backward" if sensors == ("rear",) else "forward"
-    senses = stepped_in(sensors)
+    senses = stepped_in(sensors, NOT_HELD)
     senses.cycle(dict.fromkeys(sensors, longer), cycles=2)
     allowed = [senses.allowed(way)]
     assert "speeding up" in senses.verdict(way).reason

@@ -105,3 +105,23 @@ def test_what_is_tightened_outlasts_a_new_epoch() -> None:
     senses.cycle(0.8, cycles=8)
     for way in ("forward", "backward"):
         assert senses.verdict(way).freedom == "blocked"
+
+
+def test_a_shorter_trust_in_silence() -> None:
+    senses = opened()
+    senses.cycle(None, cycles=30)
+    assert senses.verdict().freedom == "free"
+    tightened(senses, proof_time=1.0, fade_time=3.0)
+    assert senses.allowed() == pytest.approx(CONFIG.unproved_linear)
+
+
+def test_what_fell_silent_may_stand_farther_beside_its_spot() -> None:
+    senses = opened()
+    senses.cycle({"front_left": 0.5}, cycles=3)
+    senses.angular = -1.0
+    senses.cycle(None, cycles=8)
+    senses.angular = 0.0
+    tightened(senses, held_beside=0.01)
+    assert "beside" not in senses.verdict().reason
+    tightened(senses, held_beside=0.6)
+    assert "beside" in senses.verdict().reason

@@ -86,6 +86,14 @@ def test_a_sensor_that_the_guard_does_not_trust_is_a_fault() -> None:
     assert Cone("rear").reason(SECOND) == "not heard yet"
 
 
+def test_silence_that_the_guard_does_not_believe_is_a_doubt() -> None:
+    cone_ = Cone("rear")
+    cone_.read(reading("rear", None, "clear"), SECOND)
+    cone_.judge(msgspec.structs.replace(guard(verdict()), sensors={"rear": "has not proved lately that it hears"}))
+    assert (cone_.state(SECOND), cone_.reason(SECOND)) == ("doubted", "has not proved lately that it hears")
+    assert cone_.state(2 * SECOND) == "fault"
+
+
 def test_a_cone_reaches_to_the_echo() -> None:
     for distance, length in ((0.5, 0.5), (None, REACH), (9.0, REACH)):
         points = [point for strip in cone(distance) for point in strip]

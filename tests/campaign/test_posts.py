@@ -1,0 +1,47 @@
+"""Thin posts between and beside the cones, and somebody who pushes on: how many are touched, and how fast."""
+
+from __future__ import annotations
+
+import random
+
+from giraff_sim.config import SimConfig
+from tests.campaign.records import FIRMWARE, judged, write_record
+from tests.loop.loops import arm, closed_loop, drawn, hold
+from tests.sim.robots import empty_room
+
+DRIVES = 300
+PUSHES_S = 25.0
+_STEP_US = 4000
+_FAST = 0.2  # m/s
+
+
+def touch(seed: int) -> float | None:
+    """m/s at the first touch of a drive straight ahead at a post; None: it touches nothing."""
+    choose = random.Random(f"{seed}/post")
+    room = empty_room()
+    room.add_post("post", choose.uniform(1.2, 3.0), choose.uniform(-0.4, 0.4), choose.uniform(0.02, 0.15))
+    room.add_wall("wall", [(4.1, -4.0), (4.1, 4.0)])
+    with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed), step_us=_STEP_US) as loop:
+        plant = loop.simulation.world.plant
+        arm(loop)
+        hold(loop, x=choose.uniform(4.0, 7.5))
+        end = loop.simulation.now_us + round(PUSHES_S * 1e6)
+        speed = 0.0
+        while not plant.contacts:
+            if loop.simulation.now_us >= end:
+                return None
+            speed = plant.speed
+            loop.step()
+        return speed
+
+
+def test_posts() -> None:
+    touches = [speed for seed in range(DRIVES) if (speed := touch(seed)) is not None]
+    figures = {
+        "drives": DRIVES,
+        "touches": len(touches),
+        "faster_than_0.2_m_s": sum(speed > _FAST for speed in touches),
+        "fastest_m_s": round(max(touches, default=0.0), 2),
+    }
+    print(write_record("posts", figures, judged(__name__, also=FIRMWARE)).read_text())
+    assert figures["faster_than_0.2_m_s"] <= DRIVES // 10

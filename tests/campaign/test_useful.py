@@ -1,0 +1,20 @@
+"""How useful the robot is: what a change of the guard must not take from it."""
+
+from __future__ import annotations
+
+from tests.campaign.records import FIRMWARE, judged, write_record
+from tests.loop.useful import DEMO_SPEED, HALL_S, PASSED_S, RELEASE_MEDIAN_S, RELEASE_S, figures
+
+WORLD = "deploy/worlds/living_room.toml"
+
+
+def test_useful() -> None:
+    found = figures()
+    print(write_record("useful", found, judged(__name__, also=(*FIRMWARE, WORLD))).read_text())
+    assert found["hall_max_s"] <= HALL_S
+    assert found["passed_in_the_open_max_s"] <= PASSED_S
+    assert found["passed_before_a_wall_max_s"] <= PASSED_S
+    assert found["moves_before_a_wall_median_s"] <= RELEASE_MEDIAN_S
+    assert found["moves_before_a_wall_max_s"] <= RELEASE_S
+    assert found["demonstration_m_s"] >= 0.95 * DEMO_SPEED
+    assert found["contacts"] == 0

@@ -1,0 +1,321 @@
+"""A sensor that hears nothing may have gone deaf: how long its silence is believed, and what it heard before it."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+import pytest
+
+from giraff_guard.config import GuardConfig
+from giraff_guard.held import Held
+from giraff_guard.motion import Place
+from giraff_guard.sensor import Ping, Sensor
+from giraff_guard.stopping import stopping_distance
+from giraff_node.robot import SensorPose
+from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, opened
+
+FULL = ROBOT.max_wheel_speed
+SLOW = CONFIG.unproved_linear
+WALL = 1.5  # m before the sensors
+
+
+def silent_for(seconds: float, linear: float = 0.0, angular: float = 0.0) -> Senses:
+    """Proven far from anything, then hearing nothing for so long, the robot moving at this."""
+    senses = opened()
+    senses.linear, senses.angular = linear, angular
+    senses.cycle(None, cycles=round(seconds / CYCLE))
+    senses.linear = senses.angular = 0.0
+    return senses
+
+
+def faded(share: float) -> float:
+    return FULL - share * (FULL - SLOW)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "share"), [(1.0, 0.0), (9.5, 0.0), (12.5, 0.25), (17.5, 0.75), (20.5, 1.0), (60.0, 1.0)]
+)
+def test_silence_is_worth_less_after_ten_seconds(seconds: float, share: float) -> None:
+    assert silent_for(seconds).allowed() == pytest.approx(faded(share), abs=0.01)
+
+
+@pytest.mark.parametrize("speed", [0.3, -0.3])
+@pytest.mark.parametrize(("way", "share"), [(1.1, 0.0), (1.4, 0.25), (1.8, 0.75), (2.1, 1.0), (2.8, 1.0)])
+def test_silence_is_worth_less_after_so_much_way(way: float, share: float, speed: float) -> None:
+    assert silent_for(way / abs(speed), speed).allowed() == pytest.approx(faded(share), abs=0.03)
+
+
+@pytest.mark.parametrize("speed", [1.0, -1.0])
+@pytest.mark.parametrize(("turned", "share"), [(2.2, 0.0), (3.2, 0.5), (4.4, 1.0)])
+def test_a_turn_counts_as_way(turned: float, share: float, speed: float) -> None:
+    assert silent_for(turned, 0.0, speed).allowed() == pytest.approx(faded(share), abs=0.06)
+
+
+def test_turning_there_and_back_counts_twice() -> None:
+    senses = opened()
+    for speed in (1.0, -1.0):
+        senses.angular = speed
+        senses.cycle(None, cycles=12)
+    assert senses.allowed() == pytest.approx(SLOW)
+
+
+def test_where_the_wheels_are_not_heard_what_was_passed_on_counts() -> None:
+    senses = opened()
+    senses.asked = (0.1, 0.0)
+    for _ in range(50):
+        senses.wait(CYCLE, wheels=False)
+        senses.hear(None)
+    assert senses.obstacles._motion.travel > 0.5
+    senses.asked = (0.0, 0.5)
+    for _ in range(40):
+        senses.wait(CYCLE, wheels=False)
+        senses.hear(None)
+    assert senses.obstacles._motion.turned > 3.0
+
+
+@pytest.mark.parametrize("sensor", FRONT)
+def test_each_sensor_of_a_way_has_to_prove_itself(sensor: str) -> None:
+    senses = opened()
+    senses.cycle({sensor: None}, cycles=round(21.0 / CYCLE))
+    judged = senses.verdict()
+    assert judged.sensor == sensor
+    assert judged.allowed == pytest.approx(SLOW)
+    assert "has not proved lately that it hears" in judged.reason
+    assert senses.judge().sensors[sensor] == judged.reason
+    assert senses.verdict("backward").freedom == "free"
+
+
+@pytest.mark.parametrize("between", [0, 1, 2])
+def test_an_echo_that_follows_from_one_just_before_proves_it(between: int) -> None:
+    """Those between may be lost: a slanted wall answers now and then."""
+    senses = silent_for(25.0)
+    senses.cycle(FAR)
+    senses.cycle(None, cycles=between)
+    assert senses.allowed() < 0.2
+    senses.cycle(FAR)
+    senses.cycle(None, cycles=6)
+    assert senses.verdict().freedom == "free"
+
+
+def test_one_echo_proves_nothing() -> None:
+    senses = silent_for(25.0)
+    for distance in (FAR, None, None, None, FAR, None, None, None, FAR):
+        senses.cycle(distance)
+    assert senses.allowed() == pytest.approx(SLOW)
+
+
+def heard(distance: float = NEAR, way: str = "forward", config: GuardConfig = CONFIG) -> Senses:
+    """At rest before something that both readings of this way's sensors have shown, twice; then they are silent."""
+    senses = opened(config=config)
+    senses.cycle(dict.fromkeys(SIDES[way], distance), cycles=3)
+    senses.cycle(dict.fromkeys(SIDES[way], None), cycles=2)
+    return senses
+
+
+@pytest.mark.parametrize("way", ["forward", "backward"])
+def test_what_fell_silent_blocks_for_a_moment_and_then_slows(way: str) -> None:
+    senses = heard(way=way)
+    judged = senses.verdict(way)
+    assert judged.freedom == "blocked"
+    assert judged.way_out
+    assert f"silent where {judged.sensor} heard something until lately" in judged.reason
+    for _ in range(round((CONFIG.held_time - 2.0) / CYCLE)):
+        senses.cycle(dict.fromkeys(SIDES[way], None))
+        assert senses.allowed(way) <= SLOW
+    assert senses.allowed(way) == pytest.approx(SLOW)
+    other = "backward" if way == "forward" else "forward"
+    assert senses.verdict(other).freedom == "free"
+
+
+def test_it_ends_after_its_time() -> None:
+    config = msgspec.structs.replace(CONFIG, held_time=5.0)
+    senses = heard(config=config)
+    senses.cycle(None, cycles=round(4.0 / CYCLE))
+    assert senses.allowed() == pytest.approx(SLOW)
+    senses.cycle(None, cycles=round(2.0 / CYCLE))
+    assert senses.verdict().freedom == "free"
+
+
+def test_the_speed_towards_it_is_what_stops_before_the_margin() -> None:
+    senses = heard(0.5)
+    senses.cycle(dict.fromkeys(FRONT, None), cycles=5)
+    allowed = senses.allowed()
+    reach = ROBOT.footprint_radius + CONFIG.held_radius
+    edge = CONFIG.half_cone  # of the cone: where a slanted wall answers from, and nearer to the middle
+    way = 0.25 + 0.5 * math.cos(edge) - math.sqrt(reach**2 - (0.15 - 0.5 * math.sin(edge)) ** 2)
+    assert stopping_distance(allowed, 0.1, 1.5) == pytest.approx(way - CONFIG.margin, abs=0.001)
+    assert SLOW < allowed < FULL
+
+
+def test_the_robot_that_is_too_fast_for_it_brakes() -> None:
+    senses = opened(config=msgspec.structs.replace(CONFIG, memory_range=0.1, held_block=0.05))
+    senses.linear = 0.5
+    distance = WALL
+    for _ in range(10):
+        senses.cycle(dict.fromkeys(FRONT, distance))
+        distance -= 0.5 * CYCLE
+    senses.cycle(dict.fromkeys(FRONT, None), cycles=3)
+    assert senses.verdict().freedom == "blocked"
+    senses.linear = SLOW
+    senses.cycle(dict.fromkeys(FRONT, None), cycles=6)
+    assert senses.allowed() == pytest.approx(SLOW)
+
+
+@pytest.mark.parametrize("distance", [CONFIG.held_range - 0.05, CONFIG.held_range + 0.05])
+def test_what_is_so_far_away_is_left_to_the_fading_trust(distance: float) -> None:
+    """What is farther is reached after the way in which the trust has gone."""
+    senses = opened(distance=distance)
+    senses.linear = 0.25
+    senses.cycle(None, cycles=round(1.9 / 0.25 / CYCLE))
+    assert ("heard something until lately" in senses.verdict().reason) is (distance < CONFIG.held_range)
+    sensor = ROBOT.sensors["front_left"]
+    assert CONFIG.held_range + sensor.x - ROBOT.footprint_radius > CONFIG.fade_travel
+
+
+def test_while_every_sensor_of_its_way_hears_something_it_does_not_count() -> None:
+    senses = heard()
+    senses.cycle(FAR, cycles=10)
+    assert senses.verdict().freedom == "free"
+
+
+def test_one_silent_sensor_is_enough_whoever_heard_it() -> None:
+    senses = opened()
+    senses.cycle({"front_left": NEAR}, cycles=3)
+    senses.cycle({"front_right": None}, cycles=8)
+    judged = senses.verdict()
+    assert judged.allowed == pytest.approx(SLOW)
+    assert judged.sensor == "front_right"
+    assert judged.reason.startswith("front_right: silent ")
+    assert "front_left heard" in judged.reason
+
+
+def test_a_farther_echo_does_not_end_it() -> None:
+    senses = heard()
+    senses.cycle(FAR, cycles=4)
+    senses.cycle(None, cycles=2)
+    assert senses.allowed() <= SLOW
+
+
+def test_one_lost_reading_is_no_silence() -> None:
+    senses = opened(distance=0.5)
+    fast = senses.allowed()
+    senses.cycle(dict.fromkeys(FRONT, None))
+    assert senses.allowed() == fast
+
+
+def test_one_echo_is_not_held() -> None:
+    senses = opened()
+    senses.cycle(None, cycles=2)
+    senses.cycle(dict.fromkeys(FRONT, NEAR))
+    senses.cycle(None, cycles=3)
+    assert "until lately" not in senses.verdict().reason
+
+
+EDGE_X, EDGE_Y = math.cos(CONFIG.half_cone), math.sin(CONFIG.half_cone)
+"""m: either edge of the cone of what was heard 1 m away."""
+
+
+def place_after(x: float, y: float, yaw: float) -> Place:
+    return Place(0.0, 0.0, 0.0)._replace(x=x, y=y, yaw=yaw)
+
+
+def spot(x: float = 1.0, y: float = 0.0) -> Held:
+    """One thing that was heard, there."""
+    held = Held(CONFIG, ROBOT.footprint_radius)
+    held.take(Sensor("one", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG), Ping(0, x, True, Place(0.0, y, 0.0)))
+    return held
+
+
+@pytest.mark.parametrize(
+    ("place", "sign", "distance"),
+    [
+        ((0.0, 0.0, 0.0), 1.0, 0.6),
+        ((0.0, 0.0, 0.0), -1.0, None),
+        ((0.0, 0.0, math.pi), -1.0, 0.6),
+        ((0.5, 0.0, 0.0), 1.0, 0.1),
+        ((0.7, 0.0, 0.0), 1.0, 0.0),
+        ((1.5, 0.0, 0.0), 1.0, None),
+        ((0.0, EDGE_Y + 0.39, 0.0), 1.0, EDGE_X - math.sqrt(0.4**2 - 0.39**2)),
+        ((0.0, -EDGE_Y - 0.39, 0.0), 1.0, EDGE_X - math.sqrt(0.4**2 - 0.39**2)),
+        ((0.0, EDGE_Y + 0.41, 0.0), 1.0, None),
+        ((0.0, 0.0, 0.6), 1.0, None),
+    ],
+)
+def test_what_lies_ahead_is_met_by_the_footprint(
+    place: tuple[float, float, float], sign: float, distance: float | None
+) -> None:
+    found = spot().ahead(place_after(*place), sign)
+    assert (None if found is None else found.distance) == (None if distance is None else pytest.approx(distance))
+    assert found is None or found.sensor == "one"
+
+
+@pytest.mark.parametrize(
+    ("place", "sign", "distance"),
+    [
+        ((0.0, 0.45, 0.0), 1.0, EDGE_X - math.sqrt(0.6**2 - (0.45 - EDGE_Y) ** 2)),
+        ((0.0, EDGE_Y + 0.61, 0.0), 1.0, None),
+        ((1.0, EDGE_Y + 0.59, 0.0), 1.0, 0.0),
+        ((1.0, EDGE_Y + 0.61, 0.0), 1.0, None),
+        ((1.0, -EDGE_Y - 0.59, 0.0), 1.0, 0.0),
+        ((1.25, 0.45, 0.0), 1.0, 0.0),
+        ((1.35, 0.45, 0.0), 1.0, None),
+        ((1.35, 0.45, 0.0), -1.0, 0.0),
+        ((0.65, 0.45, 0.0), -1.0, None),
+    ],
+)
+def test_a_wall_goes_on_beside_where_it_was_heard(
+    place: tuple[float, float, float], sign: float, distance: float | None
+) -> None:
+    found = spot().beside(place_after(*place), sign)
+    assert (None if found is None else found.distance) == (None if distance is None else pytest.approx(distance))
+    assert found is None or found.sensor == "one"
+
+
+def test_what_it_comes_to_beside_slows_it_in_time() -> None:
+    config = msgspec.structs.replace(CONFIG, deceleration=0.2)
+    senses = heard(0.6, config=config)
+    senses.angular = 1.0 / (6.0 * CYCLE)
+    senses.cycle(dict.fromkeys(FRONT, None), cycles=6)
+    senses.angular = 0.0
+    x, y = 0.25 + 0.6 * EDGE_X, 0.15 + 0.6 * EDGE_Y
+    x, y = x * math.cos(1.0) + y * math.sin(1.0), y * math.cos(1.0) - x * math.sin(1.0)
+    reach = ROBOT.footprint_radius + config.held_beside
+    allowed = senses.allowed()
+    assert stopping_distance(allowed, 0.1, 0.2) == pytest.approx(x - math.sqrt(reach**2 - y**2), abs=0.02)
+    assert SLOW < allowed < FULL
+    assert "silent beside where" in senses.verdict().reason
+
+
+def test_along_a_wall_that_was_heard_the_robot_is_slow() -> None:
+    senses = heard()
+    senses.angular = -1.0
+    senses.cycle(None, cycles=8)
+    senses.angular = 0.0
+    judged = senses.verdict()
+    assert judged.allowed == pytest.approx(SLOW)
+    assert "silent beside where" in judged.reason
+
+
+def test_of_two_the_nearer_is_met_first() -> None:
+    held = spot(1.0)
+    for x in (0.8, 1.4):
+        held.take(
+            Sensor("two", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG), Ping(0, x, True, Place(0.0, 0.0, 0.0))
+        )
+    found = held.ahead(Place(0.0, 0.0, 0.0), 1.0)
+    assert found is not None
+    assert found.sensor == "two"
+    assert found.distance == pytest.approx(0.4)
+
+
+def test_the_oldest_of_too_many_go_and_one_that_is_heard_again_stays() -> None:
+    held = spot(1.0)
+    sensor = Sensor("one", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    for number in range(1000):
+        held.take(sensor, Ping(number, 1.0, True, Place(float(number), 0.0, math.pi / 2.0)))
+        held.take(sensor, Ping(number, 1.0, True, Place(0.0, 0.0, 0.0)))
+    assert len(held._spots) == 128
+    assert held.ahead(Place(0.0, 0.0, 0.0), 1.0) is not None
+    assert held.ahead(Place(999.0, 0.0, math.pi / 2.0), 1.0) is not None
+    assert held.ahead(Place(5.0, 0.0, math.pi / 2.0), 1.0) is None
