@@ -20,6 +20,8 @@ class EStopControl:
     def __init__(self, latch: EStopLatch, reset_budget: float) -> None:
         self.latch = latch
         self._reset_budget = reset_budget
+        self._engaged_ns = 0
+        """Robot time of the newest engaging, of whatever cause; 0: none since the start."""
 
     @property
     def stops(self) -> str:
@@ -27,8 +29,9 @@ class EStopControl:
         latch = self.latch
         return f"emergency stop by {latch.by}: {latch.reason}" if latch.engaged else ""
 
-    def engage(self, asked: EStopEngage) -> None:
-        """Engage. Repeating is harmless; another cause makes another latch, which a reset of the first leaves."""
+    def engage(self, asked: EStopEngage, now: RobotTime) -> None:
+        """Engage. Repeating keeps the latch; another cause makes another one, which a reset of the first leaves."""
+        self._engaged_ns = now.robot_ns
         by, reason = asked.by[:_LONGEST_TEXT], asked.reason[:_LONGEST_TEXT]
         if RESET_COMMAND not in reason:
             reason = f"{reason}; to go on: {RESET_COMMAND}"
@@ -44,6 +47,8 @@ class EStopControl:
             return f"latch {reset.id} is not the one engaged, which is {there}"
         if latch.engaged and age(reset.tick, now) > self._reset_budget:
             return f"the reset is not from within the last {self._reset_budget:g} s; ask again, with base heard"
+        if latch.engaged and reset.tick is not None and reset.tick.robot_ns < self._engaged_ns:
+            return "the emergency stop was engaged again after this reset was asked for; ask again"
         return ""
 
     def released(self, reset: EStopReset) -> EStopLatch:

@@ -63,8 +63,9 @@ class EStopDesk:
             self.engage(engage, now)
 
     def engage(self, asked: Asked[EStopEngage], now: RobotTime) -> None:
-        """Stop, then write."""
+        """Stop, then write: what is confirmed was written since it was asked, whoever else wrote meanwhile."""
         self._policy.on_engage(asked.request, now)
+        self._on_disk = None
         if self._reset is not None:
             self._refuse("the emergency stop was engaged anew meanwhile")
         self._wait(asked, now)

@@ -99,7 +99,7 @@ class BasePolicy:
             self._link_fault = ""
             self._report, self._reported_ns = report, now.robot_ns
             self._answered = False
-            self._adopt_latch(report)
+            self._adopt_latch(report, now)
             if (battery := self.battery()) is not None:
                 self._authority.battery.take(battery.voltage, now.robot_ns)
             if report.session == self._session:
@@ -110,9 +110,9 @@ class BasePolicy:
         """Take a command of a guard."""
         self._authority.on_command(command, now, self._reports.at_rest)
 
-    def on_engage(self, asked: EStopEngage, now: RobotTime) -> EStopAnswer:  # noqa: ARG002  any moment is right
+    def on_engage(self, asked: EStopEngage, now: RobotTime) -> EStopAnswer:
         """Stop, from the next frame on. Whether it is on disk is not answered here."""
-        self._engage(asked)
+        self._engage(asked, now)
         return self._estop.answer()
 
     def reset_refusal(self, reset: EStopReset, now: RobotTime) -> str:
@@ -176,8 +176,8 @@ class BasePolicy:
             return None
         return Battery(voltage=self._report.battery_adc_counts * self._robot.battery_volts_per_count)
 
-    def _engage(self, asked: EStopEngage) -> None:
-        self._estop.engage(asked)
+    def _engage(self, asked: EStopEngage, now: RobotTime) -> None:
+        self._estop.engage(asked, now)
         self._authority.arming.disarm("the emergency stop")
         self._releasing = False
         self._stand_still("")
@@ -203,12 +203,12 @@ class BasePolicy:
         if (now.robot_ns - self._reported_ns) * 1e-9 > self._config.disarm_time:
             arming.disarm("the base board was silent for too long")
 
-    def _adopt_latch(self, report: WheelsFrame) -> None:
+    def _adopt_latch(self, report: WheelsFrame, now: RobotTime) -> None:
         """Make a latch of the board that base did not order base's own."""
         if report.latch == Latch.NONE:
             self._releasing = False
         elif not self._estop.latch.engaged and not self._releasing:
-            self._engage(engaged_by(report.latch))
+            self._engage(engaged_by(report.latch), now)
 
     def _drive_frame(self, report: WheelsFrame, now: RobotTime) -> DriveFrame:
         linear, angular, self._reason = self._authority.wanted(now)

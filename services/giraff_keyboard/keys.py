@@ -14,7 +14,7 @@ from giraff_keyboard.policy import Key
 ALONE: Final = 0.015
 """s. Two presses closer than this are no finger's; a keyboard repeats at up to 50 Hz."""
 ASLEEP: Final = 0.2
-"""s between two looks at the terminal, after which nobody knows when what it holds was typed."""
+"""s between two looks at the terminal, after which nobody knows when what it holds was typed; nor at the first look."""
 
 
 _PLAIN: Final = {
@@ -55,7 +55,7 @@ class KeyReader:
 
     def feed(self, data: bytes, now: float) -> list[Key]:
         """The keys in `data`, at most one beside STOP. `now`: s, of a monotonic clock."""
-        slept = self._looked is not None and now - self._looked > ASLEEP
+        slept = self._looked is None or now - self._looked > ASLEEP
         self._looked = now
         presses = [key for byte in data if (key := self._take(byte)) is not None]
         if not presses:

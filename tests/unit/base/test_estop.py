@@ -17,7 +17,7 @@ def engage(rig: Rig, by: str = "keyboard", reason: str = "space bar") -> EStopAn
     return rig.base.on_engage(EStopEngage(by=by, reason=reason), rig.now)
 
 
-def reset(rig: Rig, age: float = 0.1, id_error: int = 0) -> EStopAnswer:
+def reset(rig: Rig, age: float = 0.0, id_error: int = 0) -> EStopAnswer:
     tick = rig.ago(age)
     return rig.base.on_reset(EStopReset(by="carer", id=rig.base.latch.id + id_error, tick=tick), rig.now)
 
@@ -115,7 +115,7 @@ def test_a_reset_counts_only_while_it_is_fresh(age: float, is_done: bool) -> Non
     rig = Rig()
     rig.drive(0.6)
     engage(rig)
-    rig.run(0.5)
+    rig.run(1.5)
     answer = reset(rig, age)
     assert (answer.done, rig.base.latch.engaged, answer.engaged) == (is_done, not is_done, not is_done)
     assert ("1 s" in answer.reason) != is_done
@@ -162,13 +162,28 @@ def test_repeating_a_reset_or_an_engaging_that_was_done_changes_nothing() -> Non
     rig = Rig()
     first, again = engage(rig), engage(rig)
     assert first == again
-    request = EStopReset(by="carer", id=first.id, tick=rig.ago(0.1))
+    request = EStopReset(by="carer", id=first.id, tick=rig.now)
     done = rig.base.on_reset(request, rig.now)
     rig.run(0.1)
     rig.drive(0.6)
     assert rig.base.on_reset(request, rig.now) == done
     assert rig.base.state().armed
     assert rig.run(0.1)[-1].moves
+
+
+def test_a_reset_from_before_the_newest_engaging_clears_nothing_even_of_the_same_latch() -> None:
+    rig = Rig()
+    engage(rig)
+    rig.run(0.5)
+    pressed = EStopReset(by="carer", id=rig.base.latch.id, tick=rig.now)
+    rig.run(0.2)
+    again = engage(rig)
+    assert (again.done, again.id) == (True, pressed.id)
+    rig.run(0.1)
+    answer = rig.base.on_reset(pressed, rig.now)
+    assert (answer.done, answer.engaged) == (False, True)
+    assert "engaged again after this reset was asked for; ask again" in answer.reason
+    assert reset(rig).done
 
 
 def test_each_cause_is_a_latch_of_its_own_that_a_reset_of_the_one_before_leaves() -> None:

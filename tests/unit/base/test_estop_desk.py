@@ -87,7 +87,7 @@ class Office:
         self.desk.take([asked], [], self.rig.now)
         return asked
 
-    def reset(self, age: float = 0.1) -> Asked[EStopReset]:
+    def reset(self, age: float = 0.0) -> Asked[EStopReset]:
         asked = Asked(EStopReset(by="carer", id=self.rig.base.latch.id, tick=self.rig.ago(age)))
         self.desk.take([], [asked], self.rig.now)
         return asked
@@ -120,6 +120,42 @@ def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_o
     assert (asked.only.done, asked.only.engaged, asked.only.id) == (True, True, office.rig.base.latch.id)
     assert office.disk.content == office.rig.base.latch
     assert office.desk.fault == ""
+
+
+def test_the_same_stop_again_while_its_release_is_being_written_waits_for_what_becomes_of_that() -> None:
+    office = Office()
+    first = office.engage()
+    office.go_on()
+    assert first.only.done
+    reset = office.reset()
+    office.desk.turn(office.rig.now)  # the released latch is on its way to the disk
+    again = office.engage()
+    office.desk.turn(office.rig.now)
+    assert not reset.only.done
+    assert again.answers == []
+    office.disk.work()
+    assert not office.disk.content.engaged
+    office.desk.turn(office.rig.now)
+    assert again.answers == []
+    office.go_on()
+    assert again.only.done
+    assert office.disk.content == office.rig.base.latch
+    assert office.disk.content.engaged
+
+
+def test_the_same_stop_again_is_written_again_since_a_second_base_may_have_written_a_release() -> None:
+    office = Office()
+    first = office.engage()
+    office.go_on()
+    assert first.only.done
+    office.disk.content = RELEASED
+    again = office.engage()
+    office.desk.turn(office.rig.now)
+    assert again.answers == []
+    office.go_on()
+    assert again.only.done
+    assert office.disk.content == office.rig.base.latch
+    assert office.disk.content.engaged
 
 
 def test_a_full_disk_keeps_the_robot_stopped_says_so_and_is_tried_again() -> None:

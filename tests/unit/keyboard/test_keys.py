@@ -91,6 +91,7 @@ def test_a_stop_counts_in_any_company() -> None:
 
 def test_a_key_that_bounces_is_taken_back() -> None:
     reader = KeyReader()
+    reader.feed(b"", -ALONE)
     assert reader.feed(b"w", 0.0) == [Key.FORWARD]
     assert reader.feed(b"w", ALONE / 2) == [Key.NOTHING]
     assert reader.feed(b"w", ALONE / 2 + 0.033) == [Key.FORWARD]
@@ -99,6 +100,12 @@ def test_a_key_that_bounces_is_taken_back() -> None:
 @pytest.mark.parametrize("rate", [10.0, 30.0, 50.0])
 def test_a_held_key_is_a_press_each_time_it_repeats(rate: float) -> None:
     assert typed(*[b"w"] * 40, gap=1.0 / rate) == [Key.FORWARD] * 40
+
+
+def test_what_was_typed_before_the_program_looked_moves_nothing() -> None:
+    reader = KeyReader()
+    assert reader.feed(b"w", 5.0) == [Key.NOTHING]
+    assert reader.feed(b"w", 5.033) == [Key.FORWARD]
 
 
 def test_what_was_typed_while_the_program_slept_moves_nothing() -> None:
