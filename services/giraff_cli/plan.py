@@ -14,6 +14,7 @@ from typing import Final, Literal
 
 from giraff_node.config import ConfigError, load, robot_file
 from giraff_node.robot import RobotConfig
+from giraff_node.robots import find_way
 from giraff_node.session import NetworkConfig
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
@@ -77,7 +78,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     try:
         environment = _environment(os.environ, local=local)
         robot = load("robot", RobotConfig, environment)
-        network = load("network", NetworkConfig, environment)
+        network = find_way(None, (), environment).network
         sim = load("sim", SimConfig, environment)
     except ConfigError as error:
         raise PlanError(str(error)) from error

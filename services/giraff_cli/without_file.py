@@ -14,8 +14,9 @@ from typing import Any, Final
 import msgspec
 import tomlkit
 
-from giraff_node.config import NO_FILE, TABLES, ConfigError, Given, is_at_hand, read
-from giraff_node.robots import may_matter, name_of
+from giraff_node.config import NO_FILE, ConfigError, Given, is_at_hand, read
+from giraff_node.doubts import doubts
+from giraff_node.robots import name_of
 from giraff_node.session import CERTIFICATES, NetworkConfig
 
 _NAME, _HOST, _ADDRESS = "NAME", "HOST", "ADDRESS"
@@ -33,18 +34,23 @@ def way_to_stop(robot: str | None, connect: Sequence[str], environment: Mapping[
     The command is told all that can still be read of the network: it is to reach the robot, and no other.
     """
     given, is_lost = _given(environment)
+    doubted = doubts(given, environment, is_named=bool(robot))
+    is_lost = is_lost or bool(doubted)
     values = given.tables.get("network", {})
     network = _sound(values)
     in_doubt = is_lost or len(network) < len(values)
     keys = Path(network.get("keys", NetworkConfig().keys))
-    if in_doubt and "mode" not in network and _seems_secured(values, keys):
+    if in_doubt and "mode" not in network and (_seems_secured(values, keys) or "secur" in str(doubted).lower()):
         network = {"access": {"robot": [_HOST]}, **network, "mode": "secured"}
         is_far = is_lost or not is_at_hand(environment)  # else the file has what it takes, if only on the robot's host
         if is_far and not (connect or network.get("connect") or network.get("router")):
             connect = (_ADDRESS,)
-    name = robot or _name(given, is_lost=is_lost)
+    is_name_doubted = len(doubted) > len(doubts(given, environment, is_named=True))
+    name = robot or (_NAME if is_name_doubted else _name(given, is_lost=is_lost))
     settings = {f"GIRAFF_NETWORK_{field.upper()}": _text(value) for field, value in network.items()}
-    unset = [each for each in sorted(environment) if _may_matter(each) and each not in settings]
+    wrong = {each.variable for each in (*given.strange, *doubted) if each.variable}
+    other = {each for each in given.variables if each.upper().startswith(("GIRAFF_NETWORK_", "GIRAFF_ROBOT_"))}
+    unset = sorted((wrong | other) - settings.keys())
     command = ["env", *(word for each in unset for word in ("-u", each)), f"GIRAFF_CONFIG={NO_FILE}"]
     command += [f"{variable}={text}" for variable, text in settings.items()]
     command += [_giraff(), "estop", "engage", *(["--robot", name] if name else [])]
@@ -61,12 +67,11 @@ def way_to_stop(robot: str | None, connect: Sequence[str], environment: Mapping[
 
 
 def _given(environment: Mapping[str, str]) -> tuple[Given, bool]:
-    """What can be read, and whether something of the network or of the name may be missing in it."""
+    """What can be read, and whether the robot file cannot."""
     try:
-        given = read(environment, with_file=is_at_hand(environment))
+        return read(environment, with_file=is_at_hand(environment)), False
     except ConfigError:
         return read(environment, with_file=False), True
-    return given, any(map(may_matter, given.strange))
 
 
 def _sound(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -109,12 +114,6 @@ def _text(value: Any) -> str:
         table.update(value)
         return table.as_string()
     return value if isinstance(value, str) else tomlkit.item(value).as_string()
-
-
-def _may_matter(variable: str) -> bool:
-    table = variable.removeprefix("GIRAFF_").lower().partition("_")[0]
-    is_ours = variable.startswith("GIRAFF_") and variable != "GIRAFF_CONFIG"
-    return is_ours and (table in ("network", "robot") or table not in TABLES)
 
 
 def _giraff() -> str:

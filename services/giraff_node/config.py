@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, NamedTuple, TypeVar
+from typing import Any, Final, NamedTuple, TypeVar, get_type_hints
 
 import msgspec
 import msgspec.inspect
@@ -37,6 +37,10 @@ TABLES = (
 )
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
 _WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
+_DEEPEST: Final = 20
+"""Tables and lists within each other."""
+_TOO_DEEP: Final = "it is nested too deeply"
+_BITS: Final = 63  # besides the sign
 DEFAULT_FILE = Path("deploy/robot.toml")
 """The robot file below the working directory, where GIRAFF_CONFIG names no other."""
 NO_FILE: Final = os.devnull
@@ -66,7 +70,8 @@ class Given:
             # Not strict, because the environment's values are text: "70" is a number, "true" a truth.
             return msgspec.convert(values, config, strict=False)
         except msgspec.ValidationError as error:
-            raise ConfigError(f"{self.place(name)}: {error}{_hint(values, config, str(error))}") from error
+            told = _with_key(str(error), values, config)
+            raise ConfigError(f"{self.place(name)}: {told}{_hint(values, config, told)}") from error
 
     def place(self, table: str) -> str:
         """Where an error of this table is to be looked for."""
@@ -80,10 +85,12 @@ class Strange(NamedTuple):
 
     word: str
     """Its name, small and without GIRAFF_."""
-    fields: tuple[str, ...]
-    """What stands in such a table."""
+    value: Any
+    """What stands there."""
     what: str
     """What is wrong with it."""
+    variable: str = ""
+    """Empty: it stands in the robot file."""
 
 
 def robot_file(environment: Mapping[str, str] = os.environ) -> Path:
@@ -92,11 +99,12 @@ def robot_file(environment: Mapping[str, str] = os.environ) -> Path:
     path = Path(given) if given else DEFAULT_FILE
     try:
         is_there = path.is_file() or str(path) == NO_FILE
+        place = path.absolute()
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
     if not is_there:
         wanted = "GIRAFF_CONFIG names it" if given else "it is looked for there unless GIRAFF_CONFIG names another"
-        raise ConfigError(f"no robot file at {path.absolute()} ({wanted})")
+        raise ConfigError(f"no robot file at {place} ({wanted})")
     return path
 
 
@@ -123,14 +131,13 @@ def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True)
         where = str(path)
         for name, table in _parsed(path).items():
             if name not in TABLES:
-                fields = tuple(table) if isinstance(table, dict) else ()
                 what = f"{path}: unknown table [{name}]{suggestion(name, TABLES)}"
-                strange.append(Strange(name.lower(), fields, what))
+                strange.append(Strange(name.lower(), table, what))
             elif isinstance(table, dict):
                 tables[name] = table
             else:
                 what = f"{path}: {name} is a value where the table [{name}] belongs"
-                strange.append(Strange(name, (), what))
+                strange.append(Strange(name, table, what))
     variables = []
     for variable, text in environment.items():
         if not variable.startswith("GIRAFF_") or variable in _NOT_FIELDS:
@@ -138,7 +145,7 @@ def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True)
         try:
             table_name, field, value = _override(variable, text)
         except ConfigError as error:
-            strange.append(Strange(variable.removeprefix("GIRAFF_").lower(), (), str(error)))
+            strange.append(Strange(variable.removeprefix("GIRAFF_").lower(), text, str(error), variable))
         else:
             variables.append(variable)
             tables.setdefault(table_name, {})[field] = value
@@ -163,8 +170,8 @@ def _known(given: Given) -> Given:
 
 def _parsed(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        return _toml(path.read_text())
+    except ValueError as error:
         raise ConfigError(f"{path}: not TOML: {error}") from error
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
@@ -193,15 +200,51 @@ def _hint(values: Mapping[str, Any], config: type[msgspec.Struct], told: str) ->
     return ""
 
 
+def _with_key(told: str, values: Mapping[str, Any], config: type[msgspec.Struct]) -> str:
+    """Which of a table of free names it is: msgspec says `$.sensors[...]` of each."""
+    field, is_one_of_many, _ = told.partition("`$.")[2].partition("[...]")
+    if not is_one_of_many or not isinstance(values.get(field), dict):
+        return told
+    kind = get_type_hints(config)[field]
+    for key, value in values[field].items():
+        try:
+            msgspec.convert({key: value}, kind, strict=False)
+        except msgspec.ValidationError:
+            return told.replace(f"{field}[...]", f"{field}.{key}", 1)
+    return told
+
+
 def _value(variable: str, text: str) -> Any:
     """What a variable holds: text, or a list or a table written as in the file: ["a", "b"], { a = 1, b = 2 }."""
     kind = _WRITTEN_AS_TOML.get(text[:1])
     if kind is None:
         return text
     try:
-        return tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError as error:
+        values = _toml(f"value = {text}")
+    except ValueError as error:
         raise ConfigError(f"{variable}: not a {kind} as TOML has it: {error}") from error
+    if len(values) > 1:
+        raise ConfigError(f"{variable}: not a {kind} as TOML has it: give one value, and nothing behind it")
+    return values["value"]
+
+
+def _toml(text: str) -> dict[str, Any]:
+    """Raises ValueError, also for what is TOML and would be too much for whoever reads it."""
+    try:
+        values = tomllib.loads(text)
+    except RecursionError as error:
+        raise ValueError(_TOO_DEEP) from error
+    _require_moderate(values, _DEEPEST)
+    return values
+
+
+def _require_moderate(value: Any, deepest: int) -> None:
+    if deepest == 0:
+        raise ValueError(_TOO_DEEP)
+    if isinstance(value, int) and value.bit_length() > _BITS:
+        raise ValueError("an integer of more than 64 bits")
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        _require_moderate(inner, deepest - 1)
 
 
 def suggestion(word: str, known: Sequence[str]) -> str:

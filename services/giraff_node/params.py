@@ -42,49 +42,32 @@ class Params(Generic[ConfigT]):
 
     def restore(self, saved: Mapping[str, Any]) -> list[str]:
         """Put in force what was saved, as far as it may be; what of it is not, and why."""
-        ignored = []
-        for name, value in saved.items():
-            try:
-                self.set(name, value)
-            except ParamError as error:
-                ignored.append(str(error))
-            else:
-                self.saved[name] = value
-        return ignored
+        try:
+            self.config, self.saved = self._changed(self._filed, saved), dict(saved)
+        except ParamError:
+            return self._restore_each(saved)
+        return []
 
     def set(self, name: str, value: Any) -> None:
         """Put another value in force. Raises ParamError."""
-        full = f"{self._service}.{name}"
-        if name not in self._live:
-            raise ParamError(self._unknown(name))
-        live = self._live[name] or Live.FIXED
-        if live is Live.FIXED:
-            raise ParamError(f"{full} cannot change while the service runs: it takes the robot file and a restart")
-        values: dict[str, Any] = {**_plain(self.config), name: value}
-        try:
-            changed = msgspec.convert(values, type(self.config), strict=False)
-        except msgspec.ValidationError as error:
-            raise ParamError(f"{full} {value}: {error}") from error
-        before, after = getattr(self._filed, name), getattr(changed, name)
-        if live is not Live.FREE and loosens(live, before, after):
-            raise ParamError(
-                f"{full} {_shown(after)} is looser than {_shown(before)}: "
-                "loosening takes the robot file, standstill and a restart"
-            )
-        self.config = changed
+        self.config = self._changed(self.config, {name: value})
 
     def to_save(self, names: Iterable[str]) -> dict[str, Any]:
-        """What is kept once these are saved, all where none is named: what the robot file says is not."""
+        """What is kept once these are saved, all where none is named: what the robot file says is not.
+
+        Raises ParamError, also where it would not count after a restart.
+        """
         wanted = set(names)
         for name in wanted:
             if name not in self._live:
                 raise ParamError(self._unknown(name))
         now, filed = _plain(self.config), _plain(self._filed)
-        kept = dict(self.saved)
-        for name in wanted or self._live:
-            kept.pop(name, None)
-            if now[name] != filed[name]:
-                kept[name] = now[name]
+        after = {name: now[name] if name in (wanted or now) else self.saved.get(name, filed[name]) for name in now}
+        kept = {name: value for name, value in after.items() if value != filed[name]}
+        try:
+            self._changed(self._filed, kept)
+        except ParamError as error:
+            raise ParamError(f"after a restart it would not count: {error}; save all of {self._service}") from error
         return kept
 
     def describe(self, names: Iterable[str] = ()) -> tuple[Param, ...]:
@@ -97,6 +80,46 @@ class Params(Generic[ConfigT]):
         own += [self._described(_SHARED + name, value, value, saved=True) for name, value in shared.items()]
         wanted = set(names)
         return tuple(param for param in own if not wanted or param.name in wanted)
+
+    def _changed(self, config: ConfigT, values: Mapping[str, Any]) -> ConfigT:
+        """With all of these at once. Raises ParamError."""
+        for name in values:
+            full = f"{self._service}.{name}"
+            if name not in self._live:
+                raise ParamError(self._unknown(name))
+            if self._live_of(name) is Live.FIXED:
+                raise ParamError(f"{full} cannot change while the service runs: it takes the robot file and a restart")
+        try:
+            changed = msgspec.convert({**_plain(config), **values}, type(config), strict=False)
+        except msgspec.ValidationError as error:
+            told = ", ".join(f"{self._service}.{name} {value}" for name, value in values.items())
+            raise ParamError(f"{told}: {error}") from error
+        for name in values:
+            live = self._live_of(name)
+            before, after = getattr(self._filed, name), getattr(changed, name)
+            if live is not Live.FREE and loosens(live, before, after):
+                raise ParamError(
+                    f"{self._service}.{name} {_shown(after)} is looser than {_shown(before)}: "
+                    "loosening takes the robot file, standstill and a restart"
+                )
+        return changed
+
+    def _restore_each(self, saved: Mapping[str, Any]) -> list[str]:
+        """Those that may be, whatever their order; why the others are not."""
+        ignored: dict[str, str] = {}
+        for name, value in saved.items():
+            try:
+                self.set(name, value)
+            except ParamError as error:
+                ignored[name] = str(error)
+            else:
+                self.saved[name] = value
+        if not ignored or len(ignored) == len(saved):
+            return [*ignored.values()]
+        return self._restore_each({name: saved[name] for name in ignored})
+
+    def _live_of(self, name: str) -> Live:
+        return self._live[name] or Live.FIXED
 
     def _described(self, name: str, value: Any, filed: Any, *, saved: bool) -> Param:
         kind, doc = self._documented[name]

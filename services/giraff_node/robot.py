@@ -60,6 +60,11 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     def __post_init__(self) -> None:
         require_chunk(self.name)
         require_plausible(self)
+        if self.stall_level > self.max_level:
+            raise ValueError(
+                f"stall_level is {self.stall_level} and max_level {self.max_level}: "
+                "no wheel would ever count as stuck; it must be max_level at most"
+            )
         for sensor, pose in self.sensors.items():
             require_chunk(sensor)
             if not 0 <= pose.index < RANGE_SENSORS:

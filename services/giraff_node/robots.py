@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import time
 from collections import deque
@@ -13,8 +12,8 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_node.config import TABLES, ConfigError, Given, Strange, is_at_hand, read
-from giraff_node.robot import RobotConfig
+from giraff_node.config import ConfigError, Given, is_at_hand, read
+from giraff_node.doubts import doubts
 from giraff_node.session import NetworkConfig
 from giraff_schemas.topics import alive_key, require_chunk
 
@@ -50,9 +49,8 @@ def find_way(robot: str | None, connect: Sequence[str], environment: Mapping[str
     no reason not to stop a robot.
     """
     given = read(environment, with_file=is_at_hand(environment))
-    for strange in given.strange:
-        if may_matter(strange):
-            raise ConfigError(strange.what)
+    for doubt in doubts(given, environment, is_named=bool(robot)):
+        raise ConfigError(doubt.what)
     network = given.table("network", NetworkConfig)
     name = robot or name_of(given)
     return way_of(name, connect, network, "; ".join(strange.what for strange in given.strange))
@@ -70,26 +68,9 @@ def way_of(robot: str | None, connect: Sequence[str], network: NetworkConfig, wa
         raise NoRobotError(f"--connect: {error}") from error
 
 
-def may_matter(strange: Strange) -> bool:
-    """Whether it may have been meant for the network, or for the robot's name."""
-    table, _, field = strange.word.partition("_")
-    if table in TABLES:
-        return table == "network" or (table == "robot" and field in ("", "name"))
-    return (
-        bool(difflib.get_close_matches(table, ("network", "robot"), n=1))
-        or strange.word.endswith(NetworkConfig.__struct_fields__)
-        or not set(strange.fields).isdisjoint(NetworkConfig.__struct_fields__)
-    )
-
-
 def name_of(given: Given) -> str:
     """The robot's name, where one is given. Raises ConfigError."""
-    values = given.tables.get("robot", {})
-    known = RobotConfig.__struct_fields__
-    for field in values:
-        if field not in known and difflib.get_close_matches(field.lower(), known, n=1) == ["name"]:
-            raise ConfigError(f"{given.place('robot')}: unknown field `{field}`; did you mean 'name'?")
-    name = values.get("name")
+    name = given.tables.get("robot", {}).get("name")
     if name is None:
         return ""
     if not isinstance(name, str):

@@ -103,6 +103,10 @@ def test_a_mistyped_mode_does_not_stop_a_stranger(
         ("[robot]\nname = '{robot}'\n[network]\nrouter = 'x'", {"GIRAFF_NETWORK_RENDEZVOUS": "{address}"}),
         ("[robot", {"GIRAFF_NETWORK_RENDEZVOUS": "{address}", "GIRAFF_ROBOT_NAME": "{robot}"}),
         (
+            "[robot]\nname = '{robot}'\n[network]\nrendezvous = '{address}'\n[guard]\nmode = 'lan'",
+            {"GIRAFFE_NETWORK_MODE": "lan", "GIRAFF_BASE_MODE": "lan", "GIRAFF_GUARD_PRIORITIES": "{{"},
+        ),
+        (
             "[robot]\nname = '{robot}'\n[netwrok]\nmode = 'lan'",
             {"GIRAFF_NETWORK_RENDEZVOUS": "{address}", "GIRAFF_NETWROK_MODE": "lan", "GIRAFF_NETWORK_CONNECT": "[a"},
         ),
@@ -131,9 +135,13 @@ def test_the_command_that_it_names_stops_the_robot(
     assert robot.asked
 
 
-@pytest.mark.parametrize("mode", ["secure", "Secured", "tls"])
+@pytest.mark.parametrize(
+    ("above", "mode"),
+    [("", "secure"), ("", "Secured"), ("", "tls"), ("[robot.sensors.rear]\nmode = 'secured'", None)],
+)
 def test_the_command_that_it_names_stops_the_robot_of_a_secured_network(
-    mode: str,
+    above: str,
+    mode: str | None,
     tmp_path: Path,
     robot: tuple[Base, str],
     stranger: tuple[Base, str],
@@ -147,8 +155,9 @@ def test_the_command_that_it_names_stops_the_robot_of_a_secured_network(
     file = tmp_path / "robot.toml"
     file.write_text(f"""[robot]
 name = "{ROBOT}"
+{above}
 [network]
-mode = "{mode}"
+{"" if mode is None else f'mode = "{mode}"'}
 rendezvous = "{rendezvous}"
 connect = ["{address}"]
 keys = "{keys / "desk"}"
@@ -193,6 +202,16 @@ def test_where_nothing_can_be_read_the_command_says_what_to_put_in(
     assert (done.returncode, done.stderr) == (0, ""), (command, done)
     assert right.asked
     assert spared.asked == []
+
+
+def test_where_the_name_is_in_doubt_it_is_left_open(
+    environment: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    environment.setenv("GIRAFF_ROBOT_NAME", "giraff")
+    environment.setenv("GIRAFFE_ROBOT_NAME", "kitchen")
+    _, _, err = typed(environment, capsys, "estop", "engage")
+    assert "env -u GIRAFFE_ROBOT_NAME -u GIRAFF_ROBOT_NAME GIRAFF_CONFIG=/dev/null" in err
+    assert "--robot NAME; NAME: the robot's name" in err
 
 
 def test_a_host_without_keys_is_told_so(

@@ -17,6 +17,8 @@ import zenoh
 import giraff_cli.record
 from giraff_cli.main import app
 from giraff_client import NoRobotError, Robot
+from giraff_node.config import TABLES, ConfigError
+from giraff_node.robots import find_way
 from tests.rules.repository import ROOT
 from tests.unit.cli.typed import typed
 
@@ -75,8 +77,50 @@ FAULTS: dict[str, tuple[str | None, dict[str, str], str]] = {
     "no name of the environment": ("", {"GIRAFF_ROBOT_NAME": ""}, "'' cannot be part of a key"),
     "a name of the file": ('[robot]\nname = "a/b"', {}, "robot.toml: table [robot]: name: 'a/b' cannot be part of a"),
     "a name that is a number": ("[robot]\nname = 3", {}, "robot.toml: table [robot]: name: give a text, not 3"),
-    "a name by another name": ('[robot]\nnmae = "x"', {}, "unknown field `nmae`; did you mean 'name'?"),
+    "a name by another name": ('[robot]\nnmae = "x"', {}, "unknown field `nmae`; did you mean 'name' of [robot]?"),
     "a variable of a name by another name": ("", {"GIRAFF_ROBOT_NMAE": "x"}, "GIRAFF_ROBOT_NMAE of the environment"),
+    "a number without end": (f"[guard]\nmargin = {'9' * 5000}", {}, "robot.toml: not TOML: Exceeds the limit"),
+    "a number of 65 bits": (f"[network]\nmode = 0x1{'0' * 16}", {}, "robot.toml: not TOML: an integer of more than 64"),
+    "lists without end": (f"x = {'[' * 2000}", {}, "robot.toml: not TOML: it is nested too deeply"),
+    "tables without end": (f"x = {'{a=' * 2000}", {}, "robot.toml: not TOML: it is nested too deeply"),
+    "a header without end": (f"[guard{'.a' * 2000}]", {}, "robot.toml: not TOML: it is nested too deeply"),
+    "a variable without end": ("", {"GIRAFF_NETWORK_CONNECT": "[" * 2000}, "not a list as TOML has it: it is nested"),
+    "a number without end in a variable": ("", {"GIRAFF_NETWORK_CONNECT": f"[{'9' * 5000}]"}, "CONNECT: not a list"),
+    "a variable with more behind": ("", {"GIRAFF_NETWORK_ACCESS": "{}\nx = 3"}, "one value, and nothing behind it"),
+    "a mode above its table": (
+        '[robot.sensors.rear]\nindex = 2\nmode = "secured"\n[network]',
+        {},
+        "robot.toml: table [robot]: unknown field `sensors.rear.mode`; did you mean 'mode' of [network]?",
+    ),
+    "a mode of the robot": ('[robot]\nmode = "secured"', {}, "unknown field `mode`; did you mean 'mode' of [network]?"),
+    "a mode of a service": ('[guard]\nmode = "secured"', {}, "table [guard]: unknown field `mode`"),
+    "a mode among the priorities": ('[guard.priorities]\ncarer = 2\nmode = "secured"', {}, "`priorities.mode`"),
+    "a table among the priorities": ('[guard.priorities.network]\nmode = "secured"', {}, "`priorities.network`"),
+    "a mistyped mode of a service": ('[base]\nmdoe = "secured"', {}, "`mdoe`; did you mean 'mode' of [network]?"),
+    "a mode in a list": ('[[sim.rooms]]\nmode = "secured"', {}, "`rooms.mode`"),
+    "a network of the robot": ("[robot.network]", {}, "unknown field `network`; did you mean the table [network]?"),
+    "a network of a service": ("[base.network]", {}, "table [base]: unknown field `network`"),
+    "a network of the simulation": ("[sim.network]", {}, "table [sim]: unknown field `network`"),
+    "a network without its header": ('[sim.truth]\nrendezvous = "127.0.0.1:9"', {}, "`truth.rendezvous`"),
+    "a variable of another table": ("", {"GIRAFF_BASE_MODE": "secured"}, "GIRAFF_BASE_MODE of the environment"),
+    "a variable of a table too many": ("", {"GIRAFF_ROBOT_NETWORK_MODE": "secured"}, "unknown field `network_mode`"),
+    "a truth of another table": ("[security]\nsecured = true", {}, "unknown table [security]"),
+    "a variable of a truth": ("", {"GIRAFF_SECURED": "1"}, "GIRAFF_SECURED: names no field"),
+    "a robot's name": ('[robot]\nrobot_name = "kitchen"', {}, "unknown field `robot_name`; did you mean 'name' of"),
+    "an id": ('[robot]\nid = "kitchen"', {}, "unknown field `id`; did you mean 'name' of [robot]?"),
+    "a name of a service": ('[guard]\nname = "kitchen"', {}, "table [guard]: unknown field `name`"),
+    "a name in no table": ('name = "kitchen"', {}, "unknown table [name]"),
+    "a variable of an id": ("", {"GIRAFF_ROBOT_ID": "kitchen"}, "GIRAFF_ROBOT_ID of the environment"),
+    "a variable of a name alone": ("", {"GIRAFF_NAME": "kitchen"}, "GIRAFF_NAME: names no field"),
+    "a variable of the file": ("", {"GIRAFF_CONFIG_FILE": "x"}, "GIRAFF_CONFIG_FILE: names no field"),
+    "a variable of the file in full": ("", {"GIRAFF_CONFIGURATION": "x"}, "GIRAFF_CONFIGURATION: names no field"),
+    "a variable of files": ("", {"GIRAFF_CONFIGS": "x"}, "GIRAFF_CONFIGS: names no field"),
+    "a variable of the robot's file": ("", {"GIRAFF_ROBOT_FILE": "x"}, "`file`; did you mean GIRAFF_CONFIG?"),
+    "an animal": ("", {"GIRAFFE_NETWORK_MODE": "secured"}, "did you mean GIRAFF_NETWORK_MODE?"),
+    "an animal with a name": ("", {"GIRAFFE_ROBOT_NAME": "x"}, "nobody reads it; did you mean GIRAFF_ROBOT_NAME?"),
+    "half an animal": ("", {"GIRAF_ROBOT_NAME": "x"}, "GIRAF_ROBOT_NAME: nobody reads it"),
+    "a variable in small letters": ("", {"giraff_network_mode": "secured"}, "giraff_network_mode: nobody reads it"),
+    "a variable without a gap": ("", {"GIRAFFCONFIG": "x"}, "did you mean GIRAFF_CONFIG?"),
 }
 """By what is wrong: the robot file (None: there is none), the environment, and what is told."""
 
@@ -143,7 +187,7 @@ def test_each_of_them_opens_one_where_all_is_sound(
     assert len(opened) == 1
 
 
-@pytest.mark.parametrize("fault", ["a mode of the environment", "the syntax"])
+@pytest.mark.parametrize("fault", ["a mode of the environment", "a mode above its table", "an animal", "the syntax"])
 @pytest.mark.parametrize("command", [each for each in with_session() if each != GOES_ON])
 def test_no_command_opens_a_session(
     command: str,
@@ -205,6 +249,8 @@ def test_doctor_goes_on_and_tells_it(
         ("guard = 3", {}, "guard is a value where the table [guard] belongs"),
         ("", {"GIRAFF_SPEED": "1"}, "GIRAFF_SPEED: names no field"),
         ("", {"GIRAFF_GUARD_PRIORITIES": "{ joystick }"}, "GIRAFF_GUARD_PRIORITIES: not a table"),
+        ("", {"GIRAFF_ROBOT_SENSORS": "{a=" * 2000}, "GIRAFF_ROBOT_SENSORS: not a table"),
+        ('[gateawy]\nname = "left"', {}, "unknown table [gateawy]; did you mean 'gateway'?"),
     ],
 )
 def test_what_is_wrong_elsewhere_stops_nobody_from_stopping_a_robot(
@@ -228,7 +274,66 @@ def test_what_is_wrong_elsewhere_stops_nobody_from_stopping_a_robot(
     assert "127.0.0.1:9" in session, "what is sound of the file counts"
 
 
-@pytest.mark.parametrize("fault", ["a name of the environment", "a name of the file", "a name by another name"])
+def test_a_folder_that_is_gone_lets_no_stop_go_astray(
+    tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    monkeypatch.setenv("GIRAFF_CONFIG", "robot.toml")
+    code, out, err = typed(monkeypatch, capsys, "estop", "engage")
+    assert (code, out, opened) == (2, "", [])
+    assert "robot.toml: cannot be read: No such file or directory; NOTHING IS STOPPED" in err
+
+
+@pytest.mark.parametrize(
+    ("text", "variables"),
+    [
+        ('[gateway]\nname = "left"\n[router]\nmode = "fixed"\nkeys = "/keys"', {}),
+        ("[guard.priorities]\nmode = 1\nlocal = 2", {}),
+        ("[guard]\nmargn = 1\nprioritis = 2\n[base]\nprot = 3\nmax_age = 5\nnoise = 6", {}),
+        ('[robot.sensors.router]\nindex = 0\n[router.robots.network]\nrobot = ["pi"]', {}),
+        (
+            "",
+            {"GIRAFF_GUARD_PRIORITIES": "{ local = 1 }", "GIRAFF_GATEWAY_NAME": "left", "GIRAFF_ROUTER_KEYS": "/keys"},
+        ),
+        ("", {"GIRAFFE_HOME": "/", "GRAFANA_NAME": "x", "TRAFFIC_MODE": "x", "ROBOT_NAME": "x", "NETWORK_MODE": "x"}),
+        ("", {"CONFIG": "x", "GIRAFF_": "x"}),
+    ],
+)
+def test_what_is_meant_for_nothing_else_raises_no_alarm(text: str, variables: dict[str, str], tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text(text)
+    find_way(None, (), {"GIRAFF_CONFIG": str(path), **variables})
+
+
+def test_nor_does_what_this_repository_brings() -> None:
+    for path in (ROOT / "deploy" / "robot.toml", ROOT / "deploy" / "router" / "robot.toml"):
+        for settings in (*(ROOT / "deploy" / "env").glob("*.env"), ROOT / "deploy" / "systemd" / "giraff.env"):
+            lines = [line.removeprefix("#") for line in settings.read_text().splitlines()]
+            variables = dict(line.split("=", 1) for line in lines if line.startswith("GIRAFF_") and "<" not in line)
+            assert find_way(None, (), {"GIRAFF_CONFIG": str(path), **variables}).warning == ""
+
+
+@pytest.mark.parametrize("table", sorted({*TABLES} - {"network", "router"}))
+def test_no_table_takes_a_mode_that_is_not_its_own(table: str) -> None:
+    with pytest.raises(ConfigError, match=rf"\[{table}\] .*: unknown field `mode`; did you mean 'mode' of \[network\]"):
+        find_way("anne", (), {f"GIRAFF_{table.upper()}_MODE": "secured"})
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        "a name of the environment",
+        "a name of the file",
+        "a name by another name",
+        "a robot's name",
+        "a name of a service",
+        "a name in no table",
+        "a variable of a name alone",
+    ],
+)
 def test_a_name_that_does_not_count_is_no_reason(
     fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

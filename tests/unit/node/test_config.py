@@ -107,7 +107,7 @@ def test_a_table_from_the_environment(tmp_path: Path) -> None:
     assert load("network", NetworkConfig, given).access == AccessConfig(
         robot=("pc",), operators={"laptop": ("joystick",)}
     )
-    for broken in ("{ joystick = }", "{ joystick }", "{", "{} and more"):
+    for broken in ("{ joystick = }", "{ joystick }", "{", "{} and more", "{}\nx = 3", "{}\n[x]"):
         with pytest.raises(ConfigError, match="GIRAFF_GUARD_PRIORITIES: not a table"):
             load("guard", GuardConfig, environment(tmp_path, "", GIRAFF_GUARD_PRIORITIES=broken))
     with pytest.raises(ConfigError, match="with GIRAFF_GUARD_PRIORITIES of the environment"):
@@ -164,6 +164,8 @@ def test_a_robot_that_cannot_be_is_refused(variable: str, value: str, says: str)
         ("index = 1", "index = -1", "the ranger board has 0..2"),
         ("index = 1", "indx = 1", "unknown field `indx`"),
         ("x = 0.25", "x = nan", "x is nan"),
+        ("yaw = 3.141592653589793", "yaw = 180", "are these degrees? - at `$.sensors.rear`"),
+        ("y = -0.15", 'y = "left"', "`$.sensors.front_right.y`"),
         ("yaw = 0.0", "yaw = inf", "yaw is inf"),
         ("[robot.sensors.rear]", '[robot.sensors."re ar"]', "cannot be part of a key"),
     ],

@@ -133,3 +133,48 @@ def test_it_says_what_each_is_and_whether_it_lasts(params: Params[Config]) -> No
     assert names[:5] == ["margin", "fast", "noise", "port", "robot.name"]
     shared = described(params, "robot.track_width")
     assert (shared.live, shared.value, shared.doc) == ("fixed", 0.47, "m between the wheels' contact points.")
+
+
+class Faded(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Whose fields ask for each other."""
+
+    proof: Annotated[float, Live.DOWN] = 10.0
+    fade: Annotated[float, Live.DOWN] = 20.0
+    noise: Annotated[int, Live.FREE] = 3
+
+    def __post_init__(self) -> None:
+        if self.proof >= self.fade:
+            raise ValueError("proof must be below fade")
+
+
+@pytest.fixture
+def faded() -> Params[Faded]:
+    """With both tightened."""
+    params = Params("guard", Faded(), ROBOT)
+    params.set("proof", 5)
+    params.set("fade", 8)
+    return params
+
+
+def test_what_is_saved_stands_in_the_order_of_the_fields(faded: Params[Faded]) -> None:
+    faded.set("noise", 4)
+    assert [*faded.to_save(("noise", "fade", "proof"))] == ["proof", "fade", "noise"]
+
+
+@pytest.mark.parametrize("gone", [{}, {"gone": 1}])
+def test_what_asks_for_each_other_comes_again_whatever_the_order(gone: dict[str, int]) -> None:
+    params = Params("guard", Faded(), ROBOT)
+    saved = {"fade": 8.0, "proof": 5.0}
+    assert len(params.restore({**gone, **saved})) == len(gone)
+    assert params.config == Faded(proof=5.0, fade=8.0)
+    assert params.saved == saved
+
+
+def test_what_would_not_count_after_a_restart_is_not_saved(faded: Params[Faded]) -> None:
+    with pytest.raises(ParamError) as refused:
+        faded.to_save(("fade",))
+    assert str(refused.value) == (
+        "after a restart it would not count: guard.fade 8.0: proof must be below fade; save all of guard"
+    )
+    faded.saved = faded.to_save(("proof",))
+    assert faded.to_save(("fade",)) == {"proof": 5.0, "fade": 8.0}

@@ -21,6 +21,8 @@ from giraff_odometry.config import OdometryConfig
 from giraff_recorder.config import RecorderConfig
 from giraff_sentry.config import SentryConfig
 from giraff_sim.board import ROOT
+from giraff_sim.config import SimConfig
+from giraff_sim.truth import TruthRanges
 
 DEPLOYED = tomllib.loads((ROOT / "deploy" / "robot.toml").read_text())
 TABLES: dict[str, type[msgspec.Struct]] = {
@@ -40,8 +42,6 @@ ELSEWHERE = {
     "first_step": "1..steps",
 }
 """Fields whose range depends on others."""
-JUDGED_ELSEWHERE = {"proof_time", "proof_travel"}
-"""They need only be positive, and finite."""
 RANGES = [(table, name, within) for table, config in TABLES.items() for name, within in ranges(config).items()]
 
 
@@ -49,11 +49,11 @@ def convert(table: str, **fields: object) -> msgspec.Struct:
     return msgspec.convert({**DEPLOYED.get(table, {}), **fields}, TABLES[table], strict=False)
 
 
-@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose])
+@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, TruthRanges])
 def test_each_number_has_a_range(config: type[msgspec.Struct]) -> None:
     hints = get_type_hints(config)
     numbers = {name for name, hint in hints.items() if hint in (int, float, float | None)}
-    assert numbers - ELSEWHERE.keys() - JUDGED_ELSEWHERE == ranges(config).keys()
+    assert numbers - ELSEWHERE.keys() == ranges(config).keys()
 
 
 def refused(table: str, **fields: object) -> str:
@@ -99,7 +99,7 @@ def test_what_stands_by_default_is_far_from_the_ends(table: str, name: str, with
             "1000000000: it must be within 0.05..10 m/s²; are these mill",
         ),
         ("guard", "[guard]", "[guard]\nmargin = 250", "250: it must be within 0.01..2 m; are these millimetres?"),
-        ("guard", "[guard]", "[guard]\nhalf_cone = 7.5", "7.5: it must be within 0..π/4 rad; are these degrees?"),
+        ("guard", "[guard]", "[guard]\nhalf_cone = 7.5", "7.5: it must be within 0.001..π/4 rad; are these degrees?"),
         (
             "base",
             "[base]",
@@ -139,3 +139,29 @@ def test_a_sensible_robot_is_not_refused(fields: dict[str, float]) -> None:
 @pytest.mark.parametrize("yaw", [3.1416, -3.1416, 4.712389, 2 * math.pi])
 def test_a_rounded_half_turn_is_one(yaw: float) -> None:
     assert SensorPose(index=0, x=-0.25, y=0.0, yaw=yaw).yaw == yaw
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [
+        ("sonar_noise", 100, "100: it must be within 0..0.5 m; are these millimetres?"),
+        ("threshold_slip", 50, "50: it must be within 0..0.1 m; are these millimetres?"),
+        (
+            "accelerometer_offset",
+            1e6,
+            "1000000: it must be within 0..2 m/s²; are these milli",
+        ),
+        ("sensor_yaw", 3, "3: it must be within 0..π/6 rad; are these degrees?"),
+        ("calibrated_track_scale", 0.04, "0.04: it must be 0.03 at most"),
+    ],
+)
+def test_a_truth_that_cannot_be_is_refused(name: str, value: float, told: str) -> None:
+    with pytest.raises(msgspec.ValidationError) as refused:
+        msgspec.convert({"truth": {name: value}}, SimConfig)
+    assert f"{name} is {told}" in str(refused.value)
+
+
+def test_a_wheel_must_be_able_to_count_as_stuck() -> None:
+    convert("robot", stall_level=70)
+    told = "stall_level is 71 and max_level 70: no wheel would ever count as stuck; it must be max_level at most"
+    assert told in refused("robot", stall_level=71)
