@@ -8,18 +8,17 @@ from __future__ import annotations
 
 import math
 import random
-from typing import Final, Literal
+from typing import Annotated, Final, Literal
 
 import msgspec
 
-from giraff_node.ranges import require_not_negative
+from giraff_node.ranges import Within, require_plausible
 from giraff_schemas.wire import RANGE_SENSORS
 
 Level = Literal["exact", "calibrated", "uncalibrated"]
 """How far a robot differs from its file: not at all, as one does after its calibration, or as one may before it."""
 
-_LARGEST_SHARE: Final = 0.3
-_LARGEST_ANGLE: Final = math.radians(30.0)
+_SHARE: Final = Within(0.0, 0.3)
 
 
 class TrueWheel(msgspec.Struct, frozen=True, kw_only=True):
@@ -58,37 +57,32 @@ EXACT: Final = Truth()
 class TruthRanges(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The table `[sim.truth]` of the robot file: within what a simulated robot is drawn, evenly unless it says so."""
 
-    wheel_scale: float = 0.02
+    wheel_scale: Annotated[float, _SHARE] = 0.02
     """Share by which either wheel may be larger or smaller than the file says."""
-    track_scale: float = 0.03
+    track_scale: Annotated[float, _SHARE] = 0.03
     """The same of the track."""
-    calibrated_wheel_scale: float = 0.001
+    calibrated_wheel_scale: Annotated[float, _SHARE] = 0.001
     """What a calibration leaves of `wheel_scale`."""
-    calibrated_track_scale: float = 0.003
+    calibrated_track_scale: Annotated[float, _SHARE] = 0.003
     """What it leaves of `track_scale`."""
-    motor_weakness: float = 0.15
+    motor_weakness: Annotated[float, _SHARE] = 0.15
     """Share by which either motor may be weaker than the file says."""
-    turn_slip: float = 0.01
+    turn_slip: Annotated[float, _SHARE] = 0.01
     """Largest share of a turn that is lost: an estimate, for castors that scrub."""
-    threshold_slip: float = 0.02
+    threshold_slip: Annotated[float, Within(0.0, 0.1, "m")] = 0.02
     """m that a wheel turns in vain on a threshold, at most: an estimate."""
-    accelerometer_offset: float = 0.3
+    accelerometer_offset: Annotated[float, Within(0.0, 2.0, "m/s²")] = 0.3
     """m/s², either way, of each axis."""
-    sonar_noise: float = 0.01
+    sonar_noise: Annotated[float, Within(0.0, 0.5, "m")] = 0.01
     """m, standard deviation of a range: the same of every drawn robot."""
-    sensor_yaw: float = math.radians(3.0)
+    sensor_yaw: Annotated[float, Within(0.0, math.pi / 6, "rad")] = math.radians(3.0)
     """rad, to either side, of each sensor's axis."""
 
     def __post_init__(self) -> None:
-        require_not_negative(self, *self.__struct_fields__)
+        require_plausible(self)
         for name, largest in (
-            ("wheel_scale", _LARGEST_SHARE),
-            ("track_scale", _LARGEST_SHARE),
             ("calibrated_wheel_scale", self.wheel_scale),
             ("calibrated_track_scale", self.track_scale),
-            ("motor_weakness", _LARGEST_SHARE),
-            ("turn_slip", _LARGEST_SHARE),
-            ("sensor_yaw", _LARGEST_ANGLE),
         ):
             if getattr(self, name) > largest:
                 raise ValueError(f"{name} is {getattr(self, name):g}: it must be {largest:g} at most")

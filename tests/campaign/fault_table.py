@@ -75,6 +75,8 @@ def _then(scenario: Scenario) -> str:
             return "stop all" if scenario.rearms else "stop that direction"
         case "creeps":
             return "creep"
+        case "slows":
+            return "0.16 m/s at most that way"
         case "dips":
             return "stop, then go on by itself"
         case "drives on":

@@ -204,7 +204,7 @@ BREAKS: Final = (
     Break("guard turned", 5, "e", Services(guard=partial(Guard, policy=TurnedGuard))),
     Break("joystick lingering", 0, "c", Services(joystick=partial(Joystick, policy=LingeringJoystick))),
     Break("ranges late", 5, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
-    Break("guard half", 17, "e", Services(guard=partial(Guard, policy=HalfGuard))),
+    Break("guard half", 61, "e", Services(guard=partial(Guard, policy=HalfGuard))),
     Break("guard close", 5, "e", Services(guard=partial(Guard, policy=CloseGuard))),
     Break("base mirrored", 0, "c", Services(base=partial(Base, policy=MirroredBase))),
     Break("base lazy", 0, "b", Services(base=partial(Base, policy=LazyBase))),

@@ -10,9 +10,10 @@ from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.dst.drill import Drill
 from giraff_sim.dst.faults import Begin, Course
 from giraff_sim.dst.hands import Fingers
+from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.dst.people import typist
-from giraff_sim.dst.stops import BEYOND_US, ROBOT_US
 from giraff_sim.record import Verdict
+from giraff_sim.sonar import SonarFault
 
 
 def kill(name: str) -> Begin:
@@ -52,6 +53,34 @@ def unplug(name: str) -> Begin:
         drill.cable(name).plug()
 
     return course
+
+
+def deafen(drill: Drill, chance: Random) -> Course:
+    """Have nothing answer the front sensors."""
+    del chance
+    front = [sonar for index, sonar in drill.loop.simulation.world.sonars.items() if index < 2]
+    for sonar in front:
+        sonar.fault = SonarFault.DEAF
+    yield "the front sensors hear nothing"
+    for sonar in front:
+        sonar.fault = SonarFault.NONE
+
+
+def engage_anew(drill: Drill, chance: Random) -> Course:
+    """Let who has engaged the emergency stop do so again, and reset it before base can have heard."""
+    del chance
+    drill.caretaker.engage(drill.button.instance)
+    drill.loop.agenda.at(drill.loop.agenda.now_us + 8_000, drill.button.reset)
+    yield "the same engages the emergency stop anew"
+
+
+def hang_disk(drill: Drill, chance: Random) -> Course:
+    """Have the robot's disk write nothing."""
+    del chance
+    disk = drill.loop.hosts["robot"].disk
+    disk.hang()
+    yield "the robot's disk hangs"
+    disk.go_on()
 
 
 def reset_board(drill: Drill, chance: Random) -> Course:

@@ -13,6 +13,7 @@ from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick
+from giraff_node.estop import RELEASED
 from giraff_schemas.messages import (
     DriveCommand,
     EStopAnswer,
@@ -24,8 +25,9 @@ from giraff_schemas.messages import (
     Range,
     RobotTime,
     Tick,
+    Tilt,
 )
-from giraff_schemas.wire import TickFrame
+from giraff_schemas.wire import TickFrame, TiltFrame
 from giraff_sim.closed_loop import Services
 
 FOR_EVER: Final = 2.0  # s; as long as a budget can be, and longer than any fault here lasts
@@ -74,6 +76,13 @@ class RenewingJoystick(JoystickPolicy):
         return msgspec.structs.replace(command, tick=self._newest.time) if self._newest else command
 
 
+class NumbJoystick(JoystickPolicy):
+    """Never feels its button."""
+
+    def on_frame(self, frame: TiltFrame, now: float) -> Tilt:
+        return super().on_frame(msgspec.structs.replace(frame, button=0), now)
+
+
 class HastyBase(BasePolicy):
     """Arms by a neutral of next to no length."""
 
@@ -114,6 +123,18 @@ class ForgivingBase(BasePolicy):
 
     def on_reset(self, reset: EStopReset, now: RobotTime) -> EStopAnswer:
         return super().on_reset(msgspec.structs.replace(reset, id=self.latch.id, tick=now), now)
+
+
+class AmnesiacBase(BasePolicy):
+    """Starts released whatever was kept, and releases the board, too."""
+
+    def __init__(self, config: Any, robot: Any, latch: Any) -> None:
+        del latch
+        super().__init__(config, robot, RELEASED)
+
+    def on_link_opened(self, session: int) -> None:
+        super().on_link_opened(session)
+        self._releasing = True
 
 
 class BlindGuard(GuardPolicy):

@@ -48,8 +48,11 @@ def stage(
     services: Services | None = None,
     room: Room | None = None,
     seed: int = 1,
+    presses: tuple[tuple[float, float], ...] = (),
 ) -> Outcome:
-    return play(Scenario(seed, room or hall(), hand or driving(), seconds, befalls), SETTINGS, services)
+    """`presses`: when the joystick's button is pressed and let go, s."""
+    scenario = Scenario(seed, room or hall(), hand or driving(), seconds, befalls, presses=presses)
+    return play(scenario, SETTINGS, services)
 
 
 def rules(outcome: Outcome) -> set[str]:

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from giraff_cli import dst
 from giraff_cli.main import app
 from giraff_sim.dst.drill import Outcome
-from giraff_sim.dst.judge import Violation
+from giraff_sim.dst.judging.judge import Violation
 
 
 def outcome(seed: int, *violations: Violation) -> Outcome:

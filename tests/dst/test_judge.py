@@ -6,13 +6,25 @@ import pytest
 
 from giraff_schemas.messages import EStopReset
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.freedom import Freedom
-from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Stop, Stops
+from giraff_sim.dst.judging.freedom import Freedom
+from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Stop, Stops
 from giraff_sim.hand import LEVEL
 from giraff_sim.simulation import Simulation
 from giraff_sim.world import World
 from tests.dst import sabotage
-from tests.dst.courses import cut, engage, kill, replay, reset_board, stop, typing, unplug
+from tests.dst.courses import (
+    cut,
+    deafen,
+    engage,
+    engage_anew,
+    hang_disk,
+    kill,
+    replay,
+    reset_board,
+    stop,
+    typing,
+    unplug,
+)
 from tests.dst.sabotage import broken
 from tests.dst.stage import BACKWARD, FORWARD, SETTINGS, at, driving, hall, level, rules, stage
 
@@ -49,6 +61,17 @@ def test_an_old_range_is_seen() -> None:
     assert rules(stage(at(4.0, unplug("ranger"), 0.6))) == set()
 
 
+def test_motion_under_a_pressed_button_is_seen() -> None:
+    pressed = (3.5, 5.0)
+    hand = driving((4.5, LEVEL), (5.5, FORWARD))
+    outcome = stage(hand=hand, presses=(pressed,), services=broken(joystick=sabotage.NumbJoystick))
+    assert rules(outcome) == {"c"}
+    sound = stage(hand=hand, presses=(pressed,))
+    assert rules(sound) == set()
+    assert sound.counts["the joystick's button is pressed while the robot drives"] == 1
+    assert 0.2 < sound.path < outcome.path
+
+
 def test_a_base_that_arms_by_itself_is_seen() -> None:
     for reckless in (sabotage.EagerBase, sabotage.HastyBase):
         # The hand passes through level in the middle, for far less than 0.2 s.
@@ -81,6 +104,30 @@ def test_a_latch_that_an_old_reset_clears_is_seen() -> None:
     assert sound.path < outcome.path
 
 
+def test_a_reset_from_before_the_same_engaged_anew_is_seen() -> None:
+    befalls = at(3.5, engage), at(4.2, engage_anew)
+    outcome = stage(*befalls, hand=driving((3.6, LEVEL), (5.0, FORWARD)), services=broken(base=sabotage.ForgivingBase))
+    assert rules(outcome) == {"d"}
+    assert outcome.path > stage(at(3.5, engage), hand=driving((3.6, LEVEL), (5.0, FORWARD))).path
+
+
+def test_a_base_that_forgets_the_stop_at_its_restart_is_seen() -> None:
+    hand = driving((4.6, LEVEL), (6.0, FORWARD))
+    befalls = at(4.0, engage), at(4.5, kill("base"), 0.3)
+    outcome = stage(*befalls, hand=hand, services=broken(base=sabotage.AmnesiacBase))
+    assert rules(outcome) == {"d"}
+    assert "an emergency stop was lost with its base" not in outcome.counts
+    assert rules(stage(*befalls, hand=hand)) == set()
+
+
+def test_a_stop_that_was_not_on_disk_when_base_ended_is_lost_with_it() -> None:
+    hand = driving((4.6, LEVEL), (6.0, FORWARD))
+    befalls = at(3.9, hang_disk, 0.5), at(4.0, engage), at(4.2, kill("base"), 0.5)
+    outcome = stage(*befalls, hand=hand)
+    assert outcome.counts["an emergency stop was lost with its base"] == 1
+    assert rules(outcome) == set()
+
+
 def test_driving_at_what_has_echoed_is_seen() -> None:
     outcome = stage(seconds=10.0, room=hall(2.5), services=broken(guard=sabotage.BlindGuard))
     assert "e" in rules(outcome)
@@ -88,6 +135,13 @@ def test_driving_at_what_has_echoed_is_seen() -> None:
     sound = stage(seconds=10.0, room=hall(2.5))
     assert rules(sound) == set()
     assert sound.contacts == 0
+
+
+def test_a_fast_touch_of_what_a_sensor_heard_before_it_was_deaf_is_seen() -> None:
+    outcome = stage(at(3.5, deafen, 9.0), seconds=10.0, room=hall(3.4), services=broken(guard=sabotage.BlindGuard))
+    assert rules(outcome) == {"h"}
+    assert outcome.contacts == 1
+    assert rules(stage(at(3.5, deafen, 9.0), seconds=10.0, room=hall(3.4))) == set()
 
 
 def test_a_free_way_that_is_refused_is_seen() -> None:

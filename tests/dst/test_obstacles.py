@@ -10,9 +10,9 @@ import pytest
 from giraff_schemas.messages import Range
 from giraff_schemas.wire import DriveFrame
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.explain import Twist
-from giraff_sim.dst.ledger import Heard
-from giraff_sim.dst.obstacles import Obstacles
+from giraff_sim.dst.judging.explain import Twist
+from giraff_sim.dst.judging.ledger import Heard
+from giraff_sim.dst.judging.obstacles import Obstacles
 from giraff_sim.hand import StillHand
 from giraff_sim.room import Pose, Room
 from giraff_sim.sonar import SonarFault
@@ -107,3 +107,48 @@ def test_a_post_that_the_cone_only_grazes_was_not_heard_for_sure() -> None:
     assert hit is not None
     assert hit.incidence < math.cos(math.radians(60.0))
     assert ahead(room, FAST) == ""
+
+
+def touch(
+    room: Room,
+    turned: float = 0.0,
+    ago_us: int = 1_000_000,
+    fault: SonarFault = SonarFault.DEAF,
+    heard_from: Pose | None = None,
+) -> str:
+    """What the judge finds in a touch at 0.3 m/s of what was heard twice before: from half a metre, and `turned` rad,
+    back, where no other place is given."""
+    world = World(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    obstacles = Obstacles(world, SETTINGS)
+    sonar = world.sonars[SENSOR.index]
+    end = world.plant.pose
+    world.plant.place(heard_from or Pose(end.x - 0.5, end.y, end.yaw + turned))
+    for at_us in (HEARD_US - 180_000, HEARD_US):
+        sonar.echo_us(world.plant.pose)
+        obstacles.note(at_us)
+    sonar.fault = fault
+    world.plant.place(end)
+    world.plant.speed = 0.3
+    return obstacles.touched_too_fast(HEARD_US + ago_us)
+
+
+def test_a_fast_touch_of_what_was_heard_before_the_sensor_was_deaf_is_found() -> None:
+    assert "+0.30 m/s at the touch of what front_left heard 1.0 s ago" in touch(room_with_wall(0.0))
+
+
+def test_a_slanted_wall_answers_from_the_edge_of_the_cone() -> None:
+    slant = math.radians(24.0)
+    foot = 1.7 * math.cos(slant), 1.7 * math.sin(slant)
+    away = 1.7 - RADIUS
+    room = Room("slanted", Pose(away * math.cos(slant), away * math.sin(slant), slant))
+    room.add_wall("wall", [(foot[0] - k * math.sin(slant), foot[1] + k * math.cos(slant)) for k in (-4.0, 4.0)])
+    assert "at the touch of what front_left heard" in touch(room, heard_from=Pose(0.0, 0.0, 0.0))
+
+
+def test_another_touch_is_not_of_what_was_heard() -> None:
+    beside = room_with_wall(0.2)
+    beside.add_post("beside", 0.1, RADIUS + 0.04, 0.05)
+    assert touch(beside) == ""
+    assert touch(room_with_wall(0.0), turned=1.0) == ""
+    assert touch(room_with_wall(0.0), ago_us=10_100_000) == ""
+    assert touch(room_with_wall(0.0), fault=SonarFault.NONE) == ""

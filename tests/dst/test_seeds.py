@@ -11,7 +11,7 @@ import pytest
 from giraff_sim.dst.drill import KINDS, SECONDS
 from giraff_sim.dst.many import Totals, run_many
 
-ONCE_FAILED: Final = (1451, 2267, 2616, 2885, 2995, 3056, 3263, 4952, 4966, 5031, 5640, 5796)
+ONCE_FAILED: Final = (1451, 1922, 1928, 2267, 2616, 2885, 2995, 3056, 3263, 4952, 4966, 5031, 5640, 5796)
 """Robot or judge was wrong about them."""
 SEEDS: Final = (*range(100), *ONCE_FAILED)
 PER_SEED = {

@@ -20,12 +20,12 @@ from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.demo_hand import DemoHand
 from giraff_sim.dst import machine_faults, network_faults, robot_faults
 from giraff_sim.dst.faults import Kind
-from giraff_sim.dst.hands import RestlessHand
-from giraff_sim.dst.judge import Judge, Violation
+from giraff_sim.dst.hands import ClutchingHand, RestlessHand
+from giraff_sim.dst.judging.judge import Judge, Violation
+from giraff_sim.dst.judging.stops import Stop, Way
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.dst.people import Button, Caretaker
 from giraff_sim.dst.rooms import lay_threshold, random_room
-from giraff_sim.dst.stops import Stop, Way
 from giraff_sim.dst.story import Story
 from giraff_sim.hand import Hand
 from giraff_sim.hosts.agenda import Agenda
@@ -43,6 +43,8 @@ _STEP_US: Final = 4000  # a serial adapter waits longer, and twice as many steps
 _FAULTS: Final = (1, 5)
 _RESTS_FROM: Final = 0.9  # s: the demonstration's hand rests until all has started
 _RESTLESS: Final = 0.5  # share of the hands that follow no room
+_CLUTCHES: Final = 0.3  # share of the runs in which the joystick's button is pressed
+_DEAF: Final = 0.15  # share of the runs in which a sensor is deaf for a time
 _FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
 _LAST_FAULT: Final = 1.5  # s before the end
 _HOUR_NS: Final = 3_600_000_000_000
@@ -102,6 +104,8 @@ class Scenario(NamedTuple):
     seconds: float
     befalls: tuple[Befall, ...]
     truth: Truth = EXACT
+    presses: tuple[tuple[float, float], ...] = ()
+    """When the joystick's button is pressed and let go, s."""
 
 
 class Drill:
@@ -115,7 +119,6 @@ class Drill:
         self.network = FaultyNetwork(agenda, chance)
         self.judge = Judge(agenda, running, settings, self.story)
         self.loop = ClosedLoop(running, settings, services, self.network, self.judge, agenda)
-        self.judge.watch(self.loop.hosts["robot"].disk)
         self.loop.kill("odometry")  # not in the chain that drives
         for host in self.loop.hosts.values():
             host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)
@@ -126,6 +129,9 @@ class Drill:
         self._claimed: list[Any] = []
         for befall in scenario.befalls:
             self._plan(*befall)
+        for begin, end in scenario.presses:
+            agenda.at(round(begin * 1e6), self._press_joystick)
+            agenda.at(round(end * 1e6), self._let_joystick_go)
 
     def link(self, sender: str, taker: str) -> Link:
         """The way from one machine to the other."""
@@ -176,13 +182,28 @@ class Drill:
         """To the end."""
         end_us = round(self.seconds * 1e6)
         loop, judge, world = self.loop, self.judge, self.loop.simulation.world
+        disk = loop.hosts["robot"].disk
         felt: Vector | None = None
         while loop.agenda.now_us < end_us:
             loop.step()
             if world.acceleration is not felt and (joystick := loop.processes.get("joystick")) is not None:
                 felt = world.acceleration
-                judge.held(joystick, felt)
-            judge.after_step()
+                if world.button:
+                    judge.clutched(joystick)
+                else:
+                    judge.held(joystick, felt)
+            judge.after_step(disk)
+
+    def _press_joystick(self) -> None:
+        simulation = self.loop.simulation
+        simulation.world.button = True
+        drives = " while the robot drives" if simulation.peak_counts else ""
+        self.story.tell(f"the joystick's button is pressed{drives}")
+        self.story.count(f"the joystick's button is pressed{drives}")
+
+    def _let_joystick_go(self) -> None:
+        self.loop.simulation.world.button = False
+        self.story.tell("the joystick's button is let go")
 
     def _press_button(self, process: Process) -> Button:
         self.button = Button(process, self.judge)
@@ -237,7 +258,21 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
         )
         for _ in range(chance.randint(*_FAULTS))
     )
-    return Scenario(seed, room, hand, seconds, befalls, draw_truth("uncalibrated", _SIM.truth, seed))
+    befalls += _deafness(Random(f"{seed}/deaf"), seconds)
+    presses: tuple[tuple[float, float], ...] = ()
+    clutch = Random(f"{seed}/clutch")  # a chance of its own: all others stay what they were without it
+    if clutch.random() < _CLUTCHES:
+        hand = clutching = ClutchingHand(hand, clutch, seconds)
+        presses = tuple(clutching.presses)
+    return Scenario(seed, room, hand, seconds, befalls, draw_truth("uncalibrated", _SIM.truth, seed), presses)
+
+
+def _deafness(chance: Random, seconds: float) -> tuple[Befall, ...]:
+    """In some runs a sensor that is deaf, by a chance of its own: all others stay what they were without it."""
+    if chance.random() >= _DEAF:
+        return ()
+    kind = next(each for each in KINDS if each.begin is robot_faults.deaf)
+    return (Befall(kind, chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT), Random(chance.getrandbits(64))),)
 
 
 def play(scenario: Scenario, settings: Settings, services: Services | None = None, build: Path = BUILD) -> Outcome:

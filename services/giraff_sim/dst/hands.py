@@ -8,9 +8,14 @@ import random
 from typing import Final
 
 from giraff_sim.bno055 import GRAVITY, Vector
+from giraff_sim.hand import Hand
 from giraff_sim.room import Pose
 
 _MUSCLE: Final = 0.12  # s, time constant of the wrist
+_PRESSES_FROM: Final = 2.5  # s; the robot drives by then
+_PRESSED: Final = (1.2, 3.0)  # s
+_LEVEL: Final = 0.4  # s before and after the button is let go: twice what its service takes for a hand that is still
+_LEVELS: Final = 0.3  # s that it takes to come level, and to tilt again
 _ARMS_AFTER: Final = 1.2  # s of rest at the beginning: board, sensor and services start meanwhile
 
 
@@ -52,6 +57,32 @@ def _tilt(chance: random.Random) -> tuple[float, float]:
     forward = math.radians(chance.choice((1.0, 1.0, 1.0, -1.0, 0.0)) * chance.uniform(12.0, 45.0))
     left = math.radians(chance.choice((0.0, 1.0, -1.0)) * chance.uniform(0.0, 35.0))
     return forward, left
+
+
+class ClutchingHand:
+    """Lets another hand drive and presses the button now and then, tilts on, and lets it go while truly level.
+
+    So the attitude that becomes the new zero is level, too: what the hand asks for is what it was.
+    """
+
+    def __init__(self, hand: Hand, chance: random.Random, seconds: float) -> None:
+        self.trembles = hand.trembles
+        self.presses: list[tuple[float, float]] = []
+        """When the button is pressed and let go, simulated s."""
+        self._hand = hand
+        moment = _PRESSES_FROM + chance.uniform(0.0, 6.0)
+        while moment < seconds:
+            until = moment + chance.uniform(*_PRESSED)
+            self.presses.append((moment, until))
+            moment = until + chance.uniform(2.0, 8.0)
+
+    def acceleration(self, seconds: float, robot: Pose) -> Vector:
+        vector = self._hand.acceleration(seconds, robot)
+        share = min((abs(seconds - until) - _LEVEL for _, until in self.presses), default=_LEVELS) / _LEVELS
+        if share >= 1.0:
+            return vector
+        x, y = vector[0] * max(0.0, share), vector[1] * max(0.0, share)
+        return x, y, math.sqrt(GRAVITY**2 - x * x - y * y)
 
 
 class Fingers:

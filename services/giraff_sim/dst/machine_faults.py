@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Final
 from giraff_sim.closed_loop import MACHINES
 from giraff_sim.dst.faults import Course, Kind, fault
 from giraff_sim.dst.hands import Fingers
+from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Way
 from giraff_sim.dst.people import double, typist
-from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Way
 
 if TYPE_CHECKING:
     from giraff_sim.dst.drill import Drill

@@ -32,6 +32,8 @@ MARKS: Final = (
     "answer: latch N is not the one engaged",
     "answer: the reset is not from within the last",
     "an emergency stop was lost with its base",
+    "the same engages the emergency stop anew",
+    "the joystick's button is pressed while the robot drives",
     "parameter: set",
     "parameter: refused",
     "parameter: saved",

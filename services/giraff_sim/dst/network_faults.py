@@ -17,7 +17,7 @@ from giraff_schemas.messages import (
     Wheels,
 )
 from giraff_sim.dst.faults import Course, Kind, fault
-from giraff_sim.dst.stops import BEYOND_US
+from giraff_sim.dst.judging.stops import BEYOND_US
 
 if TYPE_CHECKING:
     from giraff_sim.dst.drill import Drill

@@ -22,7 +22,7 @@ from giraff_sim.dst.hands import Fingers, RestlessHand
 from giraff_sim.hosts.process import Process
 
 if TYPE_CHECKING:
-    from giraff_sim.dst.judge import Judge
+    from giraff_sim.dst.judging.judge import Judge
 
 _POLL_HZ: Final = 20.0  # of the command line, for an answer
 _NOISE: Final = 0.03  # m/s², of a hand and a sensor
@@ -140,9 +140,9 @@ class Caretaker:
         """Ask that all parameters of a service be kept as they are."""
         self._ask(PARAM_SAVE.at(service), ParamSave(by=self._process.instance))
 
-    def engage(self) -> None:
-        """Ask to stop."""
-        self._ask(ESTOP_ENGAGE, EStopEngage(by=self._process.instance, reason="drill"))
+    def engage(self, by: str = "") -> None:
+        """Ask to stop, in the name of `by`; empty: in its own."""
+        self._ask(ESTOP_ENGAGE, EStopEngage(by=by or self._process.instance, reason="drill"))
 
     def turn(self, now: float) -> None:
         self.pacers[0].due(now)
@@ -163,6 +163,7 @@ class Button:
 
     def __init__(self, process: Process, judge: Judge) -> None:
         self._process = process
+        self.instance = process.instance
         self._judge = judge
         self._states, self._ticks = process.inbox(ESTOP), process.inbox(TICK)
         self._asking: Repeated[EStopAnswer] | None = None

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from random import Random
 from typing import TYPE_CHECKING, Final
 
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.dst.faults import Course, Kind, fault
-from giraff_sim.dst.ledger import BASE
-from giraff_sim.dst.stops import BEYOND_US, ROBOT_US, Way
+from giraff_sim.dst.judging.ledger import BASE
+from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Way
 from giraff_sim.sonar import SonarFault
 
 if TYPE_CHECKING:
@@ -87,6 +88,21 @@ def sonar(drill: Drill, chance: Random) -> Course:
     sensor.fault = SonarFault.NONE
 
 
+@fault(KINDS, weight=0.0, lasts=(1.0, 15.0), calm_after=11.0)
+def deaf(drill: Drill, chance: Random) -> Course:
+    """Not drawn among the others, but beside them."""
+    names = chance.choice((("front_left",), ("front_right",), ("front_left", "front_right"), ("rear",)))
+    sonars = drill.loop.simulation.world.sonars
+    sensors = [sonars[drill.loop.settings.robot.sensors[name].index] for name in names]
+    if not drill.claims(*sensors):
+        return
+    for sensor in sensors:
+        sensor.fault = SonarFault.DEAF
+    yield f"{' and '.join(names)} hear nothing" if len(names) > 1 else f"{names[0]} hears nothing"
+    for sensor in sensors:
+        sensor.fault = SonarFault.NONE
+
+
 @fault(KINDS, weight=2.0, lasts=(0.2, 3.0))
 def tilt_sensor(drill: Drill, chance: Random) -> Course:
     sensor = drill.loop.simulation.bno055
@@ -124,13 +140,21 @@ def emergency_stop(drill: Drill, chance: Random) -> Course:
 
 @fault(KINDS, weight=1.5, lasts=(0.2, 2.0))
 def two_at_the_emergency_stop(drill: Drill, chance: Random) -> Course:
+    """Half of the time who engages anew has engaged before: the same latch, which a reset of before leaves, too."""
     if not drill.claims(drill.button):
         return
     drill.button.engage()
     yield "somebody engages the emergency stop, and will reset it while another engages it anew"
-    first, second = chance.sample((drill.button.reset, drill.caretaker.engage), 2)
+    resets_first, _ = chance.sample((True, False), 2)
+    later_us = chance.choice((0, 4_000, 12_000))
+    by = chance.choice(("", drill.button.instance))
+    if by:
+        drill.story.tell("it is no other, but the same")
+        drill.story.count("the same engages the emergency stop anew")
+    engage = partial(drill.caretaker.engage, by)
+    first, second = (drill.button.reset, engage) if resets_first else (engage, drill.button.reset)
     first()
-    drill.loop.agenda.at(drill.loop.agenda.now_us + chance.choice((0, 4_000, 12_000)), second)
+    drill.loop.agenda.at(drill.loop.agenda.now_us + later_us, second)
     drill.release_later()
 
 

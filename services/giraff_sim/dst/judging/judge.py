@@ -7,7 +7,8 @@
 (d) none is sent, and no motor has power, under an engaged emergency stop, or while the disk does not say released;
 (e) none goes towards something that a sound sensor must have heard, and that is nearer than the stopping distance;
 (f) a robot that may move, and is asked to where it is free, moves;
-(g) no motor gets more than the largest level, what base has not asked for, or more speed than the ramp allows.
+(g) no motor gets more than the largest level, what base has not asked for, or more speed than the ramp allows;
+(h) what a sensor that is deaf now has heard twice within the last 10 s is touched at 0.16 m/s at most.
 """
 
 from __future__ import annotations
@@ -18,16 +19,16 @@ from giraff_schemas.messages import BaseState, EStopAnswer, EStopEngage, EStopRe
 from giraff_schemas.params import ParamAnswer, ParamSave
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame
 from giraff_sim.closed_loop import Settings
-from giraff_sim.dst.contrary import Contrary
-from giraff_sim.dst.explain import Explainer, Twist
-from giraff_sim.dst.freedom import Freedom
-from giraff_sim.dst.latch import LatchWatch
-from giraff_sim.dst.ledger import BASE, Ledger, Passed
-from giraff_sim.dst.obstacles import Obstacles
-from giraff_sim.dst.pins import Pins
-from giraff_sim.dst.stops import ROBOT_US, Stops
+from giraff_sim.dst.judging.contrary import Contrary
+from giraff_sim.dst.judging.explain import Explainer, Twist
+from giraff_sim.dst.judging.freedom import Freedom
+from giraff_sim.dst.judging.latch import LatchWatch
+from giraff_sim.dst.judging.ledger import BASE, Ledger, Passed
+from giraff_sim.dst.judging.obstacles import Obstacles
+from giraff_sim.dst.judging.pins import Pins
+from giraff_sim.dst.judging.stops import ROBOT_US, Stops
+from giraff_sim.dst.judging.wishes import Wishes
 from giraff_sim.dst.story import Story, kind_of
-from giraff_sim.dst.wishes import Wishes
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.disk import Disk
 from giraff_sim.hosts.process import Process
@@ -77,9 +78,9 @@ class Judge(Ledger):
         self._guard = ""
         self._newest: Passed | None = None
         self._operator_born_us = 0
-        self._engaged_us: int | None = None
-        self._engaged_at: Process | None = None  # the base that was asked
-        self._latch: LatchWatch | None = None
+        self._engaged_us: int | None = None  # since when base must stand still
+        self._engaged_at: Process | None = None  # the base that was asked, while it runs
+        self._latch = LatchWatch()
         self._resets: dict[EStopReset, int] = {}
         self._state: BaseState | None = None
 
@@ -89,10 +90,6 @@ class Judge(Ledger):
         grants = self.leases.get(self._guard)
         return grants[-1].holder if grants else ""
 
-    def watch(self, disk: Disk) -> None:
-        """The robot's disk, from the beginning on."""
-        self._latch = LatchWatch(disk)
-
     def answered(self, process: Process, request: Any, answer: Any) -> None:
         if isinstance(answer, ParamAnswer):
             what = "saved" if isinstance(request, ParamSave) else "set"
@@ -100,22 +97,16 @@ class Judge(Ledger):
             self._story.count(f"parameter: {what if answer.done else refused}")
         if isinstance(answer, EStopAnswer):
             self._story.count(f"answer: {kind_of(answer.reason) or ('stopped' if answer.engaged else 'released')}")
-            if (
-                process.name == BASE
-                and self._latch is not None
-                and (wrong := self._latch.answered(answer, self._agenda.now_us))
-            ):
+            if process.name == BASE and (wrong := self._latch.answered(process, answer, self._agenda.now_us)):
                 self._violated("d", wrong)
 
-    def after_step(self) -> None:
-        """Look at the motors and the disk."""
+    def after_step(self, disk: Disk) -> None:
+        """Look at the motors and the robot's disk."""
         now_us = self._agenda.now_us
         self._measure_way(now_us)
-        self._look_at_latch(now_us)
+        self._look_at_latch(disk, now_us)
         self._obstacles.note(now_us)
-        if self._world.plant.contacts != self._contacts:
-            self._contacts = self._world.plant.contacts
-            self._story.tell(f"the body touches something: {self._obstacles.touched(self.readings)}")
+        self._look_at_contacts(now_us)
         against = self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us)
         if self._simulation.peak_counts == 0:
             if refusal := self.freedom.refused(self._newest, self._state, now_us):
@@ -130,7 +121,7 @@ class Judge(Ledger):
             self._violated("a", overdue)
         if now_us - self._level_us > _OUTLIVES_US:
             self._violated("b", f"power {(now_us - self._level_us) / 1e6:.3f} s after the last frame with a level")
-        if self._latch is not None and (wrong := self._latch.power(now_us)):
+        if wrong := self._latch.power(now_us):
             self._violated("d", wrong)
         if self._engaged_us is not None and now_us - self._engaged_us > ROBOT_US:
             self._violated("d", f"power {(now_us - self._engaged_us) / 1e6:.3f} s after the emergency stop")
@@ -180,6 +171,7 @@ class Judge(Ledger):
         self._story.tell(f"base is asked for an emergency stop by {asked.by}")
         if process.name == BASE:
             self._engaged_at = process
+            self._latch.asked(self._agenda.now_us)
         if self._engaged_us is None:
             self._engaged_us = self._agenda.now_us
 
@@ -187,7 +179,10 @@ class Judge(Ledger):
         now_us, pressed_us = self._agenda.now_us, self._resets[asked]
         old = (now_us - pressed_us) / 1e6
         self._story.tell(f"base is asked to release {asked.id}, {old:.2f} s after {asked.by} did so")
-        if self._engaged_us is not None and pressed_us >= self._engaged_us and old <= self._settings.base.reset_budget:
+        if pressed_us < self._latch.asked_us or old > self._settings.base.reset_budget:
+            return
+        self._latch.permit(now_us)  # also of a stop that the board has called for
+        if self._engaged_us is not None:
             self._engaged_us = None
             self._disarmed("the emergency stop was reset")
 
@@ -230,15 +225,25 @@ class Judge(Ledger):
             self.near += path - self._way
         self._way = path
 
-    def _look_at_latch(self, now_us: int) -> None:
-        if self._latch is None:
+    def _look_at_contacts(self, now_us: int) -> None:
+        if self._world.plant.contacts == self._contacts:
             return
-        self._latch.look(now_us)
+        self._contacts = self._world.plant.contacts
+        self._story.tell(f"the body touches something: {self._obstacles.touched(self.readings)}")
+        if too_fast := self._obstacles.touched_too_fast(now_us):
+            self._violated("h", too_fast)
+
+    def _look_at_latch(self, disk: Disk, now_us: int) -> None:
+        if wrong := self._latch.look(disk, now_us):
+            self._violated("d", wrong)
         if self._engaged_us is None or self._engaged_at is None:
             return
         if wrong := self._latch.unsaved(self._engaged_at, self._world.step_us):
             self._violated("d", wrong)
-        if self._engaged_at.ended and not self._latch.says_engaged:
+        if not self._engaged_at.ended:
+            return
+        self._engaged_at = None  # what the next one does to the disk is no excuse
+        if not self._latch.says_engaged:
             # Nobody was told that it is kept: who asked goes on asking, or knows.
             self._story.tell("base ended before the emergency stop was on disk")
             self._story.count("an emergency stop was lost with its base")

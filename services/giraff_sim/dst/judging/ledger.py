@@ -20,7 +20,7 @@ from giraff_schemas.messages import (
 )
 from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFrame, WheelsFrame
 from giraff_sim.bno055 import Vector
-from giraff_sim.dst.wishes import Wishes
+from giraff_sim.dst.judging.wishes import Wishes
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.process import Observer, Process
 
@@ -123,6 +123,10 @@ class Ledger(Observer):
 
     def held(self, process: Process, acceleration: Vector) -> None:
         self.wishes.hold(process.instance, acceleration, self._agenda.now_us)
+
+    def clutched(self, process: Process) -> None:
+        """The button of the joystick of `process` is pressed just now."""
+        self.wishes.clutch(process.instance, self._agenda.now_us)
 
     def typed(self, process: Process, keys: bytes) -> None:
         self.wishes.press(process.instance, keys, self._agenda.now_us)

@@ -1,4 +1,5 @@
-"""Whether the robot is driven towards what a sound sensor, on its true axis, has truly heard.
+"""Whether the robot is driven towards what a sound sensor, on its true axis, has truly heard, and how fast it touches
+what one has heard that is deaf now.
 
 Nothing here is what a sensor, the ranger or the guard says: each ping is asked of the room, from where the robot truly
 was. Only that a reading was handed to a guard, and when, is taken from the ledger.
@@ -13,9 +14,9 @@ from typing import Final
 
 from giraff_schemas.wire import RANGE_SENSORS, RANGE_SLOT_MS
 from giraff_sim.closed_loop import Settings
-from giraff_sim.dst.ledger import Heard
+from giraff_sim.dst.judging.ledger import Heard
 from giraff_sim.room import Hit, Pose
-from giraff_sim.sonar import Sonar
+from giraff_sim.sonar import Sonar, SonarFault
 from giraff_sim.world import World
 
 REST: Final = 0.20
@@ -26,6 +27,11 @@ _TWO_CYCLES_US: Final = 2 * RANGE_SENSORS * RANGE_SLOT_MS * 1000
 _SAME_US: Final = 12_000  # between a ping and the moment that its reading tells: steps of the world
 _SAME: Final = 0.10  # m between two echoes of one surface
 _A_LITTLE: Final = 0.01  # m
+_KEPT: Final = 60  # pings: of 10 s and a little more
+_REMEMBERED_US: Final = 10_000_000  # for so long the guard knows what a sensor has heard that hears nothing now
+_SLOW: Final = 0.16  # m/s at which that may be touched
+_TOUCHES: Final = 1e-3  # m
+_THERE: Final = 0.5  # m between where a surface gave its echo and where it is touched
 
 
 class _Ping:
@@ -45,6 +51,13 @@ class _Ping:
             self._echo = now if same else None
         return self._echo
 
+    def heard_at(self, x: float, y: float, version: int) -> int | None:
+        """The surface, if it gave its echo at about this place and nothing nearer might have been heard instead."""
+        echo = self.echo(version)
+        if echo is None or math.dist(self._sonar.echo_point(self._pose, echo), (x, y)) > _THERE:
+            return None
+        return echo.surface if min(self._sonar.hits(self._sonar.origin(self._pose))).surface == echo.surface else None
+
 
 class Obstacles:
     """Looks at the world for what readings only tell."""
@@ -54,7 +67,7 @@ class Obstacles:
         self._robot = settings.robot
         self._deceleration = settings.guard.deceleration or math.inf
         self._heard_before = {index: sonar.pings for index, sonar in world.sonars.items()}
-        self._pings: dict[str, deque[_Ping]] = defaultdict(lambda: deque(maxlen=6))
+        self._pings: dict[str, deque[_Ping]] = defaultdict(lambda: deque(maxlen=_KEPT))
 
     def note(self, now_us: int) -> None:
         """Take the pings of this step."""
@@ -77,6 +90,37 @@ class Obstacles:
             if heard
         )
         return f"{bearing:+.0f} degrees from ahead, at {plant.speed:+.2f} m/s; {', '.join(told)}"
+
+    def touched_too_fast(self, now_us: int) -> str:
+        """How fast the body touches what a sensor that is deaf now has heard before; empty when it does not."""
+        speed = self._world.plant.speed
+        if abs(speed) <= _SLOW:
+            return ""
+        for name, mount in self._robot.sensors.items():
+            is_deaf = self._world.sonars[mount.index].fault is SonarFault.DEAF
+            if not is_deaf or (abs(mount.yaw) < 1.0) != (speed > 0.0):
+                continue
+            if (heard_us := self._heard_twice_us(name, now_us)) is not None:
+                ago = (now_us - heard_us) / 1e6
+                return f"{speed:+.2f} m/s at the touch of what {name} heard {ago:.1f} s ago, before it was deaf"
+        return ""
+
+    def _heard_twice_us(self, name: str, now_us: int) -> int | None:
+        """When the second of two successive pings heard the place that the body touches now."""
+        room, pose = self._world.room, self._world.plant.pose
+        distance, normal_x, normal_y = room.nearest(pose.x, pose.y)
+        x, y = pose.x - distance * normal_x, pose.y - distance * normal_y
+        later_us, later = 0, None
+        for ping in reversed(self._pings[name]):
+            if now_us - ping.at_us > _REMEMBERED_US:
+                return None
+            surface = ping.heard_at(x, y, room.version)
+            if surface is not None and self._clearance(surface) > _TOUCHES:
+                surface = None
+            if surface is not None and surface == later and later_us - ping.at_us <= _TWO_CYCLES_US:
+                return later_us
+            later_us, later = ping.at_us, surface
+        return None
 
     def ahead(self, linear: float, readings: Mapping[str, deque[Heard]], now_us: int) -> str:
         """What the motors drive at, where `linear` (m/s) is the frame's; empty when nothing is too near."""
@@ -106,7 +150,7 @@ class Obstacles:
         return ""
 
     def _ping_of(self, name: str, born_us: int) -> _Ping | None:
-        return next((ping for ping in self._pings[name] if abs(ping.at_us - born_us) <= _SAME_US), None)
+        return next((ping for ping in reversed(self._pings[name]) if abs(ping.at_us - born_us) <= _SAME_US), None)
 
     def _clearance(self, surface: int, step: float = 0.0) -> float:
         """m between the body and a surface, now or after `step` m ahead."""

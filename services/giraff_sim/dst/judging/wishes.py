@@ -1,6 +1,7 @@
 """What the operators' hands truly do, whatever a sensor, a board or a service makes of it.
 
-A hand that holds the joystick is judged by the acceleration that truly acts on it, fingers by the keys they press.
+A hand that holds the joystick is judged by the acceleration that truly acts on it and by the button, fingers by the
+keys they press.
 """
 
 from __future__ import annotations
@@ -45,9 +46,16 @@ class Wishes:
         x, y, z = acceleration
         angles = math.degrees(math.atan2(x, math.hypot(y, z))), math.degrees(math.atan2(y, math.hypot(x, z)))
         ways = [self._sign(angle, off + _DOUBT_DEG) for angle, off in zip(angles, self._off, strict=True)]
+        self._note(instance, _Held(now_us, neutral=all(way in (0, None) for way in ways), way=(ways[0], ways[1])))
+
+    def clutch(self, instance: str, now_us: int) -> None:
+        """The button of a joystick is pressed: however it is held, nothing is asked for."""
+        self._note(instance, _Held(now_us, neutral=True, way=(0, 0)))
+
+    def _note(self, instance: str, newest: _Held) -> None:
         held = self._held[instance]
-        held.append(_Held(now_us, neutral=all(way in (0, None) for way in ways), way=(ways[0], ways[1])))
-        while now_us - held[0].at_us > _KEPT_US:
+        held.append(newest)
+        while newest.at_us - held[0].at_us > _KEPT_US:
             held.popleft()
 
     def _sign(self, angle: float, doubt: float) -> int | None:

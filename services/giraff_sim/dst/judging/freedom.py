@@ -10,7 +10,7 @@ from giraff_sim.world import World
 
 if TYPE_CHECKING:
     from giraff_schemas.messages import BaseState
-    from giraff_sim.dst.ledger import Passed
+    from giraff_sim.dst.judging.ledger import Passed
 
 _PATIENCE_US: Final = 1_000_000
 _LOOK_US: Final = 20_000

@@ -8,7 +8,7 @@ from typing import Final
 from giraff_base.config import BaseConfig
 from giraff_node.robot import RobotConfig
 from giraff_schemas.wire import DriveFrame
-from giraff_sim.dst.ledger import Ledger, Passed
+from giraff_sim.dst.judging.ledger import Ledger, Passed
 
 _LEVELS_OFF: Final = 1.0  # by rounding
 

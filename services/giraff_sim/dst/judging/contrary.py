@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_sim.dst.wishes import Way
+from giraff_sim.dst.judging.wishes import Way
 from giraff_sim.plant import Plant
 
 _CONTRARY: Final = 0.05  # m/s of the centre, or of each wheel where it turns
