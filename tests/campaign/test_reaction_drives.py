@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import random
 import time
 from pathlib import Path
@@ -59,11 +58,8 @@ def react(robot: ProcessRobot, heard: list[Range], phase: float, stalls: Stalls)
     for sensor in (0, 1):
         robot.simulator.fail_sonar(sensor, SonarFault.WILD_SOME, WILD)
     robot.drive(*FORWARD, seconds=1.3 + phase)
-    state = robot.simulator.state()
-    cos, sin = math.cos(state.yaw), math.sin(state.yaw)
-    x, y = state.x + AHEAD * cos, state.y + AHEAD * sin
     heard.clear()
-    put_up_us = robot.simulator.add_wall("sudden", [(x - sin, y + cos), (x + sin, y - cos)])
+    put_up_us = robot.put_up_wall("sudden", AHEAD, half_width=1.0)
     robot.run(0.6)
     offset_us = wall_clock_offset_us(robot)
     # From the wall on: a ping that was under way is not of it.

@@ -1,7 +1,7 @@
 """Makes tests/desk/data/drive.mcap anew: python -m tests.desk.make_drive, on a machine that does nothing else.
 
-A simulated robot is recorded from before its services start: it is armed, drives ahead until a wall stops it, backs,
-turns, meets a wall that comes from nowhere, and is laid down.
+A simulated robot is recorded from before its services start: it is armed, backs, drives ahead until a wall stops it,
+backs, turns, meets a wall that comes from nowhere, and is laid down.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from tests.system.robot import FULL_TILT, PROVING_ROOM, SERVICES, ProcessRobot
 
 DRIVE = Path(__file__).with_name("data") / "drive.mcap"
 _MOVES = (
+    (-FULL_TILT, 0.0, 1.5),
     (FULL_TILT, 0.0, 9.0),
     (-FULL_TILT, 0.0, 2.0),
     (FULL_TILT / 2.0, FULL_TILT, 3.0),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from pathlib import Path
 
@@ -23,22 +22,19 @@ def drive_into_view(robot: ProcessRobot) -> None:
     robot.run(2.0)
     robot.hold(FULL_TILT, 0.0)
     robot.run(0.5)
-    at = robot.simulator.state()
-    reach = 1.2
-    x, y = at.x + reach * math.cos(at.yaw), at.y + reach * math.sin(at.yaw)
-    across = (-1.5 * math.sin(at.yaw), 1.5 * math.cos(at.yaw))
-    robot.simulator.add_wall("end", [(x - across[0], y - across[1]), (x + across[0], y + across[1])])
+    robot.put_up_wall("end", ahead=1.2, half_width=1.5)
     robot.wait("the wall", lambda: is_at_wall(robot), 60.0)
     robot.run(1.0)  # it stands, and its path, which is drawn twice a second, ends where it does
 
 
 def is_at_wall(robot: ProcessRobot) -> bool:
-    """Blocked by what a sensor sees, with no sensor in doubt; a busy machine's robot that was disarmed drives on."""
+    """Blocked by what a sensor sees, with none in doubt but the rear one, which has heard nothing for long; a busy
+    machine's robot that was disarmed drives on."""
     guard, base = robot.observer.newest(GUARD), robot.observer.newest(BASE)
     assert guard is not None
     assert base is not None
     if guard.forward.freedom == "blocked" and "sees something" in guard.forward.reason:
-        return not any(guard.sensors.values())
+        return {sensor for sensor, reason in guard.sensors.items() if reason} == {"rear"}
     if not base.armed:
         robot.arm(30.0)
         robot.hold(FULL_TILT, 0.0)

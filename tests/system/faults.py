@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -28,6 +28,8 @@ TWO_AT_ONCE: Final = 0.55
 FORWARD: Final = (FULL_TILT, 0.0)
 BACKWARD: Final = (-FULL_TILT, 0.0)
 LEFT: Final = (0.0, FULL_TILT)
+RIGHT: Final = (0.0, -FULL_TILT)
+LEVEL: Final = (0.0, 0.0)
 
 _RADIUS, _CORNERS = 4.0, 36
 ARENA: Final = f"""
@@ -63,11 +65,11 @@ class Scenario:
     """One row: the robot drives, breaks, is mended, and drives again, with none of its other services restarted."""
 
     faults: tuple[Fault, ...]
-    does: Literal["stops", "creeps", "dips", "drives on"] = "stops"
-    """`creeps`: drives at 0.10 m/s at most. `dips`: may stop meanwhile, and drives again by itself within 2 s of the
-    end."""
+    does: Literal["stops", "creeps", "slows", "dips", "drives on"] = "stops"
+    """`creeps`: drives at 0.10 m/s at most. `slows`: at 0.16 m/s at most. `dips`: may stop meanwhile, and drives again
+    by itself within 2 s of the end."""
     bound: float = 0.0
-    """s to PWM 0 of what stops, or to creeping."""
+    """s to PWM 0 of what stops, to creeping, or to what is slow."""
     lasts: float = 1.5
     """s from its begin to its end."""
     rearms: bool = True
@@ -127,6 +129,34 @@ def sonar(number: int, fault: SonarFault) -> Fault:
         lambda robot: robot.simulator.fail_sonar(number, fault),
         lambda robot: robot.simulator.fail_sonar(number, SonarFault.NONE),
     )
+
+
+def deaf(
+    *numbers: int,
+    after: float = 0.0,
+    then: Sequence[tuple[tuple[float, float], float]] = (),
+    on: tuple[float, float] = FORWARD,
+    told: str = "",
+) -> Fault:
+    """Nothing answers these sonars, from `after` s on.
+
+    `then` the hand does this, each tilt for its seconds, and tilts `on`: it is this that the row's times begin with.
+    `told`: in the row's name, of what is done.
+    """
+
+    def begin(robot: ProcessRobot) -> int:
+        robot.run(after)
+        begun_us = max(robot.simulator.fail_sonar(number, SonarFault.DEAF) for number in numbers)
+        for tilt, seconds in then:
+            robot.hold(*tilt)
+            robot.run(seconds)
+        return robot.hold(*on) if then else begun_us
+
+    def end(robot: ProcessRobot) -> None:
+        for number in numbers:
+            robot.simulator.fail_sonar(number, SonarFault.NONE)
+
+    return Fault(f"sonar {' and '.join(map(str, numbers))} deaf{told and ', '}{told}", begin, end)
 
 
 def sonar_flickers(number: int, seconds: float) -> Fault:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -72,15 +73,15 @@ class ProcessRobot:
         self._children = Children(directory)
         if apart:
             self._set_apart()
+        self.observer = Observer(self.environment)
+        for topic in (BASE, GUARD):
+            self.observer.follow(topic)
         control = directory / "control"
         arguments = ["--ports", str(self.ports), "--control", str(control), "--world", str(world)]
         arguments += ["--seed", "1", "--truth", truth, "--boards", boards, "--hand", "still"]
         self._children.start("simulator", "giraff_sim", arguments, self.environment)
         self.wait("the simulator", lambda: b"\n" in self._children.output("simulator").read_bytes(), 20.0)
         self.simulator = SimulatorClient(control)
-        self.observer = Observer(self.environment)
-        for topic in (BASE, GUARD):
-            self.observer.follow(topic)
 
     def start(self, service: str) -> None:
         environment = dict(self.environment)
@@ -200,6 +201,13 @@ class ProcessRobot:
 
     def drive_forward(self) -> None:
         self.drive(FULL_TILT, 0.0)
+
+    def put_up_wall(self, name: str, ahead: float, half_width: float) -> int:
+        """A wall square to the robot's heading, `ahead` m from its centre; the simulator's moment (us) of it."""
+        at = self.simulator.state()
+        x, y = at.x + ahead * math.cos(at.yaw), at.y + ahead * math.sin(at.yaw)
+        along = (-half_width * math.sin(at.yaw), half_width * math.cos(at.yaw))
+        return self.simulator.add_wall(name, [(x + along[0], y + along[1]), (x - along[0], y - along[1])])
 
     def close(self) -> None:
         self.observer.close()

@@ -11,13 +11,16 @@ from tests.system.faults import (
     ESTOP_ENGAGED,
     FORWARD,
     LEFT,
+    LEVEL,
     LINK_CUT,
     LINK_SEVERED,
     OPERATORS,
+    RIGHT,
     ROBOT_SIDE,
     TWO_AT_ONCE,
     Scenario,
     battery,
+    deaf,
     disk_full,
     encoder_cut,
     ended,
@@ -95,6 +98,18 @@ _FROZEN: Final = 1.5
 _WILD: Final = 4.0
 """s: 16 readings of a sensor that is pinged 5.6 times a second, after each of which that way is blocked anyway."""
 
+_FADED: Final = 5.0
+"""s: 1.2 m of way at full speed, while a sensor that hears nothing is trusted, and 0.8 m while that fades, take 4 s."""
+_PARKED: Final = 21.0
+"""s: longer than any trust lasts."""
+_NEAR: Final = 2.8
+"""s after which a robot that has driven for 1.2 s is 1.6 m before the arena's wall."""
+_HELD: Final = 3.5
+"""s from there to the margin before that wall: it stands on, however deaf the sensors are."""
+_TURNED: Final = ((BACKWARD, 1.0), (LEFT, 1.0), (RIGHT, 1.0))
+"""s: what the guard advises where a way is shut. Trust fades by turning, too."""
+_TURNED_BACK: Final = 3.5
+
 _FRONT: Final = ((0, FORWARD), (1, FORWARD))
 _ALL: Final = (*_FRONT, (2, BACKWARD))
 
@@ -111,6 +126,32 @@ _SENSORS: Final = (
     *(
         Scenario(faults=(sonar(number, SonarFault.WILD),), does="creeps", bound=_WILD, lasts=6.0, tilt=tilt)
         for number, tilt in _ALL
+    ),
+    *(
+        Scenario(faults=(deaf(*numbers),), does="slows", bound=_FADED, lasts=7.0, tilt=tilt)
+        for numbers, tilt in (((0,), FORWARD), ((1,), FORWARD), ((0, 1), FORWARD), ((2,), BACKWARD))
+    ),
+    Scenario(
+        faults=(deaf(0, 1, after=_NEAR, told="1.6 m before a wall"),),
+        does="slows",
+        bound=_HELD,
+        lasts=5.0,
+    ),
+    Scenario(
+        faults=(deaf(0, 1, after=_NEAR, then=_TURNED, told="backed up and turned to and fro"),),
+        does="slows",
+        bound=_TURNED_BACK,
+        lasts=5.5,
+    ),
+    *(
+        Scenario(
+            faults=(deaf(*numbers, then=((LEVEL, _PARKED),), on=tilt, told=f"parked for {_PARKED:g} s"),),
+            does="slows",
+            bound=0.1,
+            lasts=4.0,
+            tilt=tilt,
+        )
+        for numbers, tilt in (((0, 1), FORWARD), ((2,), BACKWARD))
     ),
     Scenario(faults=(sonar_flickers(0, 2.5),), bound=OPERATORS, lasts=2.5, rearms=False),
     *(

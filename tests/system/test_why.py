@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
@@ -13,26 +12,25 @@ from tests.system.elsewhere import giraff
 from tests.system.robot import FULL_TILT, ProcessRobot, process_robot
 
 
-def why(robot: ProcessRobot) -> tuple[int, str]:
-    """Exit code and conclusion."""
-    told = giraff(robot, "why", "--json")
-    assert told.stderr == ""
-    conclusion: str = msgspec.json.decode(told.stdout)["conclusion"]
-    return told.returncode, conclusion
-
-
-def wait_for(robot: ProcessRobot, code: int, words: str) -> None:
-    """Until that is the answer: what follows from a change takes its time."""
-    said: list[Any] = []
+def wait_for(robot: ProcessRobot, code: int, words: str) -> list[str]:
+    """The rows of the answer that says so: what follows from a change takes its time."""
+    said: list[tuple[int, list[str]]] = []
 
     def is_said() -> bool:
-        said.append(why(robot))
-        return said[-1][0] == code and words in said[-1][1]
+        told = giraff(robot, "why")
+        assert told.stderr == ""
+        said.append((told.returncode, told.stdout.splitlines()))
+        return told.returncode == code and words in conclusion(said[-1][1])
 
     try:
         robot.wait(words, is_said, 15.0)
     except AssertionError:
         raise AssertionError(f"{words}: not in {said[-1]}") from None
+    return said[-1][1]
+
+
+def conclusion(told: list[str]) -> str:
+    return told[-1].removeprefix("sim-test: ")
 
 
 def test_what_stops_the_robot_is_named(tmp_path: Path) -> None:
@@ -41,22 +39,18 @@ def test_what_stops_the_robot_is_named(tmp_path: Path) -> None:
         wait_for(robot, 0, "nothing stops the robot")
         robot.drive_forward()
         wait_for(robot, 0, "the robot drives")
-        at = robot.simulator.state()
-        robot.simulator.add_wall("wall", [(at.x + 1.2, -2.0), (at.x + 1.2, 2.0)])
-        wait_for(robot, 1, "guard: forward blocked by range_front_")
-        told = giraff(robot, "why")
-        assert told.returncode == 1
-        rows = [row.split() for row in told.stdout.splitlines()]
+        robot.put_up_wall("wall", ahead=1.2, half_width=2.0)
+        told = wait_for(robot, 1, "guard: forward blocked by range_front_")
+        rows = [row.split() for row in told]
         names = [row[0] for row in rows[:-1]]
         assert names == ["hand", "operator", "lease", "ranger", "guard", "base", "e-stop", "board", "wheels"]
         assert rows[4][1] == "STOPS"
-        assert told.stdout.splitlines()[-1].startswith("sim-test: guard: forward blocked by range_front_")
         robot.simulator.remove_wall("wall")
         assert giraff(robot, "estop", "engage", "--reason", "a cat").returncode == 0
-        wait_for(robot, 1, ": a cat")
-        assert why(robot)[1].startswith("e-stop: engaged by ")
+        assert conclusion(wait_for(robot, 1, ": a cat")).startswith("e-stop: engaged by ")
         assert giraff(robot, "estop", "reset").returncode == 0
-        wait_for(robot, 1, "base: not armed")
+        told = wait_for(robot, 1, "base: not armed")
+        assert msgspec.json.decode(giraff(robot, "why", "--json").stdout)["conclusion"] == conclusion(told)
 
 
 def test_a_process_that_is_missing_or_hangs_is_named(tmp_path: Path) -> None:
@@ -64,10 +58,9 @@ def test_a_process_that_is_missing_or_hangs_is_named(tmp_path: Path) -> None:
         robot.arm()
         for service, link in {"ranger": "ranger", "guard": "guard", "joystick": "operator", "base": "base"}.items():
             robot.kill(service)
-            wait_for(robot, 1, f"{link}: ")
-            conclusion = why(robot)[1]
-            assert conclusion.startswith(f"{link}: "), conclusion
-            assert "start " in conclusion
+            told = conclusion(wait_for(robot, 1, f"{link}: "))
+            assert told.startswith(f"{link}: "), told
+            assert "start " in told
             robot.start(service)
             robot.arm(20.0)
         robot.signal("guard", signal.SIGSTOP)
