@@ -114,6 +114,15 @@ def typing(drill: Drill, chance: Random) -> Course:
     yield "somebody types"
 
 
+def typing_a_stop(drill: Drill, chance: Random) -> Course:
+    """Let somebody press the space bar of a keyboard, with whatever other keys."""
+    begin = drill.loop.agenda.now_us * 1e-6
+    typists = (Fingers(chance, begin, begin + 3.0) for _ in range(100))
+    fingers = next(each for each in typists if each.stops)
+    drill.loop.launch("keyboard", lambda process: typist(process, fingers), drill.loop.hosts["operator"])
+    yield "somebody types, the space bar among others"
+
+
 def replay(*kinds: type[msgspec.Struct], since: float = 0.0, until: float = 1000.0) -> Begin:
     """Carry old messages of these kinds again: all that were said between those two moments, s."""
 

@@ -48,6 +48,7 @@ _DEAF: Final = 0.15  # share of the runs in which a sensor is deaf for a time
 _FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
 _LAST_FAULT: Final = 1.5  # s before the end
 _HOUR_NS: Final = 3_600_000_000_000
+_WRITES_US: Final = (2_000, 120_000)  # file, folder and their fsync, from a solid state disk to a slow flash card
 _RELEASE_US: Final = 500_000
 _DRIVES: Final = 0.2  # m of path that count as driving
 
@@ -119,6 +120,7 @@ class Drill:
         self.network = FaultyNetwork(agenda, chance)
         self.judge = Judge(agenda, running, settings, self.story)
         self.loop = ClosedLoop(running, settings, services, self.network, self.judge, agenda)
+        self.loop.hosts["robot"].disk.write_us = Random(f"{scenario.seed}/disk").randint(*_WRITES_US)
         self.loop.kill("odometry")  # not in the chain that drives
         for host in self.loop.hosts.values():
             host.wall_ahead_ns = chance.randint(-_HOUR_NS, _HOUR_NS)

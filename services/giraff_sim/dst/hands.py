@@ -86,7 +86,10 @@ class ClutchingHand:
 
 
 class Fingers:
-    """Hold keys of a keyboard down, each for a while: after the first press it repeats, 30 times a second."""
+    """Hold keys of a keyboard down, each for a while: after the first press it repeats, 30 times a second.
+
+    Some press the space bar once, the emergency stop, and go on typing.
+    """
 
     def __init__(self, chance: random.Random, begin: float, seconds: float) -> None:
         """Type from `begin` to `seconds`, simulated s."""
@@ -101,6 +104,10 @@ class Fingers:
                 self._presses.append((repeat, key))
                 repeat += _REPEATS_EVERY
             moment = until + chance.uniform(0.1, 1.5)
+        self.stops = chance.random() < _STOPS  # drawn last: what else is typed stays what it was
+        """The space bar is among the keys."""
+        if self.stops:
+            bisect.insort(self._presses, (begin + chance.uniform(*_STOPS_AFTER), b" "))
         self._next = 0
 
     def pressed(self, now: float) -> bytes:
@@ -115,5 +122,7 @@ class Fingers:
         return None if self._next == len(self._presses) else max(0.0, self._presses[self._next][0] - now)
 
 
+_STOPS: Final = 0.4  # share of those who type
+_STOPS_AFTER: Final = (0.5, 6.0)  # s
 _REPEATS_AFTER: Final = 0.35  # s
 _REPEATS_EVERY: Final = 1.0 / 30.0  # s

@@ -20,6 +20,7 @@ _HOUR_NS: Final = 3_600_000_000_000
 _IN_THE_CHAIN: Final = ("joystick", "guard", "base", "ranger")
 
 
+_ALONE: Final = 0.5
 _STOPPED: Final = 0.5
 _SAVED: Final = 0.3
 _PARAMETERS: Final = (
@@ -178,9 +179,19 @@ def second_joystick(drill: Drill, chance: Random) -> Course:
 
 @fault(KINDS, weight=2.0, lasts=(3.0, 12.0))
 def keyboard(drill: Drill, chance: Random) -> Course:
+    """Half of the time without a joystick: one that rests keeps the lease for longer than any run lasts."""
     name = drill.fresh_name("keyboard")
     begin = drill.loop.agenda.now_us * 1e-6
     fingers = Fingers(chance, begin, drill.seconds)
     drill.loop.launch(name, lambda process: typist(process, fingers), drill.loop.hosts["operator"])
-    yield f"somebody types at a {name}"
+    told = f"somebody types at a {name}"
+    is_alone = chance.random() < _ALONE and drill.claims("joystick")
+    if is_alone:
+        drill.loop.terminate("joystick")
+        told += ", and the joystick has ended"
+    yield told
     drill.loop.kill(name)
+    if is_alone:
+        drill.loop.start("joystick")
+    if fingers.stops:
+        drill.release_later()
