@@ -163,6 +163,8 @@ class _Guard:
         self._policy = GuardPolicy(config, robot, first_lease=counter)
         self._held = first.operator
         """Whoever held the lease when the recording began; empty: nobody, or it has been granted again."""
+        self._has_tick = False
+        """Before its first one nobody is granted anything; the recording's may begin later than its commands."""
         age = first.seq / CMD_VEL.rate_hz
         self._settles_ns = round((min(age, config.memory_time) + _SETTLES) * 1e9)
         # One that has just begun has nothing to forget.
@@ -181,7 +183,8 @@ class _Guard:
             DriveCommand: policy.on_command,
         }
         for sample in inputs:
-            if isinstance(sample, DriveCommand) and sample.instance == self._held:
+            self._has_tick |= isinstance(sample, Tick)
+            if isinstance(sample, DriveCommand) and sample.instance == self._held and self._has_tick:
                 asking = msgspec.structs.replace(sample, lease_counter=0, seq=sample.seq - 1)
                 policy.on_command(asking, now_ns)  # as it once did, and was granted
                 self._held = ""

@@ -16,7 +16,7 @@ from giraff_mcap.reading import Recording
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
-from giraff_schemas.messages import Sample, Wheels
+from giraff_schemas.messages import Sample, Tick, Wheels
 from tests.desk.make_drive import DRIVE
 from tests.system.elsewhere import GIRAFF
 from tests.unit.mcap.recordings import ten
@@ -86,6 +86,12 @@ def test_a_guard_that_was_running_already_is_replayed_from_where_its_memory_is_k
     assert found["cmd_vel"].left_out > 200
     for agreement in found.values():
         assert agreement.share >= LEAST, agreement
+
+
+def test_a_recording_whose_first_tick_comes_late_knows_who_held_the_lease(drive: Recording) -> None:
+    found = guards(drive, said_in(drive, lambda sample, at: at > (6.1 if isinstance(sample, Tick) else 6.0)))
+    assert found["lease"].compared > 50
+    assert found["lease"].equal == found["lease"].compared
 
 
 def test_odometry_goes_on_behind_a_gap(drive: Recording) -> None:
