@@ -65,7 +65,7 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """s for which it does."""
     held_radius: Annotated[float, Live.UP, Within(0.01, 1.0, "m")] = 0.10
     """m around the spot in which what gave it may stand."""
-    held_beside: Annotated[float, Live.UP, Within(0.01, 2.0, "m")] = 0.3
+    held_beside: Annotated[float, Live.UP, Within(0.01, 2.0, "m")] = 0.45
     """m between the footprint and such a spot beside it, within which the robot is slowed too."""
     held_block: Annotated[float, Live.UP, Within(0.01, 60.0, "s")] = 1.0
     """s of silence for which it may block a way; then it slows it to `unproved_linear`."""

@@ -55,9 +55,9 @@ class Direction:
         """A sensor was heard."""
         if not self._blocked and sensor.name == self._blocker:
             self._regained += self._config.regain
-        surest = sensor.surest
-        if sensor in self.sensors and surest is not None and surest is sensor.newest:
-            self._held.take(sensor, surest)
+        ping = sensor.heard
+        if sensor in self.sensors and ping is not None and ping is sensor.newest:
+            self._held.take(sensor, ping, is_sure=ping is sensor.surest)
 
     def judge(self, motion: Motion, echoes: Echoes, now: RobotTime) -> Verdict:
         """The verdict for now, without the way out."""

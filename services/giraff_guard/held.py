@@ -21,6 +21,7 @@ class _Spot(NamedTuple):
     """Ahead of the sensor, and at either edge of its cone: a slanted wall answers from there."""
     sensor: str
     robot_ns: int
+    is_sure: bool
 
 
 class Heard(NamedTuple):
@@ -49,15 +50,15 @@ class Held:
         """Judge by this from now on."""
         self._config = config
 
-    def take(self, sensor: Sensor, ping: Ping) -> None:
-        """An echo that its sensor has heard twice."""
+    def take(self, sensor: Sensor, ping: Ping, *, is_sure: bool) -> None:
+        """An echo that its sensor has heard twice. `is_sure`: at one ping and the next."""
         if ping.distance > self._config.held_range:
             return
         view, half_cone = View(sensor.pose, ping.place), self._config.half_cone
         points = tuple(view.point(ping.distance, off) for off in (0.0, -half_cone, half_cone))
         near = self._config.agreement
-        kept = [spot for spot in self._spots if math.dist(spot.points[0], points[0]) >= near]
-        self._spots = [*kept[1 - _MOST :], _Spot(points, sensor.name, ping.robot_ns)]
+        kept = [spot for spot in self._spots if spot.is_sure > is_sure or math.dist(spot.points[0], points[0]) >= near]
+        self._spots = [*kept[1 - _MOST :], _Spot(points, sensor.name, ping.robot_ns, is_sure)]
 
     def forget(self, robot_ns: int) -> None:
         """Drop what is too old."""
@@ -66,17 +67,21 @@ class Held:
 
     def ahead(self, place: Place, sign: float) -> Heard | None:
         """What a footprint that drives straight forward (1) or backward (-1) meets first."""
-        return self._first(place, sign, self._config.held_radius, 0.0)
+        return self._first(self._spots, place, sign, self._config.held_radius, 0.0)
 
     def beside(self, place: Place, sign: float) -> Heard | None:
-        """What it comes to, or is, close beside: the surface goes on there, and one driven along may be grazed."""
-        return self._first(place, sign, self._config.held_beside, self._footprint_radius)
+        """What it comes to, or is, close beside: the surface goes on there, and one driven along may be grazed.
 
-    def _first(self, place: Place, sign: float, margin: float, behind: float) -> Heard | None:
+        Only what is sure: a slanted wall that answers now and then, far beside the way, would slow at every turn.
+        """
+        sure = [spot for spot in self._spots if spot.is_sure]
+        return self._first(sure, place, sign, self._config.held_beside, self._footprint_radius)
+
+    def _first(self, spots: list[_Spot], place: Place, sign: float, margin: float, behind: float) -> Heard | None:
         """What the footprint and `margin` m around it meet first, or cover from `behind` m behind its middle on."""
         reach = self._footprint_radius + margin
         found: Heard | None = None
-        for spot in self._spots:
+        for spot in spots:
             for point in spot.points:
                 x, y = place.sees(*point)
                 is_covered = math.hypot(x, y) < reach and x * sign > -behind

@@ -38,8 +38,10 @@ class Sensor:
         self._pings: deque[Ping] = deque(maxlen=_KEPT)
         self._reading: Range | None = None
         self._hearing = Hearing(config)
+        self.heard: Ping | None = None
+        """The last echo that follows from one of those kept before it: both are of one surface."""
         self.surest: Ping | None = None
-        """The last echo that follows from an echo just before it: both are of one surface."""
+        """The last one that follows from an echo just before it."""
         self._lost: tuple[Place, float] | None = None  # where the robot was when a touching echo was lost, m
         self._self_test = SelfTest(config)
 
@@ -85,6 +87,7 @@ class Sensor:
         *earlier, _ = self._pings
         if ping.echo and any(each.echo and self._follows(each, ping) for each in earlier):
             self._hearing.prove(ping.robot_ns, motion)
+            self.heard = ping
         if both_echoes and follows:
             self.surest = ping
 
@@ -126,7 +129,7 @@ class Sensor:
         return not any(ping.echo for ping in list(self._pings)[-2:])
 
     def quiet(self, now: RobotTime) -> float:
-        """s since its last plausible echo; infinite before the first."""
+        """s since its last surest echo; infinite before the first."""
         return math.inf if self.surest is None else (now.robot_ns - self.surest.robot_ns) * 1e-9
 
     def lost(self, motion: Motion) -> bool:

@@ -17,7 +17,7 @@ from giraff_sim.bno055 import Vector
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
 from giraff_sim.hand import LEVEL
-from giraff_sim.room import Pose
+from giraff_sim.room import Pose, Room
 from giraff_sim.sonar import SonarFault
 from tests.loop.deaf_drives import Act, Drive, drawn_drive
 from tests.loop.loops import arm, closed_loop, drawn
@@ -162,9 +162,38 @@ class Operator:
         return self._loop.simulation.now_us * 1e-6
 
 
+class _Membranes:
+    """Of the sensors that are to be deaf: each hears some pings and not others, until it is covered."""
+
+    def __init__(self, loop: ClosedLoop, drive: Drive) -> None:
+        self._sonars = [loop.simulation.world.sonars[ROBOT.sensors[name].index] for name in drive.deaf]
+        self._sound = {sonar: sonar.fault for sonar in self._sonars}
+        self._hears = drive.hears
+        self._are_covered = False
+
+    def cover(self) -> None:
+        """From now on nothing is heard."""
+        self._are_covered = True
+        for sonar in self._sonars:
+            sonar.fault = SonarFault.DEAF
+
+    def next_ping(self) -> None:
+        """After each step of the loop."""
+        if self._are_covered or not self._hears:
+            return
+        for sonar in self._sonars:
+            hears = self._hears[sonar.pings % len(self._hears)]
+            sonar.fault = self._sound[sonar] if hears else SonarFault.DEAF
+
+
 def run(seed: int, *, deaf: bool = True) -> Outcome:
-    """Drive it; `deaf` False: the same drive with sensors that stay sound."""
-    drive, room = drawn_drive(seed)
+    """Drive the drive of this seed; `deaf` False: the same with sensors that stay sound."""
+    return run_drive(*drawn_drive(seed), deaf=deaf)
+
+
+def run_drive(drive: Drive, room: Room, *, deaf: bool = True) -> Outcome:
+    """Drive it there."""
+    seed = drive.seed
     with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed), step_us=_STEP_US) as loop:
         loop.kill("odometry")  # it changes no motion, and costs time
         arm(loop)
@@ -173,17 +202,19 @@ def run(seed: int, *, deaf: bool = True) -> Outcome:
         if drive.is_wild:
             for sonar in world.sonars.values():
                 sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, WILD_SHARE
-        touches = Touches(loop, drive.deaf)
+        touches, membranes = Touches(loop, drive.deaf), _Membranes(loop, drive)
         covered = 0.0
         for act, wish in operator.wishes():
             if act.what == "cover":
                 touches.is_deaf, covered = True, world.plant.path_length
-                for name in drive.deaf if deaf else ():
-                    world.sonars[ROBOT.sensors[name].index].fault = SonarFault.DEAF
+                if deaf:
+                    membranes.cover()
             hand.meant = tilted(*wish).acceleration(0.0, world.plant.pose)
             for _ in range(round(_TURN_S * 1e6 / _STEP_US)):
                 loop.step()
                 touches.note()
+                if deaf:
+                    membranes.next_ping()
             if len(touches.noted) >= _TOUCHES or loop.simulation.now_us >= _LONGEST * 1e6:
                 break
         return Outcome(

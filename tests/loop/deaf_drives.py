@@ -24,6 +24,9 @@ _DEAF: Final = {
 _ROOMS: Final = {"wall": 3.0, "box": 1.5, "posts": 1.0, "corner": 1.0, "corridor": 1.0, "cluttered": 1.5, "open": 1.5}
 _HEARD: Final = 0.6  # s, at the least, before a sensor is deaf: it is noted what it heard
 _SLANTED: Final = 0.07  # share of the drives
+_FLICKERING: Final = 0.12  # share of them
+_HEARD_OF: Final = ((True, False), (True, False, False), (True, True, False))
+"""Which pings a membrane that comes off still hears, again and again."""
 _STORIES: Final = {"driving": 1.5, "parked": 1.0, "backed up": 1.0, "turned": 1.0, "mixed": 1.0}
 
 _Drawn = TypeVar("_Drawn")
@@ -65,10 +68,14 @@ class Drive(msgspec.Struct, frozen=True):
     """One reading in twenty of the sound sensors is wild."""
     keeps_heading: bool
     """The hand steers against motors that are unlike each other, as one does that looks."""
+    hears: tuple[bool, ...] = ()
+    """Which pings the sensors that are to be deaf hear before that, in turn; empty: all of them."""
 
     def __str__(self) -> str:
         way = "forward" if self.sign > 0.0 else "backward"
-        return f"{self.room}, {way}, {' and '.join(self.deaf)} deaf: {', '.join(str(act) for act in self.acts)}"
+        hears = f" (before: {''.join('E' if echo else '-' for echo in self.hears)})" if self.hears else ""
+        acts = ", ".join(str(act) for act in self.acts)
+        return f"{self.room}, {way}, {' and '.join(self.deaf)} deaf{hears}: {acts}"
 
 
 def drawn_drive(seed: int) -> tuple[Drive, Room]:
@@ -84,6 +91,7 @@ def drawn_drive(seed: int) -> tuple[Drive, Room]:
     slanted = random.Random(f"{seed}/slanted")
     if slanted.random() < _SLANTED:
         kind, (room, acts) = "slanted", _slanted(slanted, sign)
+    flicker = random.Random(f"{seed}/flicker")
     push = Act("push", choose.triangular(25.0, 60.0, 25.0))
     drive = Drive(
         seed=seed,
@@ -93,6 +101,7 @@ def drawn_drive(seed: int) -> tuple[Drive, Room]:
         acts=(*acts, push),
         is_wild=choose.random() < 0.4,
         keeps_heading=choose.random() < 0.7,
+        hears=flicker.choice(_HEARD_OF) if flicker.random() < _FLICKERING else (),
     )
     return drive, room
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from giraff_guard.obstacles import Limited, Obstacles
 from giraff_schemas.messages import RobotTime
-from tests.loop.deaf import run, told
+from giraff_sim.room import Pose, Room
+from tests.loop.deaf import run, run_drive, told
+from tests.loop.deaf_drives import Act, Drive
 from tests.loop.touches import Kind
 
 DRIVES = {
@@ -18,9 +22,11 @@ DRIVES = {
     74: "backward towards a wall, all deaf, a curve, a turn back and on",
     0: "turned into the open, parked, all deaf, and on to a far wall",
     338: "backward towards a slanted wall, rear deaf, turned to it squarely",
+    1461: "backward towards a slanted wall, rear deaf, turned to another stretch of it",
 }
 """By seed. A guard that trusts a silent sensor for 5 m touches at 0.19 m/s in 132, above 0.5 m/s in all others but
-338; one that takes an echo to come from the middle of the cone touches at 0.38 m/s in 338."""
+338 and 1461; one that takes an echo to come from the middle of the cone touches at 0.38 m/s in 338, and one that holds
+0.3 m beside the way touches at 0.54 m/s in 1461."""
 
 
 @pytest.mark.parametrize("seed", DRIVES)
@@ -28,6 +34,29 @@ def test_what_a_deaf_sensor_has_heard_or_would_have_is_touched_slowly(seed: int)
     outcome = run(seed)
     assert [told(outcome, touch) for touch in outcome.breaks] == []
     assert outcome.way > 0.5
+
+
+@pytest.mark.parametrize("hears", ["E-", "E--", "EE-"])
+@pytest.mark.parametrize(("sign", "deaf"), [(1.0, ("front_left", "front_right")), (-1.0, ("rear",))])
+def test_what_a_sensor_heard_now_and_then_before_it_is_deaf_is_touched_slowly(
+    hears: str, sign: float, deaf: tuple[str, ...]
+) -> None:
+    room = Room("a wall", Pose(0.0, 0.0, 0.0 if sign > 0.0 else math.pi))
+    room.add_wall("wall", [(3.0, -3.0), (3.0, 3.0)])
+    drive = Drive(
+        seed=0,
+        room="a wall",
+        deaf=deaf,
+        sign=sign,
+        acts=(Act("park", 3.0), Act("drive", 1.5), Act("cover"), Act("push", 15.0)),
+        is_wild=False,
+        keeps_heading=True,
+        hears=tuple(ping == "E" for ping in hears),
+    )
+    outcome = run_drive(drive, room)
+    assert [told(outcome, touch) for touch in outcome.breaks] == []
+    assert {touch.kind for touch in outcome.touches} <= {Kind.HEARD, Kind.WOULD}
+    assert outcome.touches
 
 
 def test_the_judge_sees_what_a_guard_that_lets_all_pass_touches(monkeypatch: pytest.MonkeyPatch) -> None:

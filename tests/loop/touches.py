@@ -18,6 +18,7 @@ from tests.robots import ROBOT
 
 _HEARD_US: Final = 10_000_000
 _BESIDE: Final = 0.5  # m along a wall between what was heard of it and what is touched
+_NEAR_PINGS: Final = 3  # before an echo, of which one is to be an echo too
 _WAY: Final = 2.0  # m
 _SHARE: Final = 0.9  # of the pings on that way
 _TOUCHES: Final = 1e-4  # m
@@ -31,7 +32,7 @@ class Kind(StrEnum):
     """Which bound a touch has to keep."""
 
     HEARD = "heard within 10 s"
-    """A sensor that looks the way the robot drives got two successive true echoes of it."""
+    """A sensor that looks the way the robot drives got two true echoes of it, with at most two pings between them."""
     WOULD = "would have been heard"
     """Not so, but with all sensors sound one of them would have heard it for 2 m of way."""
     REST = "the rest"
@@ -149,14 +150,14 @@ class Touches:
 
     def _has_heard(self, name: str, surfaces: set[int], point: Point) -> bool:
         since_us = self._loop.simulation.now_us - _HEARD_US
-        before = False
+        echoes = deque([False], maxlen=_NEAR_PINGS)
         for ping in self._pings[name]:
             if ping.at_us < since_us:
                 continue
             now = self._is_echo_of(name, ping, surfaces, point)
-            if before and now:
+            if now and any(echoes):
                 return True
-            before = now
+            echoes.append(now)
         return False
 
     def _is_echo_of(self, name: str, ping: _Ping, surfaces: set[int], point: Point) -> bool:

@@ -50,7 +50,7 @@ def test_what_a_robot_file_leaves_out_is_what_safety_was_reckoned_with() -> None
     assert (default.proof_time, default.proof_travel, default.proof_turn) == (10.0, 1.2, 0.5)
     assert (default.fade_time, default.fade_travel, default.unproved_linear) == (20.0, 2.0, 0.145)
     assert (default.held_range, default.held_time, default.held_block) == (2.2, 20.0, 1.0)
-    assert (default.held_radius, default.held_beside) == (0.10, 0.3)
+    assert (default.held_radius, default.held_beside) == (0.10, 0.45)
 
 
 @pytest.mark.parametrize("fields", [{"proof_time": 20.0}, {"fade_travel": 1.2}, {"proof_travel": 3.0}])

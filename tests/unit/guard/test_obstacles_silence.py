@@ -138,7 +138,7 @@ def test_it_ends_after_its_time() -> None:
 
 
 def test_the_speed_towards_it_is_what_stops_before_the_margin() -> None:
-    senses = heard(0.5)
+    senses = heard(0.5, config=msgspec.structs.replace(CONFIG, held_beside=0.2))
     senses.cycle(dict.fromkeys(FRONT, None), cycles=5)
     allowed = senses.allowed()
     reach = ROBOT.footprint_radius + CONFIG.held_radius
@@ -204,27 +204,50 @@ def test_one_lost_reading_is_no_silence() -> None:
     assert senses.allowed() == fast
 
 
+def flickering(lost: int = 1) -> Senses:
+    """Something near that the front sensors heard now and then, and do not hear now."""
+    senses = opened()
+    senses.cycle(None, cycles=4)
+    for _ in range(3):
+        senses.cycle(dict.fromkeys(FRONT, NEAR))
+        senses.cycle(dict.fromkeys(FRONT, None), cycles=lost)
+    return senses
+
+
+@pytest.mark.parametrize("lost", [1, 2])
+def test_what_a_sensor_that_flickers_has_heard_is_held_as_well(lost: int) -> None:
+    senses = flickering(lost)
+    senses.cycle(dict.fromkeys(FRONT, None), cycles=8)
+    assert senses.allowed() == pytest.approx(SLOW)
+    assert "until lately" in senses.verdict().reason
+
+
 def test_one_echo_is_not_held() -> None:
     senses = opened()
     senses.cycle(None, cycles=2)
     senses.cycle(dict.fromkeys(FRONT, NEAR))
-    senses.cycle(None, cycles=3)
-    assert "until lately" not in senses.verdict().reason
+    senses.cycle(None, cycles=8)
+    assert senses.allowed() > SLOW
 
 
 EDGE_X, EDGE_Y = math.cos(CONFIG.half_cone), math.sin(CONFIG.half_cone)
 """m: either edge of the cone of what was heard 1 m away."""
+BESIDE = ROBOT.footprint_radius + CONFIG.held_beside
 
 
 def place_after(x: float, y: float, yaw: float) -> Place:
     return Place(0.0, 0.0, 0.0)._replace(x=x, y=y, yaw=yaw)
 
 
-def spot(x: float = 1.0, y: float = 0.0) -> Held:
+def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True) -> Held:
     """One thing that was heard, there."""
     held = Held(CONFIG, ROBOT.footprint_radius)
-    held.take(Sensor("one", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG), Ping(0, x, True, Place(0.0, y, 0.0)))
+    held.take(named("one"), Ping(0, x, True, Place(0.0, y, 0.0)), is_sure=is_sure)
     return held
+
+
+def named(name: str) -> Sensor:
+    return Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
 
 
 @pytest.mark.parametrize(
@@ -253,11 +276,11 @@ def test_what_lies_ahead_is_met_by_the_footprint(
 @pytest.mark.parametrize(
     ("place", "sign", "distance"),
     [
-        ((0.0, 0.45, 0.0), 1.0, EDGE_X - math.sqrt(0.6**2 - (0.45 - EDGE_Y) ** 2)),
-        ((0.0, EDGE_Y + 0.61, 0.0), 1.0, None),
-        ((1.0, EDGE_Y + 0.59, 0.0), 1.0, 0.0),
-        ((1.0, EDGE_Y + 0.61, 0.0), 1.0, None),
-        ((1.0, -EDGE_Y - 0.59, 0.0), 1.0, 0.0),
+        ((0.0, 0.45, 0.0), 1.0, EDGE_X - math.sqrt(BESIDE**2 - (0.45 - EDGE_Y) ** 2)),
+        ((0.0, EDGE_Y + BESIDE + 0.01, 0.0), 1.0, None),
+        ((1.0, EDGE_Y + BESIDE - 0.01, 0.0), 1.0, 0.0),
+        ((1.0, EDGE_Y + BESIDE + 0.01, 0.0), 1.0, None),
+        ((1.0, -EDGE_Y - BESIDE + 0.01, 0.0), 1.0, 0.0),
         ((1.25, 0.45, 0.0), 1.0, 0.0),
         ((1.35, 0.45, 0.0), 1.0, None),
         ((1.35, 0.45, 0.0), -1.0, 0.0),
@@ -297,12 +320,34 @@ def test_along_a_wall_that_was_heard_the_robot_is_slow() -> None:
     assert "silent beside where" in judged.reason
 
 
+def test_what_was_heard_now_and_then_counts_ahead_and_not_beside() -> None:
+    held = spot(is_sure=False)
+    assert held.ahead(Place(0.0, 0.0, 0.0), 1.0) is not None
+    assert held.beside(Place(0.0, 0.0, 0.0), 1.0) is None
+
+
+@pytest.mark.parametrize("is_sure", [True, False])
+def test_what_was_sure_stays_so_when_it_is_heard_now_and_then(is_sure: bool) -> None:
+    held = spot(is_sure=is_sure)
+    held.take(named("one"), Ping(10**9, 1.0, True, Place(0.0, 0.0, 0.0)), is_sure=False)
+    assert (held.beside(Place(0.0, 0.0, 0.0), 1.0) is not None) is is_sure
+    held.forget(round((CONFIG.held_time + 0.5) * 1e9))
+    assert held.beside(Place(0.0, 0.0, 0.0), 1.0) is None
+    assert held.ahead(Place(0.0, 0.0, 0.0), 1.0) is not None
+
+
+def test_beside_what_was_heard_now_and_then_the_way_is_free() -> None:
+    senses = flickering()
+    senses.angular = -1.0
+    senses.cycle(None, cycles=8)
+    senses.angular = 0.0
+    assert "until lately" not in senses.verdict().reason
+
+
 def test_of_two_the_nearer_is_met_first() -> None:
     held = spot(1.0)
     for x in (0.8, 1.4):
-        held.take(
-            Sensor("two", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG), Ping(0, x, True, Place(0.0, 0.0, 0.0))
-        )
+        held.take(named("two"), Ping(0, x, True, Place(0.0, 0.0, 0.0)), is_sure=True)
     found = held.ahead(Place(0.0, 0.0, 0.0), 1.0)
     assert found is not None
     assert found.sensor == "two"
@@ -311,10 +356,10 @@ def test_of_two_the_nearer_is_met_first() -> None:
 
 def test_the_oldest_of_too_many_go_and_one_that_is_heard_again_stays() -> None:
     held = spot(1.0)
-    sensor = Sensor("one", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    sensor = named("one")
     for number in range(1000):
-        held.take(sensor, Ping(number, 1.0, True, Place(float(number), 0.0, math.pi / 2.0)))
-        held.take(sensor, Ping(number, 1.0, True, Place(0.0, 0.0, 0.0)))
+        held.take(sensor, Ping(number, 1.0, True, Place(float(number), 0.0, math.pi / 2.0)), is_sure=True)
+        held.take(sensor, Ping(number, 1.0, True, Place(0.0, 0.0, 0.0)), is_sure=True)
     assert len(held._spots) == 128
     assert held.ahead(Place(0.0, 0.0, 0.0), 1.0) is not None
     assert held.ahead(Place(999.0, 0.0, math.pi / 2.0), 1.0) is not None
