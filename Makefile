@@ -8,7 +8,7 @@ COMPILE := $(VENV)/uv pip compile pyproject.toml --quiet --universal --python-ve
 # What one kind of host needs, in the versions that everything is tested with.
 PART := $(COMPILE) --constraint requirements/dev.lock --group build
 
-.PHONY: help setup run test lint format campaign test-hosts lock install clean
+.PHONY: help setup run test test-hosts test-timing lint format campaign lock install clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -19,8 +19,7 @@ setup: ## Install, build and check whatever a run or a test needs; skips what is
 run: setup ## Drive the simulated robot, e.g. make run ARGS="--for 30"
 	@$(VENV)/giraff run $(ARGS)
 
-test: lint ## Everything that must hold on one host before a commit lands
-	$(MAKE) --no-print-directory -C firmware check
+test: setup ## Everything that must hold on one host before a commit lands
 	@tests/run $(ARGS)
 
 lint: setup ## Style and types
@@ -35,6 +34,9 @@ format: setup ## Put the Python sources into their one form
 
 campaign: setup ## The runs that take long; leaves dated records in docs/campaign
 	$(VENV)/pytest tests/campaign --timeout=0 $(ARGS)
+
+test-timing: setup ## What the wall clock judges, on a quiet machine, before a change that touches timing
+	@tests/timing/run $(ARGS)
 
 test-hosts: setup ## docker-compose up on three hosts of this machine, as root; cables cut, power lost
 	@tests/hosts/run $(ARGS)

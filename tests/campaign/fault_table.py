@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from giraff_sim.board import ROOT
 from tests.campaign.records import RECORDS
-from tests.system.faults import Scenario
-from tests.system.scenarios import SCENARIOS
+from tests.timing.faults import Scenario
+from tests.timing.scenarios import SCENARIOS
 
 PAGE: Final = ROOT / "docs" / "safety.md"
 BEGIN: Final = "<!-- the fault table: written by make campaign -->\n"

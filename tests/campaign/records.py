@@ -26,7 +26,7 @@ PROCESSES: Final = tuple(f"giraff_{name}.main" for name in ("base", "guard", "jo
 ROBOT: Final = (*FIRMWARE, "services/giraff_sim/lockstep", "services/giraff_node/zenoh")
 """and what these read: the firmware on simavr, and what Zenoh is told."""
 _SHOWN: Final = 3  # files of an old record
-_BOOKKEEPING: Final = ("tests/campaign/records.py", "tests/stalled.py", "tests/sleepers.py")
+_BOOKKEEPING: Final = ("tests/campaign/records.py", "tests/timing/stalled.py", "tests/timing/sleepers.py")
 """Imported by the campaigns, and without a part in what they find."""
 _FILES_OF: Final = """
 import importlib, sys

@@ -11,10 +11,10 @@ import pytest
 
 from tests.campaign.fault_table import write as write_table
 from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
-from tests.stalled import tried_again
-from tests.system.faults import Scenario
-from tests.system.scenarios import SCENARIOS
-from tests.system.trials import Figures, Stand, judge_levels, judge_times, stand
+from tests.timing.faults import Scenario
+from tests.timing.scenarios import SCENARIOS
+from tests.timing.stalled import tried_again
+from tests.timing.trials import Figures, Stand, judge_levels, judge_times, stand
 
 REPETITIONS = 3
 RANGER_CYCLE = 0.18  # s

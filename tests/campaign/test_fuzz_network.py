@@ -9,8 +9,8 @@ import pytest
 
 from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.fuzz.network import fuzz_network
-from tests.system.faults import ARENA
-from tests.system.robot import process_robot
+from tests.support.process_robot import process_robot
+from tests.timing.faults import ARENA
 
 PAYLOADS = 60_000  # at each key
 SEED = 2

@@ -13,11 +13,11 @@ from giraff_schemas.messages import Range
 from giraff_schemas.topics import RANGE
 from giraff_sim.sonar import SonarFault
 from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
-from tests.sleepers import Stalls, stalls_seen
-from tests.stalled import STALL, by_the_wall, tried_again
-from tests.system.faults import ARENA, FORWARD, Scenario
-from tests.system.robot import ProcessRobot, process_robot
-from tests.system.trials import back_to_the_middle
+from tests.support.process_robot import ProcessRobot, process_robot
+from tests.timing.faults import ARENA, FORWARD, Scenario
+from tests.timing.sleepers import Stalls, stalls_seen
+from tests.timing.stalled import STALL, by_the_wall, tried_again
+from tests.timing.trials import back_to_the_middle
 
 DRIVES: Final = 10
 BOUND: Final = 0.060

@@ -20,9 +20,9 @@ from giraff_mcap.reading import Recording
 from giraff_schemas.messages import BaseState
 from giraff_schemas.topics import BASE
 from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
-from tests.desk.recorders import giraff_process, hearing, killed_recording, records, require_the_same
-from tests.system.robot import FULL_TILT, ProcessRobot, process_robot
-from tests.waiting import wait
+from tests.support.process_robot import FULL_TILT, ProcessRobot, process_robot
+from tests.support.recorders import giraff_process, hearing, killed_recording, records, require_the_same
+from tests.support.waiting import wait
 
 SECONDS = 600.0
 IN_TURN = 30.0

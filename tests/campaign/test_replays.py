@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
-from tests.system.faults import ARENA
-from tests.system.replays import record_drive, say_again
-from tests.system.robot import process_robot
+from tests.support.process_robot import process_robot
+from tests.support.replays import record_drive, say_again
+from tests.timing.faults import ARENA
 
 LATE = (1.0, 8.0, 20.0, 60.0)
 """s."""

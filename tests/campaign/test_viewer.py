@@ -20,8 +20,8 @@ from giraff_viewer.scene import stock
 from giraff_viewer.show import Show
 from giraff_viewer.window import Window
 from tests.campaign.records import judged, write_record
+from tests.support.waiting import wait
 from tests.unit.cli.samples import SENSORS, at, base, command, estop, guard, lease, odometry, reading, verdict, wheels
-from tests.waiting import wait
 
 HOUR: Final = 3600  # s
 SPEED: Final = 20
@@ -76,7 +76,7 @@ def samples_of(second: int) -> Iterator[tuple[Topic[Any], Sample, int]]:
 
 
 def test_an_hour_stays_within_its_memory() -> None:
-    subprocess.run([ROOT / "tests" / "desk" / "prepare"], check=True)
+    subprocess.run([ROOT / "tests" / "functional" / "desk" / "prepare"], check=True)
     uses: list[Use] = []
     own: list[float] = []
     with Window(free_port(), LIMIT, headless=True) as window:

@@ -34,7 +34,7 @@ from giraff_schemas.wire import (
     WheelsFrame,
 )
 from tests.fuzz.growth import LIMIT, Growth
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 _BAUD: Final = 115200
 _FRAMES: Final[dict[BoardKind, type[Frame]]] = {

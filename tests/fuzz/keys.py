@@ -21,8 +21,8 @@ from giraff_sim.hosts.network import Message
 from tests.fuzz.growth import Growth
 from tests.fuzz.payloads import payload
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
-from tests.robots import ROBOT
 from tests.sim.robots import proving_room
+from tests.support.robots import ROBOT
 from tests.unit.schemas.samples import an_example
 
 KEYS: Final[tuple[Topic[Any] | Query[Any, Any], ...]] = (*TOPICS, *QUERIES)

@@ -16,7 +16,7 @@ from tests.fuzz.growth import LIMIT, Growth
 from tests.fuzz.keys import KEYS
 from tests.fuzz.params import PARAM_KEYS, Parameters
 from tests.fuzz.payloads import payload
-from tests.system.robot import FULL_TILT, SERVICES, ProcessRobot
+from tests.support.process_robot import FULL_TILT, SERVICES, ProcessRobot
 from tests.unit.schemas.samples import an_example
 
 RATE: Final = 1000.0

@@ -12,7 +12,7 @@ from giraff_node.asking import Asking
 from giraff_schemas.codec import encode
 from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_QUERIES, PARAM_SAVE, PARAM_SET, Query
-from tests.system.robot import SERVICES, ProcessRobot
+from tests.support.process_robot import SERVICES, ProcessRobot
 
 PARAM_KEYS = tuple(query.at(service) for query in PARAM_QUERIES for service in SERVICES)
 BY = "fuzz"

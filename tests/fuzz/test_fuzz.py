@@ -15,8 +15,8 @@ from tests.fuzz.keys import KEYS, fuzz_key
 from tests.fuzz.network import fuzz_network
 from tests.fuzz.param_keys import fuzz_param_key
 from tests.fuzz.params import PARAM_KEYS
-from tests.system.faults import ARENA
-from tests.system.robot import process_robot
+from tests.support.process_robot import process_robot
+from tests.timing.faults import ARENA
 
 BOARD_BYTES = 300_000
 HOST_BYTES = 200_000

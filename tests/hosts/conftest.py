@@ -9,7 +9,7 @@ from contextlib import nullcontext
 import pytest
 
 from tests.hosts.lab import Lab
-from tests.stalled import by_the_wall
+from tests.timing.stalled import by_the_wall
 
 _measured: list[str] = []
 

@@ -14,7 +14,7 @@ from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN
 from giraff_sim.messages import BoardName
 from tests.hosts.machine import LabError, let_first
-from tests.system.robot import FULL_TILT, PROVING_ROOM
+from tests.support.process_robot import FULL_TILT, PROVING_ROOM
 
 PORTS: Final = Path("/dev/giraff-hosts")
 """As udev's rules have it for real boards: of the host's folders, containers see /dev alone."""

@@ -23,7 +23,7 @@ from tests.hosts.hardware import BOARDS, PORTS, ROBOT, Hardware
 from tests.hosts.images import KEPT, images
 from tests.hosts.machine import LabError, Machine, kill
 from tests.hosts.switch import NETWORK, Switch
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 NAME: Final = "sim-lab"
 NUMBERS: Final = {"laptop": 11, "robot": 12, "desk": 13}

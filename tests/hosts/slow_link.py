@@ -13,9 +13,9 @@ from typing import Any, Final, NamedTuple
 from tests.hosts.bad_cable import BAD
 from tests.hosts.lab import NAME, NUMBERS, Lab
 from tests.hosts.machine import kill
-from tests.sleepers import Stalls, stalls_seen
-from tests.stalled import STALL
-from tests.waiting import wait
+from tests.support.waiting import wait
+from tests.timing.sleepers import Stalls, stalls_seen
+from tests.timing.stalled import STALL
 
 BULK: Final = Path(__file__).with_name("bulk.py")
 CIRCLE: Final = (4.0, 3.0)

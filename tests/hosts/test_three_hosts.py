@@ -11,7 +11,7 @@ import pytest
 
 from tests.hosts.images import CURRENT_COMPOSE
 from tests.hosts.lab import NUMBERS, Lab, Listener
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 Figure = Callable[[str, float, float, str], None]
 

@@ -9,10 +9,10 @@ from typing import Final
 
 import pytest
 
+from tests.functional.robot.test_keyboard import hold, take
 from tests.hosts.lab import NUMBERS, Lab
 from tests.hosts.machine import BIN
-from tests.system.test_keyboard import hold, take
-from tests.terminals import screen
+from tests.support.terminals import screen
 
 pytestmark = pytest.mark.timeout(300)
 

@@ -15,8 +15,8 @@ from giraff_mcap.reading import Recording
 from tests.hosts.hardware import PORTS, permit
 from tests.hosts.lab import NUMBERS, Lab
 from tests.hosts.machine import LabError
+from tests.support.waiting import wait
 from tests.unit.node.ports import FakePort
-from tests.waiting import wait
 
 Figure = Callable[[str, float, float, str], None]
 

@@ -23,7 +23,7 @@ from tests.hosts.clone import clone
 from tests.hosts.lab import NAME, NUMBERS, Lab, address
 from tests.hosts.machine import Machine
 from tests.hosts.switch import NETWORK
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 Figure = Callable[[str, float, float, str], None]
 

@@ -13,7 +13,7 @@ import pytest
 from tests.hosts.lab import NUMBERS, Lab
 from tests.hosts.machine import BIN, run
 from tests.rules.repository import ROOT
-from tests.terminals import screen
+from tests.support.terminals import screen
 
 Figure = Callable[[str, float, float, str], None]
 
@@ -23,7 +23,7 @@ SECTIONS: Final = {"robot": "The robot", "laptop": "The laptop", "desk": "The de
 OTHERWISE: Final = {
     "ls -l /dev/serial/by-id": "these boards are no USB devices",
     "docker-compose build giraff": "images are built on another machine and loaded",
-    "docker-compose run --rm giraff check wheels": "tests/system/test_check.py answers its questions",
+    "docker-compose run --rm giraff check wheels": "tests/functional/robot/test_check.py answers its questions",
 }
 """Lines that are not typed here, and why."""
 EDIT: Final = "editor .env"

@@ -24,7 +24,7 @@ from tests.loop.loops import arm, closed_loop, drawn
 from tests.loop.reaction import WILD_SHARE, tilted
 from tests.loop.rooms import Wrist
 from tests.loop.touches import Kind, Touch, Touches
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 BOUNDS: Final = {Kind.HEARD: 0.16, Kind.WOULD: 0.20}
 """m/s at a touch."""

@@ -11,7 +11,7 @@ import msgspec
 
 from giraff_sim.room import Point, Pose, Room
 from tests.loop.rooms import cluttered
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 _LEAST: Final = 0.4  # m from the robot's middle to what is nearest
 _DEAF: Final = {

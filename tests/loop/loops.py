@@ -16,8 +16,8 @@ from giraff_sim.room import Room
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth, draw_truth
 from giraff_sim.world import STEP_US, World
-from tests.robots import ROBOT
 from tests.sim.robots import EXACT
+from tests.support.robots import ROBOT
 
 SETTINGS = Settings(robot=ROBOT)
 SOURCE_CURVE = msgspec.structs.replace(SETTINGS, joystick=JoystickConfig(port="joystick", curve="source"))

@@ -18,8 +18,8 @@ from giraff_sim.room import Pose
 from giraff_sim.sonar import SonarFault
 from giraff_sim.truth import Truth, draw_truth
 from tests.loop.loops import GRAVITY, SETTINGS, arm, closed_loop
-from tests.robots import ROBOT
 from tests.sim.robots import proving_room
+from tests.support.robots import ROBOT
 
 WILD_SHARE: Final = 0.05
 _SENSOR_X: Final = 0.25  # m, of both front sensors

@@ -19,7 +19,7 @@ from giraff_sim.room import Pose, Room
 from giraff_sim.sonar import SonarFault
 from tests.loop.loops import SETTINGS, arm, closed_loop, drawn
 from tests.loop.reaction import tilted
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 SIZE: Final = 5.0  # m, of each side of a room
 START: Final = (0.8, 0.8)

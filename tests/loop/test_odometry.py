@@ -10,8 +10,8 @@ import pytest
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.truth import TrueWheel, Truth
 from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold
-from tests.robots import ROBOT
 from tests.sim.robots import EXACT, proving_room
+from tests.support.robots import ROBOT
 
 LEGS = (
     (2.6, 0.0, 9.0),  # tilt x, tilt y (m/s²), s

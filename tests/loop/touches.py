@@ -14,7 +14,7 @@ from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.room import Point, Pose
 from giraff_sim.sonar import Sonar
 from tests.loop.rooms import NEARLY
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 _HEARD_US: Final = 10_000_000
 _BESIDE: Final = 0.5  # m along a wall between what was heard of it and what is touched

@@ -28,7 +28,7 @@ from giraff_sim.truth import draw_truth
 from tests.loop.loops import arm, closed_loop
 from tests.loop.reaction import quantile, tilted
 from tests.loop.rooms import crossings
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 SEEDS: Final = range(6)
 PASSING_SEEDS: Final = range(40)

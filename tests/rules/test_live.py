@@ -24,8 +24,8 @@ from giraff_node.params import ParamError, Params
 from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
-from tests.robots import ROBOT
 from tests.rules.repository import ROOT, services
+from tests.support.robots import ROBOT
 
 WITHOUT = {"giraff_router"}
 """Services that are no `Node` of a robot, and answer for no parameters."""

@@ -12,15 +12,15 @@ from typing import Final
 import pytest
 
 from tests.rules.repository import ROOT
-from tests.sleepers import Stalls
-from tests.stalled import TALLY
+from tests.timing.sleepers import Stalls
+from tests.timing.stalled import TALLY
 
 CONFTEST: Final = """
 import time
 from contextlib import contextmanager
 from pathlib import Path
 import pytest
-import tests.stalled
+import tests.timing.stalled
 
 spans = []
 
@@ -39,13 +39,13 @@ def stall():
         spans.append((now - round(seconds * 1e9), now))
     return stand_still
 
-tests.stalled._TESTS, tests.stalled.stalls_seen = Path(__file__).parent, seen
+tests.timing.stalled._TESTS, tests.timing.stalled.stalls_seen = Path(__file__).parent, seen
 """
 FAILING: Final = """
 import time
 from collections import Counter
 import pytest
-from tests.stalled import by_the_wall
+from tests.timing.stalled import by_the_wall
 
 tries = Counter()
 
@@ -112,7 +112,21 @@ def run(where: Path, *options: str, tally: Path | None = None) -> tuple[bool, st
     environment = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
     environment.pop(TALLY, None)
     done = subprocess.run(
-        [sys.executable, "-m", "pytest", "-c", ROOT / "pyproject.toml", "--rootdir", where, where, *options],
+        [
+            sys.executable,
+            "-m",
+            "pytest",
+            "-c",
+            ROOT / "pyproject.toml",
+            "--rootdir",
+            where,
+            where,
+            "-p",
+            "tests.timing.stalled",
+            "-o",
+            "norecursedirs=",
+            *options,
+        ],
         cwd=ROOT,
         check=False,
         capture_output=True,
@@ -127,9 +141,9 @@ def again(told: str) -> int:
 
 
 def test_only_what_the_wall_clock_judged_within_a_stall_is_tried_again(tmp_path: Path) -> None:
-    write(tmp_path / "system", "within", WITHIN)
-    write(tmp_path / "desk", "twice", WITHIN, fails=2)
-    write(tmp_path / "desk", "well", WITHIN, failing=0, tests=5)
+    write(tmp_path / "timing", "within", WITHIN)
+    write(tmp_path / "timing", "twice", WITHIN, fails=2)
+    write(tmp_path / "timing", "well", WITHIN, failing=0, tests=5)
     never = {
         "briefly": BRIEFLY,
         "before": BEFORE,
@@ -139,7 +153,7 @@ def test_only_what_the_wall_clock_judged_within_a_stall_is_tried_again(tmp_path:
         "nested": NESTED,
     }
     for name, body in never.items():
-        write(tmp_path / "system", name, body)
+        write(tmp_path / "timing", name, body)
     write(tmp_path / "unit", "elsewhere", WITHIN)
     has_passed, told = run(tmp_path)
     assert not has_passed
@@ -151,7 +165,7 @@ def test_only_what_the_wall_clock_judged_within_a_stall_is_tried_again(tmp_path:
 
 
 def test_a_machine_that_stands_still_all_the_time_proves_nothing(tmp_path: Path) -> None:
-    write(tmp_path / "system", "it", WITHIN, failing=3, tests=3)
+    write(tmp_path / "timing", "it", WITHIN, failing=3, tests=3)
     has_passed, told = run(tmp_path)
     assert not has_passed
     assert "3 passed" in told
@@ -159,16 +173,16 @@ def test_a_machine_that_stands_still_all_the_time_proves_nothing(tmp_path: Path)
 
 
 def test_of_one_file_it_is_one_in_five(tmp_path: Path) -> None:
-    write(tmp_path / "system", "others", WITHIN, failing=0, tests=60)
-    write(tmp_path / "system", "faults", WITHIN, failing=3, tests=13)
+    write(tmp_path / "timing", "others", WITHIN, failing=0, tests=60)
+    write(tmp_path / "timing", "faults", WITHIN, failing=3, tests=13)
     has_passed, told = run(tmp_path)
     assert not has_passed
-    assert "too many of system/test_faults.py: 3" in told
+    assert "too many of timing/test_faults.py: 3" in told
 
 
 def test_all_processes_of_a_run_are_counted_together(tmp_path: Path) -> None:
     for name in ("one", "two"):
-        write(tmp_path / name / "system", name, WITHIN, failing=2, tests=3)
+        write(tmp_path / name / "timing", name, WITHIN, failing=2, tests=3)
     tally = tmp_path / "tally"
     tally.touch()
     assert run(tmp_path / "one", tally=tally)[0]
@@ -179,7 +193,7 @@ def test_all_processes_of_a_run_are_counted_together(tmp_path: Path) -> None:
 
 
 def test_workers_count_and_tell_as_one_process_does(tmp_path: Path) -> None:
-    write(tmp_path / "system", "it", WITHIN, failing=3, tests=6)
+    write(tmp_path / "timing", "it", WITHIN, failing=3, tests=6)
     has_passed, told = run(tmp_path, "--numprocesses=2")
     assert not has_passed, told
     assert again(told) == 3, told

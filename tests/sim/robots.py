@@ -5,7 +5,7 @@ from giraff_sim.hand import StillHand
 from giraff_sim.room import Pose, Room
 from giraff_sim.truth import Truth
 from giraff_sim.world import World
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 EXACT = SimConfig(tilt_noise=0.0, battery_sag_volts=0.0, battery_volts=24.0)
 """Nothing random, and a battery that holds its nominal voltage."""

@@ -12,8 +12,8 @@ from giraff_sim.room import read_room
 from giraff_sim.simulation import simulation
 from giraff_sim.sonar import SonarFault
 from giraff_sim.world import World
-from tests.robots import ROBOT
 from tests.sim.line import BaseLine, Line
+from tests.support.robots import ROBOT
 
 LIVING_ROOM = Path(__file__).parents[2] / "deploy" / "worlds" / "living_room.toml"
 ALL = (BoardKind.BASE, BoardKind.JOYSTICK, BoardKind.RANGER)

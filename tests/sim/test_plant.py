@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from giraff_sim.config import SimConfig
 from giraff_sim.plant import Plant
 from giraff_sim.room import Pose
-from tests.robots import ROBOT
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall
+from tests.support.robots import ROBOT
 
 STEP = 0.001
 

@@ -18,7 +18,7 @@ from giraff_sim.board import Implementation
 from giraff_sim.client import SimulatorClient, SimulatorError
 from giraff_sim.sonar import SonarFault
 from giraff_sim.truth import Level, TruthRanges, draw_truth
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 ROOT = Path(__file__).parents[2]
 LIVING_ROOM = ROOT / "deploy" / "worlds" / "living_room.toml"

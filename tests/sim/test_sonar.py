@@ -10,8 +10,8 @@ from giraff_node.robot import SensorPose
 from giraff_sim.config import SimConfig
 from giraff_sim.room import Pose, Room
 from giraff_sim.sonar import NO_ECHO_US, SILENT_US, STUCK_US, Sonar, SonarFault, sonars
-from tests.robots import ROBOT
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall
+from tests.support.robots import ROBOT
 
 AHEAD = SensorPose(index=0, x=0.0, y=0.0, yaw=0.0)
 

@@ -12,8 +12,8 @@ from giraff_sim.plant import Plant
 from giraff_sim.room import Room
 from giraff_sim.sonar import Sonar, SonarFault
 from giraff_sim.truth import Level, TrueWheel, Truth, TruthRanges, draw_truth
-from tests.robots import ROBOT
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall, world_in
+from tests.support.robots import ROBOT
 
 STEP = 0.001
 COUNTS_PER_METRE = ROBOT.ticks_per_metre * 2  # of the encoder's quadrature states

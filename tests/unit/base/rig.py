@@ -23,7 +23,7 @@ from giraff_schemas.wire import (
     Refusal,
     WheelsFrame,
 )
-from tests import robots
+from tests.support import robots
 
 ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
 CONFIG = BaseConfig(port="unused")

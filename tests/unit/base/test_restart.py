@@ -32,7 +32,7 @@ from giraff_schemas.topics import (
     key_of,
 )
 from giraff_sim.board import ROOT
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 NAME = "sim-estop"
 

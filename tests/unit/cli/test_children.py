@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from giraff_cli.children import Children
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 STUBBORN = """
 import signal, time

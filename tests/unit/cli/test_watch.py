@@ -22,8 +22,8 @@ from giraff_node.robots import Roster
 from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
+from tests.support.waiting import wait
 from tests.unit.cli.samples import base, estop, guard, lease, odometry, verdict, wheels
-from tests.waiting import wait
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from giraff_node.session import NetworkConfig, open_session, session_config
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, alive_key, key_of
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 ROBOT = f"sim-{secrets.token_hex(4)}"
 

@@ -20,7 +20,7 @@ from giraff_schemas.messages import (
     Tick,
     Wheels,
 )
-from tests import robots
+from tests.support import robots
 
 FRONT = ("front_left", "front_right")
 ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)

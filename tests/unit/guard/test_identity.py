@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from giraff_guard.config import GuardConfig
 from giraff_guard.identity import Identity
 from giraff_schemas.messages import Range, RobotTime, Tick, Wheels
-from tests import robots
+from tests.support import robots
 
 SENSOR = "front_left"
 

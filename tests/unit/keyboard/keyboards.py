@@ -3,7 +3,7 @@
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 EPOCH = 77
 CONFIG = KeyboardConfig(steps=5, first_step=5)

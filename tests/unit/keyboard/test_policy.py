@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import ASKS_NOTHING, KEY_LASTS, LINK_SILENCE, Key
 from giraff_schemas.messages import DriveCommand, RobotTime, Tick
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 from tests.unit.keyboard.keyboards import EPOCH, Person, person
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.terminals import Screen, screen
+from tests.support.terminals import Screen, screen
 
 PROGRAM = """
 import os, signal, sys

@@ -17,7 +17,7 @@ from giraff_node.session import NetworkConfig, open_session
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import Topic, alive_key, health_key, key_of
 from giraff_sim.board import ROOT
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 ROBOT = "sim-node"
 SERVICE = Path(__file__).with_name("service_under_test.py")

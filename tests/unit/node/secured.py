@@ -30,7 +30,7 @@ from giraff_schemas.topics import (
     Query,
     key_of,
 )
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 ROBOT: Final = "sim-secured"
 HOSTS: Final = ("robot", "laptop", "desk", "unnamed")

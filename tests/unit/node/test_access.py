@@ -29,8 +29,8 @@ from giraff_schemas.topics import (
     frame_key,
     key_of,
 )
+from tests.support.waiting import wait
 from tests.unit.node.secured import ACCESS, HOSTS, MINE, ROBOT, Network, authority, direct, open_marked
-from tests.waiting import wait
 
 
 @pytest.fixture(scope="module")

@@ -19,10 +19,10 @@ from giraff_node.logs import service_logger
 from giraff_schemas.codec import encode
 from giraff_schemas.messages import EStopEngage, Health
 from giraff_schemas.topics import ESTOP_ENGAGE, key_of
+from tests.support.waiting import wait
 from tests.unit.health.answering import check
 from tests.unit.node.manager import FakeManager
 from tests.unit.node.peers import ROBOT, Peers
-from tests.waiting import wait
 
 
 @pytest.fixture

@@ -19,8 +19,8 @@ from giraff_node.session import NetworkConfig, session_config
 from giraff_schemas.codec import encode
 from giraff_schemas.messages import Battery, EStopAnswer, EStopEngage, Tick
 from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK, alive_key, key_of
+from tests.support.waiting import wait
 from tests.unit.node.peers import ROBOT, SERVICE, Peers
-from tests.waiting import wait
 
 
 @pytest.fixture

@@ -17,9 +17,9 @@ from giraff_node.param_desk import ParamDesk
 from giraff_node.params import Params
 from giraff_node.state import Folder
 from giraff_schemas.params import ParamSave
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
+from tests.support.waiting import wait
 from tests.unit.node.asked import Asked
-from tests.waiting import wait
 
 
 class Desk:

@@ -11,7 +11,7 @@ from giraff_node.live import Live
 from giraff_node.params import ParamError, Params
 from giraff_node.ranges import require_positive
 from giraff_schemas.params import Param
-from tests.robots import ROBOT
+from tests.support.robots import ROBOT
 
 
 class Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

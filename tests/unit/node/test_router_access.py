@@ -1,4 +1,4 @@
-"""What a host believes of a router, and how it finds one. With real links: tests/system/test_router.py."""
+"""What a host believes of a router, and how it finds one. With real links: tests/functional/router/test_router.py."""
 
 from __future__ import annotations
 

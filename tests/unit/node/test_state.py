@@ -12,7 +12,7 @@ import pytest
 
 from giraff_node.estop import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, kept_latch
 from giraff_node.state import Folder, state_directory, write_file_durably, write_latch
-from tests.waiting import wait
+from tests.support.waiting import wait
 
 LOST = 41
 ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar")

@@ -3,7 +3,7 @@
 import msgspec
 
 from giraff_schemas.messages import RobotTime, Wheels
-from tests import robots
+from tests.support import robots
 
 ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
 

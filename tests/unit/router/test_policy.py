@@ -1,4 +1,4 @@
-"""Whom the router lets say what, and what it says of them. That Zenoh keeps to it is shown by tests/system."""
+"""Whom the router lets say what, and what it says of them. That Zenoh keeps to it: tests/functional/router."""
 
 from __future__ import annotations
 

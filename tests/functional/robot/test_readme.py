@@ -1,0 +1,51 @@
+"""The README's example: any machine subscribes with plain zenoh and msgpack, and no code of ours."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from giraff_sim.board import ROOT
+from tests.support.process_robot import process_robot
+
+ROOM = """
+name = "room"
+start = { x = 0.0, y = 0.0, yaw_deg = 0.0 }
+
+[[walls]]
+name = "all around, near enough to be heard"
+closed = true
+points = [[-1.0, -1.5], [3.5, -1.5], [3.5, 1.5], [-1.0, 1.5]]
+"""
+
+_CONNECT = re.compile(r"# (config\.insert_json5\(.*)tcp/[^\"]*(\"\]'\))  # .*")
+
+
+def example(endpoint: str) -> str:
+    """The README's Python, told where the robot is as its comment says."""
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), flags=re.DOTALL)
+    assert len(blocks) == 1
+    assert "giraff_" not in blocks[0], "the example may use no code of ours"
+    code, replaced = _CONNECT.subn(rf"\1tcp/{endpoint}\2", blocks[0])
+    assert replaced == 1
+    assert len(code.strip().splitlines()) <= 10
+    return code
+
+
+def test_the_example_prints_the_odometry(tmp_path: Path) -> None:
+    with process_robot(tmp_path, ROOM, boards="host") as robot:
+        robot.drive_forward()
+        script = tmp_path / "listen.py"
+        script.write_text(example(robot.environment["GIRAFF_NETWORK_RENDEZVOUS"]))
+        printed = tmp_path / "printed"
+        with printed.open("wb") as output:
+            listener = subprocess.Popen([sys.executable, "-I", str(script)], stdout=output)
+        try:
+            robot.wait("odometry on the listener's screen", lambda: printed.read_text().count("\n") > 20, 20.0)
+        finally:
+            listener.kill()
+            listener.wait()
+        x, _, _ = (float(word) for word in re.findall(r"-?\d+\.\d+", printed.read_text().splitlines()[10]))
+        assert x > 0.3, "the robot has driven forward"

@@ -1,0 +1,81 @@
+"""The `giraff` command as somebody at a desk calls it: another process, which knows the network and no robot file."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+
+from giraff_cli.watcher import free_port
+from tests.support.elsewhere import GIRAFF, clean
+
+WordsT = TypeVar("WordsT")
+EndedT = TypeVar("EndedT")
+
+Done = subprocess.CompletedProcess[str]
+
+
+class Desk:
+    """Calls `giraff` on one loopback, so that no other robot of this machine is heard."""
+
+    def __init__(self, directory: Path, rendezvous: str, robot: str = "") -> None:
+        """`directory`: where the commands run. `robot`: the one that is meant; empty: nobody has named one."""
+        self.directory = directory
+        self.rendezvous = rendezvous
+        self._robot = robot
+
+    def unnamed(self) -> Desk:
+        """The same network, with no robot named."""
+        return Desk(self.directory, self.rendezvous)
+
+    def alone(self) -> Desk:
+        """A network on which nobody is."""
+        return Desk(self.directory, f"127.0.0.1:{free_port()}")
+
+    @property
+    def environment(self) -> Mapping[str, str]:
+        named = {"GIRAFF_ROBOT_NAME": self._robot} if self._robot else {}
+        network = {"GIRAFF_NETWORK_LOCAL": "true", "GIRAFF_NETWORK_RENDEZVOUS": self.rendezvous}
+        return clean(dict(os.environ)) | network | named
+
+    def run(self, *words: str, timeout: float = 60.0, **popen: Any) -> Done:
+        """The command, once it has ended."""
+        streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        return subprocess.run(
+            [str(GIRAFF), *words],
+            cwd=self.directory,
+            env=self.environment,
+            check=False,
+            timeout=timeout,
+            **streams | popen,
+        )
+
+    def json(self, *words: str) -> Any:
+        """The one document that a command with --json prints, when all is well."""
+        done = self.run(*words, "--json")
+        assert (done.returncode, done.stderr) == (0, ""), (words, done)
+        return msgspec.json.decode(done.stdout)
+
+    @contextmanager
+    def running(self, *words: str) -> Iterator[subprocess.Popen[str]]:
+        """The command while it runs; it ends with the block."""
+        streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+        command = [str(GIRAFF), *words]
+        with subprocess.Popen(command, cwd=self.directory, env=self.environment, **streams) as process:
+            try:
+                yield process
+            finally:
+                process.kill()
+
+
+def run_beside(run: Callable[[WordsT], EndedT], all_words: Iterable[WordsT]) -> dict[WordsT, EndedT]:
+    """Commands, most of whose time is patience, some beside each other."""
+    all_words = list(all_words)
+    with ThreadPoolExecutor(4) as runners:
+        return dict(zip(all_words, runners.map(run, all_words), strict=True))

@@ -1,0 +1,267 @@
+"""The whole robot as it really runs: simulator and services as processes of their own, on a loopback of their own."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from giraff_cli.children import Children
+from giraff_cli.watcher import free_port
+from giraff_node.config import load
+from giraff_node.estop import RELEASED
+from giraff_node.session import NetworkConfig, session_config
+from giraff_node.state import write_latch
+from giraff_schemas.topics import BASE, GUARD
+from giraff_sim.board import ROOT
+from giraff_sim.client import SimulatorClient
+from giraff_sim.config import KNOWN
+from giraff_sim.truth import Level
+from tests.support.cable import Cable
+from tests.support.observer import Observer
+from tests.support.waiting import wait
+
+SERVICES = ("base", "guard", "joystick", "ranger", "odometry")
+FULL_TILT = 7.5
+"""m/s² along one axis: more than the default curve's full speed needs."""
+
+PROVING_ROOM = """
+name = "proving"
+start = { x = 0.0, y = 0.0, yaw_deg = 0.0 }
+
+[[walls]]
+name = "room"
+points = [[4.0, 4.0], [-4.0, 4.0], [-4.0, -4.0], [4.0, -4.0]]
+closed = true
+"""
+"""Walls near enough for each sensor to prove that it hears: in an empty room the guard only lets the robot creep."""
+
+
+class ProcessRobot:
+    """Starts, kills and watches the processes; the world is the simulator's control socket."""
+
+    def __init__(
+        self, directory: Path, world: Path, boards: str, truth: Level = "calibrated", *, apart: bool = False
+    ) -> None:
+        """`truth`: how far it differs from its file; `apart`: the operator's side is another host, behind `cables`."""
+        self.directory = directory
+        self.cables: list[Cable] = []
+        self._end = ExitStack()
+        self._session_files: dict[str, Path] = {}
+        self.ports = directory / "ports"
+        self.state = directory / "state"
+        write_latch(self.state, RELEASED)
+        self.environment = {
+            **{name: value for name, value in os.environ.items() if not name.startswith("GIRAFF_")},
+            **KNOWN,
+            "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
+            "GIRAFF_ROBOT_NAME": "sim-test",
+            "GIRAFF_NETWORK_RENDEZVOUS": f"127.0.0.1:{free_port()}",
+            "GIRAFF_NETWORK_LOCAL": "true",
+            "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
+            "STATE_DIRECTORY": str(self.state),
+            **{f"GIRAFF_{name.upper()}_PORT": str(self.ports / name) for name in ("joystick", "base", "ranger")},
+        }
+        self._children = Children(directory)
+        if apart:
+            self._set_apart()
+        self.observer = Observer(self.environment)
+        for topic in (BASE, GUARD):
+            self.observer.follow(topic)
+        control = directory / "control"
+        arguments = ["--ports", str(self.ports), "--control", str(control), "--world", str(world)]
+        arguments += ["--seed", "1", "--truth", truth, "--boards", boards, "--hand", "still"]
+        self._children.start("simulator", "giraff_sim", arguments, self.environment)
+        self.wait("the simulator", lambda: b"\n" in self._children.output("simulator").read_bytes(), 20.0)
+        self.simulator = SimulatorClient(control)
+
+    def start(self, service: str) -> None:
+        environment = dict(self.environment)
+        if service in self._session_files:
+            environment["GIRAFF_NETWORK_SESSION_FILE"] = str(self._session_files[service])
+        self._children.start(service, f"giraff_{service}", (), environment)
+
+    def start_second(self, service: str, **changes: str) -> None:
+        """Another process of a service beside the first, "second SERVICE", that has joined the network."""
+        name = f"second {service}"
+        self._children.start(name, f"giraff_{service}", (), self.environment | changes)
+        self.wait(f"a {name}", lambda: "robot sim-test" in self.log(name), 10.0)
+
+    def start_second_hand(self) -> SimulatorClient:
+        """Another joystick board in another hand, and a second joystick service on it."""
+        ports, control = self.directory / "second", self.directory / "second" / "control"
+        arguments = ["--ports", str(ports), "--control", str(control), "--world", str(self.directory / "world.toml")]
+        arguments += ["--only", "joystick", "--boards", "host", "--hand", "still"]
+        self._children.start("second simulator", "giraff_sim", arguments, self.environment)
+        ready = self._children.output("second simulator")
+        self.wait("the second simulator", lambda: b"\n" in ready.read_bytes(), 20.0)
+        self.start_second("joystick", GIRAFF_JOYSTICK_PORT=str(ports / "joystick"))
+        return SimulatorClient(control)
+
+    def giraff(self, *words: str) -> int:
+        """Run the command line on the robot's host; its exit code."""
+        command = [sys.executable, "-m", "giraff_cli", *words]
+        done = subprocess.run(command, check=False, capture_output=True, text=True, env=self.environment, timeout=30.0)
+        with (self.directory / "giraff.log").open("a") as log:
+            log.write(f"giraff {' '.join(words)}: {done.returncode}\n{done.stdout}{done.stderr}")
+        return done.returncode
+
+    def stop(self, service: str) -> None:
+        """SIGTERM, and wait until it has ended well."""
+        troubles = self._children.stop([service], grace=5.0)
+        assert not troubles, troubles
+
+    def pid(self, service: str) -> int:
+        return self._children.pid(service)
+
+    def signal(self, service: str, number: int) -> None:
+        os.kill(self.pid(service), number)
+
+    def kill(self, service: str) -> None:
+        """SIGKILL, and wait until it is gone."""
+        self.signal(service, signal.SIGKILL)
+        self.wait(f"the end of {service}", lambda: bool(self._children.reap()), 5.0)
+
+    def log(self, service: str) -> str:
+        return self._children.log(service).read_text()
+
+    def messages(self, service: str) -> list[str]:
+        """What a service has logged."""
+        return [json.loads(line)["message"] for line in self.log(service).splitlines()]
+
+    def wait(self, what: str, holds: Callable[[], bool], seconds: float) -> float:
+        """Wait until `holds`; the wall seconds that took. AssertionError with the logs' ends after `seconds`."""
+        return wait(holds, seconds, what=lambda: f"{what}{self._last_words()}", every=0.01)
+
+    def run(self, seconds: float) -> None:
+        """Let simulated time pass."""
+        until = self.simulator.now() + seconds * 1e6
+        self.wait("the simulator's time", lambda: self.simulator.now() >= until, 20.0 + 4.0 * seconds)
+
+    def accepted(self) -> int:
+        """Drive frames the base board has accepted."""
+        says = self.simulator.state().base
+        return says.accepted if says else 0
+
+    def drives(self) -> bool:
+        says = self.simulator.state().base
+        return says is not None and (says.left_pwm_counts != 0 or says.right_pwm_counts != 0)
+
+    def ranged(self) -> bool:
+        """The guard has heard each sensor: a tilt before that relies on ranges that are not there, and disarms."""
+        state = self.observer.newest(GUARD)
+        return state is not None and not any("has not been heard" in why for why in state.sensors.values())
+
+    def hold(self, x: float, y: float) -> int:
+        """Hold the joystick so that its sensor feels this, m/s². The simulated us."""
+        return self.simulator.tilt(x, y)
+
+    def why(self) -> str:
+        """What base and guard say about why the robot does not do what is asked."""
+        base, guard = self.observer.newest(BASE), self.observer.newest(GUARD)
+        return f"base: {base and base.reason!r}; guard: {guard and guard.reason!r}"
+
+    def ready(self) -> bool:
+        """Armed, and standing: it would drive at the next tilt."""
+        state = self.observer.newest(BASE)
+        return state is not None and state.armed and not state.driving and state.board.drive_state == "active"
+
+    def arm(self, seconds: float = 10.0) -> float:
+        """What an operator does who wants to drive: level, and where that does not do, a tilt to ask and level again.
+
+        Returns the wall seconds it took.
+        """
+        began = time.monotonic()
+        while True:
+            self.hold(0.0, 0.0)
+            level_until = time.monotonic() + 1.5
+            while time.monotonic() < level_until:
+                if self.ready():
+                    return time.monotonic() - began
+                time.sleep(0.01)
+            waited = time.monotonic() - began
+            assert waited < seconds, f"not armed within {seconds:g} s{self._last_words()}"
+            self.hold(FULL_TILT, 0.0)
+            self.run(0.3)
+
+    def drive(self, x: float, y: float, seconds: float = 1.5) -> None:
+        """Arm by a level hand, then tilt until the wheels have turned for `seconds`: at full speed, after a second."""
+        self.arm()
+        self.hold(x, y)
+        self.wait("driving", self.drives, 10.0)
+        self.run(seconds)
+
+    def drive_forward(self) -> None:
+        self.drive(FULL_TILT, 0.0)
+
+    def put_up_wall(self, name: str, ahead: float, half_width: float) -> int:
+        """A wall square to the robot's heading, `ahead` m from its centre; the simulator's moment (us) of it."""
+        at = self.simulator.state()
+        x, y = at.x + ahead * math.cos(at.yaw), at.y + ahead * math.sin(at.yaw)
+        along = (-half_width * math.sin(at.yaw), half_width * math.cos(at.yaw))
+        return self.simulator.add_wall(name, [(x + along[0], y + along[1]), (x - along[0], y - along[1])])
+
+    def close(self) -> None:
+        self.observer.close()
+        self.simulator.close()
+        try:
+            troubles = self._children.stop_all(grace=5.0)
+        finally:
+            self._end.close()
+        assert not troubles, troubles
+
+    def _last_words(self) -> str:
+        logs = "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self.directory.glob("*.log"))
+        return f"\n{self.why()}{logs}"
+
+    def _set_apart(self) -> None:
+        """Let the joystick reach base and guard through a cable each, and nothing else."""
+        network = load("network", NetworkConfig, self.environment)
+        name = self.environment["GIRAFF_ROBOT_NAME"]
+        operators = session_config(network, name)
+        operators["listen"]["endpoints"] = []
+        operators["connect"]["endpoints"] = []
+        operators["scouting"]["gossip"] = {"enabled": False}  # it would tell the others' own ports
+        for service in ("base", "guard"):
+            port = free_port()
+            self.cables.append(self._end.enter_context(Cable(free_port(), port)))
+            settings = session_config(network, name)
+            settings["listen"]["endpoints"].append(f"tcp/127.0.0.1:{port}")
+            self._write_session(service, settings)
+            operators["connect"]["endpoints"].append(f"tcp/127.0.0.1:{self.cables[-1].port}")
+        self._write_session("joystick", operators)
+
+    def _write_session(self, service: str, settings: dict[str, Any]) -> None:
+        self._session_files[service] = self.directory / f"{service}.session.json5"
+        self._session_files[service].write_text(json.dumps(settings))
+
+
+@contextmanager
+def process_robot(
+    directory: Path,
+    world: str = PROVING_ROOM,
+    boards: str = "avr",
+    truth: Level = "calibrated",
+    *,
+    apart: bool = False,
+) -> Iterator[ProcessRobot]:
+    """A robot with all its services; they end with the block. `apart`: the operator is on another host."""
+    path = directory / "world.toml"
+    path.write_text(world)
+    robot = ProcessRobot(directory, path, boards, truth, apart=apart)
+    try:
+        for service in SERVICES:
+            robot.start(service)
+        robot.wait("the first accepted drive frame", lambda: robot.accepted() > 0, 20.0)
+        robot.wait("the first range at the guard", robot.ranged, 20.0)
+        yield robot
+    finally:
+        robot.close()

@@ -1,0 +1,119 @@
+"""A robot of processes at one site and its joystick's at another, or at the same: the real services."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final
+
+from giraff_node.estop import RELEASED
+from giraff_node.state import write_latch
+from giraff_sim.board import ROOT
+from giraff_sim.client import SimulatorClient
+from giraff_sim.config import KNOWN
+from tests.support.elsewhere import clean
+from tests.support.process_robot import FULL_TILT, PROVING_ROOM
+from tests.support.sites import Sites
+
+_ROBOT_FILE: Final = (ROOT / "deploy" / "robot.toml").read_text()
+_HOSTS: Final = {
+    "robot": ("base,ranger", ("base", "guard", "ranger", "odometry")),
+    "operator": ("joystick", ("joystick",)),
+}
+"""Host -> boards, services."""
+_STARTS_WITHIN: Final = 20.0  # s
+
+
+class RemoteRobot:
+    """`robot`, `operator`: the site and the robot file's table `[network]` of their services."""
+
+    def __init__(self, directory: Path, name: str, sites: Sites, robot: tuple[str, Path], operator: tuple[str, Path]):
+        self._directory = directory
+        self._sites = sites
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._name = name
+        (directory / "world.toml").write_text(PROVING_ROOM)
+        write_latch(directory, RELEASED)
+        self.simulator = self._start_host("robot", *robot)
+        self._hand = self._start_host("operator", *operator)
+
+    def tilt(self, x: float) -> None:
+        """The hand's tilt forward, m/s²."""
+        self._hand.tilt(x, 0.0)
+
+    def drives(self) -> bool:
+        says = self.simulator.state().base
+        return says is not None and (says.left_pwm_counts != 0 or says.right_pwm_counts != 0)
+
+    def drive(self, seconds: float) -> float:
+        """Level, then tilt, again and again as a person would, until the wheels turn. The wall seconds it took."""
+        began = time.monotonic()
+        while True:
+            self.tilt(0.0)
+            time.sleep(1.0)
+            self.tilt(FULL_TILT)
+            if self._passes(self.drives, 1.0):
+                return time.monotonic() - began
+            assert time.monotonic() - began < seconds, f"does not drive within {seconds:g} s{self._last_words()}"
+
+    def run(self, seconds: float) -> None:
+        """Let simulated time pass."""
+        until = self.simulator.now() + seconds * 1e6
+        assert self._passes(lambda: self.simulator.now() >= until, 20.0 + 4.0 * seconds)
+
+    def says(self, service: str) -> str:
+        """Its log so far."""
+        return (self._directory / f"{service}.log").read_text()
+
+    def close(self) -> None:
+        for simulator in (self.simulator, self._hand):
+            simulator.close()
+        for process in self._processes.values():
+            process.terminate()
+        codes = {name: process.wait(10.0) for name, process in self._processes.items()}
+        assert set(codes.values()) == {0}, f"{codes}{self._last_words()}"
+
+    def _start_host(self, host: str, site: str, network: Path) -> SimulatorClient:
+        boards, services = _HOSTS[host]
+        ports = self._directory / host
+        control, file = self._directory / f"{host}.control", self._directory / f"{host}.toml"
+        stock, rest = _ROBOT_FILE.split("[network]")
+        file.write_text(stock + network.read_text() + rest.partition("\n\n")[2])
+        environment = {
+            **clean(dict(os.environ)),
+            **KNOWN,
+            "GIRAFF_CONFIG": str(file),
+            "GIRAFF_ROBOT_NAME": self._name,
+            "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
+            "STATE_DIRECTORY": str(self._directory),
+            **{f"GIRAFF_{board.upper()}_PORT": str(ports / board) for board in ("joystick", "base", "ranger")},
+        }
+        world = str(self._directory / "world.toml")
+        words = ["--ports", str(ports), "--control", str(control), "--world", world, "--seed", "1", "--hand", "still"]
+        self._start(f"{host}-sim", site, environment, "giraff_sim", *words, "--boards", "host", "--only", boards)
+        assert self._passes(control.exists, _STARTS_WITHIN), self._last_words()
+        for service in services:
+            self._start(service, site, environment, f"giraff_{service}")
+        return SimulatorClient(control)
+
+    def _start(self, name: str, site: str, environment: dict[str, str], module: str, *words: str) -> None:
+        command = self._sites.command(site, sys.executable, "-P", "-m", module, *words)
+        with (self._directory / f"{name}.log").open("wb") as log:
+            self._processes[name] = subprocess.Popen(
+                command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log
+            )
+
+    def _passes(self, holds: Callable[[], bool], seconds: float) -> bool:
+        deadline = time.monotonic() + seconds
+        while not holds():
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.01)
+        return True
+
+    def _last_words(self) -> str:
+        return "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self._directory.glob("*.log"))

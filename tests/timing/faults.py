@@ -1,0 +1,312 @@
+"""What can break in a robot of processes, and the scenarios of the fault campaign: a row each."""
+
+from __future__ import annotations
+
+import math
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from giraff_node.asking import Asking
+from giraff_schemas.messages import EStopEngage
+from giraff_schemas.topics import ESTOP_ENGAGE
+from giraff_sim.bno055 import Bno055Fault
+from giraff_sim.messages import BoardName, Wheel
+from giraff_sim.sonar import SonarFault
+from tests.support.process_robot import FULL_TILT, ProcessRobot
+
+ROBOT_SIDE: Final = 0.35
+OPERATORS: Final = 0.45
+"""s to PWM 0 after a fault of the operator's side, its link, or the ranger's."""
+TWO_AT_ONCE: Final = 0.55
+
+FORWARD: Final = (FULL_TILT, 0.0)
+BACKWARD: Final = (-FULL_TILT, 0.0)
+LEFT: Final = (0.0, FULL_TILT)
+RIGHT: Final = (0.0, -FULL_TILT)
+LEVEL: Final = (0.0, 0.0)
+
+_RADIUS, _CORNERS = 4.0, 36
+ARENA: Final = f"""
+name = "arena"
+start = {{ x = 0.0, y = 0.0, yaw_deg = 0.0 }}
+[[walls]]
+name = "round"
+closed = true
+points = [{
+    ", ".join(
+        f"[{_RADIUS * math.cos(math.tau * k / _CORNERS):.4f}, {_RADIUS * math.sin(math.tau * k / _CORNERS):.4f}]"
+        for k in range(_CORNERS)
+    )
+}]
+"""
+"""A round room: from its middle every sensor hears the wall, wherever the robot looks."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Something that breaks, and how it is mended."""
+
+    name: str
+    begin: Callable[[ProcessRobot], int | None]
+    """Answers with the simulated us of the fault where it knows it better than the caller."""
+    end: Callable[[ProcessRobot], object] = lambda _robot: None
+    latches: bool = False
+    """It engages the emergency stop, which is reset once all is mended."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """One row: the robot drives, breaks, is mended, and drives again, with none of its other services restarted."""
+
+    faults: tuple[Fault, ...]
+    does: Literal["stops", "creeps", "slows", "dips", "drives on"] = "stops"
+    """`creeps`: drives at 0.10 m/s at most. `slows`: at 0.16 m/s at most. `dips`: may stop meanwhile, and drives again
+    by itself within 2 s of the end."""
+    bound: float = 0.0
+    """s to PWM 0 of what stops, to creeping, or to what is slow."""
+    lasts: float = 1.5
+    """s from its begin to its end."""
+    rearms: bool = True
+    """Of what stops: also after the end nothing is driven before the hand was level."""
+    tilt: tuple[float, float] = FORWARD
+    loads: bool = False
+    """The fault is that this machine stalls: such runs are not repeated."""
+    quick: bool = False
+    """One of those in `make test`."""
+
+    @property
+    def name(self) -> str:
+        ways = {FORWARD: "", BACKWARD: ", backward", LEFT: ", turning"}
+        return " + ".join(fault.name for fault in self.faults) + f", {self.lasts:g} s" + ways[self.tilt]
+
+
+def _does(action: Callable[[ProcessRobot], object]) -> Callable[[ProcessRobot], None]:
+    """An action whose answer says nothing of when the fault was."""
+
+    def act(robot: ProcessRobot) -> None:
+        action(robot)
+
+    return act
+
+
+def killed(service: str) -> Fault:
+    return Fault(f"{service} killed", _does(lambda robot: robot.kill(service)), lambda robot: robot.start(service))
+
+
+def ended(service: str) -> Fault:
+    return Fault(f"{service} ended", _does(lambda robot: robot.stop(service)), lambda robot: robot.start(service))
+
+
+def suspended(service: str) -> Fault:
+    return Fault(
+        f"{service} suspended",
+        _does(lambda robot: robot.signal(service, signal.SIGSTOP)),
+        lambda robot: robot.signal(service, signal.SIGCONT),
+    )
+
+
+def unplugged(board: BoardName) -> Fault:
+    return Fault(
+        f"{board} board unplugged",
+        lambda robot: robot.simulator.unplug(board),
+        lambda robot: robot.simulator.plug(board),
+    )
+
+
+def reset(board: BoardName, cause: Literal["power_on", "external", "brown_out", "watchdog"] = "external") -> Fault:
+    return Fault(f"{board} board reset ({cause})", lambda robot: robot.simulator.reset(board, cause))
+
+
+def sonar(number: int, fault: SonarFault) -> Fault:
+    return Fault(
+        f"sonar {number} {fault}",
+        lambda robot: robot.simulator.fail_sonar(number, fault),
+        lambda robot: robot.simulator.fail_sonar(number, SonarFault.NONE),
+    )
+
+
+def deaf(
+    *numbers: int,
+    after: float = 0.0,
+    then: Sequence[tuple[tuple[float, float], float]] = (),
+    on: tuple[float, float] = FORWARD,
+    told: str = "",
+) -> Fault:
+    """Nothing answers these sonars, from `after` s on.
+
+    `then` the hand does this, each tilt for its seconds, and tilts `on`: it is this that the row's times begin with.
+    `told`: in the row's name, of what is done.
+    """
+
+    def begin(robot: ProcessRobot) -> int:
+        robot.run(after)
+        begun_us = max(robot.simulator.fail_sonar(number, SonarFault.DEAF) for number in numbers)
+        for tilt, seconds in then:
+            robot.hold(*tilt)
+            robot.run(seconds)
+        return robot.hold(*on) if then else begun_us
+
+    def end(robot: ProcessRobot) -> None:
+        for number in numbers:
+            robot.simulator.fail_sonar(number, SonarFault.NONE)
+
+    return Fault(f"sonar {' and '.join(map(str, numbers))} deaf{told and ', '}{told}", begin, end)
+
+
+def sonar_flickers(number: int, seconds: float) -> Fault:
+    """Dead and alive by turns, so that of its pings, 0.18 s apart, there are never two good ones in a row."""
+
+    def begin(robot: ProcessRobot) -> int:
+        begun_us = robot.simulator.now()
+        for _ in range(round(seconds / 0.35)):
+            robot.simulator.fail_sonar(number, SonarFault.DEAD)
+            robot.run(0.23)
+            robot.simulator.fail_sonar(number, SonarFault.NONE)
+            robot.run(0.12)
+        return begun_us
+
+    return Fault(
+        f"sonar {number} flickers",
+        begin,
+        lambda robot: robot.simulator.fail_sonar(number, SonarFault.NONE),
+    )
+
+
+def tilt_sensor(fault: Bno055Fault) -> Fault:
+    return Fault(
+        f"tilt sensor {fault}",
+        lambda robot: robot.simulator.fail_bno055(fault),
+        lambda robot: robot.simulator.fail_bno055(Bno055Fault.NONE),
+    )
+
+
+def encoder_cut(wheel: Wheel) -> Fault:
+    return Fault(
+        f"{wheel} encoder cut",
+        lambda robot: robot.simulator.cut_encoder(wheel, cut=True),
+        lambda robot: robot.simulator.cut_encoder(wheel, cut=False),
+        latches=True,
+    )
+
+
+def wheel_blocked(wheel: Wheel) -> Fault:
+    return Fault(
+        f"{wheel} wheel blocked",
+        lambda robot: robot.simulator.block_wheel(wheel, blocked=True),
+        lambda robot: robot.simulator.block_wheel(wheel, blocked=False),
+        latches=True,
+    )
+
+
+def battery(volts: float) -> Fault:
+    return Fault(
+        f"battery at {volts:g} V",
+        lambda robot: robot.simulator.battery(volts),
+        lambda robot: robot.simulator.battery(24.5),
+    )
+
+
+def joystick_is(hand: Literal["dropped", "laid_down", "shaken"]) -> Fault:
+    """Afterwards a hand holds it tilted."""
+    return Fault(
+        f"joystick {hand.replace('_', ' ')}",
+        lambda robot: robot.simulator.hand(hand),
+        lambda robot: robot.hold(FULL_TILT, 0.0),
+    )
+
+
+def _engage(robot: ProcessRobot) -> int:
+    """Ask base itself until it has stopped, whether or not its disk takes it."""
+    at_us = robot.simulator.now()
+    name = robot.environment["GIRAFF_ROBOT_NAME"]
+    request = EStopEngage(by="test", reason="a scenario")
+    asking = Asking(robot.observer.session, name, ESTOP_ENGAGE, request, lambda answer: answer.engaged)
+    robot.wait("the answer of base", lambda: asking.poll(time.monotonic()) is not None, 5.0)
+    return at_us
+
+
+ESTOP_ENGAGED: Final = Fault("e-stop engaged", _engage, latches=True)
+
+
+def disk_full(service: str) -> Fault:
+    """Nothing that the process writes finds room, its log included."""
+
+    def limit(robot: ProcessRobot, room: int) -> None:
+        _, most = resource.prlimit(robot.pid(service), resource.RLIMIT_FSIZE)
+        resource.prlimit(robot.pid(service), resource.RLIMIT_FSIZE, (room, most))
+
+    return Fault(
+        f"disk full for {service}",
+        _does(lambda robot: limit(robot, 0)),
+        lambda robot: limit(robot, resource.RLIM_INFINITY),
+    )
+
+
+def second(service: str, **changes: str) -> Fault:
+    """Its begin is when it has joined the network, shortly before it is heard."""
+
+    def begin(robot: ProcessRobot) -> int:
+        robot.start_second(service, **changes)
+        return robot.simulator.now()
+
+    return Fault(f"second {service}", begin, lambda robot: robot.stop(f"second {service}"))
+
+
+def second_hand() -> Fault:
+    """A second joystick of the same name, with a hand that tilts it."""
+
+    def begin(robot: ProcessRobot) -> int:
+        with robot.start_second_hand() as other:
+            other.tilt(-FULL_TILT, 0.0)
+        return robot.simulator.now()
+
+    def end(robot: ProcessRobot) -> None:
+        robot.stop("second joystick")
+        robot.stop("second simulator")
+
+    return Fault("second joystick, tilted the other way", begin, end)
+
+
+def hogged(processes: int) -> Fault:
+    running: list[subprocess.Popen[bytes]] = []
+
+    def begin(_robot: ProcessRobot) -> None:
+        running.extend(subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(processes))
+
+    def end(_robot: ProcessRobot) -> None:
+        for each in running:
+            each.kill()
+            each.wait()
+        running.clear()
+
+    return Fault(f"{processes} processes that take all of the processor", begin, end)
+
+
+def _each_cable(action: str) -> Callable[[ProcessRobot], None]:
+    def act(robot: ProcessRobot) -> None:
+        for cable in robot.cables:
+            getattr(cable, action)()
+
+    return act
+
+
+LINK_CUT: Final = Fault("link cut", _each_cable("cut"), _each_cable("mend"))
+LINK_SEVERED: Final = Fault("link severed", _each_cable("sever"))
+
+
+def link_delayed(seconds: float) -> Fault:
+    def set_delay(robot: ProcessRobot, delay: float) -> None:
+        for cable in robot.cables:
+            cable.delay = delay
+
+    return Fault(
+        f"link delayed by {seconds:g} s",
+        _does(lambda robot: set_delay(robot, seconds)),
+        lambda robot: set_delay(robot, 0.0),
+    )
