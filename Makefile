@@ -8,7 +8,7 @@ COMPILE := $(VENV)/uv pip compile pyproject.toml --quiet --universal --python-ve
 # What one kind of host needs, in the versions that everything is tested with.
 PART := $(COMPILE) --constraint requirements/dev.lock --group build
 
-.PHONY: help setup run test test-hosts test-timing lint format campaign lock install clean
+.PHONY: help setup run test test-hosts test-timing lint mypy pyright format campaign lock install clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -25,8 +25,10 @@ test: setup ## Everything that must hold on one host before a commit lands
 lint: setup ## Style and types
 	$(VENV)/ruff check
 	$(VENV)/ruff format --check
-	$(VENV)/mypy
-	$(VENV)/pyright
+	@$(MAKE) --no-print-directory --jobs=2 --output-sync mypy pyright
+
+mypy pyright:
+	$(VENV)/$@
 
 format: setup ## Put the Python sources into their one form
 	$(VENV)/ruff check --fix
