@@ -1,52 +1,114 @@
-"""The fixed seeds: no invariant is violated, in runs that really drive and really go wrong."""
+"""Seeds that between them reach everything: no invariant is violated, in runs that really drive and really go wrong."""
 
 from __future__ import annotations
 
-import os
-import time
 from typing import Final
 
 import pytest
 
-from giraff_sim.dst.drill import KINDS, SECONDS
-from giraff_sim.dst.many import Totals, run_many
+from giraff_sim.dst.drill import KINDS, Outcome
+from giraff_sim.dst.many import run_one
+from giraff_sim.dst.marks import unreached
 
+DRAWN: Final[dict[int, tuple[str, ...]]] = {
+    153: (
+        "fault: replay",
+        "fault: pause",
+        "fault: disk",
+        "fault: keyboard",
+        "fault: deaf",
+        "fault: person",
+        "stop: slowed",
+        "stop: no fresh command",
+        "answer: stopped",
+        "answer: the robot is stopped, and a restart may not know",
+        "the joystick's button is pressed while the robot drives",
+        "stop: emergency stop by button-N",
+        "stop: the operator wishes so",
+    ),
+    214: (
+        "fault: wall clock",
+        "fault: parameter",
+        "fault: reset",
+        "fault: emergency stop",
+        "stop: backward blocked",
+        "answer: released",
+        "parameter: set",
+        "parameter: refused",
+        "parameter: saved",
+    ),
+    167: (
+        "fault: second joystick",
+        "fault: encoder",
+        "fault: two at the emergency stop",
+        "stop: emergency stop by the base board",
+        "the same engages the emergency stop anew",
+        "stop: joystick",
+    ),
+    218: (
+        "fault: kill",
+        "fault: second guard",
+        "fault: full buffer",
+        "stop: a range that this motion relies on is too old",
+        "answer: the emergency stop was engaged anew meanwhile",
+    ),
+    249: (
+        "fault: second base",
+        "fault: tilt sensor",
+        "stop: a second base",
+        "answer: the reset is not from within the last",
+    ),
+    173: ("fault: cut", "fault: sonar", "stop: forward blocked"),
+    229: ("fault: loss", "fault: suspend", "stop: the guard is not heard"),
+    183: ("fault: disorder", "stop: the base board is in state command_timeout"),
+    123: ("fault: obstacle", "stop: the guard's command is too old"),
+    111: ("fault: delay", "fault: unplug"),
+    364: ("answer: latch N is not the one engaged",),
+    77: ("stop: forward slowed",),
+    64: ("answer: the disk hangs",),
+    19: ("fault: battery", "stop: a second guard"),
+    216: ("stop: the battery is empty",),
+    163: ("stop: a second ranger",),
+    177: ("stop: another ranger",),
+    375: ("stop: emergency stop by keyboard",),
+    75: (
+        "stop: not armed since a command or a range was stale for too long",
+        "stop: the base board is being configured",
+    ),
+    275: (
+        "stop: /dev/giraff-base",
+        "answer: the emergency stop was engaged again after this reset was asked for",
+    ),
+    90: ("stop: backward slowed",),
+    **dict.fromkeys((38, 113, 212, 318), ()),
+}
+"""Each is there for what it counts, which begins so. Where it no longer does, another seed does (`giraff dst`)."""
 ONCE_FAILED: Final = (1451, 1922, 1928, 2267, 2616, 2885, 2995, 3056, 3263, 4952, 4966, 5031, 5640, 5796)
 """Robot or judge was wrong about them."""
-SEEDS: Final = (*range(100), *ONCE_FAILED)
-PER_SEED = {
-    "armed": 1.2,
-    "stop: the operator wishes so": 1.0,
-    "stop: forward blocked": 0.2,
-    "stop: joystick": 0.1,
-    "stop: emergency stop by button-N": 0.05,
-    "stop: the guard is not heard": 0.03,
-    "stop: no fresh command of an operator": 0.05,
-}
-"""How often, at the least, for each seed."""
+TOO_RARE: Final = ["an emergency stop was lost with its base", "parameter: not saved"]
+"""In none of the first 400 seeds; `test_judge.py` stages the one, `make campaign` draws two thousand."""
+PATH: Final = 1.0
+"""m that the robot drives in each that was drawn."""
 
 
-def processors() -> int:
-    """Those that are this test's: other tests may have a process on each of the rest."""
-    return max(1, (os.cpu_count() or 1) // int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")))
+@pytest.mark.parametrize("seed", DRAWN)
+def test_no_invariant_is_violated(seed: int) -> None:
+    outcome = run_one(seed)
+    assert outcome.violations == ()
+    assert outcome.path >= PATH
+    assert never(outcome, "granted", "armed", *DRAWN[seed]) == []
 
 
-@pytest.mark.timeout(3600)  # it takes what other tests leave of the machine
-def test_no_invariant_is_violated() -> None:
-    totals = Totals()
-    began = time.monotonic()
-    for outcome in run_many(SEEDS, processors()):
-        totals.take(outcome, SECONDS)
-    seconds = time.monotonic() - began
-    seeds = len(SEEDS)
-    print(
-        f"{seeds} seeds in {seconds:.0f} s, {totals.simulated / seconds:.0f} times as fast as real; "
-        f"{totals.path:.0f} m driven, {totals.contacts} contacts; digest {totals.digest[:16]}"
-    )
-    assert {failure.seed: failure.violations for failure in totals.failures} == {}
-    assert totals.drove >= 0.9 * seeds
-    assert totals.path >= 1.2 * seeds
-    rare = {what: totals.counts[what] for what, least in PER_SEED.items() if totals.counts[what] < least * seeds}
-    assert rare == {}
-    never = [kind.name for kind in KINDS if totals.counts[f"fault: {kind.name}"] < 0.02 * seeds]
-    assert never == []
+@pytest.mark.parametrize("seed", ONCE_FAILED)
+def test_what_once_failed_does_not_fail_again(seed: int) -> None:
+    assert run_one(seed).violations == ()
+
+
+def test_each_fault_stop_and_answer_is_what_some_seed_is_there_for() -> None:
+    reached = dict.fromkeys((what for reasons in DRAWN.values() for what in reasons), 1)
+    assert unreached(reached, KINDS) == TOO_RARE
+
+
+def never(outcome: Outcome, *wanted: str) -> list[str]:
+    """Of these beginnings of what a run counts, those that this one did not come to."""
+    return [what for what in wanted if not any(counted.startswith(what) for counted in outcome.counts)]

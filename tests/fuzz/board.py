@@ -1,13 +1,12 @@
-"""Fuzzes one board's C until so many bytes have reached it; run in a process of its own, under sanitizers.
+"""Fuzzes one board's C until so many bytes have reached it.
 
-Usage: board.py LIBRARY SEED BYTES
+Usage: board.py LIBRARY SEED BYTES, in a process of its own, under sanitizers. Prints what was counted, as JSON.
 The base board has a sound host as well, which configures it, releases its latch and sends zero drive frames: what
-is thrown at it in between meets a board that would drive. Prints what was counted, as JSON.
+is thrown at it in between meets a board that would drive.
 """
 
 from __future__ import annotations
 
-import json
 import random
 import sys
 from pathlib import Path
@@ -30,12 +29,27 @@ from giraff_schemas.wire import (
 )
 from giraff_sim.board import Board
 from tests.firmware.noise import noise
-from tests.fuzz.growth import Growth
+from tests.fuzz.growth import LIMIT, Growth
 
+BOARDS: Final = ("base", "joystick", "ranger")
 _HOST_MS: Final = 20  # between two frames of the sound host
 _SESSION: Final = 7
 _LEVEL_MAX: Final = 70
 _WAITING: Final = 100  # bytes on their way: with more the sound host's frames come too late
+
+
+class BoardCounted(msgspec.Struct, frozen=True, kw_only=True):
+    """What became of the bytes."""
+
+    board: str
+    bytes: int
+    simulated_s: float
+    active_reports: int | None
+    """Of the base board: reports of a board that would have driven."""
+    peak_counts: int
+    torn: int
+    complaints: int
+    growth_bytes: int
 
 
 class SoundHost:
@@ -104,15 +118,15 @@ def thrown(chance: random.Random, host: SoundHost | None) -> bytes:
     return noise(chance)
 
 
-def main() -> int:
-    library, seed, wanted = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
+def fuzz(library: Path, seed: str, wanted: int, growth: Growth | None = None) -> BoardCounted:
+    """Throw `wanted` bytes at the board of this library."""
     chance = random.Random(seed)
     kind = BoardKind[library.stem.upper()]
     board = Board(kind, library)
     board.on_ping(lambda _sensor: chance.choice((0.0, -1.0, chance.uniform(0, 200_000))))
     board.model.twi_address = 0x28
     host = SoundHost() if kind is BoardKind.BASE else None
-    decoder, growth = Decoder(), Growth()
+    decoder = Decoder()
     room = board.model.rx_free
     now_ms = 0
     while board.model.rx_total < wanted:
@@ -125,23 +139,32 @@ def main() -> int:
         for each in decoder.feed(board.read()):
             if host is not None:
                 host.on_frame(each)
-        growth.look(board.model.rx_total / wanted)
-    peak = max(motor.drive_peak for motor in board.model.motor)
-    print(
-        json.dumps(
-            {
-                "board": library.stem,
-                "bytes": board.model.rx_total,
-                "simulated_s": now_ms / 1000,
-                "active_reports": host.active if host else None,
-                "peak_counts": peak,
-                "torn": decoder.crc_errors + decoder.shape_errors,
-                "complaints": board.model.errors,
-                "growth_bytes": growth.bytes,
-            }
-        )
+        if growth is not None:
+            growth.look(board.model.rx_total / wanted)
+    counted = BoardCounted(
+        board=library.stem,
+        bytes=board.model.rx_total,
+        simulated_s=now_ms / 1000,
+        active_reports=host.active if host else None,
+        peak_counts=max(motor.drive_peak for motor in board.model.motor),
+        torn=decoder.crc_errors + decoder.shape_errors,
+        complaints=board.model.errors,
+        growth_bytes=growth.bytes if growth is not None else 0,
     )
     board.close()
+    return counted
+
+
+def require_harmless(counted: BoardCounted) -> None:
+    assert counted.peak_counts == 0, "noise drives"
+    assert (counted.torn, counted.complaints) == (0, 0), counted
+    assert counted.growth_bytes < LIMIT, counted
+    assert counted.active_reports is None or counted.active_reports > counted.simulated_s * 20, "it would have driven"
+
+
+def main() -> int:
+    library, seed, wanted = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
+    print(msgspec.json.encode(fuzz(library, seed, wanted, Growth())).decode())
     return 0
 
 

@@ -9,12 +9,14 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
+from giraff_node.asking import Asking
 from giraff_schemas.codec import encoding_of
 from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime
-from giraff_schemas.topics import ESTOP_ENGAGE, TOPICS, Query, Topic
+from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet
+from giraff_schemas.topics import ESTOP_ENGAGE, PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, TOPICS, Query, Topic
 from tests.fuzz.growth import LIMIT, Growth
 from tests.fuzz.keys import KEYS
-from tests.fuzz.params import PARAM_KEYS, Parameters
+from tests.fuzz.params import BY, PARAM_KEYS, Truths, changes, require_no_looser, truths_of
 from tests.fuzz.payloads import payload
 from tests.support.process_robot import FULL_TILT, SERVICES, ProcessRobot
 from tests.unit.schemas.samples import an_example
@@ -36,6 +38,44 @@ class NetworkCounted(msgspec.Struct, frozen=True, kw_only=True):
     """By service."""
     tightened: int
     """Parameters that were another value at the end; none was looser."""
+
+
+class Parameters:
+    """Those of all services of a robot."""
+
+    def __init__(self, robot: ProcessRobot) -> None:
+        self._robot = robot
+        self._filed = {service: self._described(service) for service in SERVICES}
+
+    @property
+    def truths(self) -> Truths:
+        return {
+            key: said for service, params in self._filed.items() for key, said in truths_of(service, params).items()
+        }
+
+    def take_back(self) -> int:
+        """Require that none is looser than the robot file has it, and set each as it was; how many were changed."""
+        changed = 0
+        for service, params in self._filed.items():
+            for before, now in changes(params, self._described(service)):
+                changed += 1
+                require_no_looser(before, now)
+                request = ParamSet(name=before.name, value=before.value, by=BY)
+                answer = self._ask(PARAM_SET.at(service), request)
+                assert answer.done, answer.reason
+            answer = self._ask(PARAM_SAVE.at(service), ParamSave(by=BY))
+            assert answer.done, answer.reason
+        return changed
+
+    def _described(self, service: str) -> tuple[Param, ...]:
+        return self._ask(PARAM_DESCRIBE.at(service), ParamDescribe()).params
+
+    def _ask(self, query: Query[Any, ParamAnswer], request: msgspec.Struct) -> ParamAnswer:
+        asking = Asking(self._robot.observer.session, "sim-test", query, request)
+        self._robot.wait(f"an answer on {query.key}", lambda: asking.poll(time.monotonic()) is not None, 10.0)
+        answer = asking.poll(time.monotonic())
+        assert answer is not None
+        return answer
 
 
 def _truths(row: Topic[Any] | Query[Any, Any]) -> list[bytes]:

@@ -11,7 +11,8 @@ from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSet
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SET, Query
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.network import Message, Subscription
-from tests.fuzz.keys import Counted, armed_robot, deliver, drive, steer, throw
+from tests.fuzz.growth import Growth
+from tests.fuzz.keys import Counted, armed_robot, deliver, drive, rest, steer, throw
 from tests.fuzz.params import BY, changes, require_no_looser, truths_of
 from tests.loop.loops import FULL_TILT
 
@@ -24,6 +25,7 @@ class FuzzedParams:
         self._loop = loop
         self._is_changed = False
         process = loop.processes[service]
+        self._reconfigure = process.on_reconfigured
         if (reconfigure := process.on_reconfigured) is not None:
 
             def note_and_reconfigure(config: Any) -> None:
@@ -41,7 +43,8 @@ class FuzzedParams:
                 require_no_looser(before, now)
 
     def take_back(self) -> None:
-        """Set each as it was."""
+        """Set each as it was, and look no more."""
+        self._loop.processes[self._service].on_reconfigured = self._reconfigure
         for before, _ in self._changed():
             request = ParamSet(name=before.name, value=before.value, by=BY)
             answer = self._ask(PARAM_SET.at(self._service), request)
@@ -67,24 +70,34 @@ class FuzzedParams:
 
 
 def fuzz_param_key(query: Query[Any, ParamAnswer], wanted: int, seed: int) -> Counted:
-    """Throw `wanted` requests at a service of a robot that is armed, in a level hand; then it must drive."""
-    _, service, *_ = query.key.split("/")
+    """Throw `wanted` requests at a service of a robot of its own."""
     with armed_robot() as (loop, _):
-        params = FuzzedParams(service, loop)
+        return fuzz_param_key_of(loop, query, wanted, seed, Growth())
 
-        def decode_and_deliver(data: bytes) -> bool:
-            try:
-                request = msgspec.msgpack.decode(data, type=query.request)
-            except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
-                return False
-            deliver(loop, query.key, request)
-            return True
 
-        chance = random.Random(f"{seed}/{query.key}")
-        truths = truths_of(service, params.filed)[query.key]
-        counted = throw(loop, truths, decode_and_deliver, params.look, wanted, chance)
-        params.take_back()
-        # The way out that guard names where a self-test that was tightened to nothing has doubted a sensor at rest.
+def fuzz_param_key_of(
+    loop: ClosedLoop, query: Query[Any, ParamAnswer], wanted: int, seed: int, growth: Growth | None = None
+) -> Counted:
+    """Throw `wanted` requests at a robot that is armed, in a level hand; then it must drive, and is level."""
+    _, service, *_ = query.key.split("/")
+    params = FuzzedParams(service, loop)
+    assert loop.newest["base"].armed, loop.newest["base"].reason
+
+    def decode_and_deliver(data: bytes) -> bool:
+        try:
+            request = msgspec.msgpack.decode(data, type=query.request)
+        except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+            return False
+        deliver(loop, query.key, request)
+        return True
+
+    chance = random.Random(f"{seed}/{query.key}")
+    truths = truths_of(service, params.filed)[query.key]
+    counted = throw(loop, truths, decode_and_deliver, params.look, wanted, chance, growth)
+    params.take_back()
+    if service == "guard":
+        # The way out that it names where a self-test that was tightened to nothing has doubted a sensor at rest.
         steer(loop, 2.0, y=FULL_TILT)
-        drive(loop)
+    drive(loop)
+    rest(loop)
     return counted

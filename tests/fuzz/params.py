@@ -2,60 +2,19 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
-from typing import Any
 
 import msgspec
 
-from giraff_node.asking import Asking
 from giraff_schemas.codec import encode
-from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet
-from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_QUERIES, PARAM_SAVE, PARAM_SET, Query
-from tests.support.process_robot import SERVICES, ProcessRobot
+from giraff_schemas.params import Param, ParamSave, ParamSet
+from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_QUERIES, PARAM_SAVE, PARAM_SET
+from giraff_sim.closed_loop import MACHINES
 
-PARAM_KEYS = tuple(query.at(service) for query in PARAM_QUERIES for service in SERVICES)
+PARAM_KEYS = tuple(query.at(service) for query in PARAM_QUERIES for service in MACHINES)
 BY = "fuzz"
 Truths = dict[str, list[bytes]]
 """By key: requests that mean something, to be mutated."""
-
-
-class Parameters:
-    """Those of all services of a robot."""
-
-    def __init__(self, robot: ProcessRobot) -> None:
-        self._robot = robot
-        self._filed = {service: self._described(service) for service in SERVICES}
-
-    @property
-    def truths(self) -> Truths:
-        return {
-            key: said for service, params in self._filed.items() for key, said in truths_of(service, params).items()
-        }
-
-    def take_back(self) -> int:
-        """Require that none is looser than the robot file has it, and set each as it was; how many were changed."""
-        changed = 0
-        for service, params in self._filed.items():
-            for before, now in changes(params, self._described(service)):
-                changed += 1
-                require_no_looser(before, now)
-                request = ParamSet(name=before.name, value=before.value, by=BY)
-                answer = self._ask(PARAM_SET.at(service), request)
-                assert answer.done, answer.reason
-            answer = self._ask(PARAM_SAVE.at(service), ParamSave(by=BY))
-            assert answer.done, answer.reason
-        return changed
-
-    def _described(self, service: str) -> tuple[Param, ...]:
-        return self._ask(PARAM_DESCRIBE.at(service), ParamDescribe()).params
-
-    def _ask(self, query: Query[Any, ParamAnswer], request: msgspec.Struct) -> ParamAnswer:
-        asking = Asking(self._robot.observer.session, "sim-test", query, request)
-        self._robot.wait(f"an answer on {query.key}", lambda: asking.poll(time.monotonic()) is not None, 10.0)
-        answer = asking.poll(time.monotonic())
-        assert answer is not None
-        return answer
 
 
 def truths_of(service: str, params: Iterable[Param]) -> Truths:
