@@ -1,4 +1,4 @@
-"""The same seed is the same run, to the byte; in another process too, says `tests/campaign/test_determinism.py`."""
+"""The same seed is the same run, to the byte; in another process too, says `tests/campaign/test_staged.py`."""
 
 from __future__ import annotations
 

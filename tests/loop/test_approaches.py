@@ -1,110 +1,43 @@
-"""Driving at a wall, in simulated time: never touches, stops outside the margin, and can always get away."""
+"""Driving at a wall: never touches, stops outside the margin, and can always get away.
+
+A part of what `tests/campaign/test_approaches.py` does.
+"""
 
 from __future__ import annotations
 
-import math
-import random
-
 import pytest
 
-from giraff_sim import sonar
-from giraff_sim.closed_loop import ClosedLoop
-from giraff_sim.room import Room
-from giraff_sim.truth import TrueWheel, Truth
-from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold
-from tests.sim.robots import empty_room
+from tests.loop.approaches import OF_USE, approach, curve_before_a_smooth_wall
 
-APPROACHES = 100
-LARGEST_INCIDENCE = math.radians(25.0)
-MARGIN = SETTINGS.guard.margin
-WEAK = Truth(right=TrueWheel(strength=0.85))
-"""Driven straight on, it goes to the right by an arc of 2.9 m; backwards too."""
-SMOOTH_MARGIN = 0.20  # m
-
-
-def come_to_rest(loop: ClosedLoop) -> None:
-    """Run until the robot has stood still for a second."""
-    until = loop.simulation.now_us + 40_000_000
-    still_ms = 0
-    while still_ms < 1000:
-        assert loop.simulation.now_us < until, f"the robot does not stop: {loop.newest['guard']}"
-        loop.step()
-        wheels = loop.newest["wheels"]
-        still_ms = still_ms + 1 if (wheels.left_velocity, wheels.right_velocity) == (0.0, 0.0) else 0
+APPROACHES = {
+    0: "backward from afar, slanted by 17 degrees",
+    2: "backward, slowly, from 2.9 m: rests nearest of all",
+    15: "backward, the shortest way, slanted the most",
+    70: "backward, slanted by 20 degrees",
+    91: "backward, slanted to the other side",
+    42: "backward, almost straight",
+    31: "slanted the most",
+    52: "slanted the most to the other side, a short way",
+    34: "straight",
+    36: "from 3 m, at full speed",
+    86: "the shortest way, fast",
+    66: "rests farthest off",
+    77: "rests as far, slanted to the other side",
+}
+"""By seed: of the hundred, those at the ends of incidence and distance, and those that rest nearest and farthest."""
 
 
-def slanted(distance: float, incidence: float) -> Room:
-    """A wall that crosses the robot's axis `distance` m ahead (negative: behind), slanted by `incidence` rad."""
-    room = empty_room()
-    x, y = distance * math.cos(incidence) ** 2, distance * math.cos(incidence) * math.sin(incidence)
-    along = (-math.sin(incidence) * 10.0, math.cos(incidence) * 10.0)
-    room.add_wall("wall", [(x - along[0], y - along[1]), (x + along[0], y + along[1])])
-    return room
+@pytest.mark.parametrize("number", APPROACHES)
+def test_an_approach_stops_outside_the_margin(number: int) -> None:
+    assert approach(number) < OF_USE
 
 
-def approach(number: int) -> tuple[float, float]:
-    """One approach from its seed: the clearance where the robot came to rest, and how far it got away, m."""
-    choose = random.Random(number)
-    incidence = choose.uniform(-LARGEST_INCIDENCE, LARGEST_INCIDENCE)
-    distance = choose.uniform(1.0, 3.0)
-    tilt = choose.uniform(2.5, 7.5)  # of the default curve: from a third of the speed up to all of it
-    backward = choose.random() < 0.3
-    side = -1.0 if backward else 1.0
-    with closed_loop(slanted(side * distance, incidence), seed=number) as loop:
-        plant = loop.simulation.world.plant
-        arm(loop)
-        hold(loop, x=side * tilt)
-        loop.run(choose.uniform(1.0, 1.2))  # the ranger's cycle is 0.18 s: arrive at any moment of it
-        come_to_rest(loop)
-        assert plant.contacts == 0, f"approach {number} touched the wall"
-        rest = plant.clearance
-        way = "backward" if backward else "forward"
-        verdict = getattr(loop.newest["guard"], way)
-        assert verdict.freedom == "blocked"
-        assert verdict.sensor
-        assert verdict.way_out
-        if choose.random() < 0.5:
-            before = plant.pose.yaw
-            hold(loop, y=3.0)
-            loop.run(1.5)
-            assert abs(plant.pose.yaw - before) > 0.2, f"approach {number} cannot turn away"
-        else:
-            hold(loop, x=-side * 4.0)
-            loop.run(2.0)
-            assert plant.clearance > rest + 0.1, f"approach {number} cannot back away"
-        return rest, plant.closest
-
-
-@pytest.mark.timeout(400)
-def test_a_hundred_approaches_stop_outside_the_margin() -> None:
-    rests = []
-    for number in range(APPROACHES):
-        rest, closest = approach(number)
-        assert closest >= MARGIN, f"approach {number}: {closest:.3f} m is inside the margin"
-        rests.append(rest)
-    print(f"{APPROACHES} approaches: at rest {min(rests):.3f} to {max(rests):.3f} m from the wall")
-    assert max(rests) < MARGIN + 0.35, "a guard that stops this far out is of no use"
-
-
-@pytest.mark.parametrize("side", [1.0, -1.0], ids=["forward", "backward"])
-@pytest.mark.parametrize("distance", [1.5, 1.8, 2.1, 2.4])
-@pytest.mark.parametrize("loses_at", [0.55, 0.7, 0.9, 1.3])
+@pytest.mark.parametrize(
+    ("distance", "loses_at", "side"),
+    [(1.5, 1.3, 1.0), (2.1, 0.9, 1.0), (2.4, 0.55, 1.0), (1.5, 0.55, -1.0), (2.1, 1.3, -1.0), (2.4, 0.7, -1.0)],
+)
 def test_a_robot_that_curves_stops_before_a_wall_that_it_no_longer_hears(
-    monkeypatch: pytest.MonkeyPatch, distance: float, side: float, loses_at: float
+    monkeypatch: pytest.MonkeyPatch, distance: float, loses_at: float, side: float
 ) -> None:
-    """Its right motor is 15 % weak. The wall is so smooth that nothing comes back from it beyond 25 degrees, which the
-    robot's arc passes about `loses_at` m before it: what was heard until then must keep it off."""
-    monkeypatch.setattr(sonar, "_DOUBTFUL", sonar._SURE)
-    monkeypatch.setattr(sonar, "_HEARD_SLANTED", 0.0)
-    monkeypatch.setattr(sonar, "_LOST_SLANTED", 1.0)
-    curvature = 2.0 * 0.15 / (1.85 * SETTINGS.robot.track_width)
-    incidence = LARGEST_INCIDENCE - curvature * max(0.0, distance - loses_at)
-    room = slanted(side * distance, side * incidence)
-    with closed_loop(room, truth=WEAK, step_us=4000) as loop:
-        plant = loop.simulation.world.plant
-        arm(loop)
-        hold(loop, x=side * FULL_TILT)
-        loop.run(8.0)  # what is remembered blocks for as long
-        assert abs(plant.speed) < 1e-3, loop.newest["guard"]
-        assert plant.closest >= SMOOTH_MARGIN
-        assert plant.path_length > 0.2
+    """Forward (`side` 1) and backward, among them those that come nearest."""
+    curve_before_a_smooth_wall(monkeypatch, distance, loses_at, side)

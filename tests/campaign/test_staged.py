@@ -1,0 +1,33 @@
+"""Staged runs of the deterministic simulation that take long, and the same seeds in other processes."""
+
+from __future__ import annotations
+
+import pytest
+
+from giraff_sim.dst.many import run_many
+from tests.dst.replays import CLOCKS, hold_in_tcp, hold_in_the_serial_line, say_a_stream_again
+
+LATE = (1.0, 2.0, 5.0, 8.0, 15.0, 30.0, 60.0)
+"""s."""
+SEEDS = range(8)
+
+
+@pytest.mark.parametrize(("operator", "robot"), CLOCKS, ids=str)
+def test_a_recorded_stream_moves_nothing_however_late_it_comes(operator: float, robot: float) -> None:
+    say_a_stream_again(operator, robot, LATE)
+
+
+@pytest.mark.parametrize("lasts", [1.5, 5.0, 12.0])
+def test_what_tcp_held_during_a_cut_moves_nothing(lasts: float) -> None:
+    hold_in_tcp(lasts)
+
+
+@pytest.mark.parametrize("held", [1.5, 2.0, 8.0, 29.0, 60.0])
+def test_queued_serial_frames_move_nothing(held: float) -> None:
+    hold_in_the_serial_line(held)
+
+
+def test_another_process_makes_no_difference() -> None:
+    """Each process has hashes of its own: nothing may hang on the order of a set."""
+    here, there = (tuple(run_many(SEEDS, jobs)) for jobs in (1, 2))
+    assert here == there
