@@ -7,6 +7,7 @@ from random import Random
 import msgspec
 
 from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.dst.drill import Drill
 from giraff_sim.dst.faults import Begin, Course
 from giraff_sim.dst.hands import Fingers
@@ -160,3 +161,119 @@ def hold_frames(drill: Drill, chance: Random) -> Course:
     with drill.stops("the serial buffers hold all", ROBOT_US):
         yield "the serial buffers hold all"
     cable.holds_to_board = False
+
+
+def end(name: str) -> Begin:
+    """End a service in order, and start it again."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        drill.loop.terminate(name)
+        yield f"{name} is terminated"
+        drill.loop.start(name)
+
+    return course
+
+
+def pause(name: str) -> Begin:
+    """Suspend a service, and let it go on."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        process = drill.loop.processes[name]
+        process.paused = True
+        yield f"{name} is paused"
+        process.paused = False
+        process.go_on(0)
+
+    return course
+
+
+def cut_both_ways(drill: Drill, chance: Random) -> Course:
+    """Cut the network; TCP holds what is said."""
+    del chance
+    links = drill.link("operator", "robot"), drill.link("robot", "operator")
+    for link in links:
+        link.cut = "holds"
+    yield "the network is cut both ways"
+    for link in links:
+        drill.network.mend(link)
+
+
+def delay(seconds: float) -> Begin:
+    """Let the network take so long, both ways."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        links = drill.link("operator", "robot"), drill.link("robot", "operator")
+        for link in links:
+            link.delay_us = round(seconds * 1e6)
+        yield f"the network takes {seconds:g} s"
+        for link in links:
+            link.delay_us = 0
+
+    return course
+
+
+def reset_of(kind: BoardKind, cause: ResetCause) -> Begin:
+    """Reset a board."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        drill.loop.simulation.reset(kind, cause)
+        drill.judge.on_reset(kind)
+        yield f"the {kind.name} board is reset: {cause.name}"
+
+    return course
+
+
+def fail_sonar(index: int, fault: SonarFault) -> Begin:
+    """Let a sonar fail."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        sensor = drill.loop.simulation.world.sonars[index]
+        sensor.fault = fault
+        yield f"sonar {index} is {fault}"
+        sensor.fault = SonarFault.NONE
+
+    return course
+
+
+def fail_tilt_sensor(fault: Bno055Fault) -> Begin:
+    """Let the tilt sensor fail."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        sensor = drill.loop.simulation.bno055
+        assert sensor is not None
+        sensor.fault = fault
+        yield f"the tilt sensor is {fault}"
+        sensor.fault = Bno055Fault.NONE
+
+    return course
+
+
+def cut_encoder(wheel: int) -> Begin:
+    """Cut the wires of an encoder."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        drill.loop.simulation.cut_encoder(wheel, is_cut=True)
+        yield f"encoder {wheel} is cut"
+        drill.loop.simulation.cut_encoder(wheel, is_cut=False)
+
+    return course
+
+
+def discharge(volts: float) -> Begin:
+    """Let the battery fall."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        plant = drill.loop.simulation.world.plant
+        before, plant.open_volts = plant.open_volts, volts
+        yield f"the battery falls to {volts:g} V"
+        plant.open_volts = before
+
+    return course

@@ -1,0 +1,117 @@
+"""Rows of the fault table in simulated time: with the hand as it was, PWM is zero within the bound."""
+
+from __future__ import annotations
+
+from typing import Final, NamedTuple
+
+import pytest
+
+from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.bno055 import Bno055Fault, Vector
+from giraff_sim.dst.faults import Begin
+from giraff_sim.hand import LEVEL, ScriptedHand
+from giraff_sim.record import Verdict
+from giraff_sim.sonar import SonarFault
+from tests.dst.courses import (
+    cut_both_ways,
+    cut_encoder,
+    delay,
+    discharge,
+    end,
+    engage,
+    fail_sonar,
+    fail_tilt_sensor,
+    kill,
+    pause,
+    reset_of,
+    unplug,
+    watch,
+)
+from tests.dst.stage import BACKWARD, FORWARD, SET_OFF, at, hall, stage
+
+LEFT: Final[Vector] = (0.0, 4.0, 8.96)
+FAULT: Final = 3.6
+"""s; the robot drives for a second by then."""
+WATCHED: Final = 1.0
+"""s after the bound."""
+
+
+class Row(NamedTuple):
+    """What befalls, each thing so many s after the first one, and within what time all is still."""
+
+    bound: float
+    befalls: tuple[Begin, ...]
+    tilt: Vector = FORWARD
+    apart: float = 0.0
+
+
+def _sonars(fault: SonarFault, bound: float) -> dict[str, Row]:
+    tilts = FORWARD, FORWARD, BACKWARD
+    return {f"sonar {index} {fault}": Row(bound, (fail_sonar(index, fault),), tilt) for index, tilt in enumerate(tilts)}
+
+
+_BASE_RESET: Final = reset_of(BoardKind.BASE, ResetCause.EXTERNAL)
+_JOYSTICK_RESET: Final = reset_of(BoardKind.JOYSTICK, ResetCause.EXTERNAL)
+_SIDES: Final = {"base": 0.35, "guard": 0.35, "joystick": 0.45, "ranger": 0.45}
+
+ROWS: Final = {
+    **{f"{service} ended": Row(bound, (end(service),)) for service, bound in _SIDES.items()},
+    **{f"{service} suspended": Row(bound, (pause(service),)) for service, bound in _SIDES.items()},
+    "link cut": Row(0.45, (cut_both_ways,)),
+    "link delayed by 0.5 s": Row(0.45, (delay(0.5),)),
+    "joystick board unplugged": Row(0.45, (unplug("joystick"),)),
+    "base board reset (external)": Row(0.35, (_BASE_RESET,)),
+    "joystick board reset (external)": Row(0.45, (_JOYSTICK_RESET,)),
+    **_sonars(SonarFault.DEAD, 0.45),
+    **_sonars(SonarFault.STUCK, 0.45),
+    **_sonars(SonarFault.FROZEN, 1.5),
+    "tilt sensor zero": Row(0.45, (fail_tilt_sensor(Bno055Fault.ZERO),)),
+    "tilt sensor system_error": Row(0.45, (fail_tilt_sensor(Bno055Fault.SYSTEM_ERROR),)),
+    "tilt sensor wrong_chip + joystick board reset (external)": Row(
+        0.45, (fail_tilt_sensor(Bno055Fault.WRONG_CHIP), _JOYSTICK_RESET)
+    ),
+    "tilt sensor self_test + joystick board reset (external)": Row(
+        0.45, (fail_tilt_sensor(Bno055Fault.SELF_TEST), _JOYSTICK_RESET)
+    ),
+    "left encoder cut": Row(0.55, (cut_encoder(0),)),
+    "battery at 18 V": Row(5.5, (discharge(18.0),), LEFT),
+    "e-stop engaged": Row(0.35, (engage,)),
+    "e-stop engaged + base killed": Row(0.35, (engage, kill("base")), apart=0.05),
+    "e-stop engaged + base board reset (power_on)": Row(
+        0.35, (engage, reset_of(BoardKind.BASE, ResetCause.POWER_ON)), apart=0.05
+    ),
+    "joystick killed + ranger killed": Row(0.55, (kill("joystick"), kill("ranger"))),
+    "guard killed + base killed": Row(0.55, (kill("guard"), kill("base"))),
+    "guard suspended + joystick board unplugged": Row(0.55, (pause("guard"), unplug("joystick"))),
+    "link cut + base board unplugged": Row(0.55, (cut_both_ways, unplug("base"))),
+    "link cut + ranger suspended": Row(0.55, (cut_both_ways, pause("ranger"))),
+    "base board reset (external) + guard killed": Row(0.55, (_BASE_RESET, kill("guard"))),
+}
+"""By the names of docs/safety.md."""
+
+
+def driven_ms(row: Row) -> float:
+    """Once the bound has passed, of a robot that drove until the fault."""
+    before: list[Verdict] = []
+    after: list[Verdict] = []
+    outcome = stage(
+        at(FAULT - 0.1, watch(before), 0.1),
+        *(at(FAULT + row.apart * place, befall, row.bound + WATCHED) for place, befall in enumerate(row.befalls)),
+        at(FAULT + row.bound, watch(after), WATCHED),
+        hand=ScriptedHand([0.0, SET_OFF], [LEVEL, row.tilt]),
+        room=hall(4.0 if row.tilt == BACKWARD else 1.0),
+        seconds=FAULT + row.bound + WATCHED + 0.02,
+    )
+    assert outcome.violations == ()
+    assert before[0].driven_ms > 90, "it did not drive before"
+    return after[0].driven_ms
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_a_fault_stops_the_robot_within_its_bound(name: str) -> None:
+    assert driven_ms(ROWS[name]) == 0
+
+
+@pytest.mark.parametrize(("bound", "tilt"), [(1.5, FORWARD), (1.5, BACKWARD), (5.5, LEFT)], ids=str)
+def test_without_a_fault_it_drives_on(bound: float, tilt: Vector) -> None:
+    assert driven_ms(Row(bound, (), tilt)) > 900 * WATCHED
