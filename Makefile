@@ -8,7 +8,7 @@ COMPILE := $(VENV)/uv pip compile pyproject.toml --quiet --universal --python-ve
 # What one kind of host needs, in the versions that everything is tested with.
 PART := $(COMPILE) --constraint requirements/dev.lock --group build
 
-.PHONY: help setup run test test-hosts test-timing lint mypy pyright format campaign lock install clean
+.PHONY: help setup run test test-hosts test-timing lint mypy pyright format campaign mutants lock install clean
 
 help: ## List the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 12
@@ -34,10 +34,13 @@ format: setup ## Put the Python sources into their one form
 	$(VENV)/ruff check --fix
 	$(VENV)/ruff format
 
-campaign: setup ## The runs that take long; leaves dated records in docs/campaign
-	$(VENV)/pytest tests/campaign --timeout=0 $(ARGS)
+campaign: setup ## Hours: thousands of seeds and rooms, random bytes, every mutant; figures in build/campaign
+	$(VENV)/pytest tests/campaign tests/mutants --timeout=0 --capture=no $(ARGS)
 
-test-timing: setup ## What the wall clock judges, on a quiet machine, before a change that touches timing
+mutants: setup ## Each safety rule broken, its test must fail, e.g. make mutants ARGS="--sample 40", ARGS="-k guard"
+	$(VENV)/pytest tests/mutants --timeout=0 --numprocesses=logical $(ARGS)
+
+test-timing: setup ## What the wall clock judges, by hand, on a quiet machine; ARGS=tests/timing/long for the longest
 	@tests/timing/run $(ARGS)
 
 test-hosts: setup ## docker-compose up on three hosts of this machine, as root; cables cut, power lost

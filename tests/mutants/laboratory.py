@@ -59,6 +59,7 @@ class Laboratory:
 
     def __init__(self, directory: Path) -> None:
         self._root = directory
+        self._whole: dict[str, bool] = {}
         for path in files():
             copy = directory / path.relative_to(ROOT)
             copy.parent.mkdir(parents=True, exist_ok=True)
@@ -72,6 +73,12 @@ class Laboratory:
         }
         self._require_own_packages()
         self._build_boards()
+
+    def passes_whole(self, test: str) -> bool:
+        """Whether a test passes with no rule broken."""
+        if test not in self._whole:
+            self._whole[test] = self.passes(test)
+        return self._whole[test]
 
     def passes(self, test: str) -> bool:
         """Whether a test passes in the copy as it is now; MutantError when it could not judge."""
