@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from giraff_sim.dst.drill import draw, play
-from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.dst.breaks import BREAKS, Break
 from tests.dst.stage import SETTINGS, rules
+from tests.support.report import report
 
 SEEDS = 200
 
@@ -19,6 +19,6 @@ def first_seed(broken: Break) -> int | None:
 
 def test_each_break_is_found_within_two_hundred_seeds() -> None:
     found = {broken.name: first_seed(broken) for broken in BREAKS}
-    print(write_record("breaks", {"seeds": SEEDS, "found": found}, judged(__name__, also=FIRMWARE)).read_text())
+    report("campaign/breaks", {"seeds": SEEDS, "found": found})
     assert [name for name, seed in found.items() if seed is None] == []
     assert found == {broken.name: broken.seed for broken in BREAKS}, "tests/dst/breaks.py names other seeds"

@@ -8,9 +8,9 @@ from typing import Final
 
 import msgspec
 
-from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.loop.deaf import BOUNDS, Outcome, figures, run, told
 from tests.loop.touches import Kind
+from tests.support.report import report
 
 DRIVES: Final = 2000
 
@@ -19,7 +19,7 @@ def test_deaf() -> None:
     with ProcessPoolExecutor() as pool:
         outcomes = list(pool.map(run, range(DRIVES), chunksize=4))
     breaks = {o.drive.seed: [told(o, touch) for touch in o.breaks] for o in outcomes if o.breaks}
-    record = {
+    found = {
         "drives": DRIVES,
         "rooms": Counter(outcome.drive.room for outcome in outcomes),
         "deaf": Counter(" and ".join(outcome.drive.deaf) for outcome in outcomes),
@@ -29,7 +29,7 @@ def test_deaf() -> None:
         "touches": msgspec.to_builtins(figures(outcomes)),
         "breaks": breaks,
     }
-    print(write_record("deaf", record, judged(__name__, also=FIRMWARE)).read_text())
+    report("campaign/deaf", found)
     assert breaks == {}
 
 

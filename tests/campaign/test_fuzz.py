@@ -10,7 +10,6 @@ import pytest
 
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.topics import Query, Topic
-from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.fuzz.board import BOARDS, require_harmless
 from tests.fuzz.boards import fuzz_board
 from tests.fuzz.growth import LIMIT, Growth
@@ -18,6 +17,7 @@ from tests.fuzz.hosts import fuzz_host_side
 from tests.fuzz.keys import KEYS, Counted, fuzz_key
 from tests.fuzz.param_keys import fuzz_param_key
 from tests.fuzz.params import PARAM_KEYS
+from tests.support.report import report
 
 BYTES = 10_000_000
 PAYLOADS = 1_000_000
@@ -26,11 +26,11 @@ SEED = 2
 
 @pytest.fixture(scope="module")
 def figures() -> Iterator[dict[str, Any]]:
-    """What was counted, written as a record when it is all."""
+    """What was counted, reported when it is all."""
     made: dict[str, Any] = {"boards": {}, "host_side": {}, "keys": {}}
     yield made
     if (len(made["boards"]), len(made["host_side"]), len(made["keys"])) == (3, 3, len(KEYS) + len(PARAM_KEYS)):
-        write_record("fuzz", made, judged(__name__, "tests.fuzz.board", also=FIRMWARE))
+        report("campaign/fuzz", made)
 
 
 @pytest.mark.parametrize("board", BOARDS)

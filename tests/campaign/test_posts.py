@@ -5,9 +5,9 @@ from __future__ import annotations
 import random
 
 from giraff_sim.config import SimConfig
-from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.loop.loops import arm, closed_loop, drawn, hold
 from tests.sim.robots import empty_room
+from tests.support.report import report
 
 DRIVES = 300
 PUSHES_S = 25.0
@@ -43,5 +43,5 @@ def test_posts() -> None:
         "faster_than_0.2_m_s": sum(speed > _FAST for speed in touches),
         "fastest_m_s": round(max(touches, default=0.0), 2),
     }
-    print(write_record("posts", figures, judged(__name__, also=FIRMWARE)).read_text())
+    report("campaign/posts", figures)
     assert figures["faster_than_0.2_m_s"] <= DRIVES // 10

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.loop.reaction import WILD_SHARE, drive, intrude, quantile
+from tests.support.report import report
 
 DRIVES = 100
 INTRUSIONS = 200
@@ -29,7 +29,7 @@ def test_reaction() -> None:
         "resume_max_s": round(max(resumes), 3),
         "contacts": sum(each.contacts for each in intrusions),
     }
-    print(write_record("reaction", figures, judged(__name__, also=FIRMWARE)).read_text())
+    report("campaign/reaction", figures)
     assert figures["drives_with_a_confirmed_stop"] <= 3
     assert figures["brief_dips_max"] <= 8
     assert figures["reaction_max_s"] <= 0.06

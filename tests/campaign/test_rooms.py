@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.loop.reaction import quantile
 from tests.loop.rooms import WILD_SHARE, crossings
+from tests.support.report import report
 
 ROOMS = 1000
 
@@ -23,6 +23,6 @@ def test_rooms() -> None:
         "rooms_with_a_contact": sum(crossing.contacts > 0 for crossing in crossed.values()),
         "contacts_towards_an_echo": {seed: c.towards_an_echo for seed, c in crossed.items() if c.towards_an_echo},
     }
-    print(write_record("rooms", figures, judged(__name__, also=FIRMWARE)).read_text())
+    report("campaign/rooms", figures)
     assert figures["not_reached"] == {}
     assert figures["contacts_towards_an_echo"] == {}

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from tests.campaign.records import FIRMWARE, judged, write_record
 from tests.loop.useful import DEMO_SPEED, HALL_S, PASSED_S, RELEASE_MEDIAN_S, RELEASE_S, figures
-
-WORLD = "deploy/worlds/living_room.toml"
+from tests.support.report import report
 
 
 def test_useful() -> None:
     found = figures()
-    print(write_record("useful", found, judged(__name__, also=(*FIRMWARE, WORLD))).read_text())
+    report("campaign/useful", found)
     assert found["hall_max_s"] <= HALL_S
     assert found["passed_in_the_open_max_s"] <= PASSED_S
     assert found["passed_before_a_wall_max_s"] <= PASSED_S

@@ -1,4 +1,4 @@
-"""A minute of driving over a bad link: each stop has its reason. `make campaign` drives for ten."""
+"""A minute of driving over a bad link: each stop has its reason. `tests/timing/long` drives for ten."""
 
 from __future__ import annotations
 

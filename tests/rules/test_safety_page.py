@@ -2,9 +2,36 @@
 
 from __future__ import annotations
 
-from tests.campaign.fault_table import measured, newest_record, table, written
+from tests.dst.test_stops import ROWS
+from tests.rules.node_ids import is_simulated
+from tests.timing import fault_table
+from tests.timing.scenarios import SCENARIOS
+from tests.timing.simulated import SIMULATED, STOPS, judge_of
 
 
-def test_the_page_has_the_table_of_the_scenarios_and_of_the_newest_campaign() -> None:
-    record = newest_record()
-    assert written() == table(measured(record) if record else {})
+def test_the_page_has_the_table_of_the_scenarios_and_of_what_was_measured() -> None:
+    assert fault_table.written() == fault_table.table(fault_table.read()), (
+        "python -m tests.timing.fault_table writes it"
+    )
+
+
+def test_there_are_enough_rows_and_each_has_its_own_name() -> None:
+    assert len({scenario.name for scenario in SCENARIOS}) == len(SCENARIOS) >= 60
+
+
+def test_what_was_measured_is_within_its_bound_and_of_rows_that_there_are() -> None:
+    measured = fault_table.read()
+    assert fault_table.dumped(measured) == fault_table.FILE.read_text()
+    bounds = {scenario.name: scenario.bound for scenario in SCENARIOS if scenario.does == "stops"}
+    late = {name: row for name, row in measured.scenarios.items() if row.worst_s > bounds.get(name, 0.0)}
+    assert late == {}
+
+
+def test_whoever_judges_a_row_in_simulated_time_is_there() -> None:
+    assert [test for test in SIMULATED.values() if not is_simulated(test)] == []
+    assert SIMULATED.keys() <= {scenario.fault for scenario in SCENARIOS}
+
+
+def test_what_stops_in_simulated_time_has_the_bound_that_the_table_has() -> None:
+    bounds = {each.fault: each.bound for each in SCENARIOS if judge_of(each).startswith(f"{STOPS}[")}
+    assert bounds == {name: row.bound for name, row in ROWS.items()}

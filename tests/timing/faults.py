@@ -1,8 +1,7 @@
-"""What can break in a robot of processes, and the scenarios of the fault campaign: a row each."""
+"""What can break in a robot of processes, and what a row of the fault table is made of."""
 
 from __future__ import annotations
 
-import math
 import resource
 import signal
 import subprocess
@@ -30,22 +29,6 @@ BACKWARD: Final = (-FULL_TILT, 0.0)
 LEFT: Final = (0.0, FULL_TILT)
 RIGHT: Final = (0.0, -FULL_TILT)
 LEVEL: Final = (0.0, 0.0)
-
-_RADIUS, _CORNERS = 4.0, 36
-ARENA: Final = f"""
-name = "arena"
-start = {{ x = 0.0, y = 0.0, yaw_deg = 0.0 }}
-[[walls]]
-name = "round"
-closed = true
-points = [{
-    ", ".join(
-        f"[{_RADIUS * math.cos(math.tau * k / _CORNERS):.4f}, {_RADIUS * math.sin(math.tau * k / _CORNERS):.4f}]"
-        for k in range(_CORNERS)
-    )
-}]
-"""
-"""A round room: from its middle every sensor hears the wall, wherever the robot looks."""
 
 
 @dataclass(frozen=True)
@@ -77,13 +60,16 @@ class Scenario:
     tilt: tuple[float, float] = FORWARD
     loads: bool = False
     """The fault is that this machine stalls: such runs are not repeated."""
-    quick: bool = False
-    """One of those in `make test`."""
+
+    @property
+    def fault(self) -> str:
+        """What breaks, however long it lasts and wherever the robot goes."""
+        return " + ".join(fault.name for fault in self.faults)
 
     @property
     def name(self) -> str:
         ways = {FORWARD: "", BACKWARD: ", backward", LEFT: ", turning"}
-        return " + ".join(fault.name for fault in self.faults) + f", {self.lasts:g} s" + ways[self.tilt]
+        return f"{self.fault}, {self.lasts:g} s{ways[self.tilt]}"
 
 
 def _does(action: Callable[[ProcessRobot], object]) -> Callable[[ProcessRobot], None]:

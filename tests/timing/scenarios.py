@@ -1,4 +1,4 @@
-"""The fault campaign, a row a scenario."""
+"""The fault table, a row a scenario."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _SHORT: Final = 0.3
 """s; the operator's side calls its link lost after 0.5 s without a tick, and that takes a level hand."""
 
 _PROCESSES: Final = (
-    *(Scenario(faults=(killed(name),), bound=bound, quick=True) for name, bound in _SERVICES.items()),
+    *(Scenario(faults=(killed(name),), bound=bound) for name, bound in _SERVICES.items()),
     *(Scenario(faults=(ended(name),), bound=bound) for name, bound in _SERVICES.items()),
     *(Scenario(faults=(suspended(name),), bound=bound, lasts=3.0) for name, bound in _SERVICES.items()),
     *(Scenario(faults=(suspended(name),), bound=bound, lasts=8.0) for name, bound in _SERVICES.items()),
@@ -64,7 +64,7 @@ _LINK: Final = (
     Scenario(faults=(LINK_CUT,), does="dips", lasts=0.1),
     Scenario(faults=(LINK_CUT,), does="dips", lasts=_SHORT),
     Scenario(faults=(LINK_CUT,), bound=OPERATORS, lasts=1.4),
-    Scenario(faults=(LINK_CUT,), bound=OPERATORS, lasts=3.0, quick=True),
+    Scenario(faults=(LINK_CUT,), bound=OPERATORS, lasts=3.0),
     Scenario(faults=(LINK_CUT,), bound=OPERATORS, lasts=8.0),
     Scenario(faults=(LINK_CUT,), bound=OPERATORS, lasts=20.0),
     Scenario(faults=(LINK_CUT,), bound=OPERATORS, lasts=3.0, tilt=LEFT),
@@ -74,13 +74,13 @@ _LINK: Final = (
 )
 
 _BOARDS: Final = (
-    Scenario(faults=(unplugged("base"),), bound=ROBOT_SIDE, quick=True),
-    Scenario(faults=(unplugged("joystick"),), bound=OPERATORS, quick=True),
+    Scenario(faults=(unplugged("base"),), bound=ROBOT_SIDE),
+    Scenario(faults=(unplugged("joystick"),), bound=OPERATORS),
     Scenario(faults=(unplugged("ranger"),), bound=OPERATORS),
     Scenario(faults=(unplugged("base"),), bound=ROBOT_SIDE, lasts=0.2),
     Scenario(faults=(unplugged("joystick"),), bound=OPERATORS, lasts=5.0),
     Scenario(faults=(unplugged("ranger"),), bound=OPERATORS, lasts=5.0),
-    Scenario(faults=(reset("base"),), bound=ROBOT_SIDE, quick=True),
+    Scenario(faults=(reset("base"),), bound=ROBOT_SIDE),
     Scenario(faults=(reset("base", "watchdog"),), bound=ROBOT_SIDE),
     Scenario(faults=(reset("base", "brown_out"),), bound=ROBOT_SIDE),
     Scenario(faults=(reset("joystick"),), bound=OPERATORS),
@@ -162,7 +162,7 @@ _SENSORS: Final = (
         Scenario(faults=(tilt_sensor(fault), reset("joystick")), bound=OPERATORS, lasts=3.0)
         for fault in (Bno055Fault.WRONG_CHIP, Bno055Fault.SELF_TEST)
     ),
-    Scenario(faults=(joystick_is("dropped"),), bound=OPERATORS, quick=True),
+    Scenario(faults=(joystick_is("dropped"),), bound=OPERATORS),
     Scenario(faults=(joystick_is("shaken"),), bound=OPERATORS),
     Scenario(faults=(joystick_is("laid_down"),), bound=_LAID_DOWN, lasts=2.5),
 )
@@ -176,7 +176,7 @@ _MOTORS: Final = (
 )
 
 _HOST: Final = (
-    Scenario(faults=(ESTOP_ENGAGED,), bound=ROBOT_SIDE, quick=True),
+    Scenario(faults=(ESTOP_ENGAGED,), bound=ROBOT_SIDE),
     Scenario(faults=(ESTOP_ENGAGED,), bound=ROBOT_SIDE, tilt=LEFT),
     Scenario(faults=(ESTOP_ENGAGED, killed("base")), bound=ROBOT_SIDE),
     Scenario(faults=(ESTOP_ENGAGED, reset("base", "power_on")), bound=ROBOT_SIDE),
@@ -185,7 +185,7 @@ _HOST: Final = (
     Scenario(faults=(disk_full("guard"),), does="drives on"),
     Scenario(faults=(hogged(4),), does="dips", lasts=3.0, loads=True),
     Scenario(faults=(hogged(4), killed("guard")), bound=TWO_AT_ONCE, loads=True),
-    Scenario(faults=(second("guard"),), bound=_JOINS, lasts=2.0, quick=True),
+    Scenario(faults=(second("guard"),), bound=_JOINS, lasts=2.0),
     Scenario(faults=(second("base", GIRAFF_BASE_PORT="nowhere"),), bound=_JOINS, lasts=2.0),
     Scenario(faults=(second("ranger", GIRAFF_RANGER_PORT="nowhere"),), does="drives on", lasts=2.0),
     Scenario(faults=(second_hand(),), does="drives on", lasts=2.0),
@@ -193,7 +193,7 @@ _HOST: Final = (
 
 _TWO: Final = (
     Scenario(faults=(killed("joystick"), killed("ranger")), bound=TWO_AT_ONCE),
-    Scenario(faults=(killed("guard"), killed("base")), bound=TWO_AT_ONCE, quick=True),
+    Scenario(faults=(killed("guard"), killed("base")), bound=TWO_AT_ONCE),
     Scenario(faults=(suspended("guard"), unplugged("joystick")), bound=TWO_AT_ONCE),
     Scenario(faults=(LINK_CUT, unplugged("base")), bound=TWO_AT_ONCE, lasts=3.0),
     Scenario(faults=(LINK_CUT, suspended("ranger")), bound=TWO_AT_ONCE, lasts=3.0),

@@ -2,18 +2,18 @@
 
 A test says what it judges so: what is in `by_the_wall`. A probe beside the tests tells of stalls: processes that only
 sleep, on each processor one. No other failure is tried again, and a machine that stands still all the time fails the
-run: it proves nothing. Counted are all processes of a run, in the file that `tests/run` names.
+run: it proves nothing. It serves tests/timing, in one process: `pytest -p tests.timing.stalled tests/timing`.
 """
 
 from __future__ import annotations
 
-import os
 import time
 from collections import Counter
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from tempfile import NamedTemporaryFile, TemporaryDirectory
+from tempfile import TemporaryDirectory
 from typing import Final
 
 import pytest
@@ -21,20 +21,37 @@ from _pytest.runner import runtestprotocol
 
 from tests.timing.sleepers import Stalls, stalls_seen
 
-FOLDERS: Final = ("timing", "campaign")
-"""Of tests, those that run real processes against the wall clock."""
 STALL: Final = 0.05  # s
-TALLY: Final = "TESTS_TALLY"
-"""Names the file in which all processes of a run count."""
 _SHARE: Final = 0.05  # of all tests of a run that may be tried again
 _SHARE_OF_A_FILE: Final = 0.2
 _ALWAYS: Final = 2  # of a few tests
 _TOLD: Final = 0.02  # s after a stall until all sleepers have told of it
-_TESTS: Final = Path(__file__).parents[1]
+
+
+@dataclass
+class _Tally:
+    """Of a run."""
+
+    ran: Counter[str] = field(default_factory=Counter)
+    """Tests of each file."""
+    again: Counter[str] = field(default_factory=Counter)
+    told: list[str] = field(default_factory=list)
+    """Each test that was tried again, and why."""
+
+    def too_many(self) -> list[str]:
+        """Whose tests were tried again too often, and how often."""
+        every = [("all tests", self.again.total(), _SHARE * self.ran.total())]
+        every += [(file, count, _SHARE_OF_A_FILE * self.ran[file]) for file, count in self.again.items()]
+        return [
+            f"too many of {whose}: {count}; relieve this machine"
+            for whose, count, most in every
+            if count > max(_ALWAYS, most)
+        ]
+
 
 _stalls = pytest.StashKey[Stalls]()
+_tally = pytest.StashKey[_Tally]()
 _failures = pytest.StashKey[list[BaseException]]()
-_own_tally = pytest.StashKey[str]()
 
 
 class JudgedByTheWallError(AssertionError):
@@ -60,42 +77,26 @@ def by_the_wall(begin_ns: int | None = None) -> Iterator[None]:
         raise JudgedByTheWallError(str(failure), begin_ns, time.monotonic_ns()) from failure
 
 
-def tried_again() -> list[str]:
-    """Each test of this run that was, and why."""
-    return [line.removeprefix("again ") for line in _counted() if line.startswith("again ")]
-
-
 def pytest_configure(config: pytest.Config) -> None:
-    # A run that a test starts is none of this one's; a worker's is.
-    if TALLY not in os.environ or "PYTEST_CURRENT_TEST" in os.environ:
-        with NamedTemporaryFile("w", prefix="tally-", delete=False) as file:
-            os.environ[TALLY] = config.stash[_own_tally] = file.name
-
-
-def pytest_unconfigure(config: pytest.Config) -> None:
-    if own := config.stash.get(_own_tally, ""):
-        del os.environ[TALLY]
-        Path(own).unlink()
+    config.stash[_tally] = _Tally()
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
-    if not any(judges_by_the_wall(item) for item in session.items):
-        return (yield)
     with TemporaryDirectory() as folder, stalls_seen(Path(folder), STALL) as stalls:
         session.config.stash[_stalls] = stalls
         return (yield)
 
 
-def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-    if not judges_by_the_wall(item):
-        return None
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool:
     item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
-    _count(f"ran {item.nodeid}")
+    tally, file = item.config.stash[_tally], item.nodeid.partition("::")[0]
+    tally.ran[file] += 1
     item.stash[_failures] = []
     reports = runtestprotocol(item, nextitem=nextitem, log=False)
     if why := _excuse(item.stash[_failures], item.config.stash[_stalls]):
-        _count(f"again {item.nodeid}: {why}")
+        tally.again[file] += 1
+        tally.told.append(f"{item.nodeid}: {why}")
         reports = runtestprotocol(item, nextitem=nextitem, log=False)
     for report in reports:
         item.ihook.pytest_runtest_logreport(report=report)
@@ -114,19 +115,16 @@ def pytest_runtest_makereport(
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    if _too_many() and session.exitstatus == pytest.ExitCode.OK and not hasattr(session.config, "workerinput"):
+    if session.config.stash[_tally].too_many() and session.exitstatus == pytest.ExitCode.OK:
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    if again := tried_again():
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    tally = config.stash[_tally]
+    if tally.told:
         terminalreporter.section("tried again, for this machine stood still meanwhile")
-        for line in (*again, *_too_many()):
+        for line in (*tally.told, *tally.too_many()):
             terminalreporter.line(line)
-
-
-def judges_by_the_wall(item: pytest.Item) -> bool:
-    return item.path.is_relative_to(_TESTS) and item.path.relative_to(_TESTS).parts[0] in FOLDERS
 
 
 def _excuse(failures: list[BaseException], stalls: Stalls) -> str:
@@ -141,29 +139,3 @@ def _excuse(failures: list[BaseException], stalls: Stalls) -> str:
             return ""
         told.append(f"{stalled:.3f} s; {' '.join(str(failure).split())[:200]}")
     return "; ".join(told)
-
-
-def _too_many() -> list[str]:
-    """Whose tests were tried again too often, and how often."""
-    ran = Counter(_file(line) for line in _counted() if line.startswith("ran "))
-    again = Counter(_file(line) for line in _counted() if line.startswith("again "))
-    every = [("all tests", again.total(), _SHARE * ran.total())]
-    every += [(file, count, _SHARE_OF_A_FILE * ran[file]) for file, count in again.items()]
-    return [
-        f"too many of {whose}: {count}; relieve this machine"
-        for whose, count, most in every
-        if count > max(_ALWAYS, most)
-    ]
-
-
-def _file(line: str) -> str:
-    return line.split(" ", 1)[1].partition("::")[0]
-
-
-def _count(line: str) -> None:
-    with Path(os.environ[TALLY]).open("a") as file:
-        file.write(line + "\n")
-
-
-def _counted() -> list[str]:
-    return Path(os.environ[TALLY]).read_text().splitlines()

@@ -8,9 +8,9 @@ from pathlib import Path
 from giraff_node.asking import Asking
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
+from tests.support.arena import ARENA
 from tests.support.process_robot import ProcessRobot, process_robot
 from tests.support.replays import record_drive, say_again
-from tests.timing.faults import ARENA
 
 LATE = 8.0
 """s; TCP has been seen to hand over commands that old after a cut."""

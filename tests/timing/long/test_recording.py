@@ -13,13 +13,13 @@ from typing import Any
 
 import msgspec
 import psutil
+import pytest
 from mcap.reader import make_reader
 
 from giraff_mcap.heard import Heard
 from giraff_mcap.reading import Recording
 from giraff_schemas.messages import BaseState
 from giraff_schemas.topics import BASE
-from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.support.process_robot import FULL_TILT, ProcessRobot, process_robot
 from tests.support.recorders import giraff_process, hearing, killed_recording, records, require_the_same
 from tests.support.waiting import wait
@@ -145,6 +145,7 @@ def as_played(robot: ProcessRobot, path: Path) -> dict[str, Any]:
     return {"times_as_fast": FASTER, "samples": played["samples"], "seconds": played["seconds"]}
 
 
+@pytest.mark.timeout(0)
 def test_ten_minutes_are_recorded_and_cost_little(tmp_path: Path) -> None:
     path = tmp_path / "ten-minutes.mcap"
     with process_robot(tmp_path, boards="host") as robot:
@@ -169,8 +170,8 @@ def test_ten_minutes_are_recorded_and_cost_little(tmp_path: Path) -> None:
     share = sum(shares.values())
     older = median(median(one) / median(other) for one, other in zip(recorded, alone, strict=True))
     missing = (killed_ns - max(sample.heard_ns for sample in Recording(killed).samples())) * 1e-9
-    written = write_record(
-        "recording",
+    report(
+        "timing/recording",
         {
             "seconds": report["seconds"],
             "samples": report["samples"],
@@ -185,9 +186,7 @@ def test_ten_minutes_are_recorded_and_cost_little(tmp_path: Path) -> None:
             "missing_after_a_kill_s": round(missing, 3),
             "said_again": again,
         },
-        judged(__name__, *PROCESSES, "giraff_cli.record", "giraff_cli.play", also=ROBOT),
     )
-    print(written.read_text())
     for key, numbers in sequences.items():
         assert numbers == list(range(numbers[0], numbers[0] + len(numbers))), key
     assert sum(map(len, sequences.values())) == report["samples"] == again["samples"]

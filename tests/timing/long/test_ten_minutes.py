@@ -13,7 +13,7 @@ import pytest
 
 from giraff_schemas.topics import TOPICS
 from giraff_sim.board import ROOT
-from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
+from tests.support.report import report
 
 SECONDS = 600
 SETTLED = 120.0  # s; memory may grow until then
@@ -49,12 +49,7 @@ def test_ten_minutes(tmp_path: Path) -> None:
         assert run.wait(timeout=60) == 0
     figures = json.loads(summary.read_text())
     growth = {module: last[module] - settled[module] for module in settled}
-    path = write_record(
-        "ten-minutes",
-        {**figures, "memory_growth_bytes": growth, "resident_bytes": last},
-        judged(__name__, *PROCESSES, "giraff_cli.run", also=(*ROBOT, "deploy/worlds/living_room.toml")),
-    )
-    print(path.read_text())
+    report("timing/ten-minutes", {**figures, "memory_growth_bytes": growth, "resident_bytes": last})
     assert figures["frames_lost"] == 0
     assert figures["contacts"] == 0
     # A board's rate is its own time's: the run's skew is taken out.

@@ -8,15 +8,17 @@ from pathlib import Path
 from typing import Final
 
 import msgspec
+import pytest
 
 from giraff_schemas.messages import Range
 from giraff_schemas.topics import RANGE
 from giraff_sim.sonar import SonarFault
-from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
+from tests.support.arena import ARENA
 from tests.support.process_robot import ProcessRobot, process_robot
-from tests.timing.faults import ARENA, FORWARD, Scenario
+from tests.support.report import report
+from tests.timing.faults import FORWARD, Scenario
 from tests.timing.sleepers import Stalls, stalls_seen
-from tests.timing.stalled import STALL, by_the_wall, tried_again
+from tests.timing.stalled import STALL, by_the_wall
 from tests.timing.trials import back_to_the_middle
 
 DRIVES: Final = 10
@@ -90,6 +92,7 @@ def _is_zero(robot: ProcessRobot, at_us: int) -> bool:
     return robot.simulator.record(at_us, at_us + 1000).driven_ms == 0
 
 
+@pytest.mark.timeout(600)
 def test_the_first_short_reading_stops_it_at_once(tmp_path: Path) -> None:
     chance = random.Random(3)
     drives: list[Reaction] = []
@@ -101,13 +104,12 @@ def test_the_first_short_reading_stops_it_at_once(tmp_path: Path) -> None:
             phase = chance.uniform(0.0, 0.18)
             drives.append(react(robot, heard, phase, stalls))
             print(drives[-1])
-    record = {
+    figures = {
         "bound_s": BOUND,
         "worst_s": max(each.reaction for each in drives),
-        "tried_again_for_stalls": tried_again(),
         "drives": [msgspec.to_builtins(each) for each in drives],
     }
-    write_record("reaction-drives", record, judged(__name__, *PROCESSES, also=ROBOT))
+    report("timing/reaction-drives", figures)
     for each in drives:
         assert each.contacts == 0, each
         with by_the_wall(begin_ns):

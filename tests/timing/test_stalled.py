@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import subprocess
 import sys
@@ -13,12 +12,10 @@ import pytest
 
 from tests.rules.repository import ROOT
 from tests.timing.sleepers import Stalls
-from tests.timing.stalled import TALLY
 
 CONFTEST: Final = """
 import time
 from contextlib import contextmanager
-from pathlib import Path
 import pytest
 import tests.timing.stalled
 
@@ -39,7 +36,7 @@ def stall():
         spans.append((now - round(seconds * 1e9), now))
     return stand_still
 
-tests.timing.stalled._TESTS, tests.timing.stalled.stalls_seen = Path(__file__).parent, seen
+tests.timing.stalled.stalls_seen = seen
 """
 FAILING: Final = """
 import time
@@ -101,37 +98,16 @@ NESTED: Final = """
 
 def write(folder: Path, name: str, body: str, *, fails: int = 1, failing: int = 1, tests: int = 1) -> None:
     """A file of so many tests, so many of which fail so often."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder.parent / "conftest.py").write_text(CONFTEST)
+    (folder / "conftest.py").write_text(CONFTEST)
     text = FAILING.format(body=body, fails=fails, failing=failing, tests=tests)
     (folder / f"test_{name}.py").write_text(text)
 
 
-def run(where: Path, *options: str, tally: Path | None = None) -> tuple[bool, str]:
+def run(where: Path) -> tuple[bool, str]:
     """Whether the tests there have passed, and what was told."""
-    environment = {name: value for name, value in os.environ.items() if name != "PYTEST_CURRENT_TEST"}
-    environment.pop(TALLY, None)
+    words = ["-p", "tests.timing.stalled", "-c", "pyproject.toml", "--rootdir", str(where), str(where)]
     done = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-c",
-            ROOT / "pyproject.toml",
-            "--rootdir",
-            where,
-            where,
-            "-p",
-            "tests.timing.stalled",
-            "-o",
-            "norecursedirs=",
-            *options,
-        ],
-        cwd=ROOT,
-        check=False,
-        capture_output=True,
-        text=True,
-        env=environment | ({TALLY: str(tally)} if tally else {}),
+        [sys.executable, "-m", "pytest", *words], cwd=ROOT, check=False, capture_output=True, text=True
     )
     return done.returncode == 0, done.stdout + done.stderr
 
@@ -141,9 +117,9 @@ def again(told: str) -> int:
 
 
 def test_only_what_the_wall_clock_judged_within_a_stall_is_tried_again(tmp_path: Path) -> None:
-    write(tmp_path / "timing", "within", WITHIN)
-    write(tmp_path / "timing", "twice", WITHIN, fails=2)
-    write(tmp_path / "timing", "well", WITHIN, failing=0, tests=5)
+    write(tmp_path, "within", WITHIN)
+    write(tmp_path, "twice", WITHIN, fails=2)
+    write(tmp_path, "well", WITHIN, failing=0, tests=5)
     never = {
         "briefly": BRIEFLY,
         "before": BEFORE,
@@ -153,19 +129,18 @@ def test_only_what_the_wall_clock_judged_within_a_stall_is_tried_again(tmp_path:
         "nested": NESTED,
     }
     for name, body in never.items():
-        write(tmp_path / "timing", name, body)
-    write(tmp_path / "unit", "elsewhere", WITHIN)
+        write(tmp_path, name, body)
     has_passed, told = run(tmp_path)
     assert not has_passed
-    failed = set(re.findall(r"^FAILED \S+/test_(\w+)\.py", told, re.MULTILINE))
-    assert failed == {"twice", "elsewhere", *never}, told
-    assert re.findall(r"^\w+/test_(\w+)\.py::.* s; assert", told, re.MULTILINE) == ["twice", "within"], told
+    failed = set(re.findall(r"^FAILED \S*test_(\w+)\.py::", told, re.MULTILINE))
+    assert failed == {"twice", *never}, told
+    assert re.findall(r"^test_(\w+)\.py::.* s; assert", told, re.MULTILINE) == ["twice", "within"], told
     assert "passed" in told
     assert "too many" not in told
 
 
 def test_a_machine_that_stands_still_all_the_time_proves_nothing(tmp_path: Path) -> None:
-    write(tmp_path / "timing", "it", WITHIN, failing=3, tests=3)
+    write(tmp_path, "it", WITHIN, failing=3, tests=3)
     has_passed, told = run(tmp_path)
     assert not has_passed
     assert "3 passed" in told
@@ -173,30 +148,11 @@ def test_a_machine_that_stands_still_all_the_time_proves_nothing(tmp_path: Path)
 
 
 def test_of_one_file_it_is_one_in_five(tmp_path: Path) -> None:
-    write(tmp_path / "timing", "others", WITHIN, failing=0, tests=60)
-    write(tmp_path / "timing", "faults", WITHIN, failing=3, tests=13)
+    write(tmp_path, "others", WITHIN, failing=0, tests=60)
+    write(tmp_path, "faults", WITHIN, failing=3, tests=13)
     has_passed, told = run(tmp_path)
     assert not has_passed
-    assert "too many of timing/test_faults.py: 3" in told
-
-
-def test_all_processes_of_a_run_are_counted_together(tmp_path: Path) -> None:
-    for name in ("one", "two"):
-        write(tmp_path / name / "timing", name, WITHIN, failing=2, tests=3)
-    tally = tmp_path / "tally"
-    tally.touch()
-    assert run(tmp_path / "one", tally=tally)[0]
-    has_passed, told = run(tmp_path / "two", tally=tally)
-    assert not has_passed
-    assert "too many of all tests: 4" in told
-    assert again(told) == 4
-
-
-def test_workers_count_and_tell_as_one_process_does(tmp_path: Path) -> None:
-    write(tmp_path / "timing", "it", WITHIN, failing=3, tests=6)
-    has_passed, told = run(tmp_path, "--numprocesses=2")
-    assert not has_passed, told
-    assert again(told) == 3, told
+    assert "too many of test_faults.py: 3" in told
 
 
 def test_a_stall_that_is_still_being_written_is_not_read(tmp_path: Path) -> None:

@@ -7,15 +7,16 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
 from tests.fuzz.network import fuzz_network
+from tests.support.arena import ARENA
 from tests.support.process_robot import process_robot
-from tests.timing.faults import ARENA
+from tests.support.report import report
 
 PAYLOADS = 60_000  # at each key
 SEED = 2
 
 
+@pytest.mark.timeout(0)
 def test_payloads_over_the_network_at_real_processes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # What is counted is what a service holds, not what allocators keep for later: Python's takes 1 MiB at a time, as
     # much as a service may grow by, and each of thirty threads keeps seven freed pieces of every size, after hours.
@@ -23,5 +24,4 @@ def test_payloads_over_the_network_at_real_processes(tmp_path: Path, monkeypatch
     monkeypatch.setenv("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
     with process_robot(tmp_path, ARENA) as robot:
         counted = fuzz_network(robot, PAYLOADS, SEED)
-    files = judged(__name__, *PROCESSES, also=ROBOT)
-    write_record("fuzz-network", msgspec.to_builtins(counted), files)
+    report("timing/fuzz-network", msgspec.to_builtins(counted))

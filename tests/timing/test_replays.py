@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tests.campaign.records import PROCESSES, ROBOT, judged, write_record
+import pytest
+
+from tests.support.arena import ARENA
 from tests.support.process_robot import process_robot
 from tests.support.replays import record_drive, say_again
-from tests.timing.faults import ARENA
+from tests.support.report import report
 
 LATE = (1.0, 8.0, 20.0, 60.0)
 """s."""
 
 
+@pytest.mark.timeout(600)
 def test_a_recorded_drive_moves_nothing_however_late_it_is(tmp_path: Path) -> None:
     rows = []
     for late in LATE:
@@ -29,5 +32,5 @@ def test_a_recorded_drive_moves_nothing_however_late_it_is(tmp_path: Path) -> No
             rows.append({"late_s": late, "samples": len(said), "driven_ms": verdict.driven_ms})
             robot.start("joystick")
             robot.drive_forward()
-    print(write_record("replays", {"rows": rows}, judged(__name__, *PROCESSES, also=ROBOT)).read_text())
+    report("timing/replays", {"rows": rows})
     assert [row["driven_ms"] for row in rows] == [0] * len(LATE)
