@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
@@ -59,7 +59,6 @@ class Laboratory:
 
     def __init__(self, directory: Path) -> None:
         self._root = directory
-        self._whole: dict[str, bool] = {}
         for path in files():
             copy = directory / path.relative_to(ROOT)
             copy.parent.mkdir(parents=True, exist_ok=True)
@@ -69,21 +68,19 @@ class Laboratory:
             "PYTHONPATH": os.pathsep.join(str(directory / root) for root in ("schemas", "services")),
             # A compiled file counts as current by its second and size, which many mutants leave as they are.
             "PYTHONDONTWRITEBYTECODE": "1",
-            "PYTHONPYCACHEPREFIX": str(directory / "no-cache"),
         }
         self._require_own_packages()
         self._build_boards()
 
-    def passes_whole(self, test: str) -> bool:
-        """Whether a test passes with no rule broken."""
-        if test not in self._whole:
-            self._whole[test] = self.passes(test)
-        return self._whole[test]
+    def require_whole(self, tests: Iterable[str]) -> None:
+        """MutantError unless all of these tests pass with no rule broken."""
+        done = self._pytest(*sorted(set(tests)))
+        if done.returncode:
+            raise MutantError(f"with all rules whole:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
 
     def passes(self, test: str) -> bool:
         """Whether a test passes in the copy as it is now; MutantError when it could not judge."""
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "--timeout=60", test]
-        done = self._run(command)
+        done = self._pytest("-x", test)
         if done.returncode not in (0, _TESTS_FAILED):
             raise MutantError(f"{test} did not judge:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
         return done.returncode == 0
@@ -118,6 +115,9 @@ class Laboratory:
         found = [Path(line) for line in done.stdout.splitlines()]
         if len(found) != len(names) or not all(path.is_relative_to(self._root) for path in found):
             raise MutantError(f"not the copy's packages are imported: {done.stdout}{done.stderr}")
+
+    def _pytest(self, *words: str) -> subprocess.CompletedProcess[str]:
+        return self._run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--timeout=60", *words])
 
     def _run(self, command: list[str]) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
