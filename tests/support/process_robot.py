@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 from giraff_cli.children import Children
 from giraff_cli.watcher import free_port
@@ -43,6 +43,27 @@ points = [[4.0, 4.0], [-4.0, 4.0], [-4.0, -4.0], [4.0, -4.0]]
 closed = true
 """
 """Walls near enough for each sensor to prove that it hears: in an empty room the guard only lets the robot creep."""
+
+_RADIUS, _CORNERS = 4.0, 36
+ARENA: Final = f"""
+name = "arena"
+start = {{ x = 0.0, y = 0.0, yaw_deg = 0.0 }}
+[[walls]]
+name = "round"
+closed = true
+points = [{
+    ", ".join(
+        f"[{_RADIUS * math.cos(math.tau * k / _CORNERS):.4f}, {_RADIUS * math.sin(math.tau * k / _CORNERS):.4f}]"
+        for k in range(_CORNERS)
+    )
+}]
+"""
+"""A round room: from its middle every sensor hears the wall, wherever the robot looks."""
+
+PATIENCE: Final = 60.0
+"""s for whatever comes about: a wait ends at once when it does, and a busy machine is slow."""
+_LEVEL: Final = 1.5
+"""s of a level hand, that arms within 0.4 s where nothing is wrong."""
 
 
 class ProcessRobot:

@@ -6,7 +6,6 @@ Usage: python -m tests.timing.fault_table: writes the page's table anew, as afte
 from __future__ import annotations
 
 import datetime as dt
-import subprocess
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final
 
@@ -52,10 +51,8 @@ def read() -> Measured:
     return msgspec.toml.decode(FILE.read_bytes(), type=Measured)
 
 
-def keep(worst: Mapping[str, float], trials: int) -> None:
+def keep(commit: str, worst: Mapping[str, float], trials: int) -> None:
     """Write the file and the page's table: of each scenario the worst of so many trials, s."""
-    command = ["git", "describe", "--always", "--dirty", "--exclude=*"]
-    commit = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.strip()
     rows = {each.name: Worst(round(worst[each.name], 3), trials) for each in SCENARIOS if each.does == "stops"}
     today = dt.datetime.now(dt.UTC).date()
     measured = Measured(today, commit, trials * len(SCENARIOS), rows)

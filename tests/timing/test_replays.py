@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.arena import ARENA
-from tests.support.process_robot import process_robot
+from tests.support.process_robot import ARENA, process_robot
 from tests.support.replays import record_drive, say_again
 from tests.support.report import report
 

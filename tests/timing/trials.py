@@ -10,8 +10,7 @@ from pathlib import Path
 
 import msgspec
 
-from tests.support.arena import ARENA
-from tests.support.process_robot import ProcessRobot, process_robot
+from tests.support.process_robot import ARENA, ProcessRobot, process_robot
 from tests.timing.faults import Scenario
 from tests.timing.stalled import by_the_wall
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from giraff_node.asking import Asking
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
-from tests.support.arena import ARENA
-from tests.support.process_robot import ProcessRobot, process_robot
+from tests.support.process_robot import ARENA, ProcessRobot, process_robot
 from tests.support.replays import record_drive, say_again
 
 LATE = 8.0

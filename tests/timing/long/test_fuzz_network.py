@@ -8,8 +8,7 @@ import msgspec
 import pytest
 
 from tests.fuzz.network import fuzz_network
-from tests.support.arena import ARENA
-from tests.support.process_robot import process_robot
+from tests.support.process_robot import ARENA, process_robot
 from tests.support.report import report
 
 PAYLOADS = 60_000  # at each key
