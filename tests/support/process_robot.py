@@ -72,10 +72,12 @@ class ProcessRobot:
     def __init__(
         self, directory: Path, world: Path, boards: str, truth: Level = "calibrated", *, apart: bool = False
     ) -> None:
-        """`truth`: how far it differs from its file; `apart`: the operator's side is another host, behind `cables`."""
+        """`truth`: how far it differs from its file; `apart`: the operator's side is another host, behind `cables`.
+
+        One that does not come about leaves nothing open, and says why.
+        """
         self.directory = directory
         self.cables: list[Cable] = []
-        self._end = ExitStack()
         self._session_files: dict[str, Path] = {}
         self.ports = directory / "ports"
         self.state = directory / "state"
@@ -92,17 +94,18 @@ class ProcessRobot:
             **{f"GIRAFF_{name.upper()}_PORT": str(self.ports / name) for name in ("joystick", "base", "ranger")},
         }
         self._children = Children(directory)
-        if apart:
-            self._set_apart()
-        self.observer = Observer(self.environment)
-        for topic in (BASE, GUARD):
-            self.observer.follow(topic)
-        control = directory / "control"
-        arguments = ["--ports", str(self.ports), "--control", str(control), "--world", str(world)]
-        arguments += ["--seed", "1", "--truth", truth, "--boards", boards, "--hand", "still"]
-        self._children.start("simulator", "giraff_sim", arguments, self.environment)
-        self.wait("the simulator", lambda: b"\n" in self._children.output("simulator").read_bytes(), 20.0)
-        self.simulator = SimulatorClient(control)
+        with ExitStack() as end:
+            if apart:
+                self._set_apart(end)
+            end.callback(self._stop_all)
+            self.observer = Observer(self.environment)
+            end.callback(self.observer.close)
+            for topic in (BASE, GUARD):
+                self.observer.follow(topic)
+            words = ["--world", str(world), "--seed", "1", "--truth", truth, "--boards", boards]
+            self.simulator = self._start_simulator("simulator", directory, words)
+            end.callback(self.simulator.close)
+            self._end = end.pop_all()
 
     def start(self, service: str) -> None:
         environment = dict(self.environment)
@@ -114,30 +117,48 @@ class ProcessRobot:
         """Another process of a service beside the first, "second SERVICE", that has joined the network."""
         name = f"second {service}"
         self._children.start(name, f"giraff_{service}", (), self.environment | changes)
-        self.wait(f"a {name}", lambda: "robot sim-test" in self.log(name), 10.0)
+        self.wait(f"a {name}", lambda: "robot sim-test" in self.log(name), PATIENCE)
 
     def start_second_hand(self) -> SimulatorClient:
         """Another joystick board in another hand, and a second joystick service on it."""
-        ports, control = self.directory / "second", self.directory / "second" / "control"
-        arguments = ["--ports", str(ports), "--control", str(control), "--world", str(self.directory / "world.toml")]
-        arguments += ["--only", "joystick", "--boards", "host", "--hand", "still"]
-        self._children.start("second simulator", "giraff_sim", arguments, self.environment)
-        ready = self._children.output("second simulator")
-        self.wait("the second simulator", lambda: b"\n" in ready.read_bytes(), 20.0)
+        words = ["--world", str(self.directory / "world.toml"), "--only", "joystick", "--boards", "host"]
+        other = self._start_simulator("second simulator", self.directory / "second", words)
+        ports = self.directory / "second" / "ports"
         self.start_second("joystick", GIRAFF_JOYSTICK_PORT=str(ports / "joystick"))
-        return SimulatorClient(control)
+        return other
+
+    def _start_simulator(self, name: str, directory: Path, words: list[str]) -> SimulatorClient:
+        """Its ports and its control socket are in `directory`."""
+        directory.mkdir(exist_ok=True)
+        control = directory / "control"
+        words = ["--ports", str(directory / "ports"), "--control", str(control), *words, "--hand", "still"]
+        self._children.start(name, "giraff_sim", words, self.environment)
+
+        def is_ready() -> bool:
+            self.require_all()
+            return b"\n" in self._children.output(name).read_bytes()
+
+        self.wait(f"the {name}", is_ready, PATIENCE)
+        return SimulatorClient(control, timeout=PATIENCE)
+
+    def require_all(self) -> None:
+        """None of the processes has ended by itself."""
+        ended = self._children.reap()
+        assert not ended, "\n".join(map(str, ended))
 
     def giraff(self, *words: str) -> int:
         """Run the command line on the robot's host; its exit code."""
         command = [sys.executable, "-m", "giraff_cli", *words]
-        done = subprocess.run(command, check=False, capture_output=True, text=True, env=self.environment, timeout=30.0)
+        done = subprocess.run(
+            command, check=False, capture_output=True, text=True, env=self.environment, timeout=PATIENCE
+        )
         with (self.directory / "giraff.log").open("a") as log:
             log.write(f"giraff {' '.join(words)}: {done.returncode}\n{done.stdout}{done.stderr}")
         return done.returncode
 
     def stop(self, service: str) -> None:
         """SIGTERM, and wait until it has ended well."""
-        troubles = self._children.stop([service], grace=5.0)
+        troubles = self._children.stop([service], grace=PATIENCE)
         assert not troubles, troubles
 
     def pid(self, service: str) -> int:
@@ -149,7 +170,7 @@ class ProcessRobot:
     def kill(self, service: str) -> None:
         """SIGKILL, and wait until it is gone."""
         self.signal(service, signal.SIGKILL)
-        self.wait(f"the end of {service}", lambda: bool(self._children.reap()), 5.0)
+        self.wait(f"the end of {service}", lambda: bool(self._children.reap()), PATIENCE)
 
     def log(self, service: str) -> str:
         return self._children.log(service).read_text()
@@ -165,7 +186,7 @@ class ProcessRobot:
     def run(self, seconds: float) -> None:
         """Let simulated time pass."""
         until = self.simulator.now() + seconds * 1e6
-        self.wait("the simulator's time", lambda: self.simulator.now() >= until, 20.0 + 4.0 * seconds)
+        self.wait("the simulator's time", lambda: self.simulator.now() >= until, PATIENCE + 4.0 * seconds)
 
     def accepted(self) -> int:
         """Drive frames the base board has accepted."""
@@ -181,6 +202,15 @@ class ProcessRobot:
         state = self.observer.newest(GUARD)
         return state is not None and not any("has not been heard" in why for why in state.sensors.values())
 
+    def wait_until_it_can_drive(self) -> None:
+        """Its services were started, and do what they are for."""
+
+        def is_sound() -> bool:
+            self.require_all()
+            return self.accepted() > 0 and self.ranged()
+
+        self.wait("the first accepted drive frame and the first ranges at the guard", is_sound, PATIENCE)
+
     def hold(self, x: float, y: float) -> int:
         """Hold the joystick so that its sensor feels this, m/s². The simulated us."""
         return self.simulator.tilt(x, y)
@@ -195,7 +225,7 @@ class ProcessRobot:
         state = self.observer.newest(BASE)
         return state is not None and state.armed and not state.driving and state.board.drive_state == "active"
 
-    def arm(self, seconds: float = 10.0) -> float:
+    def arm(self, seconds: float = PATIENCE) -> float:
         """What an operator does who wants to drive: level, and where that does not do, a tilt to ask and level again.
 
         Returns the wall seconds it took.
@@ -203,7 +233,7 @@ class ProcessRobot:
         began = time.monotonic()
         while True:
             self.hold(0.0, 0.0)
-            level_until = time.monotonic() + 1.5
+            level_until = time.monotonic() + _LEVEL
             while time.monotonic() < level_until:
                 if self.ready():
                     return time.monotonic() - began
@@ -214,11 +244,22 @@ class ProcessRobot:
             self.run(0.3)
 
     def drive(self, x: float, y: float, seconds: float = 1.5) -> None:
-        """Arm by a level hand, then tilt until the wheels have turned for `seconds`: at full speed, after a second."""
-        self.arm()
-        self.hold(x, y)
-        self.wait("driving", self.drives, 10.0)
-        self.run(seconds)
+        """Arm by a level hand, then tilt until the wheels have turned for `seconds`: at full speed, after a second.
+
+        Where a machine that stood still has stopped the robot meanwhile, all over again, as a person would.
+        """
+        began = time.monotonic()
+        while True:
+            self.arm()
+            self.hold(x, y)
+            tilted_until = time.monotonic() + _LEVEL
+            while not self.drives() and time.monotonic() < tilted_until:
+                time.sleep(0.01)
+            if self.drives():
+                self.run(seconds)
+                if self.drives():
+                    return
+            assert time.monotonic() - began < PATIENCE, f"does not drive for {seconds:g} s{self._last_words()}"
 
     def drive_forward(self) -> None:
         self.drive(FULL_TILT, 0.0)
@@ -231,19 +272,17 @@ class ProcessRobot:
         return self.simulator.add_wall(name, [(x + along[0], y + along[1]), (x - along[0], y - along[1])])
 
     def close(self) -> None:
-        self.observer.close()
-        self.simulator.close()
-        try:
-            troubles = self._children.stop_all(grace=5.0)
-        finally:
-            self._end.close()
+        self._end.close()
+
+    def _stop_all(self) -> None:
+        troubles = self._children.stop_all(grace=PATIENCE)
         assert not troubles, troubles
 
     def _last_words(self) -> str:
         logs = "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self.directory.glob("*.log"))
         return f"\n{self.why()}{logs}"
 
-    def _set_apart(self) -> None:
+    def _set_apart(self, end: ExitStack) -> None:
         """Let the joystick reach base and guard through a cable each, and nothing else."""
         network = load("network", NetworkConfig, self.environment)
         name = self.environment["GIRAFF_ROBOT_NAME"]
@@ -253,7 +292,7 @@ class ProcessRobot:
         operators["scouting"]["gossip"] = {"enabled": False}  # it would tell the others' own ports
         for service in ("base", "guard"):
             port = free_port()
-            self.cables.append(self._end.enter_context(Cable(free_port(), port)))
+            self.cables.append(end.enter_context(Cable(free_port(), port)))
             settings = session_config(network, name)
             settings["listen"]["endpoints"].append(f"tcp/127.0.0.1:{port}")
             self._write_session(service, settings)
@@ -281,8 +320,7 @@ def process_robot(
     try:
         for service in SERVICES:
             robot.start(service)
-        robot.wait("the first accepted drive frame", lambda: robot.accepted() > 0, 20.0)
-        robot.wait("the first range at the guard", robot.ranged, 20.0)
+        robot.wait_until_it_can_drive()
         yield robot
     finally:
         robot.close()

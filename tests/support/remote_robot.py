@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Final
 
@@ -16,8 +17,9 @@ from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN
 from tests.support.elsewhere import clean
-from tests.support.process_robot import FULL_TILT, PROVING_ROOM
+from tests.support.process_robot import FULL_TILT, PATIENCE, PROVING_ROOM
 from tests.support.sites import Sites
+from tests.support.waiting import wait
 
 _ROBOT_FILE: Final = (ROOT / "deploy" / "robot.toml").read_text()
 _HOSTS: Final = {
@@ -25,7 +27,6 @@ _HOSTS: Final = {
     "operator": ("joystick", ("joystick",)),
 }
 """Host -> boards, services."""
-_STARTS_WITHIN: Final = 20.0  # s
 
 
 class RemoteRobot:
@@ -38,8 +39,11 @@ class RemoteRobot:
         self._name = name
         (directory / "world.toml").write_text(PROVING_ROOM)
         write_latch(directory, RELEASED)
-        self.simulator = self._start_host("robot", *robot)
-        self._hand = self._start_host("operator", *operator)
+        with ExitStack() as end:
+            end.callback(self._stop_all)
+            self.simulator = end.enter_context(self._start_host("robot", *robot))
+            self._hand = end.enter_context(self._start_host("operator", *operator))
+            self._end = end.pop_all()
 
     def tilt(self, x: float) -> None:
         """The hand's tilt forward, m/s²."""
@@ -49,33 +53,47 @@ class RemoteRobot:
         says = self.simulator.state().base
         return says is not None and (says.left_pwm_counts != 0 or says.right_pwm_counts != 0)
 
-    def drive(self, seconds: float) -> float:
+    def drive(self, seconds: float = PATIENCE) -> float:
         """Level, then tilt, again and again as a person would, until the wheels turn. The wall seconds it took."""
         began = time.monotonic()
         while True:
             self.tilt(0.0)
             time.sleep(1.0)
             self.tilt(FULL_TILT)
-            if self._passes(self.drives, 1.0):
-                return time.monotonic() - began
+            tilted_until = time.monotonic() + 1.0
+            while time.monotonic() < tilted_until:
+                if self.drives():
+                    return time.monotonic() - began
+                time.sleep(0.01)
             assert time.monotonic() - began < seconds, f"does not drive within {seconds:g} s{self._last_words()}"
 
     def run(self, seconds: float) -> None:
         """Let simulated time pass."""
         until = self.simulator.now() + seconds * 1e6
-        assert self._passes(lambda: self.simulator.now() >= until, 20.0 + 4.0 * seconds)
+        self.wait("the simulator's time", lambda: self.simulator.now() >= until)
+
+    def wait(self, what: str, holds: Callable[[], bool]) -> float:
+        """Wait until `holds`; the wall seconds that took. AssertionError with the logs' ends."""
+        return wait(holds, PATIENCE, what=lambda: f"{what}{self._last_words()}", every=0.01)
 
     def says(self, service: str) -> str:
         """Its log so far."""
         return (self._directory / f"{service}.log").read_text()
 
     def close(self) -> None:
-        for simulator in (self.simulator, self._hand):
-            simulator.close()
+        self._end.close()
+
+    def _stop_all(self) -> None:
         for process in self._processes.values():
             process.terminate()
-        codes = {name: process.wait(10.0) for name, process in self._processes.items()}
-        assert set(codes.values()) == {0}, f"{codes}{self._last_words()}"
+        codes: dict[str, int] = {}
+        for name, process in self._processes.items():
+            try:
+                codes[name] = process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                codes[name] = process.wait()
+        assert set(codes.values()) <= {0}, f"{codes}{self._last_words()}"
 
     def _start_host(self, host: str, site: str, network: Path) -> SimulatorClient:
         boards, services = _HOSTS[host]
@@ -95,10 +113,15 @@ class RemoteRobot:
         world = str(self._directory / "world.toml")
         words = ["--ports", str(ports), "--control", str(control), "--world", world, "--seed", "1", "--hand", "still"]
         self._start(f"{host}-sim", site, environment, "giraff_sim", *words, "--boards", "host", "--only", boards)
-        assert self._passes(control.exists, _STARTS_WITHIN), self._last_words()
+
+        def is_ready() -> bool:
+            assert self._processes[f"{host}-sim"].poll() is None, f"{host}-sim has ended{self._last_words()}"
+            return control.exists()
+
+        self.wait(f"the simulator of {host}", is_ready)
         for service in services:
             self._start(service, site, environment, f"giraff_{service}")
-        return SimulatorClient(control)
+        return SimulatorClient(control, timeout=PATIENCE)
 
     def _start(self, name: str, site: str, environment: dict[str, str], module: str, *words: str) -> None:
         command = self._sites.command(site, sys.executable, "-P", "-m", module, *words)
@@ -106,14 +129,6 @@ class RemoteRobot:
             self._processes[name] = subprocess.Popen(
                 command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=log
             )
-
-    def _passes(self, holds: Callable[[], bool], seconds: float) -> bool:
-        deadline = time.monotonic() + seconds
-        while not holds():
-            if time.monotonic() > deadline:
-                return False
-            time.sleep(0.01)
-        return True
 
     def _last_words(self) -> str:
         return "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self._directory.glob("*.log"))

@@ -17,6 +17,7 @@ from tests.timing.stalled import by_the_wall
 AFTER = 2.0
 """s after the end of a fault in which nothing may be driven; a restarted service needs one of them to be heard."""
 _AGAIN = 2.0  # s after the end within which what only dips drives again
+_REARMS = 10.0  # s, of the wall's time
 _CREEP = 12
 """PWM counts: 0.10 m/s of 0.6 m/s, at level 70, rounded."""
 _SLOW = 18
@@ -122,7 +123,7 @@ def run_trial(robot: ProcessRobot, scenario: Scenario, phase: float) -> Figures:
         unasked=whole.longest_driven_unasked_us * 1e-6,
         longest_gap=before.longest_accept_gap_us * 1e-6,
         peak_counts=simulator.record(min(ended_us, begun_us + round(scenario.bound * 1e6)), ended_us).peak_counts,
-        rearmed_after=robot.arm(),
+        rearmed_after=robot.arm(_REARMS),
     )
 
 
