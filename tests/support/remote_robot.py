@@ -1,4 +1,4 @@
-"""A robot of processes at one site and its joystick's at another, or at the same: the real services."""
+"""A robot of processes at one site and its joystick's at another, or at the same, also with a router between them."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from giraff_node.estop import RELEASED
 from giraff_node.state import write_latch
 from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN
+from tests.support.behind_router import BehindRouter
 from tests.support.elsewhere import clean
 from tests.support.process_robot import FULL_TILT, PATIENCE, PROVING_ROOM
-from tests.support.sites import Sites
+from tests.support.sites import ROUTER, Sites
 from tests.support.waiting import wait
 
 _ROBOT_FILE: Final = (ROOT / "deploy" / "robot.toml").read_text()
@@ -27,6 +28,18 @@ _HOSTS: Final = {
     "operator": ("joystick", ("joystick",)),
 }
 """Host -> boards, services."""
+
+HOME, AWAY = "home", "away"
+ROBOT = "sim-remote"
+ACCESS: dict[str, Any] = {
+    "robot": ["robot-pc"],
+    "operators": {"laptop": ["joystick"]},
+    "viewers": ["desk"],
+    "routers": [ROUTER],
+}
+"""Behind a router: the robot at home, its laptop and a desk away."""
+
+Faults = dict[str, tuple[Callable[[], None], Callable[[], None]]]
 
 
 class RemoteRobot:
@@ -132,3 +145,30 @@ class RemoteRobot:
 
     def _last_words(self) -> str:
         return "".join(f"\n{path.name}: {path.read_text()[-600:]}" for path in self._directory.glob("*.log"))
+
+
+class Stage:
+    """The robot at home, its laptop away, and what can happen to the way between them."""
+
+    def __init__(self, directory: Path, sites: Sites, end: ExitStack) -> None:
+        self.behind = BehindRouter(directory, sites, (HOME, AWAY), {ROBOT: ACCESS})
+        end.callback(self.behind.close)
+        for host, site in (("robot-pc", HOME), ("laptop", AWAY), ("desk", AWAY)):
+            self.behind.certify(host, sites.address(site))
+        self.behind.start_router()
+        at_home, away = (
+            (site, self.behind.robot_file(host, site, ROBOT)) for host, site in (("robot-pc", HOME), ("laptop", AWAY))
+        )
+        (directory / "robot").mkdir()
+        self.robot = RemoteRobot(directory / "robot", ROBOT, sites, at_home, away)
+        end.callback(self.robot.close)
+        self.faults: Faults = {
+            "the router is killed": (self.behind.kill_router, self.behind.start_router),
+            "the operator's cable is pulled": (lambda: sites.pull(AWAY), lambda: sites.plug(AWAY)),
+        }
+
+
+@contextmanager
+def remote_stage(directory: Path) -> Iterator[Stage]:
+    with Sites(HOME, AWAY) as sites, ExitStack() as end:
+        yield Stage(directory, sites, end)

@@ -8,12 +8,14 @@ import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any
+from typing import Any, Final
 
 import zenoh
 
 from giraff_node.config import load
 from giraff_node.session import NetworkConfig, session_config
+
+_PATIENCE: Final = 60.0  # s
 
 
 class SiteSession:
@@ -63,7 +65,12 @@ class SiteSession:
         return longest
 
     def get(self, key: str) -> list[str]:
-        return [reply.ok.payload.to_string() for reply in self._session.get(key, timeout=1.0) if reply.ok is not None]
+        """What is answered. The router ends a question that it lets nobody have: none is without an end."""
+        replies = list(self._session.get(key, timeout=_PATIENCE))
+        failed = [reply.err.payload.to_string() for reply in replies if reply.err is not None]
+        if failed:
+            raise RuntimeError(f"{key}: {failed}")
+        return [reply.ok.payload.to_string() for reply in replies if reply.ok is not None]
 
     def alive(self, key: str) -> list[str]:
         replies = self._session.liveliness().get(key, timeout=1.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from contextlib import closing
 from datetime import UTC, datetime
@@ -13,7 +12,8 @@ import pytest
 
 from giraff_cli.keys import make_authority, make_bundle
 from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, ODOM, TICK, TILT, Topic, alive_key, key_of
-from tests.functional.router.fleet import (
+from tests.support.behind_router import BehindRouter
+from tests.support.fleet import (
     ANNE,
     AWAY,
     BOB,
@@ -28,7 +28,7 @@ from tests.functional.router.fleet import (
     Heard,
     fleet,
 )
-from tests.support.behind_router import BehindRouter
+from tests.support.process_robot import PATIENCE
 from tests.support.sites import ROUTER, Sites
 from tests.support.waiting import wait
 
@@ -80,7 +80,8 @@ def test_whoever_is_named_reads(world: Fleet, host: str, hears: bool) -> None:
     if host == "bob-pc":
         world.mark(world.lawless["doctor"], [key_of(BOB, DOCTOR)], sessions, heard)
     elif not hears:
-        time.sleep(0.5)  # nothing at all may come to it that could be waited for
+        for session in sessions:
+            world.answers(session)
     for session in sessions:
         heard[session] += [(key, said) for key, said in session.ask("heard")]
         found = [key for key, said in heard[session] if said == "here"]
@@ -105,7 +106,7 @@ def test_each_side_sees_who_is_on_the_other_and_nobody_poses_as_the_robot(world:
         seen.update(world.of[host].ask("alive", alive_key(ANNE)))  # to one question Zenoh may pass on a part of it
         return len(seen) >= 2
 
-    wait(all_there)
+    wait(all_there, PATIENCE)
     assert seen == {alive_key(ANNE, "base", "one"), alive_key(ANNE, "joystick", "one")}
 
 
@@ -119,7 +120,7 @@ def test_the_router_says_who_is_here_and_who_may_do_nothing(world: Fleet) -> Non
 def require_a_link_of_one_who_came_later(world: Fleet) -> None:
     """All dial as often as it has."""
     later = world.behind.join("desk", AWAY, ANNE)
-    wait(lambda: any(link.startswith(ROUTER) for link in later.ask("links")))
+    wait(lambda: any(link.startswith(ROUTER) for link in later.ask("links")), PATIENCE)
 
 
 def test_a_site_that_is_not_the_routers_gets_no_link(world: Fleet) -> None:
@@ -153,7 +154,7 @@ def test_without_certificates_it_passes_on_all_from_private_addresses(tmp_path: 
             anybody.ask("put", "forward", key_of(ANNE, JOYSTICK))
             return bool(robot.ask("heard"))
 
-        wait(commanded)
+        wait(commanded, PATIENCE)
 
 
 def test_what_has_become_of_the_router_does_not_matter_to_base(world: Fleet) -> None:
@@ -161,7 +162,7 @@ def test_what_has_become_of_the_router_does_not_matter_to_base(world: Fleet) -> 
     world.behind.kill_router()
     rogue = world.behind.rogue_router()
     robot = world.of["anne-pc"]
-    wait(lambda: any(link.startswith("anne-pc") for link in rogue.ask("links")))
+    wait(lambda: any(link.startswith("anne-pc") for link in rogue.ask("links")), PATIENCE)
     world.mark(rogue, [key_of(ANNE, JOYSTICK)], [robot])
     rogue.ask("put", "rogue", *(key_of(ANNE, topic) for topic in EVERY))
     rogue.ask("put", "rogue", *(several.format(ANNE) for several in SEVERAL))

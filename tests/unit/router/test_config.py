@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
+from pathlib import Path
 from typing import Any
 
 import msgspec
 import pytest
 
+from giraff_cli.keys import make_authority, make_bundle
 from giraff_router.config import RouterConfig
+from giraff_router.main import router_config
+from giraff_router.policy import rules
 
 ANNE = {"robot": ["anne-pc"], "operators": {"laptop": ["joystick"]}}
 SECURED: dict[str, Any] = {"sites": ["home", "away"], "robots": {"anne": ANNE}}
@@ -65,3 +70,14 @@ def test_without_certificates_it_listens_at_private_addresses(address: str) -> N
 )
 def test_what_cannot_be_meant_is_refused(changes: dict[str, Any], complaint: str) -> None:
     assert complaint in refused(SECURED | changes)
+
+
+def test_it_keeps_to_the_rules_where_it_has_certificates(tmp_path: Path) -> None:
+    keys, now = tmp_path / "keys", datetime.now(UTC)
+    make_authority(keys, now)
+    make_bundle(keys, "router", ["192.0.2.1"], days=30, renew=False, moment=now)
+    router = msgspec.convert(SECURED | {"keys": str(keys / "router")}, RouterConfig)
+    control = router_config(router)["access_control"]
+    assert (control["enabled"], control["default_permission"]) == (True, "deny")
+    assert control == control | rules(router.robots)
+    assert control["policies"]

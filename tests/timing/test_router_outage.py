@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from giraff_schemas.topics import ODOM, key_of
-from tests.functional.router.fleet import ANNE, AWAY, BOB, CLINIC, HOME, JOYSTICK, Fleet, fleet
+from tests.support.fleet import ANNE, AWAY, BOB, CLINIC, HOME, JOYSTICK, Fleet, fleet
 
 
 @pytest.fixture(scope="module")

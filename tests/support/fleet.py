@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -20,6 +19,7 @@ from giraff_schemas.topics import (
     key_of,
 )
 from tests.support.behind_router import BehindRouter, Host
+from tests.support.process_robot import PATIENCE
 from tests.support.sites import ROUTER, Sites
 from tests.support.waiting import wait
 
@@ -104,20 +104,25 @@ class Fleet:
                     waiting.remove(listener)
             return not waiting
 
-        wait(has_come)
+        wait(has_come, PATIENCE)
 
     def router_has_all_of(self, host: Host, name: str, heard: Heard) -> None:
-        """Wait until it has: by what this host may say. One that may say nothing is given time, and shows less."""
+        """Wait until it has: by what this host may say, or by the end of a question, which goes the same way."""
         match name:
             case "laptop" | "doctor":
                 topic = JOYSTICK if name == "laptop" else DOCTOR
                 self.mark(host, [key_of(ANNE, topic)], [self.of["anne-pc"]], heard)
             case "bob":
                 self.mark(host, [key_of(BOB, TICK)], [self.lawless["doctor"]], heard)
-            case "desk":
-                assert host.ask("get", key_of(ANNE, ESTOP_ENGAGE)) == ["done"]
             case _:
-                time.sleep(0.5)
+                self.answers(host)
+
+    def answers(self, host: Host) -> None:
+        """The router has ended a question of this host: it has all of it, and the host all that came before.
+
+        Also one that may say and hear nothing gets an end, of the router alone: while that stands still, it gets none.
+        """
+        assert host.ask("get", key_of(ANNE, ESTOP_ENGAGE)) in (["done"], [])
 
     def all_meet(self) -> float:
         """s until each session of a robot hears each of its operators', and each of its readers' hears the robot."""
@@ -137,7 +142,7 @@ class Fleet:
                 waiting.difference_update((listener, key, text) for key, text in listener.ask("heard"))
             return not waiting
 
-        return wait(met)
+        return wait(met, PATIENCE)
 
     def say_everything(self, host: Host, text: str) -> dict[str, set[str]]:
         """Keys that each robot's host hears of what `host` says on each key of both robots, and on several at once."""
