@@ -9,7 +9,7 @@ from typing import Final
 
 import pytest
 
-from tests.functional.robot.test_keyboard import hold, take
+from tests.support.typist import hold, take
 from tests.hosts.lab import NUMBERS, Lab
 from tests.hosts.machine import BIN
 from tests.support.terminals import screen

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-from tests.support.process_robot import ProcessRobot
+from tests.support.process_robot import PATIENCE, ProcessRobot
 
 GIRAFF = Path(sys.executable).with_name("giraff")
 
@@ -25,5 +30,40 @@ def giraff(robot: ProcessRobot, *words: str, name: str | None = "sim-test") -> s
     options += [] if name is None else ["--robot", name]
     command = [str(GIRAFF), *words, *options]
     return subprocess.run(
-        command, cwd=nowhere, env=clean(dict(os.environ)), check=False, capture_output=True, text=True, timeout=60.0
+        command, cwd=nowhere, env=clean(dict(os.environ)), check=False, capture_output=True, text=True, timeout=PATIENCE
     )
+
+
+@contextmanager
+def watching(robot: ProcessRobot, *words: str, **popen: Any) -> Iterator[subprocess.Popen[str]]:
+    """A watch of the robot, into a pipe."""
+    streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    command = [str(GIRAFF), "watch", *words]
+    with subprocess.Popen(command, env=robot.environment, cwd=robot.directory, **streams | popen) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def line_that(process: subprocess.Popen[str], told: Callable[[str], bool], most: int = 100) -> str:
+    """The next line, one a second, of which that is so."""
+    assert process.stdout is not None
+    lines = []
+    for line in process.stdout:
+        lines.append(line)
+        if told(line):
+            return line
+        if len(lines) == most:
+            break
+    raise AssertionError("".join(lines))
+
+
+def end(process: subprocess.Popen[str], number: signal.Signals) -> float:
+    """How long it took to end well, s."""
+    began = time.monotonic()
+    process.send_signal(number)
+    assert process.wait(PATIENCE) == 0
+    assert process.stderr is not None
+    assert process.stderr.read() == ""
+    return time.monotonic() - began

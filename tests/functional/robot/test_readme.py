@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from giraff_sim.board import ROOT
-from tests.support.process_robot import process_robot
+from tests.support.process_robot import PATIENCE, process_robot
 
 ROOM = """
 name = "room"
@@ -37,13 +37,14 @@ def example(endpoint: str) -> str:
 def test_the_example_prints_the_odometry(tmp_path: Path) -> None:
     with process_robot(tmp_path, ROOM, boards="host") as robot:
         robot.drive_forward()
+        robot.hold(0.0, 0.0)
         script = tmp_path / "listen.py"
         script.write_text(example(robot.environment["GIRAFF_NETWORK_RENDEZVOUS"]))
         printed = tmp_path / "printed"
         with printed.open("wb") as output:
             listener = subprocess.Popen([sys.executable, "-I", str(script)], stdout=output)
         try:
-            robot.wait("odometry on the listener's screen", lambda: printed.read_text().count("\n") > 20, 20.0)
+            robot.wait("odometry on the listener's screen", lambda: printed.read_text().count("\n") > 10, PATIENCE)
         finally:
             listener.kill()
             listener.wait()

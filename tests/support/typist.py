@@ -1,0 +1,54 @@
+"""The keyboard service in a terminal of its own, and somebody who types."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from tests.support.process_robot import PATIENCE, ProcessRobot
+from tests.support.terminals import Screen, screen
+
+KEYBOARD = [sys.executable, "-m", "giraff_keyboard"]
+REPEAT = 1.0 / 30.0  # s, as most keyboards repeat a key that is held
+
+
+@contextmanager
+def keyboard(robot: ProcessRobot) -> Iterator[Screen]:
+    """Beside a robot that has no other operator."""
+    with screen(KEYBOARD, robot.directory / "keyboard.log", robot.environment) as shown:
+        shown.wait_for("nobody drives", PATIENCE)
+        yield shown
+
+
+def hold(shown: Screen, key: bytes, seconds: float) -> None:
+    """Hold a key down."""
+    until = time.monotonic() + seconds
+    while time.monotonic() < until:
+        shown.type(key)
+        time.sleep(REPEAT)
+
+
+def take(shown: Screen) -> None:
+    """Ask for the lease and let go, which arms; again where the robot was not yet heard when the key was pressed."""
+    shown.forget()
+    deadline = time.monotonic() + PATIENCE
+    while "keyboard drives   armed" not in shown.read():
+        assert time.monotonic() < deadline, shown.text[-2000:]
+        shown.type(b"c")
+        time.sleep(1.0)
+
+
+def drive_by(robot: ProcessRobot, shown: Screen, key: bytes) -> None:
+    """Hold a key until the wheels turn; where that does not do, let go, take the robot, and press again."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        until = time.monotonic() + 2.0
+        while time.monotonic() < until:
+            shown.type(key)
+            time.sleep(REPEAT)
+            if robot.drives():
+                return
+        assert time.monotonic() < deadline, f"{key!r} does not drive: {shown.text[-2000:]}"
+        take(shown)
