@@ -5,12 +5,14 @@ from __future__ import annotations
 import contextlib
 import os
 import secrets
+import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any
 
 import msgspec
@@ -37,8 +39,7 @@ class Command:
 
     def __init__(self, directory: Path) -> None:
         self.directory = directory
-        self.left = directory / "tmp"
-        self.left.mkdir()
+        self.left = Path(mkdtemp(prefix="run-"))  # short: a socket's path is at most 107 bytes long
         self.robot = f"sim-{secrets.token_hex(4)}"
         self.environment = {
             **{name: value for name, value in os.environ.items() if not name.startswith("GIRAFF_")},
@@ -101,6 +102,7 @@ def command_in(directory: Path) -> Iterator[Command]:
         for pid in made.pids():
             with contextlib.suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
+        shutil.rmtree(made.left)
 
 
 def line_of(process: subprocess.Popen[str], words: str) -> str:

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.process_robot import process_robot
+from tests.support.process_robot import PATIENCE, process_robot
+from tests.support.waiting import wait
 
 
 def processes_of(directory: Path) -> list[int]:
@@ -28,5 +29,5 @@ def test_what_began_before_has_ended_and_the_simulator_s_word_is_told(tmp_path: 
         process_robot(tmp_path, "no world", apart=apart),
     ):
         raise AssertionError("it began without a world")
-    assert threading.active_count() == threads
+    wait(lambda: threading.active_count() == threads, PATIENCE, what="the end of the Zenoh session")
     assert not processes_of(tmp_path)
