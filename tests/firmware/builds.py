@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import subprocess
+import contextlib
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -10,6 +10,7 @@ from typing import Final
 from giraff_schemas.wire import BoardKind
 from giraff_sim import board
 from giraff_sim.board import BUILD, ROOT, Board, Implementation
+from tests.support.tools import finished
 
 FIRMWARE: Final = ROOT / "firmware"
 HERE: Final = Path(__file__).resolve().parent
@@ -21,8 +22,7 @@ def compiled(variant: str = "", *settings: str) -> Path:
     build = BUILD / "variants" / variant if variant else BUILD
     # One at a time: tests run in several processes, and these may want the same variant.
     command = ["flock", str(FIRMWARE), "make", "--silent", "-C", str(FIRMWARE), "host", f"BUILD={build}", *settings]
-    made = subprocess.run(command, check=False, capture_output=True, text=True)
-    assert made.returncode == 0, made.stderr
+    finished(command, check=True)
     return build
 
 
@@ -35,6 +35,14 @@ def near_wraps() -> Path:
     return compiled("near_wraps", f"START_VALUES={HERE / 'near_wraps.c'}")
 
 
+def wrap_soon() -> Path:
+    """The same, with time to drive before, also for the real boards' processors."""
+    build = compiled("wrap_soon", f"START_VALUES={HERE / 'wrap_soon.c'}", "all")
+    with contextlib.suppress(FileExistsError):
+        (build / "lockstep").symlink_to(BUILD / "lockstep")
+    return build
+
+
 def sanitized() -> Path:
     """With address and undefined-behaviour sanitizers, which end the process at the first finding."""
     return compiled("sanitized", "SANITIZE=1")
@@ -44,3 +52,23 @@ def with_fault(name: str, *wrapped: str) -> Path:
     """With faults/`name`.c between the program and the `wrapped` functions."""
     link = " ".join(f"-Wl,--wrap={function}" for function in wrapped)
     return compiled(name, f"HOST_EXTRA={HERE / 'faults' / name}.c", f"HOST_LINK={link}")
+
+
+def compiled_for_avr(source: Path, processor: str) -> Path:
+    """A program of its own for a board's processor."""
+    image = source.with_suffix(".elf")
+    finished(["avr-gcc", f"-mmcu={processor}", "-w", "-o", image, source], check=True)
+    return image
+
+
+def built(directory: Path, start_values: Path, *targets: str) -> None:
+    """Boards whose counters start at such values."""
+    settings = [f"BUILD={directory}", f"START_VALUES={start_values}"]
+    finished(["make", "--silent", "-C", FIRMWARE, *settings, *targets], check=True)
+
+
+def shared_library(library: Path, *sources: Path) -> Path:
+    """Parts of the boards' C for this machine."""
+    options = ["-std=gnu11", "-O1", "-fPIC", "-shared", "-DPROTOCOL_HASH=0"]
+    finished(["cc", *options, *sources, "-o", library], check=True)
+    return library

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from subprocess import run
 from typing import Any
 
 import cffi
@@ -12,7 +11,7 @@ from hypothesis import strategies as st
 
 from giraff_schemas.framing import Decoder, crc16, encode
 from giraff_schemas.wire import FRAME_CLASSES, DriveFrame, Frame, HelloRequestFrame, WheelsFrame
-from tests.firmware.builds import FIRMWARE
+from tests.firmware.builds import FIRMWARE, shared_library
 
 BODY_MAX = max(frame.layout.size for frame in FRAME_CLASSES.values())
 BITS = {"B": (0, 8), "H": (0, 16), "I": (0, 32), "Q": (0, 64), "h": (1, 16), "i": (1, 32)}
@@ -61,10 +60,8 @@ class CCodec:
 
 @pytest.fixture(scope="module")
 def c(tmp_path_factory: pytest.TempPathFactory) -> CCodec:
-    library = tmp_path_factory.mktemp("codec") / "codec.so"
-    sources = [str(FIRMWARE / "common" / f"{name}.c") for name in ("cobs", "crc", "frame")]
-    run(["cc", "-std=gnu11", "-O1", "-fPIC", "-shared", "-DPROTOCOL_HASH=0", *sources, "-o", str(library)], check=True)
-    return CCodec(library)
+    sources = (FIRMWARE / "common" / f"{name}.c" for name in ("cobs", "crc", "frame"))
+    return CCodec(shared_library(tmp_path_factory.mktemp("codec") / "codec.so", *sources))
 
 
 def python_decode(stream: bytes) -> tuple[list[bytes], int]:

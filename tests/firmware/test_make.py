@@ -1,10 +1,9 @@
 """What make says when something is missing."""
 
-import subprocess
-
 import pytest
 
 from tests.firmware.builds import FIRMWARE
+from tests.support.tools import finished
 
 
 @pytest.mark.parametrize(
@@ -19,7 +18,7 @@ from tests.firmware.builds import FIRMWARE
 )
 def test_what_is_missing_is_named(arguments: list[str], complaint: str) -> None:
     command = ["make", "--silent", "-C", str(FIRMWARE), *arguments]
-    made = subprocess.run(command, check=False, capture_output=True, text=True)
+    made = finished(command)
     assert made.returncode != 0
     assert complaint in made.stderr
 
@@ -30,7 +29,7 @@ def test_what_is_missing_is_named(arguments: list[str], complaint: str) -> None:
 )
 def test_each_board_is_flashed_with_its_own_part_and_programmer(board: str, part: str) -> None:
     command = ["make", "--silent", "--dry-run", "-C", str(FIRMWARE), "flash", f"BOARD={board}", "PORT=/dev/port"]
-    made = subprocess.run(command, check=True, capture_output=True, text=True)
+    made = finished(command, check=True)
     assert f"avrdude {part}" in made.stdout
     assert f"-P /dev/port -U flash:w:../build/firmware/{board}.elf:e" in made.stdout
 
@@ -38,5 +37,5 @@ def test_each_board_is_flashed_with_its_own_part_and_programmer(board: str, part
 def test_another_programmer_may_be_chosen() -> None:
     settings = ["flash", "BOARD=base", "PORT=usb", "PROGRAMMER=-c avrisp2"]
     command = ["make", "--silent", "--dry-run", "-C", str(FIRMWARE), *settings]
-    made = subprocess.run(command, check=True, capture_output=True, text=True)
+    made = finished(command, check=True)
     assert "avrdude -p m644 -c avrisp2 -P usb" in made.stdout

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator
@@ -18,6 +17,7 @@ from typing import Final
 import msgspec
 
 from tests.rules.repository import ROOT, files, packages
+from tests.support.tools import Finished, finished
 
 LIST: Final = Path(__file__).with_name("mutants.toml")
 _TESTS_FAILED: Final = 1  # pytest's exit status; every other one but 0 says that no test has judged
@@ -103,7 +103,7 @@ class Laboratory:
             self._build_boards()
 
     def _build_boards(self) -> None:
-        made = self._run(["make", "--silent", "-C", "firmware", "host", f"BUILD={self._root / 'build'}"])
+        made = self._finished(["make", "--silent", "-C", "firmware", "host", f"BUILD={self._root / 'build'}"])
         if made.returncode:
             raise MutantError(f"the boards do not build:\n{made.stderr[-2000:]}")
 
@@ -111,15 +111,13 @@ class Laboratory:
         """Every package must be the copy's: of another one the mutants would be tried on sound code."""
         names = packages()
         where = "; ".join(f"print(__import__({name!r}).__file__)" for name in names)
-        done = self._run([sys.executable, "-c", where])
+        done = self._finished([sys.executable, "-c", where])
         found = [Path(line) for line in done.stdout.splitlines()]
         if len(found) != len(names) or not all(path.is_relative_to(self._root) for path in found):
             raise MutantError(f"not the copy's packages are imported: {done.stdout}{done.stderr}")
 
-    def _pytest(self, *words: str) -> subprocess.CompletedProcess[str]:
-        return self._run([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--timeout=60", *words])
+    def _pytest(self, *words: str) -> Finished:
+        return self._finished([sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "--timeout=60", *words])
 
-    def _run(self, command: list[str]) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            command, check=False, capture_output=True, text=True, cwd=self._root, env=self._environment
-        )
+    def _finished(self, command: list[str]) -> Finished:
+        return finished(command, cwd=self._root, env=self._environment)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import subprocess
 import tomllib
 from functools import cache
 from pathlib import Path
 from typing import Any
+
+from tests.support.tools import finished
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE_ROOTS = ("schemas", "services")
@@ -26,7 +27,7 @@ NOT_SERVICES = {
 def files() -> tuple[Path, ...]:
     """Every file that is, or would be, in the repository; ignored ones are nobody's business."""
     listing = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
-    output = subprocess.run(listing, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    output = finished(listing, cwd=ROOT, check=True).stdout
     paths = (ROOT / name for name in output.split("\0") if name)
     return tuple(sorted(path for path in paths if path.is_file()))
 

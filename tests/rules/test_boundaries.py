@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from tests.rules.repository import ROOT, SOURCE_ROOTS, packages, pyproject, services
+from tests.support.tools import finished
 
 LINT_IMPORTS = Path(sys.executable).with_name("lint-imports")
 
@@ -19,14 +19,8 @@ LINT_IMPORTS = Path(sys.executable).with_name("lint-imports")
 def lint_imports(tree: Path) -> tuple[int, str]:
     """Exit code and report of the contracts, over the packages of `tree`."""
     search = os.pathsep.join(str(tree / root) for root in SOURCE_ROOTS)
-    run = subprocess.run(
-        [LINT_IMPORTS, "--no-cache", "--config", ROOT / "pyproject.toml"],
-        cwd=tree,
-        env=os.environ | {"PYTHONPATH": search},
-        check=False,
-        capture_output=True,
-        text=True,
-    )
+    command: list[str | Path] = [LINT_IMPORTS, "--no-cache", "--config", ROOT / "pyproject.toml"]
+    run = finished(command, cwd=tree, env=os.environ | {"PYTHONPATH": search})
     return run.returncode, run.stdout + run.stderr
 
 
@@ -107,7 +101,7 @@ print(json.dumps(sorted(
 def installed_packages_imported_by(statement: str) -> set[str]:
     """Top-level names of the installed distributions, not the standard library, that a statement loads."""
     script = LIST_NEW_IMPORTS.format(statement=statement)
-    run = subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True)
+    run = finished([sys.executable, "-c", script], check=True)
     return set(json.loads(run.stdout))
 
 

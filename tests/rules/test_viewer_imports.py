@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.rules.repository import SOURCE_ROOTS, name, sources
+from tests.support.tools import finished
 
 
 def imports_at_module_level(node: ast.AST) -> Iterator[str]:
@@ -62,4 +62,4 @@ def test_the_check_tells_module_level_from_inside_a_function(source: str, expect
 
 def test_the_command_line_starts_without_the_viewer() -> None:
     script = "import sys, giraff_cli.main; sys.exit('rerun' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", script], check=False).returncode == 0
+    assert finished([sys.executable, "-c", script]).returncode == 0

@@ -1,6 +1,5 @@
 """Boards as objects: what can go wrong on opening them, what survives a reset, what is private to each."""
 
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -9,11 +8,11 @@ from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, ResetCause, WheelsFrame
 from giraff_sim.board import BUILD, Board, BoardError, Implementation, RunState, open_board
 from giraff_sim.simulation import Simulation, simulation
+from tests.firmware.builds import built, compiled_for_avr
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room, world_in
 
 LOCKSTEP = BUILD / "lockstep" / "lockstep.so"
-FIRMWARE = Path(__file__).parents[2] / "firmware"
 
 
 def boot_of(board: Board, until_us: int) -> HelloFrame:
@@ -43,9 +42,9 @@ def test_what_is_no_firmware_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_image_for_a_larger_processor_is_refused(tmp_path: Path) -> None:
-    source, image = tmp_path / "large.c", tmp_path / "large.elf"
+    source = tmp_path / "large.c"
     source.write_text('int main(void) {}\nasm(".section .text\\n.space 70000");\n')
-    subprocess.run(["avr-gcc", "-mmcu=atmega2560", "-w", "-o", image, source], check=True)
+    image = compiled_for_avr(source, "atmega2560")
     with pytest.raises(BoardError, match=r"large\.elf is larger than the atmega644"):
         Board(BoardKind.BASE, LOCKSTEP, image)
 
@@ -136,8 +135,7 @@ ISR(PCINT1_vect)
 def test_a_program_that_hangs_with_its_motors_running_is_stopped_by_the_watchdog(tmp_path: Path) -> None:
     source, image = tmp_path / "hangs.c", tmp_path / "firmware" / "base.elf"
     source.write_text(HANGS_ON_REVERSE)
-    make = ["make", "--silent", "-C", str(FIRMWARE), f"BUILD={tmp_path}", f"START_VALUES={source}", "avr-base"]
-    subprocess.run(make, check=True, capture_output=True)
+    built(tmp_path, source, "avr-base")
     board = Board(BoardKind.BASE, LOCKSTEP, image)
     base = BaseLine(Simulation({BoardKind.BASE: board}, world_in(empty_room())))
     base.start()
@@ -166,10 +164,9 @@ int main(void) { %s; }
     [("cli(); sleep_mode()", RunState.STOPPED), ("((void (*)(void))0x7FF0)()", RunState.CRASHED)],
 )
 def test_a_processor_that_stands_is_told_and_a_reset_starts_it(tmp_path: Path, statement: str, state: RunState) -> None:
-    source, image = tmp_path / "stands.c", tmp_path / "stands.elf"
+    source = tmp_path / "stands.c"
     source.write_text(CRASHES % statement)
-    subprocess.run(["avr-gcc", "-mmcu=atmega328p", "-w", "-o", image, source], check=True)
-    board = Board(BoardKind.JOYSTICK, LOCKSTEP, image)
+    board = Board(BoardKind.JOYSTICK, LOCKSTEP, compiled_for_avr(source, "atmega328p"))
     board.run(10_000)
     assert board.state is state
     board.reset()

@@ -1,7 +1,6 @@
 """Every counter that wraps does so unnoticed: firmware whose counters begin just before it."""
 
 import itertools
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,37 +15,17 @@ from giraff_schemas.wire import (
     TiltStatus,
     WheelsFrame,
 )
-from giraff_sim.board import BUILD, Implementation
+from giraff_sim.board import Implementation
 from giraff_sim.simulation import simulation
+from tests.firmware.builds import wrap_soon
 from tests.sim.line import BaseLine, Line
 from tests.sim.robots import room_with_wall, world_in
 
-FIRMWARE = Path(__file__).parents[2] / "firmware"
-
-# Two seconds before the clocks wrap, a little before ticks and sequence numbers do.
-START_VALUES = """
-#include "start_values.h"
-
-const struct start_values start_values = {
-    .board_ms = 0xFFFFFFFF - 2000,
-    .board_us = 0xFFFFFFFF - 2000000,
-    .ticks = 0x7FFFFFFF - 500,
-    .seq = 0xFFFF - 20,
-};
-"""
-
 
 @pytest.fixture(scope="module")
-def build(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def build() -> Path:
     """A build of all boards, both ways, whose counters wrap soon."""
-    directory = tmp_path_factory.mktemp("wrap")
-    source = directory / "start_values.c"
-    source.write_text(START_VALUES)
-    make = ["make", "--silent", "-C", str(FIRMWARE), f"BUILD={directory}", f"START_VALUES={source}", "all", "host"]
-    made = subprocess.run(make, capture_output=True, text=True, check=False)
-    assert made.returncode == 0, made.stderr
-    (directory / "lockstep").symlink_to(BUILD / "lockstep")
-    return directory
+    return wrap_soon()
 
 
 @pytest.fixture

@@ -1,73 +1,87 @@
-"""`giraff watch` on a network of its own, with a robot that is nothing but what it says."""
+"""`giraff watch` of a robot that is nothing but what it says. Of a real one: tests/functional/robot/test_watch.py."""
 
 from __future__ import annotations
 
 import errno
 import os
-import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, Self, cast
 
 import msgspec
 import pytest
-import zenoh
 
+import giraff_cli.visit
+import giraff_cli.watcher
+import giraff_node.robots
 from giraff_cli import output
 from giraff_cli import watch as it
 from giraff_cli.screen import Lines
-from giraff_cli.watcher import free_port
 from giraff_node.robots import Roster
-from giraff_node.session import NetworkConfig, close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
-from tests.support.waiting import wait
+from tests.support.one_process import Clock, Session
 from tests.unit.cli.samples import base, estop, guard, lease, odometry, verdict, wheels
 
 
+class Network:
+    """A clock, and a session of all who are there."""
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+        self.session = Session(self.clock)
+
+    @contextmanager
+    def talking(self, robot: str, topics: Sequence[Any] = ()) -> Iterator[None]:
+        """A robot that says the same thing again and again."""
+        said = [(ODOM, odometry(0, 2.0)), (LEASE, lease()), (GUARD, guard(verdict())), (BASE, base()), (ESTOP, estop())]
+
+        def talk() -> None:
+            for topic, sample in (*said, *topics):
+                data = encode(stamped(sample, round(self.clock.monotonic() / 0.05), 0, "b"))
+                self.session.put(key_of(robot, topic), data, encoding=encoding_of(topic.schema))
+
+        with self.session.declare_token(alive_key(robot, "base", "b")):
+            end = self.clock.every(0.05, talk)
+            yield
+            end()
+
+
+class Waits:
+    """In the place of Stopping: nobody asks for the end."""
+
+    asked = 0
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def wait(self, seconds: float) -> bool:
+        self._clock.sleep(seconds)
+        return False
+
+
 @pytest.fixture
-def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> NetworkConfig:
-    """A loopback that nobody else is on, for this process and for the watch."""
-    network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
+def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Network:
+    made = Network()
     for name in [name for name in os.environ if name.startswith("GIRAFF_")]:
         monkeypatch.delenv(name)
-    monkeypatch.setenv("GIRAFF_NETWORK_RENDEZVOUS", network.rendezvous)
-    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
     monkeypatch.chdir(tmp_path)
-    return network
-
-
-@pytest.fixture
-def session(network: NetworkConfig) -> Iterator[zenoh.Session]:
-    opened = open_session(network, "*")
-    yield opened
-    assert close_session(opened)
-
-
-@contextmanager
-def talking(session: zenoh.Session, robot: str, after: float = 0.0, topics: Sequence[Any] = ()) -> Iterator[None]:
-    """A robot that says the same thing again and again, from `after` s on."""
-    said = [(ODOM, odometry(0, 2.0)), (LEASE, lease()), (GUARD, guard(verdict())), (BASE, base()), (ESTOP, estop())]
-    ended = threading.Event()
-
-    def talk() -> None:
-        ended.wait(after)
-        with session.liveliness().declare_token(alive_key(robot, "base", "b")):
-            for seq in range(1000):
-                for topic, sample in (*said, *topics):
-                    data = encode(stamped(sample, seq, 0, "b"))
-                    session.put(key_of(robot, topic), data, encoding=encoding_of(topic.schema))
-                if ended.wait(0.05):
-                    return
-
-    speaker = threading.Thread(target=talk)
-    speaker.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        speaker.join()
+    for module in (it, giraff_node.robots):
+        monkeypatch.setattr(module, "time", made.clock)
+    for module in (it, giraff_cli.watcher):
+        monkeypatch.setattr(module, "robot_now_ns", made.clock.monotonic_ns)
+    monkeypatch.setattr(it, "Stopping", lambda: Waits(made.clock))
+    monkeypatch.setattr(it, "tune_links", lambda: None)
+    monkeypatch.setattr(giraff_cli.visit, "open_session", lambda *_, **__: made.session)
+    monkeypatch.setattr(giraff_cli.watcher, "close_session", lambda *_: True)
+    return made
 
 
 def watched(
@@ -79,8 +93,8 @@ def watched(
     return code, out.splitlines(), err
 
 
-def test_the_only_robot_is_watched(session: zenoh.Session, capfd: pytest.CaptureFixture[str]) -> None:
-    with talking(session, "otto"):
+def test_the_only_robot_is_watched(network: Network, capfd: pytest.CaptureFixture[str]) -> None:
+    with network.talking("otto"):
         code, lines, err = watched(capfd, None, 2.5)
     assert (code, err) == (0, "")
     assert len(lines) == 3
@@ -89,19 +103,21 @@ def test_the_only_robot_is_watched(session: zenoh.Session, capfd: pytest.Capture
 
 
 def test_it_says_so_while_there_is_none_and_goes_on_when_one_comes(
-    session: zenoh.Session, capfd: pytest.CaptureFixture[str]
+    network: Network, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with talking(session, "otto", after=1.5):
-        code, lines, err = watched(capfd, None, 4.5)
+    comes = network.talking("otto")
+    network.clock.after(1.5, comes.__enter__)
+    code, lines, err = watched(capfd, None, 4.5)
+    comes.__exit__(None, None, None)
     assert (code, err) == (0, "")
     assert "no robot is heard on the network; check that it is on and on this network" in lines[0]
     assert "base driving" in lines[-1]
 
 
 def test_a_robot_that_never_comes_is_an_error_and_the_others_are_named(
-    session: zenoh.Session, capfd: pytest.CaptureFixture[str]
+    network: Network, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with talking(session, "anna"):
+    with network.talking("anna"):
         code, lines, err = watched(capfd, "otto", 1.2)
     assert code == 2
     assert "no robot called otto is heard on the network; check that it is on" in lines[-1]
@@ -110,8 +126,8 @@ def test_a_robot_that_never_comes_is_an_error_and_the_others_are_named(
     assert err.endswith("on the network: --robot anna (waited 1.2 s)\n")
 
 
-def test_of_several_one_must_be_named(session: zenoh.Session, capfd: pytest.CaptureFixture[str]) -> None:
-    with talking(session, "otto"), talking(session, "anna"):
+def test_of_several_one_must_be_named(network: Network, capfd: pytest.CaptureFixture[str]) -> None:
+    with network.talking("otto"), network.talking("anna"):
         code, _, err = watched(capfd, None, 5.0)
         assert code == 2
         assert err == "giraff: several robots are on the network; name one: --robot anna, --robot otto\n"
@@ -121,30 +137,29 @@ def test_of_several_one_must_be_named(session: zenoh.Session, capfd: pytest.Capt
 
 
 def test_wheels_are_listened_to_only_while_odometry_is_silent(
-    session: zenoh.Session, capfd: pytest.CaptureFixture[str]
+    network: Network, capfd: pytest.CaptureFixture[str]
 ) -> None:
     rolling = msgspec.structs.replace(wheels(0), left_velocity=0.2, right_velocity=0.2)
-    with talking(session, "otto", topics=[(WHEELS, rolling)]):
+    with network.talking("otto", topics=[(WHEELS, rolling)]):
         _, lines, _ = watched(capfd, "otto", 2.1, as_json=True)
     told = msgspec.json.decode(lines[-1])
     assert told["speed"] == 0.4
     assert "wheels" not in told["topics"]
+    assert key_of("otto", WHEELS) in network.session.subscribed
 
 
 def test_what_cannot_be_read_is_told_for_as_long_as_it_comes(
-    session: zenoh.Session, capfd: pytest.CaptureFixture[str]
+    network: Network, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    with talking(session, "otto"):
-        sender = threading.Timer(1.5, lambda: session.put(key_of("otto", BASE), b"\x93"))
-        sender.start()
+    with network.talking("otto"):
+        network.clock.after(1.5, lambda: network.session.put(key_of("otto", BASE), b"\x93"))
         _, lines, _ = watched(capfd, "otto", 6.1)
-        sender.join()
     told = ["giraff/otto/base: not a BaseState" in line for line in lines]
-    assert any(told)
-    assert not told[-1]
+    assert told == [False, False, True, True, True, False, False]
 
 
-def test_a_name_that_can_be_none_is_refused(network: NetworkConfig, capfd: pytest.CaptureFixture[str]) -> None:  # noqa: ARG001
+@pytest.mark.usefixtures("network")
+def test_a_name_that_can_be_none_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
     code, lines, err = watched(capfd, "a/b", 1.0)
     assert (code, lines) == (2, [])
     assert "robot: 'a/b' cannot be part of a key" in err
@@ -159,7 +174,7 @@ def test_a_name_that_can_be_none_is_refused(network: NetworkConfig, capfd: pytes
     ],
 )
 def test_who_does_not_read_ends_it(
-    session: zenoh.Session,
+    network: Network,
     capfd: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
     number: int,
@@ -171,35 +186,35 @@ def test_who_does_not_read_ends_it(
 
     monkeypatch.setattr(Lines, "show", fail)
     monkeypatch.setattr(output, "drop_output", lambda: None)
-    with talking(session, "otto"):
+    with network.talking("otto"):
         assert watched(capfd, "otto", 5.0) == (code, [], told)
 
 
-def test_the_roster_follows_robots_that_come_and_go(session: zenoh.Session, network: NetworkConfig) -> None:
-    visitor = open_session(network, "*", visiting=True)
-    roster = Roster(visitor)
-
+def test_the_roster_follows_robots_that_come_and_go(network: Network) -> None:
+    network.clock.sleep(1.0)  # no machine's clock stands at 0
+    roster = Roster(cast(Any, network.session))
     assert roster.settled == []
-    with talking(session, "otto"):
-        wait(lambda: roster.names == ["otto"])
+    with network.talking("otto"):
+        assert roster.names == ["otto"]
         assert roster.settled == []
-        wait(lambda: roster.settled == ["otto"])
-        with talking(session, "anna"):
-            wait(lambda: roster.settled == ["anna", "otto"])
-        wait(lambda: roster.settled == ["otto"])
-    wait(lambda: roster.names == [])
+        network.clock.sleep(0.4)
+        assert roster.settled == []
+        network.clock.sleep(0.2)
+        assert roster.settled == ["otto"]
+        with network.talking("anna"):
+            assert roster.settled == ["anna", "otto"]
+        assert roster.settled == ["otto"]
+    assert roster.names == []
     assert roster.settled == []
-    assert close_session(visitor)
 
 
 class StartedAnewError(Exception):
     """In place of the end of this program."""
 
 
+@pytest.mark.usefixtures("network")
 def test_it_starts_anew_on_a_host_that_is_found_elsewhere(
-    network: NetworkConfig,  # noqa: ARG001
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     def start_anew() -> None:
         raise StartedAnewError

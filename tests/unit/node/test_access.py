@@ -1,10 +1,10 @@
-"""Who may do what on a secured network: the rules, tried with real certificates on one loopback."""
+"""Who may do what on a secured network, by the rules that each node is given.
+
+That Zenoh keeps to them, with real certificates: tests/functional/node/test_access.py.
+"""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -12,154 +12,61 @@ import msgspec
 import pytest
 import zenoh
 
+from giraff_node.access import access_control
 from giraff_node.config import ConfigError
-from giraff_node.session import NetworkConfig, close_session, open_session, session_config
-from giraff_schemas.topics import (
-    CMD_VEL,
-    ESTOP_ENGAGE,
-    ESTOP_RESET,
-    ODOM,
-    PARAM_DESCRIBE,
-    PARAM_SAVE,
-    PARAM_SET,
-    TICK,
-    TILT,
-    Topic,
-    alive_key,
-    frame_key,
-    key_of,
+from giraff_node.session import NetworkConfig, session_config
+from giraff_schemas.topics import CMD_VEL, ESTOP_ENGAGE, ESTOP_RESET, OPERATOR_CMD_VEL, PARAM_SET, TILT, TOPICS, key_of
+from tests.support.secured_hosts import ACCESS, HOSTS, ROBOT, authority
+
+MINE, ANOTHERS = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("keyboard")
+
+
+def lets_in(host: str, message: str, key: str) -> bool:
+    """Whether a node takes of this host a message whose key expression is that, or any part of it."""
+    control = access_control(ACCESS, ROBOT)
+    subjects = {subject["id"] for subject in control["subjects"] if host in subject["cert_common_names"]}
+    granted = {rule for policy in control["policies"] if subjects & {*policy["subjects"]} for rule in policy["rules"]}
+    return any(
+        zenoh.KeyExpr(allowed).intersects(zenoh.KeyExpr(key))
+        for rule in control["rules"]
+        if rule["id"] in granted and "ingress" in rule["flows"] and message in rule["messages"]
+        for allowed in rule["key_exprs"]
+    )
+
+
+def publishes(host: str) -> set[str]:
+    """Topics that base takes of this host."""
+    topics = (*(topic for topic in TOPICS if not topic.names), MINE, ANOTHERS)
+    return {topic.key for topic in topics if lets_in(host, "put", key_of(ROBOT, topic))}
+
+
+def test_the_robots_own_hosts_publish_everything() -> None:
+    assert publishes("robot") == {topic.key for topic in TOPICS if not topic.names} | {MINE.key, ANOTHERS.key}
+
+
+def test_an_operator_publishes_its_own_commands_and_nothing_else() -> None:
+    assert publishes("laptop") == {MINE.key, TILT.key}
+
+
+@pytest.mark.parametrize("host", ["desk", "unnamed"])
+def test_nobody_else_commands(host: str) -> None:
+    assert publishes(host) == set()
+
+
+@pytest.mark.parametrize(
+    ("host", "stops", "sets"),
+    [("robot", True, True), ("laptop", True, True), ("desk", True, False), ("unnamed", False, False)],
 )
-from tests.support.waiting import wait
-from tests.unit.node.secured import ACCESS, HOSTS, MINE, ROBOT, Network, authority, direct, open_marked
+def test_whoever_is_named_may_stop_and_operators_reset_and_set(host: str, stops: bool, sets: bool) -> None:
+    assert lets_in(host, "query", key_of(ROBOT, ESTOP_ENGAGE)) == stops
+    assert lets_in(host, "query", key_of(ROBOT, ESTOP_RESET)) == sets
+    assert lets_in(host, "query", key_of(ROBOT, PARAM_SET.at("guard"))) == sets
+    assert {other for other in HOSTS if lets_in(other, "query", f"giraff/{ROBOT}/**")} == {"robot", "laptop", "desk"}
 
 
 @pytest.fixture(scope="module")
 def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return authority(tmp_path_factory.mktemp("authority"))
-
-
-@pytest.fixture(scope="module")
-def network(keys: Path) -> Iterator[Network]:
-    made = Network(keys)
-    yield made
-    made.close()
-
-
-def keys_of(*topics: Topic[Any]) -> set[str]:
-    return {topic.key for topic in topics}
-
-
-def test_only_the_robots_own_hosts_reach_base(network: Network) -> None:
-    assert keys_of(CMD_VEL, TICK, ODOM) <= network.heard_of("robot")
-
-
-def test_an_operator_publishes_its_own_commands_and_nothing_else(network: Network) -> None:
-    assert network.heard_of("laptop") == keys_of(MINE, TILT)
-
-
-@pytest.mark.parametrize("host", ["desk", "unnamed"])
-def test_nobody_else_commands(network: Network, host: str) -> None:
-    assert network.heard_of(host) == set()
-
-
-@pytest.mark.parametrize(("host", "hears"), [("robot", True), ("laptop", True), ("desk", True), ("unnamed", False)])
-def test_whoever_is_named_reads(network: Network, host: str, hears: bool) -> None:
-    with network.hearing(host, key_of(ROBOT, ODOM)) as heard:
-        network.base.put(key_of(ROBOT, ODOM), "odometry")
-    assert heard == (["odometry"] if hears else [])
-
-
-@pytest.mark.parametrize(("host", "told"), [("robot", True), ("laptop", True), ("desk", True), ("unnamed", False)])
-def test_whoever_is_named_is_told_where_the_frames_are(network: Network, host: str, told: bool) -> None:
-    key = frame_key(ROBOT, "base_link")
-    with network.base.declare_queryable(key, direct(_answer)):
-        assert network.answers_of_base(host, frame_key(ROBOT)) == ([True] if told else [])
-
-
-@pytest.mark.parametrize(
-    ("host", "stops", "resets"),
-    [("robot", True, True), ("laptop", True, True), ("desk", True, False), ("unnamed", False, False)],
-)
-def test_whoever_is_named_may_stop_and_operators_reset(network: Network, host: str, stops: bool, resets: bool) -> None:
-    for query, answered in ((ESTOP_ENGAGE, stops), (ESTOP_RESET, resets)):
-        assert network.answers_of_base(host, key_of(ROBOT, query)) == ([True] if answered else [])
-
-
-@pytest.mark.parametrize(
-    ("host", "reads", "sets"),
-    [("robot", True, True), ("laptop", True, True), ("desk", True, False), ("unnamed", False, False)],
-)
-def test_whoever_is_named_reads_parameters_and_operators_set_them(
-    network: Network, host: str, reads: bool, sets: bool
-) -> None:
-    for query, answered in ((PARAM_DESCRIBE, reads), (PARAM_SET, sets), (PARAM_SAVE, sets)):
-        found = network.answers_of_base(host, key_of(ROBOT, query.at("guard")))
-        assert found == ([True] if answered else []), query.key
-
-
-def test_a_joystick_answers_for_its_parameters_and_for_no_other_service(network: Network) -> None:
-    for service, answered in (("joystick", True), ("base", False)):
-        key = key_of(ROBOT, PARAM_DESCRIBE.at(service))
-        with network.sessions["laptop"].declare_queryable(key, direct(_answer)):
-            assert network.answers_to_base("laptop", key) == ([True] if answered else [])
-
-
-def _answer(query: zenoh.Query) -> None:
-    with query:
-        query.reply(query.key_expr, "mine")
-
-
-@pytest.mark.parametrize(
-    ("host", "service", "seen"),
-    [("laptop", "joystick", True), ("laptop", "client", True), ("laptop", "base", False), ("desk", "base", False)],
-)
-def test_nobody_poses_as_a_service_of_the_robot(network: Network, host: str, service: str, seen: bool) -> None:
-    with network.sessions[host].liveliness().declare_token(alive_key(ROBOT, service, "one")):
-        network.base_has_all_of(host)
-        replies = network.base.liveliness().get(alive_key(ROBOT, service), timeout=0.7)
-        assert [reply.ok is not None for reply in replies] == ([True] if seen else [])
-
-
-def test_a_stranger_gets_no_link(network: Network, keys: Path, tmp_path: Path) -> None:
-    """Another authority's certificate, none at all, plain tcp: not even the greeting comes about."""
-    before = links_of(network)
-    another = msgspec.structs.replace(network.of["robot"], keys=str(authority(tmp_path) / "robot"))
-    no_certificate = session_config(network.of["robot"], ROBOT, visiting=True)
-    no_certificate["transport"]["link"]["tls"] = {"root_ca_certificate": str(keys / "ca.pem")}
-    no_certificate["listen"]["endpoints"] = []
-    plain = session_config(msgspec.structs.replace(network.of["robot"], mode="fixed"), ROBOT, visiting=True)
-    heard: list[str] = []
-    with ExitStack() as stack:
-        strangers = [open_session(another, ROBOT, visiting=True)]
-        strangers += [zenoh.open(zenoh.Config.from_json5(json.dumps(config))) for config in (no_certificate, plain)]
-        for stranger in strangers:
-            stack.callback(close_session, stranger)
-            stack.enter_context(stranger.declare_subscriber("**", lambda sample: heard.append(str(sample.key_expr))))
-        network.heard.clear()
-        # They dial as often as anybody: once somebody who came after them is linked, they would be, too.
-        later = open_marked(network.of["desk"], visiting=True)
-        stack.callback(close_session, later)
-        linked = sorted([*before, "desk"])
-
-        def has_come() -> bool:
-            network.base.put(key_of(ROBOT, ODOM), "secret")
-            for stranger in strangers:
-                stranger.put(key_of(ROBOT, CMD_VEL), "stranger")
-            return links_of(network) == linked
-
-        wait(has_come, every=0.1)
-        for host in HOSTS:
-            network.base_has_all_of(host)
-        links = [list(stranger.info.links()) for stranger in strangers]
-        assert links_of(network) == linked
-    assert links == [[], [], []]
-    assert "stranger" not in {maker for _, maker in network.heard}
-    assert not [key for key in heard if key.endswith(ODOM.key)]
-
-
-def links_of(network: Network) -> list[str]:
-    """Who has a link to base."""
-    return sorted(link.auth_identifier or "" for link in network.base.info.links())
 
 
 def test_links_speak_tls_only(keys: Path) -> None:

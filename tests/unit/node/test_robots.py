@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import secrets
-from collections.abc import Iterator
 from pathlib import Path
+from typing import cast
 
 import pytest
 import zenoh
 
-from giraff_cli.watcher import free_port
+from giraff_node import robots
 from giraff_node.config import ConfigError
 from giraff_node.robots import NoRobotError, find_way, only_robot, others
-from giraff_node.session import NetworkConfig, close_session, open_session
+from giraff_node.session import NetworkConfig
 from giraff_schemas.topics import alive_key
+from tests.support.one_process import Clock, Session
 
-ONE, OTHER = (f"sim-{secrets.token_hex(4)}" for _ in range(2))
+ONE, OTHER = "sim-one", "sim-other"
 
 
 @pytest.fixture(autouse=True)
@@ -94,29 +94,40 @@ def test_a_name_that_can_be_none_is_refused() -> None:
         find_way("anne", ["a b"], {})
 
 
+class Network:
+    """Somebody looks, and others are there."""
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+        self.others = Session(self.clock)
+        self.ours = cast(zenoh.Session, self.others)
+
+
 @pytest.fixture
-def sessions() -> Iterator[tuple[zenoh.Session, zenoh.Session]]:
-    network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
-    opened = open_session(network, "*", visiting=True), open_session(network, "*")
-    yield opened
-    assert close_session(opened[0])
-    assert close_session(opened[1])
+def network(monkeypatch: pytest.MonkeyPatch) -> Network:
+    made = Network()
+    monkeypatch.setattr(robots, "time", made.clock)
+    return made
 
 
-def test_the_only_robot_is_meant_where_nobody_names_one(sessions: tuple[zenoh.Session, zenoh.Session]) -> None:
-    ours, theirs = sessions
+def test_the_only_robot_is_meant_where_nobody_names_one(network: Network) -> None:
     with pytest.raises(NoRobotError, match=r"no robot is heard on the network after 0\.3 s; check that it is on"):
-        only_robot(ours, 0.3)
-    with theirs.liveliness().declare_token(alive_key(ONE, "guard", "1")):
-        assert only_robot(ours, 10.0) == ONE
-        assert others(ours, ONE) == ""
-        assert others(ours, "giraff") == f"; on the network: --robot {ONE}"
+        only_robot(network.ours, 0.3)
+    comes = network.others.declare_token(alive_key(ONE, "guard", "1"))
+    network.clock.after(3.0, comes.__enter__)
+    assert only_robot(network.ours, 10.0) == ONE
+    assert others(network.ours, ONE) == ""
+    assert others(network.ours, "giraff") == f"; on the network: --robot {ONE}"
+    comes.__exit__(None, None, None)
 
 
-def test_of_several_one_must_be_named(sessions: tuple[zenoh.Session, zenoh.Session]) -> None:
-    ours, theirs = sessions
-    tokens = theirs.liveliness()
-    with tokens.declare_token(alive_key(ONE, "base", "1")), tokens.declare_token(alive_key(OTHER, "base", "2")):
+def test_of_several_one_must_be_named(network: Network) -> None:
+    """Also where one of them is met a moment after the other."""
+    tokens = network.others
+    later = tokens.declare_token(alive_key(OTHER, "base", "2"))
+    network.clock.after(0.3, later.__enter__)
+    with tokens.declare_token(alive_key(ONE, "base", "1")):
         names = ", ".join(f"--robot {name}" for name in sorted((ONE, OTHER)))
         with pytest.raises(NoRobotError, match=f"several robots are on the network; name one: {names}"):
-            only_robot(ours, 10.0)
+            only_robot(network.ours, 10.0)
+    later.__exit__(None, None, None)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from giraff_node.systemd import Notifier
-from tests.unit.node.manager import FakeManager
+from tests.support.manager import FakeManager
 
 
 @pytest.fixture(params=["path", "abstract"])

@@ -14,7 +14,7 @@ import pytest
 
 from giraff_health.ask import TIMEOUT, WELL, socket_path
 from giraff_schemas.messages import Health
-from tests.unit.health.answering import PROGRAM, answering, check
+from tests.functional.health.answering import PROGRAM, answering, check
 
 
 def line(*faults: str, notices: tuple[str, ...] = ()) -> bytes:

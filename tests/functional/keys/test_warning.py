@@ -15,8 +15,8 @@ import pytest
 from giraff_cli.keys import now
 from giraff_cli.watcher import free_port
 from giraff_sim.board import ROOT
+from tests.functional.node.peers import SERVICE
 from tests.unit.keys.folders import DAY, authority, bundle
-from tests.unit.node.peers import SERVICE
 
 ACCESS = """
 [network.access]

@@ -13,10 +13,10 @@ import pytest
 from giraff_cli.watcher import free_port
 from giraff_node.access import AccessConfig
 from giraff_node.session import NetworkConfig, close_session, open_session
+from tests.functional.cli.bases import ROBOT, Base, base
 from tests.support.elsewhere import GIRAFF
-from tests.unit.cli.bases import ROBOT, Base, base
+from tests.support.secured_hosts import authority
 from tests.unit.cli.typed import typed
-from tests.unit.node.secured import authority
 
 
 @pytest.fixture

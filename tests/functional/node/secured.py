@@ -6,7 +6,6 @@ that are tried, each host may tell marks and hear them.
 
 from __future__ import annotations
 
-import datetime as dt
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,9 +16,7 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_cli.keys import make_authority, make_bundle
 from giraff_cli.watcher import free_port
-from giraff_node.access import AccessConfig
 from giraff_node.session import NetworkConfig, close_session, session_config
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
@@ -30,23 +27,12 @@ from giraff_schemas.topics import (
     Query,
     key_of,
 )
+from tests.support.secured_hosts import ACCESS, HOSTS, ROBOT
 from tests.support.waiting import wait
 
-ROBOT: Final = "sim-secured"
-HOSTS: Final = ("robot", "laptop", "desk", "unnamed")
-ACCESS: Final = AccessConfig(robot=("robot",), operators={"laptop": ("joystick",)}, viewers=("desk",))
-_PATIENCE: Final = 10.0
+_PATIENCE: Final = 60.0
 """s, of one who asks: longer than any mark needs."""
 MINE, ANOTHERS = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("keyboard")
-
-
-def authority(folder: Path) -> Path:
-    """A folder of keys with a bundle for each host."""
-    made, now = folder / "keys", dt.datetime.now(dt.UTC)
-    make_authority(made, now)
-    for host in HOSTS:
-        make_bundle(made, host, ["192.0.2.1"], days=60, renew=False, moment=now)
-    return made
 
 
 def direct(callback: Callable[[Any], object]) -> zenoh.handlers.Callback[Any]:
@@ -106,7 +92,7 @@ class Network:
             self.sessions[host].put("marks/base", mark)
             return ("marks/base", mark) in self.heard
 
-        wait(has_come)
+        wait(has_come, 60.0)
 
     def has_all_of_base(self, host: str) -> None:
         """Wait until this host has taken whatever base has sent it."""
@@ -116,7 +102,7 @@ class Network:
             self.base.put(f"marks/{host}", mark)
             return mark in self._marked[host]
 
-        wait(has_come)
+        wait(has_come, 60.0)
 
     @contextmanager
     def hearing(self, host: str, key: str) -> Iterator[list[str]]:

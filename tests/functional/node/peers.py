@@ -45,7 +45,7 @@ class Peers:
                 [sys.executable, str(SERVICE), role], env=os.environ | given | variables, stdout=output, stderr=log
             )
         self._started.append(process)
-        wait(lambda: f"robot {ROBOT}" in self.log(role).read_text())
+        wait(lambda: f"robot {ROBOT}" in self.log(role).read_text(), 60.0)
         return process
 
     def log(self, role: str) -> Path:
@@ -59,10 +59,16 @@ class Peers:
         return sorted(str(reply.ok.key_expr).split("/")[-2] for reply in replies if reply.ok is not None)
 
     def health(self, service: str) -> Health:
-        for reply in self.session.get(health_key(ROBOT, service), timeout=2.0):
-            if reply.ok is not None:
-                return msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)
-        raise AssertionError(f"{service} does not answer")
+        told: list[Health] = []
+
+        def answers() -> bool:
+            replies = self.session.get(health_key(ROBOT, service), timeout=2.0)
+            said = [bytes(reply.ok.payload) for reply in replies if reply.ok is not None]
+            told.extend(msgspec.msgpack.decode(payload, type=Health) for payload in said)
+            return bool(told)
+
+        wait(answers, 60.0, what=f"the health of {service}")
+        return told[0]
 
     def close(self) -> None:
         for process in self._started:
@@ -77,4 +83,4 @@ class Peers:
             self.session.put(key_of(ROBOT, topic), payload)
             return holds()
 
-        wait(put_and_look)
+        wait(put_and_look, 60.0)

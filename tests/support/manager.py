@@ -24,8 +24,8 @@ class FakeManager:
                 return told
 
     def await_next(self) -> list[str]:
-        """What is said next, within 5 s."""
-        self._socket.settimeout(5.0)
+        """What is said next, within a minute."""
+        self._socket.settimeout(60.0)
         try:
             return self._socket.recv(65536).decode().split("\n")
         finally:

@@ -20,7 +20,7 @@ from giraff_sim.sonar import SonarFault
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from tests.support.waiting import wait
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 LIVING_ROOM = ROOT / "deploy" / "worlds" / "living_room.toml"
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from giraff_sim.board import ROOT
-from tests.unit.deploy.installing import TRUE_PYTHON, Tree
+from tests.functional.deploy.installing import TRUE_PYTHON, Tree
 
 CONFIGURATION = "/etc/giraff/robot.toml"
 RULES = "/etc/udev/rules.d/99-giraff.rules"

@@ -18,8 +18,9 @@ import tomlkit
 from giraff_node.session import close_session, open_session
 from giraff_schemas.topics import CMD_VEL, ODOM, key_of
 from giraff_sim.board import ROOT
+from tests.functional.node.secured import ANOTHERS, MINE, Network
+from tests.support.secured_hosts import ACCESS, ROBOT, authority
 from tests.support.waiting import wait
-from tests.unit.node.secured import ACCESS, ANOTHERS, MINE, ROBOT, Network, authority
 
 
 class Sentry:

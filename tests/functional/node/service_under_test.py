@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+from pathlib import Path
 from typing import Any, cast
 
 import msgspec
@@ -42,7 +43,9 @@ def main(role: str) -> None:
                 reason = asked.request.reason
                 asked.answer(EStopAnswer(done=reason != "refuse", engaged=True, id=said, reason=reason))
             for asked in requests.take() if role == "sleepy" else ():
-                time.sleep(float(asked.request.reason))
+                print("hangs", flush=True)
+                while not Path(asked.request.reason).exists():
+                    time.sleep(0.01)
             if role == "broken":
                 raise RuntimeError("the loop itself broke down")
         if role == "hanging":
@@ -56,7 +59,7 @@ class HangingSession:
         self._session = session  # its own end, too, is left to the process's
 
     def close(self) -> None:
-        time.sleep(60.0)
+        time.sleep(600.0)
 
 
 def break_down(battery: Battery) -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from giraff_cli.watcher import free_port
 from giraff_sim.board import ROOT
-from tests.unit.health.answering import check
+from tests.functional.health.answering import check
 
 Start = Callable[..., None]
 

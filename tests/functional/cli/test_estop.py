@@ -1,0 +1,60 @@
+"""`giraff estop` with real sessions, against a base made of Python. Each case of it: tests/unit/cli/test_estop.py."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from giraff_cli.estop import engage, reset, status
+from giraff_cli.watcher import Watcher, free_port
+from giraff_node.session import NetworkConfig, close_session, open_session
+from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
+from tests.functional.cli.bases import DONE, EPOCH, ROBOT, base
+
+
+@pytest.fixture
+def network() -> Iterator[NetworkConfig]:
+    """Of a process that stays, and at whose rendezvous the others meet."""
+    made = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
+    staying = open_session(made, ROBOT)
+    yield made
+    assert close_session(staying)
+
+
+@pytest.fixture
+def watcher(network: NetworkConfig) -> Iterator[Watcher]:
+    made = Watcher(ROBOT, open_session(network, ROBOT, visiting=True))
+    yield made
+    assert made.close()
+
+
+def test_a_stop_and_a_reset_are_told_once_base_confirms_them(network: NetworkConfig, watcher: Watcher) -> None:
+    def answer(request: Any) -> EStopAnswer:
+        return DONE if isinstance(request, EStopEngage) else EStopAnswer(done=True, engaged=False, id=7, reason="")
+
+    with base(network, answer) as robot:
+        assert engage(watcher, "me", "a cat", 60.0).code == 0
+        assert status(watcher, 60.0).text == f"{ROBOT}: ENGAGED, latch 7, by ann@desk: smoke"
+        code, text = reset(watcher, "me", 60.0)
+    assert code == 0
+    assert text.startswith(f"cleared latch 7 of {ROBOT}")
+    assert robot.asked[0][0] == EStopEngage(by="me", reason="a cat")
+    request, _ = robot.asked[-1]
+    assert isinstance(request, EStopReset)
+    assert (request.id, request.tick is not None and request.tick.epoch) == (7, EPOCH)
+
+
+def test_a_base_that_hangs_does_not_hide_the_answer_of_another(network: NetworkConfig, watcher: Watcher) -> None:
+    release = threading.Event()
+
+    def hang(_: Any) -> None:
+        release.wait(300.0)
+
+    with base(network, hang, instance="a") as hanging, base(network):
+        while not hanging.asked:  # until both are met
+            assert engage(watcher, "me", "", 60.0).code == 0
+        assert engage(watcher, "me", "", 60.0).code == 0
+        release.set()

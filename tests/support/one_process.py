@@ -1,0 +1,165 @@
+"""A network and a clock of one process: nothing is sent, nobody waits, and what is said is heard at once.
+
+`Session` stands in the place of Zenoh's as far as commands use it, `Clock` in the place of the module `time`.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import count
+from typing import Any
+
+import zenoh
+
+
+class Clock:
+    """Stands until somebody sleeps; what is due meanwhile happens in its order."""
+
+    def __init__(self) -> None:
+        self._now_ns = 0
+        self._due: list[tuple[int, int, Callable[[], object]]] = []
+        self._numbers = count()
+
+    def monotonic(self) -> float:
+        return self._now_ns * 1e-9
+
+    def monotonic_ns(self) -> int:
+        return self._now_ns
+
+    def sleep(self, seconds: float) -> None:
+        until_ns = self._now_ns + max(1, round(seconds * 1e9))
+        while self._due and self._due[0][0] <= until_ns:
+            self._now_ns, _, act = heapq.heappop(self._due)
+            act()
+        self._now_ns = until_ns
+
+    def after(self, seconds: float, act: Callable[[], object]) -> None:
+        heapq.heappush(self._due, (self._now_ns + round(seconds * 1e9), next(self._numbers), act))
+
+    def every(self, seconds: float, act: Callable[[], object]) -> Callable[[], None]:
+        """From now on; what is returned ends it."""
+        ended = False
+
+        def again() -> None:
+            if not ended:
+                act()
+                self.after(seconds, again)
+
+        def end() -> None:
+            nonlocal ended
+            ended = True
+
+        again()
+        return end
+
+
+@dataclass
+class Sample:
+    """As one that Zenoh brings."""
+
+    key_expr: str
+    payload: bytes = b""
+    encoding: str = ""
+    kind: zenoh.SampleKind = field(default_factory=lambda: zenoh.SampleKind.PUT)
+
+
+@dataclass
+class Reply:
+    """As one that Zenoh brings: a sample, or an error that is none."""
+
+    ok: Sample | None
+    err: Sample | None = None
+
+
+@dataclass
+class Declared:
+    """Of a session, for as long as it is in the list."""
+
+    key: str
+    call: Callable[[Any], Any]
+    among: list[Declared] = field(repr=False)
+
+    def undeclare(self) -> None:
+        self.among.remove(self)
+
+
+def _meet(key: str, other: str) -> bool:
+    return zenoh.KeyExpr(key).intersects(zenoh.KeyExpr(other))
+
+
+class Session:
+    """Of all who are there."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._subscribers: list[Declared] = []
+        self._answerers: list[Declared] = []
+        self._watchers: list[Declared] = []
+        self._tokens: list[str] = []
+        self.subscribed: list[str] = []
+        """Every key that anybody ever listened to."""
+
+    def liveliness(self) -> Session:
+        return self
+
+    def put(self, key: str, payload: bytes, *, encoding: str = "") -> None:
+        for one in [one for one in self._subscribers if _meet(one.key, key)]:
+            one.call(Sample(key, payload, encoding))
+
+    def declare_subscriber(self, key: str, call: Callable[[Any], Any], *, history: bool | None = None) -> Declared:
+        """Of samples; with `history`, which liveliness alone has, of tokens."""
+        among = self._subscribers if history is None else self._watchers
+        among.append(Declared(key, call, among))
+        self.subscribed.append(key)
+        if history:
+            for token in [token for token in self._tokens if _meet(key, token)]:
+                call(Sample(token))
+        return among[-1]
+
+    @contextmanager
+    def declare_token(self, key: str) -> Iterator[None]:
+        self._tokens.append(key)
+        self._tell(key, zenoh.SampleKind.PUT)
+        yield
+        self._tokens.remove(key)
+        self._tell(key, zenoh.SampleKind.DELETE)
+
+    def _tell(self, token: str, kind: zenoh.SampleKind) -> None:
+        for one in [one for one in self._watchers if _meet(one.key, token)]:
+            one.call(Sample(token, kind=kind))
+
+    def answer(self, key: str, call: Callable[[bytes], tuple[float, bytes] | None]) -> Declared:
+        """Answer requests with what is returned, so many s after they came; None: never."""
+        self._answerers.append(Declared(key, call, self._answerers))
+        return self._answerers[-1]
+
+    def get(
+        self,
+        key: str,
+        call: Callable[[Reply], Any] | None = None,
+        *,
+        timeout: float,
+        payload: bytes = b"",
+        target: zenoh.QueryTarget = zenoh.QueryTarget.BEST_MATCHING,
+        consolidation: zenoh.ConsolidationMode = zenoh.ConsolidationMode.AUTO,
+        **_: Any,
+    ) -> list[Reply]:
+        """Tokens, to one who waits; else answers to who is called: all with the last, if not each by itself."""
+        if call is None:
+            return [Reply(Sample(token)) for token in self._tokens if _meet(key, token)]
+        asked = [one for one in self._answerers if _meet(one.key, key)]
+        if target != zenoh.QueryTarget.ALL:
+            asked = asked[:1]
+        answers = [one.call(payload) for one in asked]
+        last = max((timeout if answer is None else answer[0] for answer in answers), default=0.0)
+        for answer in answers:
+            if answer is not None:
+                after, data = answer
+                reply = Reply(Sample(key, data))
+                held_back = consolidation != zenoh.ConsolidationMode.NONE
+                self._clock.after(last if held_back else after, partial(call, reply))
+        return []

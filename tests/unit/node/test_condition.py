@@ -1,0 +1,33 @@
+"""How a service is: its own faults, and what it notices."""
+
+from __future__ import annotations
+
+import msgspec
+
+from giraff_node.health import Condition
+from giraff_node.logs import service_logger
+from giraff_schemas.messages import Health
+
+
+def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
+    condition = Condition("base", "1", service_logger("base"))
+    assert condition.summary == "well"
+    condition.set_notice("link", "no robot")
+    assert condition.health().ok
+    assert condition.health().notices == ("no robot",)
+    condition.set_fault("board", "unplugged")
+    condition.set_fault("disk", "full")
+    assert not condition.health().ok
+    assert condition.health().faults == ("unplugged", "full")
+    assert condition.summary == "unplugged; full; no robot"
+    condition.set_fault("board", "")
+    condition.set_fault("disk", "")
+    condition.set_notice("link", "")
+    assert condition.health().ok
+    assert condition.summary == "well"
+
+
+def test_a_fault_that_is_no_text_is_told_all_the_same() -> None:
+    condition = Condition("base", "1", service_logger("base"))
+    condition.set_fault("board", "/dev/\udcff: no such port")
+    assert msgspec.json.decode(msgspec.json.encode(condition.health()), type=Health).faults == ("/dev/?: no such port",)

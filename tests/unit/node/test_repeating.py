@@ -1,0 +1,49 @@
+"""A request is repeated until it is answered, at moments that its owner gives."""
+
+from __future__ import annotations
+
+from giraff_node.repeating import Repeated
+from giraff_schemas.messages import EStopAnswer
+
+NO = EStopAnswer(done=False, engaged=False, id=0, reason="no")
+YES = EStopAnswer(done=True, engaged=True, id=1, reason="")
+LATER = EStopAnswer(done=True, engaged=True, id=2, reason="")
+
+
+class Request(Repeated[EStopAnswer]):
+    """To nobody yet; settled by what is done."""
+
+    def __init__(self) -> None:
+        super().__init__(lambda answer: answer.done)
+        self.sent = 0
+
+    def _attempt(self) -> None:
+        self.sent += 1
+
+
+def test_a_request_to_nobody_is_repeated() -> None:
+    asking = Request()
+    assert asking.poll(0.0) is None
+    assert asking.poll(0.1) is None
+    assert (asking.attempts, asking.sent) == (1, 1)
+    assert asking.poll(0.3) is None
+    assert (asking.attempts, asking.sent) == (2, 2)
+
+
+def test_an_answer_that_does_not_settle_it_is_kept_and_asking_goes_on() -> None:
+    asking = Request()
+    asking.poll(0.0)
+    asking.on_answer(NO)
+    assert asking.poll(0.1) is None
+    assert asking.refusal == NO
+    assert asking.poll(0.3) is None
+    assert asking.sent == 2
+
+
+def test_the_first_answer_that_settles_it_ends_it() -> None:
+    asking = Request()
+    asking.poll(0.0)
+    for answer in (NO, YES, LATER):
+        asking.on_answer(answer)
+    assert [asking.poll(0.1), asking.poll(5.0)] == [YES, YES]
+    assert asking.sent == 1

@@ -1,0 +1,28 @@
+"""What a session is told of the network that it is to be on."""
+
+from __future__ import annotations
+
+import json
+
+import zenoh
+
+from giraff_node.session import NetworkConfig, session_config
+
+ROBOT = "sim-node"
+
+
+def test_a_local_session_stays_on_the_loopback() -> None:
+    config = session_config(NetworkConfig(local=True, connect=("192.0.2.1",)), ROBOT)
+    endpoints = config["listen"]["endpoints"] + config["connect"]["endpoints"]
+    assert all(endpoint.startswith("tcp/127.0.0.1:") for endpoint in endpoints)
+    assert config["scouting"]["multicast"]["enabled"] is False
+
+
+def test_a_session_on_the_network_scouts_and_connects() -> None:
+    config = session_config(NetworkConfig(connect=("192.0.2.1",)), ROBOT)
+    assert config["connect"]["endpoints"] == ["tcp/127.0.0.1:7447", "tcp/192.0.2.1:7447"]
+    assert config["scouting"]["multicast"]["enabled"] is True
+
+
+def test_the_configuration_is_one_that_zenoh_takes() -> None:
+    zenoh.Config.from_json5(json.dumps(session_config(NetworkConfig(), ROBOT)))
