@@ -20,4 +20,4 @@ if __name__ == "__main__":
     for module in modules:
         children.start(module, module, [], os.environ | {"PYTHONPATH": directory})
     print(*(children.pid(module) for module in modules), flush=True)
-    time.sleep(60.0)
+    time.sleep(600.0)

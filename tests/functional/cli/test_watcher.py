@@ -57,10 +57,10 @@ def test_samples_and_services_are_told(watcher: Watcher, other: zenoh.Session) -
         watcher.pass_on(telemetry)
         return sorted(telemetry.alive)
 
-    wait(heard, what="the tick")
+    wait(heard, 60.0, what="the tick")
     with other.liveliness().declare_token(alive_key(ROBOT, "base", "one")):
-        wait(lambda: alive() == ["base"], what="the token")
-    wait(lambda: not alive(), what="its end")
+        wait(lambda: alive() == ["base"], 60.0, what="the token")
+    wait(lambda: not alive(), 60.0, what="its end")
     assert watcher.complaints == []
 
 
@@ -71,7 +71,7 @@ def test_what_cannot_be_decoded_is_named(watcher: Watcher, other: zenoh.Session)
         other.put(key_of(ROBOT, TICK), b"\x93")
         return bool(watcher.complaints)
 
-    wait(named, what="the complaint")
+    wait(named, 60.0, what="the complaint")
     assert watcher.complaints[0].startswith(key_of(ROBOT, TICK))
 
 
@@ -83,7 +83,7 @@ def test_a_namesake_is_found_and_others_are_not(watcher: Watcher, other: zenoh.S
     ):
         assert watcher.namesake(0.3) is None
         with tokens.declare_token(alive_key(ROBOT, "base", "3")):
-            assert watcher.namesake(10.0) == alive_key(ROBOT, "base", "3")
+            assert watcher.namesake(60.0) == alive_key(ROBOT, "base", "3")
 
 
 def test_a_visitor_leaves_the_rendezvous_to_those_who_stay(network: NetworkConfig) -> None:

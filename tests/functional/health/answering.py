@@ -20,7 +20,7 @@ def check(directory: Path | str, *arguments: str, program: list[str] = PROGRAM) 
     """Exit code and words of the program."""
     environment = os.environ | {"RUNTIME_DIRECTORY": str(directory)}
     command = [sys.executable, *program, *arguments]
-    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=20)
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=60)
     assert run.stderr == ""
     return run.returncode, run.stdout
 
@@ -39,10 +39,10 @@ def answering(directory: Path, *parts: bytes, then_silent: bool = False) -> Iter
                 for part in parts:
                     client.send(part)
                 if then_silent:
-                    done.wait(20.0)
+                    done.wait(600.0)
 
         thread = threading.Thread(target=answer, daemon=True)
         thread.start()
         yield
         done.set()
-        thread.join(5.0)
+        thread.join(60.0)

@@ -6,13 +6,12 @@ import os
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import msgspec
 import pytest
 
-from giraff_health.ask import TIMEOUT, WELL, socket_path
+from giraff_health.ask import WELL, socket_path
 from giraff_schemas.messages import Health
 from tests.functional.health.answering import PROGRAM, answering, check
 
@@ -62,15 +61,12 @@ def test_a_service_that_ends_meanwhile_is_2(tmp_path: Path) -> None:
     assert "ended just now" in words
 
 
-@pytest.mark.parametrize("parts", [(), (b"{",)], ids=["mute", "stuck"])
-def test_a_service_that_hangs_is_2_in_time(tmp_path: Path, parts: tuple[bytes, ...]) -> None:
-    with answering(tmp_path, *parts, then_silent=True):
-        began = time.monotonic()
+def test_a_service_that_hangs_is_2(tmp_path: Path) -> None:
+    """How soon: tests/timing."""
+    with answering(tmp_path, b"{", then_silent=True):
         code, words = check(tmp_path, "base")
-        took = time.monotonic() - began
     assert code == 2
     assert "hangs" in words
-    assert TIMEOUT <= took < TIMEOUT + 3.0  # the rest is this machine's
 
 
 def test_a_queue_that_is_full_is_2_at_once(tmp_path: Path) -> None:

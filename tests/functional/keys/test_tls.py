@@ -6,8 +6,6 @@ import contextlib
 import json
 import shutil
 import socket
-import threading
-import time
 from collections.abc import Iterator
 from datetime import timedelta
 from pathlib import Path
@@ -18,10 +16,8 @@ import zenoh
 
 from giraff_cli.keys import now
 from giraff_node.session import close_session
+from tests.support.waiting import wait
 from tests.unit.keys.folders import DAY, authority, bundle
-
-REFUSED_AFTER = 1.0  # s: as long a stranger tries, several times; a sample of a friend takes milliseconds
-ARRIVES_WITHIN = 20.0  # s, on a machine that is busy with something else
 
 
 def free_port() -> int:
@@ -30,7 +26,7 @@ def free_port() -> int:
         return int(probe.getsockname()[1])
 
 
-def configuration(keys: Path, *, shown: bool, listen: str = "", connect: str = "") -> zenoh.Config:
+def configuration(keys: Path, *calls: str, shown: bool = True, listen: str = "") -> zenoh.Config:
     """A peer that talks TLS only, and shows its certificate if asked to."""
     tls: dict[str, Any] = {"root_ca_certificate": str(keys / "ca.pem"), "enable_mtls": shown}
     if shown:
@@ -40,8 +36,8 @@ def configuration(keys: Path, *, shown: bool, listen: str = "", connect: str = "
         "mode": "peer",
         "listen": {"endpoints": [listen] if listen else []},
         "connect": {
-            "endpoints": [connect] if connect else [],
-            "timeout_ms": 0,
+            "endpoints": [*calls],
+            "timeout_ms": -1,  # again and again
             "exit_on_failure": False,
             "retry": {"period_init_ms": 100, "period_max_ms": 200},
         },
@@ -60,20 +56,6 @@ def opened(config: zenoh.Config) -> Iterator[zenoh.Session]:
         assert close_session(session)
 
 
-def reaches(caller: Path, called: Path, host: str = "127.0.0.1", *, shown: bool = True, within: float) -> bool:
-    """Whether a sample of the caller arrives at the one that is called, at this name of the machine."""
-    port, arrived = free_port(), threading.Event()
-    listening = configuration(called, shown=True, listen=f"tls/0.0.0.0:{port}")
-    calling = configuration(caller, shown=shown, connect=f"tls/{host}:{port}")
-    with opened(listening) as one, opened(calling) as other:
-        one.declare_subscriber("sample", lambda _sample: arrived.set())
-        deadline = time.monotonic() + within
-        while not arrived.is_set() and time.monotonic() < deadline:
-            other.put("sample", b"")
-            arrived.wait(0.05)
-    return arrived.is_set()
-
-
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two CAs: ours, with robot, laptop and one that is expired, and a stranger's."""
@@ -89,24 +71,56 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1", "localhost"])
-def test_hosts_of_one_ca_talk(folders: Path, host: str) -> None:
-    assert reaches(folders / "ours/laptop", folders / "ours/robot", host, within=ARRIVES_WITHIN)
+def test_a_host_takes_calls_of_its_own_ca_alone(folders: Path) -> None:
+    """Friends call last, one after the other: by then strangers have called as often, and would have come through."""
+    port, arrived = free_port(), set[str]()
+    strangers = {
+        "another CA's": configuration(folders / "theirs/laptop", f"tls/127.0.0.1:{port}"),
+        "another CA's with our CA": configuration(folders / "stranger", f"tls/127.0.0.1:{port}"),
+        "expired": configuration(folders / "ours/expired", f"tls/127.0.0.1:{port}"),
+        "without a certificate": configuration(folders / "ours/laptop", f"tls/127.0.0.1:{port}", shown=False),
+        "at no address of it": configuration(folders / "ours/laptop", f"tls/127.0.0.2:{port}"),
+    }
+    with contextlib.ExitStack() as stack:
+        robot = stack.enter_context(opened(configuration(folders / "ours/robot", listen=f"tls/0.0.0.0:{port}")))
+        robot.declare_subscriber("from/*", lambda sample: arrived.add(sample.payload.to_string()))
+        callers = {name: stack.enter_context(opened(config)) for name, config in strangers.items()}
+        for host in ("127.0.0.1", "localhost", "127.0.0.1"):
+            arrived.discard(host)
+            friend = opened(configuration(folders / "ours/laptop", f"tls/{host}:{port}"))
+            callers[host] = stack.enter_context(friend)
+
+            def has_come(host: str = host) -> bool:
+                for name, session in callers.items():
+                    session.put("from/caller", name)
+                return host in arrived
+
+            wait(has_come, 60.0, what=f"a friend's word at {host}")
+        assert [list(callers[name].info.links()) for name in strangers] == [[]] * len(strangers)
+    assert arrived == {"127.0.0.1", "localhost"}
 
 
-@pytest.mark.parametrize("caller", ["theirs/laptop", "stranger", "ours/expired"])
-def test_a_stranger_and_an_expired_host_are_refused(folders: Path, caller: str) -> None:
-    assert not reaches(folders / caller, folders / "ours/robot", within=REFUSED_AFTER)
+def test_nobody_talks_to_a_stranger_or_an_expired_host_that_listens(folders: Path) -> None:
+    """It calls all of them as often, and a friend that is there only then."""
+    ports = {name: free_port() for name in ("theirs/laptop", "ours/expired", "ours/robot")}
+    arrived = set[str]()
+    with contextlib.ExitStack() as stack:
 
+        def listen(name: str) -> None:
+            config = configuration(folders / name, listen=f"tls/127.0.0.1:{ports[name]}")
+            session = stack.enter_context(opened(config))
+            session.declare_subscriber("word", lambda _: arrived.add(name))
 
-def test_one_who_shows_no_certificate_is_refused(folders: Path) -> None:
-    assert not reaches(folders / "ours/laptop", folders / "ours/robot", shown=False, within=REFUSED_AFTER)
+        listen("theirs/laptop")
+        listen("ours/expired")
+        calls = [f"tls/127.0.0.1:{port}" for port in ports.values()]
+        caller = stack.enter_context(opened(configuration(folders / "ours/laptop", *calls)))
+        listen("ours/robot")
 
+        def has_come() -> bool:
+            caller.put("word", "")
+            return "ours/robot" in arrived
 
-@pytest.mark.parametrize("called", ["theirs/laptop", "ours/expired"])
-def test_nobody_talks_to_a_stranger_or_an_expired_host_that_listens(folders: Path, called: str) -> None:
-    assert not reaches(folders / "ours/laptop", folders / called, within=REFUSED_AFTER)
-
-
-def test_a_host_counts_only_at_its_addresses(folders: Path) -> None:
-    assert not reaches(folders / "ours/laptop", folders / "ours/robot", "127.0.0.2", within=REFUSED_AFTER)
+        wait(has_come, 60.0)
+        assert len(list(caller.info.links())) == 1
+    assert arrived == {"ours/robot"}

@@ -71,7 +71,7 @@ class Base:
     def close(self) -> None:
         self._subscribers.clear()
         close_session(self.session)
-        assert self._children.stop_all(grace=5.0) == []
+        assert self._children.stop_all(grace=60.0) == []
 
     @property
     def estop(self) -> EStop:
@@ -88,12 +88,12 @@ class Base:
         return self._ask(ESTOP_RESET, EStopReset(by="test", id=self.estop.id, tick=newest.time))
 
     def health(self) -> Health:
-        (reply,) = self.session.get(health_key(NAME, "base"), timeout=2.0)
+        (reply,) = self.session.get(health_key(NAME, "base"), timeout=60.0)
         assert reply.ok is not None
         return msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)
 
     def wait(self, holds: Callable[[], bool]) -> None:
-        wait(holds, 15.0)
+        wait(holds, 60.0)
 
     def _ask(self, query: Query[RequestT, AnswerT], request: RequestT) -> AnswerT:
         asking = Asking(self.session, NAME, query, request)

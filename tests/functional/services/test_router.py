@@ -28,7 +28,7 @@ def start(directory: Path, text: str) -> subprocess.Popen[str]:
 def refused(directory: Path, text: str) -> str:
     """What it says when it does not start."""
     process = start(directory, text)
-    _, said = process.communicate(timeout=20.0)
+    _, said = process.communicate(timeout=60.0)
     assert process.returncode == 2
     assert "Traceback" not in said
     return said
@@ -59,7 +59,7 @@ def test_an_address_that_is_taken_is_named(tmp_path: Path) -> None:
 def test_it_says_that_it_is_well_and_ends_when_told_to(tmp_path: Path) -> None:
     process = start(tmp_path, f"mode = 'fixed'\nlisten = ['127.0.0.1:{free_port()}']\n")
     try:
-        deadline = time.monotonic() + 20.0
+        deadline = time.monotonic() + 60.0
         while not (tmp_path / "router.sock").exists():
             assert process.poll() is None
             assert time.monotonic() < deadline
@@ -69,7 +69,7 @@ def test_it_says_that_it_is_well_and_ends_when_told_to(tmp_path: Path) -> None:
         assert b'"service":"router"' in answer
     finally:
         process.send_signal(signal.SIGTERM)
-        _, said = process.communicate(timeout=20.0)
+        _, said = process.communicate(timeout=60.0)
     assert process.returncode == 0
     assert "any robot and anybody" in said
     assert '"message":"ended"' in said

@@ -6,12 +6,14 @@ import sys
 
 import pytest
 
+from giraff_cli import visit
 from giraff_cli.main import app
 from giraff_cli.usage import obey
 
 
 def typed(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
     """Exit code, output and complaint."""
+    monkeypatch.setattr(visit, "_CLOSE_WITHIN", 60.0)  # a session that does not end would take this process along
     monkeypatch.setattr(sys, "argv", ["giraff", *words])
     capsys.readouterr()
     code = obey(app)
