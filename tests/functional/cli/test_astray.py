@@ -70,7 +70,7 @@ def named_by(refusal: str) -> str:
 
 
 def as_typed(command: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(["sh", "-c", command], check=False, capture_output=True, text=True, timeout=60.0)
+    return subprocess.run(["sh", "-c", command], check=False, capture_output=True, text=True, timeout=100.0)
 
 
 def typed_here(
@@ -86,7 +86,7 @@ def typed_here(
             environment.setenv(*word.split("=", 1))
         else:
             assert word == "env"
-    return typed(environment, capsys, *words[1:])
+    return typed(environment, capsys, *words[1:], "--timeout", "60")
 
 
 def test_without_a_fault_this_stranger_would_obey(
@@ -95,7 +95,7 @@ def test_without_a_fault_this_stranger_would_obey(
     """So that the next test can fail."""
     obeys, address = stranger
     environment.setenv("GIRAFF_NETWORK_RENDEZVOUS", address)
-    code, out, _ = typed(environment, capsys, "estop", "engage", "--robot", ROBOT)
+    code, out, _ = typed(environment, capsys, "estop", "engage", "--robot", ROBOT, "--timeout", "60")
     assert code == 0
     assert "STOPPED" in out
     assert obeys.asked
@@ -215,7 +215,7 @@ def test_where_nothing_can_be_read_the_command_says_what_to_put_in(
     for word, meant in {"--robot NAME": f"--robot {ROBOT}", '"HOST"': '"robot"', "ADDRESS": rendezvous}.items():
         assert word in command
         command = command.replace(word, meant)
-    done = as_typed(command)
+    done = as_typed(f"{command} --timeout 60")
     assert (done.returncode, done.stderr) == (0, ""), (command, done)
     assert right.asked
     assert spared.asked == []

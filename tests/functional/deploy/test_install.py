@@ -23,6 +23,7 @@ def tree(tmp_path: Path) -> Tree:
     return Tree(tmp_path)
 
 
+@pytest.mark.timeout(600)  # 10 s of work, for a machine that does nothing else
 def test_a_service_of_the_installed_tree_runs_and_is_well(tree: Tree, tmp_path: Path) -> None:
     code, words = tree.install(PYTHON=str(TRUE_PYTHON), ROLE="robot")
     assert code == 0, words
