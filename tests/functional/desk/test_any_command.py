@@ -17,7 +17,7 @@ from tests.support.process_robot import ProcessRobot
 pytestmark = pytest.mark.timeout(300.0)  # a fixture runs every command once
 
 Words = tuple[str, ...]
-DRIVE = ROOT / "tests" / "functional" / "desk" / "data" / "drive.mcap"
+DRIVE = ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap"
 
 ASKING: dict[str, Words] = {
     "why": (),

@@ -11,7 +11,7 @@ from giraff_mcap.ear import Ear
 from giraff_mcap.heard import Heard
 from giraff_mcap.reading import Recorded, Recording
 from giraff_mcap.writing import RecordingWriter
-from tests.functional.desk.make_drive import DRIVE
+from tests.unit.replay.make_drive import DRIVE
 from tests.support.desk import Desk
 from tests.support.recorders import hearing, require_the_same
 from tests.support.waiting import wait

@@ -23,7 +23,7 @@ from tests.support.desk import Desk, run_beside
 from tests.support.process_robot import ProcessRobot
 
 PAGE = ROOT / "docs" / "tools.md"
-DRIVE = ROOT / "tests" / "functional" / "desk" / "data" / "drive.mcap"
+DRIVE = ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap"
 BLOCK = re.compile(r"```console\n\$ (giraff [^\n]*)\n(.*?)```", re.DOTALL)
 WRITE = bool(os.environ.get("GIRAFF_WRITE_DOCS"))
 

@@ -22,7 +22,7 @@ from giraff_node.robots import find_way
 from tests.rules.repository import ROOT
 from tests.unit.cli.typed import typed
 
-DRIVE = str(ROOT / "tests" / "functional" / "desk" / "data" / "drive.mcap")
+DRIVE = str(ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap")
 WORDS: dict[str, tuple[str, ...]] = {
     "topic info": ("odom",),
     "topic echo": ("odom",),

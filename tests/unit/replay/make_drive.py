@@ -1,6 +1,6 @@
-"""Makes tests/functional/desk/data/drive.mcap anew.
+"""Makes tests/unit/replay/data/drive.mcap anew.
 
-`python -m tests.functional.desk.make_drive`, on a machine that does nothing else.
+`python -m tests.unit.replay.make_drive`, on a machine that does nothing else.
 
 A simulated robot is recorded from before its services start: it is armed, backs, drives ahead until a wall stops it,
 backs, turns, meets a wall that comes from nowhere, and is laid down.

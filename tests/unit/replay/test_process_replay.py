@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
@@ -17,9 +16,10 @@ from giraff_mcap.writing import RecordingWriter
 from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.messages import Sample, Tick, Wheels
-from tests.functional.desk.make_drive import DRIVE
-from tests.support.elsewhere import GIRAFF
+from tests.rules.repository import ROOT
+from tests.unit.cli.typed import typed
 from tests.unit.mcap.recordings import ten
+from tests.unit.replay.make_drive import DRIVE
 
 LEAST = 0.98
 
@@ -113,44 +113,51 @@ def test_odometry_of_other_wheels_shows(drive: Recording) -> None:
     assert replay_odometry(said_in(drive), OdometryConfig(), robot).share < LEAST
 
 
-def giraff_replay(*words: str, at: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """`at`: the working directory."""
-    command = [str(GIRAFF), "replay", *words]
-    return subprocess.run(command, check=False, capture_output=True, text=True, timeout=60.0, cwd=at)
+Replay = Callable[..., tuple[int, str, str]]
 
 
-def test_a_recording_without_a_robot_file_takes_one_from_here(tmp_path: Path) -> None:
+@pytest.fixture
+def giraff_replay(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Replay:
+    """The command: exit code, output and complaint."""
+    monkeypatch.delenv("GIRAFF_CONFIG", raising=False)
+    return lambda *words: typed(monkeypatch, capsys, "replay", *words)
+
+
+def test_a_recording_without_a_robot_file_takes_one_from_here(
+    giraff_replay: Replay, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A desk needs none to record, and tells whoever replays that there where none is, either."""
     about = {name: value for name, value in Recording(DRIVE).about.items() if name != "tables"}
     with RecordingWriter(tmp_path / "bare.mcap", about) as writer:
         writer.add(ten())
         writer.close("test")
-    told = giraff_replay("bare.mcap", at=tmp_path)
-    assert told.returncode == 2
-    assert "bare.mcap was recorded where its robot file was not; no robot file at" in told.stderr
-    assert "GIRAFF_CONFIG" in told.stderr
-    assert "no robot file" not in giraff_replay(str(tmp_path / "bare.mcap")).stderr
+    monkeypatch.chdir(ROOT)
+    assert "no robot file" not in giraff_replay(str(tmp_path / "bare.mcap"))[2]
+    monkeypatch.chdir(tmp_path)
+    code, _, complaint = giraff_replay("bare.mcap")
+    assert code == 2
+    assert "bare.mcap was recorded where its robot file was not; no robot file at" in complaint
+    assert "GIRAFF_CONFIG" in complaint
 
 
-def test_a_recording_of_another_version_is_named(tmp_path: Path) -> None:
+def test_a_recording_of_another_version_is_named(giraff_replay: Replay, tmp_path: Path) -> None:
     old = [sample._replace(payload=msgspec.msgpack.encode({"seq": 1, "instance": "i"})) for sample in ten()]
     with RecordingWriter(tmp_path / "old.mcap", Recording(DRIVE).about) as writer:
         writer.add(old)
         writer.close("test")
-    told = giraff_replay(str(tmp_path / "old.mcap"))
-    assert told.returncode == 2
-    assert "old.mcap: not of this version: giraff/sim-test/odom: not a Odometry: Object missing" in told.stderr
-    assert "nothing in it can be compared" in told.stderr
+    code, _, complaint = giraff_replay(str(tmp_path / "old.mcap"))
+    assert code == 2
+    assert "old.mcap: not of this version: giraff/sim-test/odom: not a Odometry: Object missing" in complaint
+    assert "nothing in it can be compared" in complaint
 
 
-def test_the_command_tells_it(tmp_path: Path) -> None:
-    told = giraff_replay(str(DRIVE))
-    assert (told.returncode, told.stderr) == (0, "")
-    assert "odometry" in told.stdout
-    assert "100.00%" in told.stdout
-    rows = msgspec.json.decode(giraff_replay(str(DRIVE), "--json").stdout)
+def test_the_command_tells_it(giraff_replay: Replay, tmp_path: Path) -> None:
+    code, text, complaint = giraff_replay(str(DRIVE))
+    assert (code, complaint) == (0, "")
+    assert "odometry" in text
+    assert "100.00%" in text
+    rows = msgspec.json.decode(giraff_replay(str(DRIVE), "--json")[1])
     assert [row["key"] for row in rows] == ["odom", "cmd_vel", "guard", "lease"]
-    assert giraff_replay(str(DRIVE), "--least", "1").returncode == (0 if all(row["share"] == 1 for row in rows) else 1)
+    assert giraff_replay(str(DRIVE), "--least", "1")[0] == (0 if all(row["share"] == 1 for row in rows) else 1)
     nothing = giraff_replay(str(tmp_path / "none.mcap"))
-    assert nothing.returncode == 2
-    assert nothing.stderr == f"giraff: {tmp_path}/none.mcap: No such file or directory\n"
+    assert nothing == (2, "", f"giraff: {tmp_path}/none.mcap: No such file or directory\n")
