@@ -43,7 +43,7 @@ def records(process: subprocess.Popen[str], path: Path) -> None:
         assert process.poll() is None
         return path.exists() and path.stat().st_size >= 20_000
 
-    wait(has_begun, 20.0, what="a recording", every=0.05)
+    wait(has_begun, 60.0, what="a recording", every=0.05)
 
 
 def share_of_a_core(process: psutil.Process, seconds: float) -> float:
@@ -58,7 +58,7 @@ def killed_recording(robot: ProcessRobot, name: str) -> tuple[Path, int]:
     path = robot.directory / name
     with giraff_process(robot, "record", "-o", name) as process:
         records(process, path)
-        time.sleep(random.uniform(3.0, 6.0))
+        time.sleep(random.uniform(1.0, 3.0))
         process.kill()
         return path, time.time_ns()
 
@@ -74,6 +74,18 @@ def hearing(rendezvous: str, robot: str) -> Iterator[Ear]:
     finally:
         ear.close()
         close_session(session)
+
+
+def all_of(ear: Ear, count: int) -> list[Heard]:
+    """As many samples as were recorded, in the order in which they came."""
+    heard: list[Heard] = []
+
+    def all_came() -> bool:
+        heard.extend(ear.take())
+        return len(heard) >= count
+
+    wait(all_came, 60.0, what="the last sample")
+    return heard
 
 
 def require_the_same(heard: Iterable[Heard], recorded: Iterable[Recorded], robot: str) -> None:

@@ -1,8 +1,8 @@
 """docs/tools.md shows what the commands really say: it is made of a run of them, and held to their words.
 
-`GIRAFF_WRITE_DOCS=1 pytest tests/functional/desk/test_tools_page.py` writes the outputs anew. Otherwise those of
-the page are compared in form: numbers, ids and blanks may differ. Each command that it names is tried for its words
-and options.
+`GIRAFF_WRITE_DOCS=1 pytest tests/functional/desk/test_tools_page.py` writes the outputs anew. Otherwise those of the
+page are compared in form: numbers, ids and blanks may differ. Each command that it names is tried for its words and
+options.
 """
 
 from __future__ import annotations

@@ -1,0 +1,77 @@
+"""A network on which robots are, and say nothing; and a clock that goes on when somebody waits."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from types import SimpleNamespace
+from typing import Any
+from unittest.mock import MagicMock
+
+import pytest
+import zenoh
+
+from giraff_cli.stopping import Stopping
+
+
+class QuietNetwork:
+    """Liveliness tokens, and nothing else."""
+
+    def __init__(self, tokens: Iterable[str]) -> None:
+        self._tokens = tuple(tokens)
+        self.opened = 0
+
+    def open(self, _config: Any) -> MagicMock:
+        """A session in it: nobody answers, nothing is heard."""
+        self.opened += 1
+        session = MagicMock(name="session")
+        session.liveliness.return_value.get.side_effect = self._alive
+        session.liveliness.return_value.declare_subscriber.side_effect = self._tell
+        session.get.side_effect = lambda *_, **__: []
+        session.info.peers_zid.side_effect = list
+        session.info.routers_zid.side_effect = list
+        return session
+
+    def _alive(self, key: str, **_: Any) -> list[Any]:
+        return [SimpleNamespace(ok=SimpleNamespace(key_expr=token)) for token in self._those(key)]
+
+    def _tell(self, key: str, hear: Callable[[Any], None], **_: Any) -> MagicMock:
+        for token in self._those(key):
+            hear(SimpleNamespace(key_expr=token, kind=zenoh.SampleKind.PUT))
+        return MagicMock(name="subscriber")
+
+    def _those(self, key: str) -> list[str]:
+        wanted = zenoh.KeyExpr(key)
+        return [token for token in self._tokens if wanted.intersects(zenoh.KeyExpr(token))]
+
+
+class SteppingClock:
+    """Time that passes while somebody waits for it, and a little with each look at it."""
+
+    def __init__(self) -> None:
+        self._now_ns = 1_000_000_000_000
+
+    def monotonic(self) -> float:
+        return self.monotonic_ns() * 1e-9
+
+    def monotonic_ns(self) -> int:
+        self._now_ns += 1_000
+        return self._now_ns
+
+    def sleep(self, seconds: float) -> None:
+        self._now_ns += max(0, round(seconds * 1e9))
+
+
+def meet(monkeypatch: pytest.MonkeyPatch, *tokens: str) -> QuietNetwork:
+    """From here on whoever opens a session finds these liveliness tokens, in a time of its own."""
+    network, clock = QuietNetwork(tokens), SteppingClock()
+    monkeypatch.setattr(zenoh, "open", network.open)
+    for name in ("monotonic", "monotonic_ns", "sleep"):
+        monkeypatch.setattr(time, name, getattr(clock, name))
+
+    def wait(stopping: Stopping, seconds: float, patience: int = 1) -> bool:
+        clock.sleep(seconds)
+        return stopping.asked >= patience
+
+    monkeypatch.setattr(Stopping, "wait", wait)
+    return network

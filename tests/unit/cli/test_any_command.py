@@ -1,0 +1,182 @@
+"""What holds of every `giraff` command: no robot, two robots, another robot, a key that is not there."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer.main
+
+import giraff_cli.calls
+import giraff_cli.doctor
+import giraff_cli.record
+import giraff_cli.screen
+from giraff_cli.main import app
+from giraff_schemas.topics import alive_key
+from tests.rules.repository import ROOT
+from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.typed import typed
+
+Words = tuple[str, ...]
+Typed = Callable[..., tuple[int, str, str]]
+DRIVE = ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap"
+SERVICES = ("base", "guard", "joystick", "odometry", "ranger")
+
+ASKING: dict[str, Words] = {
+    "why": (),
+    "watch": ("--for", "3"),
+    "estop status": (),
+    "estop reset": (),
+    "estop engage": (),
+    "topic list": (),
+    "topic info": ("odom",),
+    "topic echo": ("odom", "--for", "3"),
+    "topic hz": ("odom", "--for", "1"),
+    "topic bw": ("--for", "1"),
+    "node list": (),
+    "node info": ("base",),
+    "graph": (),
+    "frames": (),
+    "top": ("--for", "3"),
+    "param list": ("odometry",),
+    "param get": ("guard.margin",),
+    "param describe": ("guard.margin",),
+    "param set": ("guard.margin", "0.25"),
+    "param save": ("guard.margin",),
+    "doctor": (),
+    "record": ("--for", "4", "-o", "FILE"),
+    "view": ("--for", "4", "--save", "FILE", "--json"),
+}
+"""Every command that asks a robot, with what it needs to be of use, and to end by itself.
+
+FILE is one that is not there yet.
+"""
+NO_SUCH_TOPIC = "did you mean odom? there are: tick, "
+ELSEWHERE = "tests/functional/desk/test_param.py: the robot tells what it has"
+UNKNOWN: Mapping[str, tuple[Words, str]] = {
+    "topic info": (("odmo",), NO_SUCH_TOPIC),
+    "topic echo": (("odmo",), NO_SUCH_TOPIC),
+    "topic hz": (("odmo",), NO_SUCH_TOPIC),
+    "topic bw": (("odmo",), NO_SUCH_TOPIC),
+    "topic pub": (("odmo", "{}"), NO_SUCH_TOPIC),
+    "node info": (("gard",), "no service 'gard' on the network; there are: base, guard, "),
+    "param set": (("gaurd.margin", "0.5"), "no such service is heard of sim-test; there are base, guard, "),
+    "param save": (("gaurd.margin",), "no such service is heard of sim-test; there are base, guard, "),
+    "record": (("--topics", "odmo"), "no such topic; there are tick, "),
+    "play": ((str(DRIVE), "--topics", "odmo"), "has no such key; it has base, "),
+}
+"""Commands that take a key or a name of something the robot has, with one that it has not, and what they say."""
+UNKNOWN_ELSEWHERE: Mapping[str, str] = {"param list": ELSEWHERE, "param get": ELSEWHERE, "param describe": ELSEWHERE}
+ROBOTLESS: Mapping[str, str] = {
+    "topic pub": "functional/desk/test_topics.py: it speaks for a robot that must not be there, and has to be named",
+    "play": "functional/desk/test_recordings.py: likewise",
+    "replay": "unit/replay: it asks a file",
+    "run": "functional/robot/test_run.py: it brings its robot along",
+    "dst": "dst: likewise",
+    "check wheels": "unit/cli/test_check_wheels.py: it asks a board, and whoever stands beside it",
+    "keys init": "unit/keys: it asks a folder",
+    "keys host": "likewise",
+    "keys list": "likewise",
+}
+"""Those that ask no robot, and where below tests/ they are tried."""
+WAITING = {"watch", "record", "view"}
+"""They say so while they wait, and in the end."""
+
+
+def whole_commands() -> dict[str, Any]:
+    """Of the whole command line."""
+    found: dict[str, Any] = {}
+
+    def walk(command: Any, words: Words) -> None:
+        for name, inner in getattr(command, "commands", {}).items():
+            walk(inner, (*words, name))
+        if not hasattr(command, "commands"):
+            found[" ".join(words)] = command
+
+    walk(typer.main.get_command(app), ())
+    return found
+
+
+def test_no_command_is_left_out() -> None:
+    assert set(whole_commands()) == set(ASKING) | set(ROBOTLESS)
+    naming = {"key", "topics", "name", "names", "service"}
+    takers = {path for path, it in whole_commands().items() if naming & {parameter.name for parameter in it.params}}
+    assert {path for path in takers if not path.startswith("keys ")} == set(UNKNOWN) | set(UNKNOWN_ELSEWHERE)
+
+
+@pytest.fixture
+def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Typed:
+    """Types a command on a host that knows of no robot: exit code, output and complaint."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
+    monkeypatch.setattr(giraff_cli.record, "step_back", lambda: None)  # it is for the whole process
+    monkeypatch.setattr(gc, "freeze", lambda: None)
+    monkeypatch.setattr(giraff_cli.doctor, "call_all", lambda *_: ())
+    monkeypatch.setattr(giraff_cli.screen, "_takes_more", lambda: True)
+
+    def say(path: str, words: Words, *more: str) -> tuple[int, str, str]:
+        given = (str(tmp_path / "new") if word == "FILE" else word for word in words)
+        return typed(monkeypatch, capsys, *path.split(), *given, *more)
+
+    return say
+
+
+def told(path: str, done: tuple[int, str, str]) -> str:
+    """What a command that could do nothing says, in one line on standard error; the first of one that waits."""
+    code, out, complaint = done
+    if path == "doctor":  # to whom that is a finding like others
+        assert (code, complaint) == (1, "")
+        return out
+    assert code == 2
+    first, *more = complaint.splitlines()
+    if path in WAITING:
+        return next(line for line in (first, *more) if line.startswith("giraff: "))
+    assert (more, out) == ([], "")
+    return first
+
+
+@pytest.mark.parametrize("path", ASKING)
+def test_with_no_robot_it_says_so(path: str, say: Typed, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    network = meet(monkeypatch)
+    said = told(path, say(path, ASKING[path]))
+    assert network.opened == 1
+    assert "no robot is heard" in said
+    assert "give --connect " in said or path == "doctor"
+    assert not (tmp_path / "new").exists()
+
+
+@pytest.mark.parametrize("path", ASKING)
+def test_with_two_robots_it_lists_them(path: str, say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
+    meet(monkeypatch, alive_key("sim-other", "base", "1"), alive_key("sim-test", "base", "2"))
+    code, out, complaint = say(path, ASKING[path])
+    options = "--robot sim-other, --robot sim-test"
+    assert complaint == f"giraff: several robots are on the network; name one: {options}\n"
+    assert (code, out) == (2, "")
+
+
+@pytest.mark.parametrize("path", [path for path in ASKING if path != "estop engage"])
+def test_a_robot_that_is_not_there_is_named_with_those_that_are(
+    path: str, say: Typed, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    meet(monkeypatch, alive_key("sim-test", "base", "1"))
+    said = told(path, say(path, ASKING[path], "--robot", "otto"))
+    assert "otto" in said
+    assert "--robot sim-test" in said or path == "doctor"
+    assert not (tmp_path / "new").exists() or path == "view"
+
+
+@pytest.mark.parametrize("path", UNKNOWN)
+def test_what_the_robot_has_not_is_told_with_what_it_has(
+    path: str, say: Typed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    meet(monkeypatch, *(alive_key("sim-test", service, service) for service in SERVICES))
+    words, expected = UNKNOWN[path]
+    code, out, complaint = say(path, words)
+    assert (code, out) == (2, "")
+    [line] = complaint.splitlines()
+    assert expected in line
