@@ -1,4 +1,4 @@
-"""What the tests of the operator's desk share: one robot for those of a file, which none may harm, and a desk beside it."""
+"""What the tests of the operator's desk share: for each file a robot, which none may harm, and a desk beside it."""
 
 from __future__ import annotations
 

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import threading
-import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -41,13 +39,6 @@ def faults(told: Told) -> list[str]:
     return [f"{each['about']}: {each['what']} -> {each['fix']}" for each in told[1] if each["severity"] == "fault"]
 
 
-def one_fault(told: Told) -> str:
-    """Of a robot on which one thing is wrong."""
-    assert told[0] == 1
-    (fault,) = faults(told)
-    return fault
-
-
 def until(robot: ProcessRobot, look: Callable[[], Told], holds: Callable[[Told], bool]) -> Told:
     """Look until that is so: what follows from a change takes its time."""
     seen: list[Told] = []
@@ -57,7 +48,7 @@ def until(robot: ProcessRobot, look: Callable[[], Told], holds: Callable[[Told],
         return holds(seen[-1])
 
     try:
-        robot.wait("it", again, 25.0)
+        robot.wait("it", again, 60.0)
     except AssertionError:
         raise AssertionError(f"not in {seen[-1]}") from None
     return seen[-1]
@@ -84,28 +75,6 @@ def board_of_other_protocol(link: Path, kind: BoardKind) -> Iterator[FakePort]:
         ended.set()
         thread.join()
         port.close()
-
-
-@contextmanager
-def half_asleep(pid: int) -> Iterator[None]:
-    """A process that gets half of the processor's time, as on a machine with too much to do."""
-    ended = threading.Event()
-
-    def nag() -> None:
-        while not ended.is_set():
-            os.kill(pid, signal.SIGSTOP)
-            time.sleep(0.12)
-            os.kill(pid, signal.SIGCONT)
-            time.sleep(0.02)
-
-    thread = threading.Thread(target=nag)
-    thread.start()
-    try:
-        yield
-    finally:
-        ended.set()
-        thread.join()
-        os.kill(pid, signal.SIGCONT)
 
 
 def with_clock(environment: dict[str, str], folder: Path, ahead: float) -> dict[str, str]:

@@ -1,0 +1,35 @@
+"""`giraff doctor` where this host's own keys are of no use any more."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+import giraff_cli.doctor
+from giraff_cli.keys import make_authority, make_bundle
+from tests.rules.repository import ROOT
+from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.typed import typed
+
+
+def test_a_certificate_that_has_expired(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    now = datetime.now(UTC)
+    make_authority(tmp_path / "keys", now - timedelta(days=100))
+    make_bundle(tmp_path / "keys", "old", ("192.0.2.1",), days=30, renew=False, moment=now - timedelta(days=60))
+    access = tmp_path / "secured.toml"
+    access.write_text((ROOT / "deploy" / "robot.toml").read_text() + '\n[network.access]\nrobot = ["old"]\n')
+    for name, value in (("MODE", "secured"), ("KEYS", str(tmp_path / "keys" / "old")), ("RENDEZVOUS", "127.0.0.1:9")):
+        monkeypatch.setenv(f"GIRAFF_NETWORK_{name}", value)
+    monkeypatch.setenv("GIRAFF_CONFIG", str(access))
+    monkeypatch.setattr(giraff_cli.doctor, "call_all", lambda *_: ())
+    meet(monkeypatch)
+    code, out, _ = typed(monkeypatch, capsys, "doctor", "--robot", "sim-far")
+    assert code == 1
+    [number] = [number for number, line in enumerate(out.splitlines()) if line.startswith("FAULT    certificates: ")]
+    fault = " ".join(out.splitlines()[number : number + 2])
+    assert "keys of old: expired" in fault
+    assert "giraff keys host old" in fault
