@@ -14,6 +14,7 @@ import msgspec
 
 from giraff_cli.watcher import free_port
 from tests.support.elsewhere import GIRAFF, clean
+from tests.support.waiting import wait
 
 WordsT = TypeVar("WordsT")
 EndedT = TypeVar("EndedT")
@@ -56,6 +57,22 @@ class Desk:
             **streams | popen,
         )
 
+    def until(self, holds: Callable[[Done], object], *words: str) -> Done:
+        """The command, called until what it says holds: on a busy machine not everybody is met at the first call."""
+        done: list[Done] = []
+
+        def it_holds() -> object:
+            done.append(self.run(*words))
+            return holds(done[-1])
+
+        wait(it_holds, 60.0, what=lambda: f"{words} never says it: {done[-1]}")
+        return done[-1]
+
+    def json_until(self, holds: Callable[[Any], object], *words: str) -> Any:
+        """The one document that a command with --json prints when all is well, once it holds."""
+        done = self.until(lambda done: is_well(done) and holds(msgspec.json.decode(done.stdout)), *words, "--json")
+        return msgspec.json.decode(done.stdout)
+
     def json(self, *words: str) -> Any:
         """The one document that a command with --json prints, when all is well."""
         done = self.run(*words, "--json")
@@ -72,6 +89,11 @@ class Desk:
                 yield process
             finally:
                 process.kill()
+
+
+def is_well(done: Done) -> bool:
+    """All it was asked for, and no complaint."""
+    return (done.returncode, done.stderr) == (0, "")
 
 
 def run_beside(run: Callable[[WordsT], EndedT], all_words: Iterable[WordsT]) -> dict[WordsT, EndedT]:

@@ -37,7 +37,7 @@ class Talker:
             encoding=encoding_of(topic.schema),
             congestion_control=zenoh.CongestionControl.BLOCK,  # what is lost is what the test leaves out
         )
-        wait(lambda: is_listened_to(publisher), 20.0, what="somebody who listens", every=0.01)
+        wait(lambda: is_listened_to(publisher), 60.0, what="somebody who listens", every=0.01)
         began, began_ns, first = time.monotonic(), time.time_ns(), min(seqs)
         for seq in seqs:
             due = (seq - first) / hz

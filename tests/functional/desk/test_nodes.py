@@ -1,12 +1,23 @@
-"""`giraff node` and `giraff graph` beside a running robot."""
+"""`giraff node`, `graph`, `frames` and `top` beside a running robot."""
 
 from __future__ import annotations
 
 import re
+import signal
+from pathlib import Path
+from typing import Any
 
+import psutil
+import pytest
+
+from giraff_schemas.messages import Battery
+from giraff_schemas.topics import BATTERY
 from tests.support.desk import Desk
+from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import SERVICES, ProcessRobot
+from tests.support.robots import ROBOT
 from tests.support.talker import INSTANCE, talker
+from tests.support.terminals import screen
 
 EDGES = {
     ("base", "tick", "guard"),
@@ -30,51 +41,41 @@ EDGES = {
 
 
 def test_list_tells_where_each_service_runs(robot: ProcessRobot, desk: Desk) -> None:
-    rows = desk.json("node", "list")
+    def are_well(rows: Any) -> bool:
+        told = [row["service"] for row in rows if row["health"] and row["health"]["ok"]]
+        return told == sorted(SERVICES)
+
+    rows = desk.json_until(are_well, "node", "list")
     assert [row["service"] for row in rows] == sorted(SERVICES)
     for row in rows:
         assert row["health"]["pid"] == robot.pid(row["service"])
-        assert row["health"]["ok"]
-    done = desk.run("node", "list")
-    assert done.returncode == 0
+    done = desk.until(lambda done: done.returncode == 0, "node", "list")
     for service in SERVICES:
         assert re.search(rf"^{service} +[0-9a-f]{{16}} +\S+ +{robot.pid(service)} +", done.stdout, re.MULTILINE)
 
 
 def test_info_tells_what_a_service_says_and_to_whom(robot: ProcessRobot, desk: Desk) -> None:
-    [row] = desk.json("node", "info", "base")
+    [row] = desk.json_until(len, "node", "info", "base")
     health = row["health"]
     assert set(health["publishes"]) == {"tick", "wheels", "base", "estop", "battery"}
     assert health["subscribes"] == ["cmd_vel"]
     assert {"estop/engage", "estop/reset"} <= set(health["answers"])
     assert health["cpu_time"] > 0.0
     assert 10e6 < health["rss_bytes"] < 200e6
-    text = desk.run("node", "info", "guard").stdout
-    assert f"pid {robot.pid('guard')}," in text
-    assert "publishes   cmd_vel -> base\n" in text
-    assert "listens to  cmd_vel/* <- joystick\n" in text
-    assert desk.json("node", "info", row["instance"])[0]["service"] == "base"
-
-
-def test_a_service_that_is_not_there_is_told_with_those_that_are(desk: Desk) -> None:
-    done = desk.run("node", "info", "gard")
-    assert (done.returncode, done.stdout) == (2, "")
-    [line] = done.stderr.splitlines()
-    assert line.endswith(
-        "sim-test has no service 'gard' on the network; there are: base, guard, joystick, odometry, ranger"
-    )
+    said = (f"pid {robot.pid('guard')},", "publishes   cmd_vel -> base\n", "listens to  cmd_vel/* <- joystick\n")
+    desk.until(lambda done: all(each in done.stdout for each in said), "node", "info", "guard")
+    assert desk.json_until(len, "node", "info", row["instance"])[0]["service"] == "base"
 
 
 def test_a_service_that_is_not_well_or_does_not_answer_shows(robot: ProcessRobot, desk: Desk) -> None:
     robot.simulator.unplug("ranger")
     try:
-        robot.wait("the ranger's fault", lambda: desk.run("node", "info", "ranger").returncode == 1, 20.0)
-        done = desk.run("node", "list")
+        fault = re.compile(r"^ranger .*ports/ranger: ", re.MULTILINE)
+        done = desk.until(lambda done: fault.search(done.stdout), "node", "list")
     finally:
         robot.simulator.plug("ranger")
     assert done.returncode == 1
-    assert re.search(r"^ranger .*ports/ranger: ", done.stdout, re.MULTILINE)
-    robot.wait("the ranger's recovery", lambda: desk.run("node", "info", "ranger").returncode == 0, 20.0)
+    desk.until(lambda done: done.returncode == 0, "node", "info", "ranger")
     with talker(desk.rendezvous, "sim-mute"):
         done = desk.run("node", "list", "--robot", "sim-mute")
     assert done.returncode == 1
@@ -82,15 +83,92 @@ def test_a_service_that_is_not_well_or_does_not_answer_shows(robot: ProcessRobot
 
 
 def test_the_graph_has_every_edge(desk: Desk) -> None:
-    drawn = desk.json("graph")
-    assert set(drawn["nodes"]) == set(SERVICES)
-    assert {(edge["source"], edge["key"], edge["target"]) for edge in drawn["edges"]} == EDGES
-    dot = desk.run("graph", "--dot").stdout
+    def is_whole(drawn: Any) -> bool:
+        edges = {(edge["source"], edge["key"], edge["target"]) for edge in drawn["edges"]}
+        return (set(drawn["nodes"]), edges) == (set(SERVICES), EDGES)
+
+    desk.json_until(is_whole, "graph")
+    dot = desk.until(lambda done: done.stdout.count(" -> ") >= len(EDGES), "graph", "--dot").stdout
     assert dot.startswith('digraph "sim-test" {\n')
     arrows = re.findall(r'^  "(\S+)" -> "(\S+)" \[label="(\S+)"\];$', dot, re.MULTILINE)
     assert {(source, key, target) for source, target, key in arrows} == {edge for edge in EDGES if edge[2]}
     assert '"odometry" -> "/odom" [style=dashed];' in dot
     assert '"base" -> "/base" [style=dashed];' in dot
-    text = desk.run("graph").stdout
-    assert re.search(r"tick +-> guard, joystick, ranger$", text, re.MULTILINE)
-    assert re.search(r"odom +-> nobody that says so$", text, re.MULTILINE)
+    said = [
+        re.compile(r"tick +-> guard, joystick, ranger$", re.MULTILINE),
+        re.compile(r"odom +-> nobody that says so$", re.MULTILINE),
+    ]
+    desk.until(lambda done: all(each.search(done.stdout) for each in said), "graph")
+
+
+def test_the_tree_goes_from_odom_to_the_sensors(desk: Desk) -> None:
+    found = desk.json_until(lambda found: len(found["frames"]) == 1 + len(ROBOT.sensors), "frames")
+    places = {told["child"]: told for told in found["frames"]}
+    assert set(places) == {"base_link", "range_front_left_link", "range_front_right_link", "range_rear_link"}
+    assert (places["base_link"]["parent"], places["base_link"]["fixed"]) == ("odom", False)
+    for sensor, pose in ROBOT.sensors.items():
+        told = places[f"range_{sensor}_link"]
+        assert (told["parent"], told["fixed"]) == ("base_link", True)
+        assert (told["x"], told["y"], told["yaw"]) == pytest.approx((pose.x, pose.y, pose.yaw))
+    assert found["faults"] == []
+
+
+def test_it_is_drawn(desk: Desk) -> None:
+    text = desk.until(lambda done: done.stdout.count("\n") == 2 + len(ROBOT.sensors), "frames").stdout
+    assert text.startswith("odom\n└── base_link  x 0.000 m, y 0.000 m, yaw ")
+    assert re.search(r"^    └── range_rear_link  x -0.250 m, y 0.000 m, yaw 180.0°$", text, re.MULTILINE)
+    drawn = desk.until(lambda done: done.stdout.count(" -> ") == 1 + len(ROBOT.sensors), "frames", "--dot").stdout
+    assert '"odom" -> "base_link" [label=' in drawn
+    assert '"base_link" -> "range_rear_link" [label="x -0.250 m, y 0.000 m, yaw 180.0°"];' in drawn
+
+
+def test_a_robot_of_which_nobody_tells_is_named(desk: Desk) -> None:
+    with talker(desk.rendezvous, "sim-nowhere"):
+        done = desk.run("frames", "--robot", "sim-nowhere")
+    assert (done.returncode, done.stdout) == (2, "")
+    [line] = done.stderr.splitlines()
+    assert "nobody tells where the frames of sim-nowhere are" in line
+
+
+def test_top_has_services_hosts_and_topics(robot: ProcessRobot, desk: Desk) -> None:
+    def is_whole(report: Any) -> bool:
+        told = [work["service"] for work in report["services"] if work["cpu"]]
+        flowing = {stream["key"] for stream in report["topics"] if stream["hz"]}
+        return told == sorted(SERVICES) and flowing >= {"odom", "cmd_vel"}
+
+    report = desk.json_until(is_whole, "top", "--once")
+    for work in report["services"]:
+        process = psutil.Process(robot.pid(work["service"]))
+        assert work["pid"] == process.pid
+        assert work["rss_bytes"] == pytest.approx(process.memory_info().rss, rel=0.1)
+    [[cpu, rss]] = report["hosts"].values()
+    assert cpu == pytest.approx(sum(work["cpu"] for work in report["services"]))
+    assert rss == sum(work["rss_bytes"] for work in report["services"])
+    [odom] = [stream for stream in report["topics"] if stream["key"] == "odom"]
+    assert odom["by"] == "odometry"
+    said = [rf"^{service} +\S+ +{robot.pid(service)} +\d+\.\d % +\d+ MB  \S" for service in SERVICES]
+    said += [r"^sim-test  ", r"^odom +odometry +\d+\.\d +100\.0 +\d+ +\d+ +\d+ +"]
+    desk.until(lambda done: all(re.search(each, done.stdout, re.MULTILINE) for each in said), "top", "--once")
+
+
+def test_losses_and_silence_show(desk: Desk) -> None:
+    seqs = [seq for seq in range(60) if seq not in (20, 21, 22)]
+    with talker(desk.rendezvous, "sim-lossy") as robot, desk.running("top", "--robot", "sim-lossy") as process:
+        robot.say(BATTERY, Battery(voltage=24.0), seqs, 20.0)
+        assert process.stdout is not None
+        lines = [process.stdout.readline() for _ in range(7)]
+        process.send_signal(signal.SIGINT)
+        assert process.wait(60.0) == 0
+    assert any(line.rstrip().endswith("| base - | lost 3 | slow: none") for line in lines)
+    assert lines[-1].rstrip().endswith("| base - | lost 3 | slow: battery - Hz")
+
+
+def test_a_terminal_shows_it_and_is_given_back(desk: Desk, tmp_path: Path) -> None:
+    environment = {**desk.environment, "TERM": "xterm-256color"}
+    with screen([str(GIRAFF), "top"], tmp_path / "top.err", environment) as shown:
+        shown.wait_for("odometry", 60.0)
+        shown.wait_for("100.0", 60.0)
+        shown.type(b"\x03")
+        assert shown.process.wait(60.0) == 0
+        assert shown.is_restored()
+    assert (tmp_path / "top.err").read_text() == ""
