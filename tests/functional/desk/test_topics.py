@@ -199,8 +199,8 @@ def test_pub_says_nothing_in_the_name_of_a_robot_that_is_there(robot: ProcessRob
 def test_pub_says_it_in_another_name_until_that_robot_comes(desk: Desk) -> None:
     words = ("topic", "pub", "battery", '{"voltage": 23.5}', "--robot", "sim-mine")
     with desk.running(*words, "--rate", "20", "--json") as publishing:
-        words = ("topic", "hz", "battery", "--robot", "sim-mine", "--for", "2", "--json")
-        rates = desk.until(lambda done: done.stdout and json.loads(done.stdout)["rates"], *words)
+        asking = ("topic", "hz", "battery", "--robot", "sim-mine", "--for", "2", "--json")
+        rates = desk.until(lambda done: done.stdout and json.loads(done.stdout)["rates"], *asking)
         [rate] = json.loads(rates.stdout)["rates"]
         assert rate["hz"] > 0.0
         assert rate["maker"]["service"] == ""
