@@ -1,0 +1,59 @@
+"""`giraff view` on the robot's host, without a screen."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import subprocess
+from collections.abc import Iterator
+from typing import Any
+
+import psutil
+
+from tests.support.elsewhere import GIRAFF
+from tests.support.process_robot import ProcessRobot
+from tests.support.waiting import wait
+
+
+def view(robot: ProcessRobot, *words: str, timeout: float = 100.0) -> subprocess.CompletedProcess[str]:
+    """The command, once it has ended."""
+    return subprocess.run(
+        [str(GIRAFF), "view", *words],
+        cwd=robot.directory,
+        env=screenless(robot),
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+    )
+
+
+def screenless(robot: ProcessRobot) -> dict[str, str]:
+    return {name: value for name, value in robot.environment.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+
+
+@contextlib.contextmanager
+def viewing(robot: ProcessRobot, *words: str) -> Iterator[subprocess.Popen[str]]:
+    """The command, while it goes on; it and what it has started are ended with the block."""
+    command = [str(GIRAFF), "view", *words]
+    streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, cwd=robot.directory, env=screenless(robot), **streams) as process:
+        try:
+            yield process
+        finally:
+            started = viewers_of(process) if process.poll() is None else []
+            process.kill()
+            for each in started:
+                os.killpg(each.pid, signal.SIGKILL)
+
+
+def viewers_of(process: subprocess.Popen[str]) -> list[psutil.Process]:
+    """What a view has started; not what is about to be."""
+    return [child for child in psutil.Process(process.pid).children(recursive=True) if child.name() == "rerun"]
+
+
+def await_viewer(process: subprocess.Popen[str]) -> psutil.Process:
+    wait(lambda: process.poll() is not None or viewers_of(process), 60.0, what="no viewer was started")
+    assert process.poll() is None, process.communicate()
+    return viewers_of(process)[0]
