@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -44,16 +45,18 @@ class Bench:
             self.process = subprocess.Popen(command, env=environment, stderr=log)
         self.observer = Observer(environment)
         self.heard: list[SerialLine] = []
+        self.said = 0
         self.observer.listen(SERIAL, self.heard.append)
         self.to = Publisher(self.observer.session, "sim-test", SERIAL_WRITE.at("weather"), "test")
         self.until(lambda: self.says_and_hears("hello"), "the first line")
 
     def says_and_hears(self, text: str) -> bool:
-        """A network that has just met misses the first samples."""
-        self.heard.clear()
-        self.arduino.say(f"{text}\n".encode())
-        time.sleep(0.2)
-        return text in self.texts()
+        """A network that has just met misses the first samples; what is heard comes in its order."""
+        self.said += 1
+        self.arduino.say(f"{text} {self.said}\n".encode())
+        with suppress(AssertionError):
+            wait(lambda: f"{text} {self.said}" in self.texts(), 2.0)
+        return f"{text} {self.said}" in self.texts()
 
     def texts(self) -> list[str]:
         return [line.text for line in self.heard]
@@ -61,12 +64,12 @@ class Bench:
     def logged(self, text: str) -> Callable[[], bool]:
         return lambda: text in self.log.read_text()
 
-    def until(self, holds: Callable[[], bool], what: str, seconds: float = 15.0) -> None:
+    def until(self, holds: Callable[[], bool], what: str, seconds: float = 60.0) -> None:
         wait(holds, seconds, what=lambda: f"{what}: {self.texts()} {self.log.read_text()}")
 
     def close(self) -> None:
         self.process.terminate()
-        assert self.process.wait(10.0) == 0, self.log.read_text()
+        assert self.process.wait(60.0) == 0, self.log.read_text()
         self.observer.close()
         self.arduino.close()
 
@@ -105,7 +108,7 @@ def test_what_is_written_reaches_the_arduino_and_comes_not_back(bench: Bench) ->
         got.extend(bench.arduino.heard())
         return got.count(b"\n") >= 20
 
-    bench.until(all_of_it, "twenty lines", 10.0)
+    bench.until(all_of_it, "twenty lines")
     assert got.decode().split("\n") == [*(f"led {number}" for number in range(20)), ""]
     bench.to.put(SerialWrite(name="weather", text="z" * 64))
     bench.until(bench.logged("a text of 65 bytes was not written"), "a refusal")
