@@ -1,4 +1,4 @@
-"""The `giraff` command on any machine: no robot file is at hand, no variable is set, one endpoint is known."""
+"""The `giraff` command on any machine: no robot file is at hand, and one endpoint is known."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ from tests.support.process_robot import PATIENCE, ProcessRobot
 
 GIRAFF = Path(sys.executable).with_name("giraff")
 
+ALONE = {"GIRAFF_NETWORK_MODE": "fixed"}
+"""Commands for two robots that look for others would find each other, and make their robots' networks one."""
+
 
 def clean(environment: dict[str, str]) -> dict[str, str]:
     """Without any setting of a robot."""
@@ -30,7 +33,13 @@ def giraff(robot: ProcessRobot, *words: str, name: str | None = "sim-test") -> s
     options += [] if name is None else ["--robot", name]
     command = [str(GIRAFF), *words, *options]
     return subprocess.run(
-        command, cwd=nowhere, env=clean(dict(os.environ)), check=False, capture_output=True, text=True, timeout=PATIENCE
+        command,
+        cwd=nowhere,
+        env=clean(dict(os.environ)) | ALONE,
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
     )
 
 
