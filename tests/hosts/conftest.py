@@ -1,43 +1,57 @@
-"""One lab for all tests of this folder, because making it takes longer than any of them; and what they measured."""
+"""One lab for all tests of this folder, which takes longer to make than any of them; and what comes up in it first."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from collections.abc import Iterator
 
 import pytest
 
-from tests.hosts.lab import Lab
-from tests.timing.stalled import by_the_wall
+from tests.hosts.deploy_page import type_the_page
+from tests.hosts.hardware import PORTS, permit
+from tests.hosts.lab import NUMBERS, Lab
+from tests.unit.node.ports import FakePort
 
-_measured: list[str] = []
+IMAGES = {"laptop": ("laptop",), "robot": ("robot", "laptop", "recorder"), "desk": ("laptop", "sim")}
+"""The robot's computer has the command line, too, as docs/deploy.md has it for one that may lose its network."""
+EXTRAS = {"COMPOSE_PROFILES": "robot,recorder,gateway"}
+SETTINGS = {
+    "GIRAFF_RECORDER_BEFORE": "8",
+    "GIRAFF_RECORDER_AFTER": "1",
+    "GIRAFF_GATEWAY_PORT": str(PORTS / "weather"),
+    "GIRAFF_GATEWAY_NAME": "weather",
+}
 
 
 @pytest.fixture(scope="session")
 def lab() -> Iterator[Lab]:
     """Three hosts, without a container yet."""
-    lab = Lab()
+    lab = Lab(IMAGES)
     try:
         yield lab
     finally:
         lab.close()
 
 
-@pytest.fixture
-def figure() -> Callable[[str, float, float, str], None]:
-    """What was measured, its bound and their unit: printed at the end, and held. Seconds are the wall clock's."""
-    begin_ns = time.monotonic_ns()
-
-    def note(what: str, value: float, bound: float, unit: str) -> None:
-        _measured.append(f"{what:<72} {value:8.2f} {unit:<2} (bound {bound:g})")
-        with by_the_wall(begin_ns) if unit == "s" else nullcontext():
-            assert value <= bound, f"{what}: {value:.2f} {unit}, and {bound:g} is the bound"
-
-    return note
+@pytest.fixture(scope="session")
+def arduino(lab: Lab) -> Iterator[FakePort]:
+    """It is plugged into the robot's computer."""
+    port = FakePort(PORTS / "weather")
+    permit(port.link)
+    yield port
+    port.close()
+    del lab
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    terminalreporter.section("measured")
-    for line in _measured:
-        terminalreporter.line(line)
+@pytest.fixture(scope="session")
+def up(lab: Lab, arduino: FakePort) -> None:
+    """All three, by docs/deploy.md; beside the robot's services the flight recorder and the Arduino's gateway."""
+    type_the_page(lab, {"robot": lambda: lab.write_env("robot", EXTRAS, SETTINGS)})
+    lab.wait_until_healthy(*NUMBERS)
+    del arduino
+
+
+@pytest.fixture(autouse=True)
+def _mended(request: pytest.FixtureRequest) -> Iterator[None]:
+    yield
+    if "lab" in request.fixturenames:
+        request.getfixturevalue("lab").mend()

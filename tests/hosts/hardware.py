@@ -15,6 +15,7 @@ from giraff_sim.config import KNOWN
 from giraff_sim.messages import BoardName
 from tests.hosts.machine import LabError, let_first
 from tests.support.process_robot import FULL_TILT, PROVING_ROOM
+from tests.support.waiting import wait
 
 PORTS: Final = Path("/dev/giraff-hosts")
 """As udev's rules have it for real boards: of the host's folders, containers see /dev alone."""
@@ -26,7 +27,7 @@ ROBOT: Final = {**KNOWN, "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03"}
 _START: Final = (-3.0, 0.0)
 """m; from there it is ten seconds to the wall."""
 _READY_WITHIN: Final = 20.0  # s
-_FROM_REST_WITHIN: Final = 20.0  # s
+_PATIENCE: Final = 60.0  # s
 
 
 class Hardware:
@@ -61,6 +62,11 @@ class Hardware:
             self.simulator.plug(board)
             permit(PORTS / board)
 
+    def run(self, seconds: float) -> None:
+        """Let simulated time pass."""
+        until_us = self.simulator.now() + seconds * 1e6
+        wait(lambda: self.simulator.now() >= until_us, _PATIENCE, what="the simulator's time")
+
     def drives(self) -> bool:
         """Whether the motors are given anything now."""
         state = self.simulator.state()
@@ -71,7 +77,7 @@ class Hardware:
         verdict = self.simulator.record(since_us)
         return None if verdict.last_driven_us is None else (verdict.last_driven_us - since_us) * 1e-6
 
-    def drive(self, within: float = _FROM_REST_WITHIN) -> float:
+    def drive(self, within: float = _PATIENCE) -> float:
         """What an operator does who wants to drive: level, then forward, and again until it does. s that it took."""
         began = time.monotonic()
         while True:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import os
+import shutil
 import tempfile
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Final
 
@@ -26,12 +28,14 @@ _MADE_OF: Final = (
     *("schemas", "services", "firmware", "deploy/robot.toml", "deploy/worlds"),
 )
 _BUILD_WITHIN: Final = 600.0  # s
+_AT_ONCE: Final = 2
+"""Builds: half of one is waiting for packages."""
 
 
 def images(kinds: Iterable[str]) -> dict[str, Path]:
     """An archive of each image, built now unless one of these very sources is kept."""
     with tempfile.TemporaryDirectory(prefix="giraff-clone-") as folder:
-        place = Path(folder)
+        place = Path(folder) / "clone"
         clone(place)
         mark = _fingerprint(place)
         archives = {kind: KEPT / f"giraff-{kind}-{mark}.tar" for kind in kinds}
@@ -50,14 +54,20 @@ def _build(place: Path, archives: dict[str, Path]) -> None:
         python = _stand_in(builder)
         tools = _stand_in(builder, "make", "gcc", "libc6-dev") if "sim" in archives else python
         stand_ins = {"BASE_IMAGE": python, "BUILD_IMAGE": python, "TOOLS_IMAGE": tools, "BUILD_NETWORK": "host"}
-        for kind, archive in archives.items():
-            write_env(place, _HOST.get(kind, kind), {}, stand_ins)
-            builder.compose(place, "build", _SERVICE[kind], within=_BUILD_WITHIN)
+
+        def build(kind: str) -> None:
+            own = place.with_name(kind)
+            shutil.copytree(place, own)
+            write_env(own, _HOST.get(kind, kind), {}, stand_ins)
+            builder.compose(own, "build", _SERVICE[kind], within=_BUILD_WITHIN)
             for old in KEPT.glob(f"giraff-{kind}-*"):
                 old.unlink()
-            fresh = archive.with_suffix(".new")
+            fresh = archives[kind].with_suffix(".new")
             builder.docker("save", "--output", str(fresh), f"giraff:{kind}")
-            fresh.replace(archive)
+            fresh.replace(archives[kind])
+
+        with ThreadPoolExecutor(_AT_ONCE) as pool:
+            list(pool.map(build, archives))
         builder.docker("image", "prune", "--force")
     finally:
         builder.power_off()

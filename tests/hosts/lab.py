@@ -21,14 +21,16 @@ from tests.hosts.clone import clone, write_env
 from tests.hosts.containers import Container, container
 from tests.hosts.hardware import BOARDS, PORTS, ROBOT, Hardware
 from tests.hosts.images import KEPT, images
-from tests.hosts.machine import LabError, Machine, kill
+from tests.hosts.machine import COMPOSE, LabError, Machine, kill, run
 from tests.hosts.switch import NETWORK, Switch
 from tests.support.waiting import wait
 
 NAME: Final = "sim-lab"
 NUMBERS: Final = {"laptop": 11, "robot": 12, "desk": 13}
 """Host -> the end of its address."""
-_IMAGES: Final = {"laptop": "laptop", "robot": "robot", "desk": "laptop"}
+IMAGES: Final = {"laptop": ("laptop",), "robot": ("robot",), "desk": ("laptop",)}
+"""Host -> the images that it has from the start."""
+PATIENCE: Final = 60.0  # s
 _LISTENER: Final = Path(__file__).with_name("listener.py")
 _FRESH: Final = 0.2  # s
 
@@ -89,7 +91,8 @@ class Listener:
 class Lab:
     """Made with the hosts on and their images loaded; no container runs."""
 
-    def __init__(self) -> None:
+    def __init__(self, kinds: Mapping[str, tuple[str, ...]] = IMAGES) -> None:
+        self._kinds = kinds
         self._end = ExitStack()
         self.directory = KEPT / "lab"
         try:
@@ -105,10 +108,12 @@ class Lab:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise LabError("another lab runs on this machine; wait for it") from None
-        archives = images(set(_IMAGES.values()))
-        shutil.rmtree(self.directory, ignore_errors=True)  # of a lab that was killed
+        archives = images({kind for each in self._kinds.values() for kind in each})
+        self._remove_directory()  # of a lab that was killed
         self.directory.mkdir()
-        self._end.callback(shutil.rmtree, self.directory)
+        self._end.callback(self._remove_directory)
+        # The hosts' disks: 100 000 files of images, which a disk took half a minute to write and to remove.
+        run(["mount", "-t", "tmpfs", "tmpfs", str(self.directory)])
         self.hardware = Hardware(self._folder("hardware"))
         self._end.callback(self.hardware.close)
         self.machines = {host: Machine(host, self._folder(host)) for host in NUMBERS}
@@ -119,7 +124,7 @@ class Lab:
         for machine in self.machines.values():
             self._end.callback(machine.power_off)
             self._boot(machine)
-        self.on_each(NUMBERS, lambda host: self._load(host, archives[_IMAGES[host]]))
+        self.on_each(NUMBERS, lambda host: self._load(host, *(archives[kind] for kind in self._kinds[host])))
         for host in NUMBERS:
             clone(self.clone(host))
             self.write_env(host)
@@ -137,13 +142,13 @@ class Lab:
     def clone(self, host: str) -> Path:
         return self.directory / host / "giraff"
 
-    def up(self, host: str) -> float:
+    def up(self, host: str, program: str | Path = COMPOSE) -> float:
         """`docker-compose up` on a host; when it returned."""
-        self.compose(host, "up", "--detach")
+        self.compose(host, "up", "--detach", program=program)
         return time.monotonic()
 
-    def compose(self, host: str, *words: str, within: float = 120.0) -> str:
-        return self.machines[host].compose(self.clone(host), *words, within=within)
+    def compose(self, host: str, *words: str, within: float = 120.0, program: str | Path = COMPOSE) -> str:
+        return self.machines[host].compose(self.clone(host), *words, within=within, program=program)
 
     def containers(self, host: str) -> list[Container]:
         """Of a host, as its Docker has them; none while it has no Docker."""
@@ -154,7 +159,7 @@ class Lab:
         except LabError:
             return []
 
-    def wait_until_healthy(self, *hosts: str, within: float = 30.0) -> float:
+    def wait_until_healthy(self, *hosts: str, within: float = PATIENCE) -> float:
         """When the last of their containers was, s of time.monotonic()."""
         told: list[Container] = []
 
@@ -186,7 +191,7 @@ class Lab:
         self.compose(host, "run", "--rm", "giraff", "estop", "reset")
 
     def listen(self, host: str, key: str, robot: str = NAME, network: Mapping[str, Any] | None = None) -> Listener:
-        """`network`: fields of the table `[network]` on that host; none: as in its `.env`."""
+        """`network`: fields of the table `[network]` on that host; none: as in its `.env` on an open network."""
         if network is None:
             network = {} if host == "robot" else {"connect": [address("robot")]}
         output = self.directory / f"{host}-{key.replace('/', '-')}-{time.monotonic_ns()}.jsonl"
@@ -222,9 +227,8 @@ class Lab:
 
     @contextmanager
     def simulation(self, host: str) -> Iterator[None]:
-        """The host has a simulation's `.env` meanwhile; before and after it is down."""
+        """The host, which has that image, has a simulation's `.env` meanwhile; before and after it is down."""
         self.down(host)
-        self.load(host, "sim")
         write_env(self.clone(host), "sim", {})
         try:
             yield
@@ -242,6 +246,11 @@ class Lab:
         with ThreadPoolExecutor(len(names)) as pool:
             return dict(zip(names, pool.map(do, names), strict=True))
 
+    def _remove_directory(self) -> None:
+        while self.directory.is_mount():
+            run(["umount", "--lazy", str(self.directory)])
+        shutil.rmtree(self.directory, ignore_errors=True)
+
     def _folder(self, name: str) -> Path:
         folder = self.directory / name
         folder.mkdir()
@@ -254,9 +263,10 @@ class Lab:
             self.switch.unplug(machine)
         machine.start_docker()
 
-    def _load(self, host: str, archive: Path) -> None:
+    def _load(self, host: str, *archives: Path) -> None:
         self.machines[host].wait_for_docker()
-        self.machines[host].docker("load", "--quiet", "--input", str(archive))
+        for archive in archives:
+            self.machines[host].docker("load", "--quiet", "--input", str(archive))
 
 
 def address(host: str) -> str:

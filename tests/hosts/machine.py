@@ -15,6 +15,7 @@ from giraff_cli import launch
 
 BIN: Final = "/usr/sbin:/usr/bin:/sbin:/bin"
 """Debian's own programs, whatever else this machine has in front of them."""
+COMPOSE: Final = "/usr/bin/docker-compose"
 _CGROUPS: Final = Path("/sys/fs/cgroup")
 _TCP: Final = "net.ipv4.tcp_congestion_control=reno"
 _CGROUP: Final = "giraff-hosts"
@@ -136,9 +137,7 @@ class Machine:
     def docker(self, *words: str, within: float = 60.0) -> str:
         return run(["docker", "--host", self.socket, *words], within)
 
-    def compose(
-        self, place: Path, *words: str, within: float = 120.0, program: str | Path = "/usr/bin/docker-compose"
-    ) -> str:
+    def compose(self, place: Path, *words: str, within: float = 120.0, program: str | Path = COMPOSE) -> str:
         """`docker-compose` as it is typed in a clone at `place`, where no variable is set."""
         environment = {"HOME": os.environ.get("HOME", "/"), "PATH": BIN, "DOCKER_HOST": self.socket}
         return run([str(program), "--ansi", "never", *words], within, cwd=place, env=environment)

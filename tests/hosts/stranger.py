@@ -1,11 +1,12 @@
-"""Runs on a machine of the lab and tries whatever it may not: python stranger.py ROBOT CONFIG SECONDS.
+"""Runs on a machine of the lab and tries whatever it may not: python stranger.py ROBOT CONFIG drives|listens.
 
 CONFIG: Zenoh's, as JSON. It listens to everything, and drives, as guard and as each operator, with the newest moment of
-the robot that it has heard. Prints {"heard": samples of the robot, "links": their other ends}.
+the robot that it has heard. Prints {"heard": samples of the robot, "links": their other ends} again and again.
 """
 
 from __future__ import annotations
 
+import itertools
 import json
 import sys
 import time
@@ -19,6 +20,7 @@ from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK, key_of
 
 _OPERATORS: Final = ("joystick", "keyboard")
 _PERIOD: Final = 0.02  # s
+_TELLS_EVERY: Final = 10  # periods
 _INSTANCE: Final = "0123456789abcdef"
 
 
@@ -67,25 +69,22 @@ class Stranger:
         return {key: encode(stamped(command, seq, time.time_ns(), _INSTANCE)) for key, command in says.items()}
 
 
-def main(robot: str, config: str, seconds: float) -> None:
+def main(robot: str, config: str, does: str) -> None:
     stranger = Stranger(robot)
     everything = f"giraff/{robot}/**"
     with (
         zenoh.open(zenoh.Config.from_json5(config)) as session,
         session.declare_subscriber(everything, stranger.on_sample),
     ):
-        until = time.monotonic() + seconds
-        seq = 0
-        while time.monotonic() < until:
-            for key, payload in stranger.commands(seq).items():
-                session.put(f"giraff/{robot}/{key}", payload)
-            seq += 1
+        for seq in itertools.count():
+            if does == "drives":
+                for key, payload in stranger.commands(seq).items():
+                    session.put(f"giraff/{robot}/{key}", payload)
+            if seq % _TELLS_EVERY == 0:
+                links = sorted(link.dst for link in session.info.links())
+                print(json.dumps({"heard": stranger.heard, "links": links}), flush=True)
             time.sleep(_PERIOD)
-        print(
-            json.dumps({"heard": stranger.heard, "links": sorted(link.dst for link in session.info.links())}),
-            flush=True,
-        )
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], sys.argv[2], float(sys.argv[3]))
+    main(*sys.argv[1:])

@@ -95,8 +95,8 @@ class Switch:
             }}"""
         self._run("nft", "--file", "-", given=rules)
 
-    def count_calls(self, by: Machine, to: str) -> None:
-        """From now on count the TCP connections that a machine tries to open to an address."""
+    def count_calls(self, by: Machine, *to: str) -> None:
+        """From now on count the TCP connections that a machine tries to open to these addresses."""
         self._run(
             "nft",
             "--file",
@@ -105,7 +105,7 @@ class Switch:
             delete table {_CALLS}
             table {_CALLS} {{
                 chain from_it {{ type filter hook ingress device "{by.name}" priority 0;
-                    ip daddr {to} tcp flags & (syn | ack) == syn counter; }}
+                    ip daddr {{ {", ".join(to)} }} tcp flags & (syn | ack) == syn counter; }}
             }}""",
         )
 

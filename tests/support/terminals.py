@@ -62,6 +62,11 @@ class Screen:
             every=0.01,
         )
 
+    def ended(self, seconds: float) -> int:
+        """Wait for its end, and read on meanwhile: what nobody reads holds it up. Its exit code."""
+        wait(lambda: (self.read(), self.process.poll())[1] is not None, seconds, what="it does not end")
+        return self.process.returncode
+
     def type(self, data: bytes) -> None:
         os.write(self._master, data)
 

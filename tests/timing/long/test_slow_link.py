@@ -10,8 +10,8 @@ import pytest
 from giraff_sim.board import ROOT
 from tests.hosts.bad_cable import BAD
 from tests.hosts.lab import Lab
-from tests.hosts.slow_link import ride, slow_link
 from tests.support.report import report
+from tests.timing.hosts.slow_link import ride, slow_link
 
 SECONDS = 600.0
 MOST_STOPS = 1

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from tests.hosts.lab import Lab
-from tests.hosts.slow_link import ride, slow_link
+from tests.timing.hosts.slow_link import ride, slow_link
 
 Figure = Callable[[str, float, float, str], None]
 
