@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 
 import msgspec
@@ -12,6 +11,7 @@ from giraff_sim.board import ROOT
 from tests.firmware.builds import sanitized
 from tests.firmware.test_noise import sanitizer_runtime
 from tests.fuzz.board import BoardCounted
+from tests.support.tools import finished
 
 
 def fuzz_board(board: str, wanted: int, seed: int) -> BoardCounted:
@@ -22,6 +22,4 @@ def fuzz_board(board: str, wanted: int, seed: int) -> BoardCounted:
     environment = os.environ | {"LD_PRELOAD": sanitizer_runtime(), "ASAN_OPTIONS": options}
     library = sanitized() / "host" / f"{board}.so"
     command = [sys.executable, "-m", "tests.fuzz.board", str(library), f"{seed}/{board}", str(wanted)]
-    done = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, cwd=ROOT)
-    assert done.returncode == 0, done.stderr
-    return msgspec.json.decode(done.stdout, type=BoardCounted)
+    return msgspec.json.decode(finished(command, env=environment, cwd=ROOT, check=True).stdout, type=BoardCounted)

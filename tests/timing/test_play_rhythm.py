@@ -14,7 +14,7 @@ from tests.support.desk import Desk
 from tests.support.recorders import all_of, hearing, require_the_same
 from tests.timing.sleepers import stalls_seen
 from tests.timing.stalled import by_the_wall
-from tests.unit.replay.make_drive import begin_of_the_drive
+from tests.unit.replay.drive import begin_of_the_drive
 
 SECONDS_NS = 10_000_000_000
 """Of the drive, from its begin."""

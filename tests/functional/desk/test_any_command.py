@@ -8,7 +8,7 @@ from __future__ import annotations
 from giraff_schemas.topics import alive_key
 from tests.support.desk import Desk, Done, run_beside
 from tests.support.process_robot import ProcessRobot
-from tests.unit.replay.make_drive import DRIVE
+from tests.unit.replay.drive import DRIVE
 
 Words = tuple[str, ...]
 

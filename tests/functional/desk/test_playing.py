@@ -7,7 +7,7 @@ from pathlib import Path
 from giraff_cli.watcher import free_port
 from tests.support.desk import Desk
 from tests.support.recorders import all_of, hearing, require_the_same
-from tests.unit.replay.make_drive import begin_of_the_drive
+from tests.unit.replay.drive import begin_of_the_drive
 
 SECONDS_NS = 10_000_000_000
 """Of the drive, from its begin."""

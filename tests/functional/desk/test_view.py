@@ -23,7 +23,7 @@ from tests.functional.desk.seen import Floor
 from tests.functional.desk.views import await_viewer, view, viewing
 from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import ProcessRobot
-from tests.unit.replay.make_drive import begin_of_the_drive
+from tests.unit.replay.drive import begin_of_the_drive
 
 pytestmark = pytest.mark.usefixtures("able_to_draw")
 

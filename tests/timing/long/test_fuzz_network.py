@@ -7,7 +7,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from tests.fuzz.network import fuzz_network
+from tests.fuzz.growth import LIMIT
+from tests.support.network_fuzz import fuzz_network
 from tests.support.process_robot import ARENA, process_robot
 from tests.support.report import report
 
@@ -24,3 +25,4 @@ def test_payloads_over_the_network_at_real_processes(tmp_path: Path, monkeypatch
     with process_robot(tmp_path, ARENA) as robot:
         counted = fuzz_network(robot, PAYLOADS, SEED)
     report("timing/fuzz-network", msgspec.to_builtins(counted))
+    assert max(counted.growth_bytes.values()) < LIMIT, counted

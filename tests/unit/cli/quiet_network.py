@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable
 from types import SimpleNamespace
 from typing import Any
@@ -67,7 +66,7 @@ def meet(monkeypatch: pytest.MonkeyPatch, *tokens: str) -> QuietNetwork:
     network, clock = QuietNetwork(tokens), SteppingClock()
     monkeypatch.setattr(zenoh, "open", network.open)
     for name in ("monotonic", "monotonic_ns", "sleep"):
-        monkeypatch.setattr(time, name, getattr(clock, name))
+        monkeypatch.setattr(f"time.{name}", getattr(clock, name))
 
     def wait(stopping: Stopping, seconds: float, patience: int = 1) -> bool:
         clock.sleep(seconds)

@@ -19,7 +19,7 @@ from giraff_schemas.messages import Sample, Tick, Wheels
 from tests.rules.repository import ROOT
 from tests.unit.cli.typed import typed
 from tests.unit.mcap.recordings import ten
-from tests.unit.replay.make_drive import DRIVE
+from tests.unit.replay.drive import DRIVE
 
 LEAST = 0.98
 

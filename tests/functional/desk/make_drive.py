@@ -1,6 +1,6 @@
 """Makes tests/unit/replay/data/drive.mcap anew.
 
-`python -m tests.unit.replay.make_drive`, on a machine that does nothing else.
+`python -m tests.functional.desk.make_drive`, on a machine that does nothing else.
 
 A simulated robot is recorded from before its services start: it is armed, backs, drives ahead until a wall stops it,
 backs, turns, meets a wall that comes from nowhere, and is laid down.
@@ -13,13 +13,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from giraff_mcap.heard import Heard
-from giraff_mcap.reading import Recorded, Recording
-from giraff_mcap.writing import RecordingWriter
 from tests.support.process_robot import FULL_TILT, PROVING_ROOM, SERVICES, ProcessRobot
 from tests.support.recorders import giraff_process
+from tests.unit.replay.drive import DRIVE
 
-DRIVE = Path(__file__).with_name("data") / "drive.mcap"
 _MOVES = (
     (-FULL_TILT, 0.0, 1.5),
     (FULL_TILT, 0.0, 9.0),
@@ -59,16 +56,6 @@ def make(path: Path) -> None:
                 recorder.wait(10.0)
         finally:
             robot.close()
-
-
-def begin_of_the_drive(path: Path, duration_ns: int) -> list[Recorded]:
-    """A file of its first so many ns, and what is in it."""
-    samples = list(Recording(DRIVE).samples())
-    recorded = [sample for sample in samples if sample.heard_ns < samples[0].heard_ns + duration_ns]
-    with RecordingWriter(path, {"robot": "sim-test"}) as writer:
-        writer.add([Heard(sample.heard_ns, sample.topic, sample.payload(), sample.encoding) for sample in recorded])
-        writer.close("test")
-    return recorded
 
 
 if __name__ == "__main__":
