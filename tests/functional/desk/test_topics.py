@@ -79,7 +79,8 @@ def test_echo_tells_samples_as_they_come(desk: Desk) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     told = [json.loads(line) for line in done.stdout.splitlines()]
     seqs = [line["sample"]["seq"] for line in told]
-    assert seqs == list(range(seqs[0], seqs[0] + 50))
+    assert len(seqs) == 50
+    assert seqs == sorted(set(seqs))
     assert set(told[0]) == {"key", "sample"}
     done = desk.run("topic", "echo", "range/*", "--count", "12", "--field", "sensor", "--field", "tick.epoch", "--json")
     lines = [json.loads(line) for line in done.stdout.splitlines()]
@@ -109,7 +110,7 @@ def test_hz_counts_what_was_dropped_on_purpose_and_its_rate(desk: Desk) -> None:
     seqs[late], seqs[late + 1] = seqs[late + 1], seqs[late]
     seqs.insert(late + 3, 244)
     with talker(desk.rendezvous, "sim-drops") as robot:
-        with desk.running("topic", "hz", "battery", "--robot", "sim-drops", "--for", "9", "--json") as process:
+        with desk.running("topic", "hz", "battery", "--robot", "sim-drops", "--for", "6", "--json") as process:
             robot.say(BATTERY, Battery(voltage=24.0), seqs, 100.0)
             out, err = process.communicate(timeout=60.0)
         assert (process.returncode, err) == (1, "")

@@ -4,26 +4,13 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator
-from pathlib import Path
 
 import psutil
 import pytest
 
 from tests.support.desk import Desk
-from tests.support.process_robot import SERVICES, ProcessRobot, process_robot
+from tests.support.process_robot import SERVICES, ProcessRobot
 from tests.timing.stalled import by_the_wall
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
-    with process_robot(tmp_path_factory.mktemp("robot"), boards="host") as started:
-        yield started
-
-
-@pytest.fixture
-def desk(robot: ProcessRobot, tmp_path: Path) -> Desk:
-    return Desk(tmp_path, robot.environment["GIRAFF_NETWORK_RENDEZVOUS"], "sim-test")
 
 
 def test_top_weighs_what_services_really_take(robot: ProcessRobot, desk: Desk) -> None:
