@@ -64,6 +64,8 @@ PATIENCE: Final = 60.0
 """s for whatever comes about: a wait ends at once when it does, and a busy machine is slow."""
 _LEVEL: Final = 1.5
 """s of a level hand, that arms within 0.4 s where nothing is wrong."""
+_RELEASED: Final = 10.0
+"""s within which a robot arms whose emergency stop is reset."""
 
 
 class ProcessRobot:
@@ -242,6 +244,22 @@ class ProcessRobot:
             assert waited < seconds, f"not armed within {seconds:g} s{self._last_words()}"
             self.hold(FULL_TILT, 0.0)
             self.run(0.3)
+
+    def release(self) -> None:
+        """Reset the emergency stop and arm, as a person does.
+
+        All over again where this machine stood still before the board knew of the reset: base takes what the board
+        kept for a new stop.
+        """
+        began = time.monotonic()
+        while True:
+            assert self.giraff("estop", "reset") == 0, "the emergency stop is not reset; see giraff.log"
+            try:
+                self.arm(_RELEASED)
+                return
+            except AssertionError:
+                if time.monotonic() - began > PATIENCE:
+                    raise
 
     def drive(self, x: float, y: float, seconds: float = 1.5) -> None:
         """Arm by a level hand, then tilt until the wheels have turned for `seconds`: at full speed, after a second.
