@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 import typer.main
 
-import giraff_cli.calls
 import giraff_cli.doctor
 import giraff_cli.record
 import giraff_cli.screen
