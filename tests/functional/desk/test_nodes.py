@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import re
 import signal
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import psutil
 import pytest
 
 from giraff_schemas.messages import Battery
 from giraff_schemas.topics import BATTERY
-from tests.support.desk import Desk
-from tests.support.elsewhere import GIRAFF
+from tests.functional.desk.answers import Holds, Scene, answers, document, in_json
+from tests.support.desk import Desk, Done
+from tests.support.elsewhere import GIRAFF, line_that
 from tests.support.process_robot import SERVICES, ProcessRobot
 from tests.support.robots import ROBOT
 from tests.support.talker import INSTANCE, talker
@@ -40,34 +42,106 @@ EDGES = {
 }
 
 
-def test_list_tells_where_each_service_runs(robot: ProcessRobot, desk: Desk) -> None:
-    def are_well(rows: Any) -> bool:
-        told = [row["service"] for row in rows if row["health"] and row["health"]["ok"]]
-        return told == sorted(SERVICES)
+def are_well(rows: Any) -> bool:
+    told = [row["service"] for row in rows if row["health"] and row["health"]["ok"]]
+    return told == sorted(SERVICES)
 
-    rows = desk.json_until(are_well, "node", "list")
+
+def is_whole_graph(drawn: Any) -> bool:
+    edges = {(edge["source"], edge["key"], edge["target"]) for edge in drawn["edges"]}
+    return (set(drawn["nodes"]), edges) == (set(SERVICES), EDGES)
+
+
+def is_whole_top(report: Any) -> bool:
+    told = [work["service"] for work in report["services"] if work["cpu"]]
+    flowing = {stream["key"] for stream in report["topics"] if stream["hz"]}
+    return told == sorted(SERVICES) and flowing >= {"odom", "cmd_vel"}
+
+
+def tells(*patterns: str) -> Holds:
+    """Each somewhere in what people read."""
+    return lambda done: all(re.search(each, done.stdout, re.MULTILINE) for each in patterns)
+
+
+ASKED: Final[Mapping[str, Holds]] = {
+    "node list --json": in_json(are_well),
+    "node list": lambda done: done.returncode == 0,
+    "node info base --json": in_json(len),
+    "node info guard": tells(r"publishes   cmd_vel -> base$", r"listens to  cmd_vel/\* <- joystick$"),
+    "graph --for 0.3 --json": in_json(is_whole_graph),
+    "graph --for 0.3 --dot": lambda done: done.stdout.count(" -> ") >= len(EDGES),
+    "graph --for 0.3": tells(r"tick +-> guard, joystick, ranger$", r"odom +-> nobody that says so$"),
+    "frames --json": in_json(lambda found: len(found["frames"]) == 1 + len(ROBOT.sensors)),
+    "frames": lambda done: done.stdout.count("\n") == 2 + len(ROBOT.sensors),
+    "frames --dot": lambda done: done.stdout.count(" -> ") == 1 + len(ROBOT.sensors),
+}
+
+
+def losses_and_silence(desk: Desk) -> Done:
+    """The lines up to the one that tells of both."""
+    seqs = [seq for seq in range(60) if seq not in (20, 21, 22)]
+    words = ("top", "--robot", "sim-lossy")
+    with talker(desk.rendezvous, "sim-lossy") as robot, desk.running(*words) as process:
+        robot.say(BATTERY, Battery(voltage=24.0), seqs, 20.0)
+        lost = line_that(process, lambda line: line.rstrip().endswith("| base - | lost 3 | slow: none"))
+        silent = line_that(process, lambda line: line.rstrip().endswith("| base - | lost 3 | slow: battery - Hz"))
+        process.send_signal(signal.SIGINT)
+        return Done(words, process.wait(60.0), lost + silent)
+
+
+def list_of_a_mute_one(desk: Desk) -> Done:
+    with talker(desk.rendezvous, "sim-mute"):
+        return desk.run("node", "list", "--robot", "sim-mute")
+
+
+def frames_of_which_nobody_tells(desk: Desk) -> Done:
+    with talker(desk.rendezvous, "sim-nowhere"):
+        return desk.run("frames", "--robot", "sim-nowhere")
+
+
+SCENES: Final[Mapping[str, Scene]] = {
+    "losses and silence": losses_and_silence,
+    "mute": list_of_a_mute_one,
+    "nowhere": frames_of_which_nobody_tells,
+}
+
+
+@pytest.fixture(scope="module")
+def told(robot: ProcessRobot, desk: Desk) -> dict[str, Done]:
+    """All that is only looked at."""
+    rows = [rf"^{service} +\S+ +{robot.pid(service)} +\d+\.\d % +\d+ MB  \S" for service in SERVICES]
+    top = {
+        "top --once --json": in_json(is_whole_top),
+        "top --once": tells(*rows, r"^sim-test  ", r"^odom +odometry +\d+\.\d +100\.0 +\d+ +\d+ +\d+ +"),
+    }
+    return answers(desk, top | dict(ASKED), SCENES)
+
+
+def test_list_tells_where_each_service_runs(robot: ProcessRobot, told: Mapping[str, Done]) -> None:
+    rows = document(told["node list --json"])
     assert [row["service"] for row in rows] == sorted(SERVICES)
     for row in rows:
         assert row["health"]["pid"] == robot.pid(row["service"])
-    done = desk.until(lambda done: done.returncode == 0, "node", "list")
     for service in SERVICES:
-        assert re.search(rf"^{service} +[0-9a-f]{{16}} +\S+ +{robot.pid(service)} +", done.stdout, re.MULTILINE)
+        row = rf"^{service} +[0-9a-f]{{16}} +\S+ +{robot.pid(service)} +"
+        assert re.search(row, told["node list"].stdout, re.MULTILINE)
 
 
-def test_info_tells_what_a_service_says_and_to_whom(robot: ProcessRobot, desk: Desk) -> None:
-    [row] = desk.json_until(len, "node", "info", "base")
+def test_info_tells_what_a_service_says_and_to_whom(robot: ProcessRobot, desk: Desk, told: Mapping[str, Done]) -> None:
+    [row] = document(told["node info base --json"])
     health = row["health"]
     assert set(health["publishes"]) == {"tick", "wheels", "base", "estop", "battery"}
     assert health["subscribes"] == ["cmd_vel"]
     assert {"estop/engage", "estop/reset"} <= set(health["answers"])
     assert health["cpu_time"] > 0.0
     assert 10e6 < health["rss_bytes"] < 200e6
-    said = (f"pid {robot.pid('guard')},", "publishes   cmd_vel -> base\n", "listens to  cmd_vel/* <- joystick\n")
-    desk.until(lambda done: all(each in done.stdout for each in said), "node", "info", "guard")
+    assert f"pid {robot.pid('guard')}," in told["node info guard"].stdout
     assert desk.json_until(len, "node", "info", row["instance"])[0]["service"] == "base"
 
 
-def test_a_service_that_is_not_well_or_does_not_answer_shows(robot: ProcessRobot, desk: Desk) -> None:
+def test_a_service_that_is_not_well_or_does_not_answer_shows(
+    robot: ProcessRobot, desk: Desk, told: Mapping[str, Done]
+) -> None:
     robot.simulator.unplug("ranger")
     try:
         fault = re.compile(r"^ranger .*ports/ranger: ", re.MULTILINE)
@@ -76,67 +150,52 @@ def test_a_service_that_is_not_well_or_does_not_answer_shows(robot: ProcessRobot
         robot.simulator.plug("ranger")
     assert done.returncode == 1
     desk.until(lambda done: done.returncode == 0, "node", "info", "ranger")
-    with talker(desk.rendezvous, "sim-mute"):
-        done = desk.run("node", "list", "--robot", "sim-mute")
+    done = told["mute"]
     assert done.returncode == 1
     assert re.search(rf"^base +{INSTANCE} .* does not answer", done.stdout, re.MULTILINE)
 
 
-def test_the_graph_has_every_edge(desk: Desk) -> None:
-    def is_whole(drawn: Any) -> bool:
-        edges = {(edge["source"], edge["key"], edge["target"]) for edge in drawn["edges"]}
-        return (set(drawn["nodes"]), edges) == (set(SERVICES), EDGES)
-
-    desk.json_until(is_whole, "graph")
-    dot = desk.until(lambda done: done.stdout.count(" -> ") >= len(EDGES), "graph", "--dot").stdout
+def test_the_graph_has_every_edge(told: Mapping[str, Done]) -> None:
+    """Those of --json are judged where they are asked for."""
+    document(told["graph --for 0.3 --json"])
+    dot = told["graph --for 0.3 --dot"].stdout
     assert dot.startswith('digraph "sim-test" {\n')
     arrows = re.findall(r'^  "(\S+)" -> "(\S+)" \[label="(\S+)"\];$', dot, re.MULTILINE)
     assert {(source, key, target) for source, target, key in arrows} == {edge for edge in EDGES if edge[2]}
     assert '"odometry" -> "/odom" [style=dashed];' in dot
     assert '"base" -> "/base" [style=dashed];' in dot
-    said = [
-        re.compile(r"tick +-> guard, joystick, ranger$", re.MULTILINE),
-        re.compile(r"odom +-> nobody that says so$", re.MULTILINE),
-    ]
-    desk.until(lambda done: all(each.search(done.stdout) for each in said), "graph")
 
 
-def test_the_tree_goes_from_odom_to_the_sensors(desk: Desk) -> None:
-    found = desk.json_until(lambda found: len(found["frames"]) == 1 + len(ROBOT.sensors), "frames")
-    places = {told["child"]: told for told in found["frames"]}
+def test_the_tree_goes_from_odom_to_the_sensors(told: Mapping[str, Done]) -> None:
+    found = document(told["frames --json"])
+    places = {frame["child"]: frame for frame in found["frames"]}
     assert set(places) == {"base_link", "range_front_left_link", "range_front_right_link", "range_rear_link"}
     assert (places["base_link"]["parent"], places["base_link"]["fixed"]) == ("odom", False)
     for sensor, pose in ROBOT.sensors.items():
-        told = places[f"range_{sensor}_link"]
-        assert (told["parent"], told["fixed"]) == ("base_link", True)
-        assert (told["x"], told["y"], told["yaw"]) == pytest.approx((pose.x, pose.y, pose.yaw))
+        frame = places[f"range_{sensor}_link"]
+        assert (frame["parent"], frame["fixed"]) == ("base_link", True)
+        assert (frame["x"], frame["y"], frame["yaw"]) == pytest.approx((pose.x, pose.y, pose.yaw))
     assert found["faults"] == []
 
 
-def test_it_is_drawn(desk: Desk) -> None:
-    text = desk.until(lambda done: done.stdout.count("\n") == 2 + len(ROBOT.sensors), "frames").stdout
+def test_it_is_drawn(told: Mapping[str, Done]) -> None:
+    text = told["frames"].stdout
     assert text.startswith("odom\n└── base_link  x 0.000 m, y 0.000 m, yaw ")
     assert re.search(r"^    └── range_rear_link  x -0.250 m, y 0.000 m, yaw 180.0°$", text, re.MULTILINE)
-    drawn = desk.until(lambda done: done.stdout.count(" -> ") == 1 + len(ROBOT.sensors), "frames", "--dot").stdout
+    drawn = told["frames --dot"].stdout
     assert '"odom" -> "base_link" [label=' in drawn
     assert '"base_link" -> "range_rear_link" [label="x -0.250 m, y 0.000 m, yaw 180.0°"];' in drawn
 
 
-def test_a_robot_of_which_nobody_tells_is_named(desk: Desk) -> None:
-    with talker(desk.rendezvous, "sim-nowhere"):
-        done = desk.run("frames", "--robot", "sim-nowhere")
+def test_a_robot_of_which_nobody_tells_is_named(told: Mapping[str, Done]) -> None:
+    done = told["nowhere"]
     assert (done.returncode, done.stdout) == (2, "")
     [line] = done.stderr.splitlines()
     assert "nobody tells where the frames of sim-nowhere are" in line
 
 
-def test_top_has_services_hosts_and_topics(robot: ProcessRobot, desk: Desk) -> None:
-    def is_whole(report: Any) -> bool:
-        told = [work["service"] for work in report["services"] if work["cpu"]]
-        flowing = {stream["key"] for stream in report["topics"] if stream["hz"]}
-        return told == sorted(SERVICES) and flowing >= {"odom", "cmd_vel"}
-
-    report = desk.json_until(is_whole, "top", "--once")
+def test_top_has_services_hosts_and_topics(robot: ProcessRobot, told: Mapping[str, Done]) -> None:
+    report = document(told["top --once --json"])
     for work in report["services"]:
         process = psutil.Process(robot.pid(work["service"]))
         assert work["pid"] == process.pid
@@ -146,21 +205,11 @@ def test_top_has_services_hosts_and_topics(robot: ProcessRobot, desk: Desk) -> N
     assert rss == sum(work["rss_bytes"] for work in report["services"])
     [odom] = [stream for stream in report["topics"] if stream["key"] == "odom"]
     assert odom["by"] == "odometry"
-    said = [rf"^{service} +\S+ +{robot.pid(service)} +\d+\.\d % +\d+ MB  \S" for service in SERVICES]
-    said += [r"^sim-test  ", r"^odom +odometry +\d+\.\d +100\.0 +\d+ +\d+ +\d+ +"]
-    desk.until(lambda done: all(re.search(each, done.stdout, re.MULTILINE) for each in said), "top", "--once")
 
 
-def test_losses_and_silence_show(desk: Desk) -> None:
-    seqs = [seq for seq in range(60) if seq not in (20, 21, 22)]
-    with talker(desk.rendezvous, "sim-lossy") as robot, desk.running("top", "--robot", "sim-lossy") as process:
-        robot.say(BATTERY, Battery(voltage=24.0), seqs, 20.0)
-        assert process.stdout is not None
-        lines = [process.stdout.readline() for _ in range(7)]
-        process.send_signal(signal.SIGINT)
-        assert process.wait(60.0) == 0
-    assert any(line.rstrip().endswith("| base - | lost 3 | slow: none") for line in lines)
-    assert lines[-1].rstrip().endswith("| base - | lost 3 | slow: battery - Hz")
+def test_losses_and_silence_show(told: Mapping[str, Done]) -> None:
+    """The lines themselves are judged where they are read."""
+    assert told["losses and silence"].returncode == 0
 
 
 def test_a_terminal_shows_it_and_is_given_back(desk: Desk, tmp_path: Path) -> None:
