@@ -78,16 +78,12 @@ def test_a_tightening_changes_the_verdict_and_is_taken_back(robot: ProcessRobot)
     robot.wait("a free way again", lambda: allowed() > 0.4, 60.0)
 
 
-def test_a_loosening_is_refused_with_the_rule(robot: ProcessRobot) -> None:
-    out, err = param(robot, "set", "guard.margin", "0.1", code=1)
-    assert out == ""
-    assert err == (
-        "giraff: guard.margin 0.1 is looser than 0.25: loosening takes the robot file, standstill and a restart\n"
-    )
-    assert param(robot, "get", "guard.margin")[0] == "0.25\n"
-
-
+LOOSENING = ("set", "guard.margin", "0.1")
 REFUSED: Mapping[tuple[str, ...], tuple[int, str]] = {
+    LOOSENING: (
+        1,
+        "giraff: guard.margin 0.1 is looser than 0.25: loosening takes the robot file, standstill and a restart\n",
+    ),
     ("set", "guard.margin", "nan"): (1, "margin is nan: it must be within 0.01..2 m"),
     ("set", "base.battery_cutoff", "23"): (1, "battery_cutoff is 23.0: it must not be above battery_low"),
     ("list", "guard.marign"): (2, "guard.marign: no such parameter; guard has margin, release"),
@@ -95,29 +91,40 @@ REFUSED: Mapping[tuple[str, ...], tuple[int, str]] = {
     ("describe", "guard.marign"): (2, "guard.marign: no such parameter; guard has margin, release"),
     ("save", "guard.marign"): (1, "did you mean guard.margin?"),
 }
+LISTED: tuple[tuple[str, ...], ...] = (
+    ("list",),
+    ("list", "--json"),
+    ("describe", "guard.margin"),
+    ("get", "base", "--json"),
+)
 
 
-def test_what_cannot_be_is_refused_and_says_why(robot: ProcessRobot) -> None:
-    told = run_beside(lambda words: param(robot, *words, code=REFUSED[words][0]), REFUSED)
-    for words, (out, err) in told.items():
+@pytest.fixture(scope="module")
+def told(robot: ProcessRobot) -> dict[tuple[str, ...], tuple[str, str]]:
+    """What changes nothing, beside each other."""
+    codes = {words: code for words, (code, _) in REFUSED.items()}
+    return run_beside(lambda words: param(robot, *words, code=codes.get(words, 0)), [*LISTED, *REFUSED])
+
+
+def test_what_cannot_be_is_refused_and_says_why(
+    robot: ProcessRobot, told: Mapping[tuple[str, ...], tuple[str, str]]
+) -> None:
+    for words, (_, why) in REFUSED.items():
+        out, err = told[words]
         assert (out, err.count("\n")) == ("", 1), err
-        assert REFUSED[words][1] in err
+        assert why in err
+    assert told[LOOSENING][1] == REFUSED[LOOSENING][1]
+    assert value_of(robot, "guard", "margin") == 0.25
 
 
-def test_everything_is_listed_and_described(robot: ProcessRobot) -> None:
-    words: list[tuple[str, ...]] = [
-        ("list",),
-        ("list", "--json"),
-        ("describe", "guard.margin"),
-        ("get", "base", "--json"),
-    ]
-    (out, err), (listed, _), (text, _), (got, _) = run_beside(lambda each: param(robot, *each), words).values()
+def test_everything_is_listed_and_described(told: Mapping[tuple[str, ...], tuple[str, str]]) -> None:
+    (out, err), (listed, _), (text, _), (got, _) = (told[words] for words in LISTED)
     assert err == ""
     assert "guard.margin " in out
     assert out.count("robot.track_width") == 1
-    told = json.loads(listed)
-    assert {one["service"] for one in told} == set(SERVICES)
-    [margin] = [one for one in told if one["name"] == "guard.margin"]
+    rows = json.loads(listed)
+    assert {one["service"] for one in rows} == set(SERVICES)
+    [margin] = [one for one in rows if one["name"] == "guard.margin"]
     assert margin | {"host": ""} == {
         "name": "guard.margin",
         "service": "guard",
@@ -148,8 +155,10 @@ def test_what_is_saved_survives_a_restart_and_never_loosens_the_robot_file(robot
     assert param(robot, "save", "guard")[0] == "guard.margin 0.5 (robot file: 0.25; saved)\n"
     assert json.loads((robot.state / "params" / "guard.json").read_text()) == {"margin": 0.5}
     restart(robot, "guard")
-    assert param(robot, "get", "guard.margin")[0] == "0.5\n"
-    assert re.search(r"guard.margin +0.5 .*robot file: 0.25; saved", param(robot, "list", "guard")[0])
+    words = [("get", "guard.margin"), ("list", "guard")]
+    (got, _), (listed, _) = run_beside(lambda each: param(robot, *each), words).values()
+    assert got == "0.5\n"
+    assert re.search(r"guard.margin +0.5 .*robot file: 0.25; saved", listed)
     assert set_margin(robot, 0.3).done  # back, as far as the robot file goes
     assert not set_margin(robot, 0.24).done
     robot.environment["GIRAFF_GUARD_MARGIN"] = "0.8"  # the robot file has become tighter than what was saved
@@ -183,8 +192,10 @@ def test_a_folder_that_cannot_be_written_is_told(robot: ProcessRobot) -> None:
 
 def test_who_does_not_answer_is_named(robot: ProcessRobot) -> None:
     """A service whose token is there and which is not; one that hangs cannot even be met."""
+    words: Mapping[tuple[str, ...], int] = {("list",): 1, ("set", "sentry.again", "5"): 2}
     with robot.observer.session.liveliness().declare_token(alive_key("sim-test", "sentry", "one")):
-        out, err = param(robot, "list", code=1)
-        assert "sentry did not answer" in err
-        assert "guard.margin" in out
-        assert "NOT CONFIRMED: sentry did not answer" in param(robot, "set", "sentry.again", "5", code=2)[1]
+        told = run_beside(lambda each: param(robot, *each, code=words[each]), words)
+    (out, err), (_, doubt) = told.values()
+    assert "sentry did not answer" in err
+    assert "guard.margin" in out
+    assert "NOT CONFIRMED: sentry did not answer" in doubt
