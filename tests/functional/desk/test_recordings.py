@@ -5,7 +5,7 @@ from __future__ import annotations
 import resource
 import signal
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import msgspec
@@ -15,6 +15,7 @@ from mcap.reader import make_reader
 from giraff_mcap.reading import Recording
 from giraff_node.robots import robots_alive
 from giraff_schemas.topics import TOPICS, key_below
+from tests.support.desk import Done, run_beside
 from tests.support.elsewhere import giraff
 from tests.support.process_robot import FULL_TILT, ProcessRobot, process_robot
 from tests.support.recorders import giraff_process, killed_recording, records
@@ -91,17 +92,18 @@ def test_what_a_kill_left_is_said_again(robot: ProcessRobot, killed: Path) -> No
 
 def test_again_and_again_only_what_is_asked_for(robot: ProcessRobot, killed: Path) -> None:
     words = ("play", killed.name, "--rate", "100", "--topics", "odom", "--topics", "range/*", "--json")
+    asked = {"odom", "range/front_left", "range/front_right", "range/rear"}
     heard: set[str] = set()
     subscriber = robot.observer.session.declare_subscriber(
         key_below(REPLAY, "**"), lambda sample: heard.add(str(sample.key_expr).split("/", 2)[2])
     )
     with giraff_process(robot, *words, "--loop") as process:
         robot.wait("a robot like others", lambda: REPLAY in robots_alive(robot.observer.session), 60.0)
-        robot.wait("all of it", lambda: {"odom", "range/rear"} <= heard, 60.0)
+        robot.wait("all of it", lambda: asked <= heard, 60.0)
         process.send_signal(signal.SIGINT)
         output, _ = process.communicate(timeout=60.0)
     del subscriber
-    assert heard == {"odom", "range/front_left", "range/front_right", "range/rear"}
+    assert heard == asked
     assert msgspec.json.decode(output)["samples"] > 0
     with giraff_process(robot, *words) as process:
         output, _ = process.communicate(timeout=60.0)
@@ -109,33 +111,48 @@ def test_again_and_again_only_what_is_asked_for(robot: ProcessRobot, killed: Pat
 
 
 def test_nothing_is_said_in_the_name_of_a_robot_that_is_there(robot: ProcessRobot, killed: Path) -> None:
-    for topic in ("cmd_vel/*", "range/*"):
-        done = giraff(robot, "play", str(killed), "--topics", topic)
+    topics = ("cmd_vel/*", "range/*", "tilt")
+    *refused, said = run_beside(
+        lambda topic: giraff(robot, "play", str(killed), "--topics", topic, "--rate", "100"), topics
+    ).values()
+    for done in refused:
         assert done.returncode == 2
         assert "the robot is there (base, guard," in done.stderr, done.stderr
-    assert giraff(robot, "play", str(killed), "--topics", "tilt", "--rate", "100").returncode == 0
+    assert said.returncode == 0, said.stderr
 
 
-def test_a_limit_of_size_holds(robot: ProcessRobot) -> None:
+def little_room() -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))
+
+
+@pytest.fixture(scope="module")
+def filled(robot: ProcessRobot) -> Mapping[str, Done]:
+    """By the names of their files: two recordings beside each other, until no more goes into each."""
+
+    def until_full(name: str) -> Done:
+        limit = ("--max-size", "200k") if name == "small.mcap" else ()
+        preexec = little_room if name == "full.mcap" else None
+        with giraff_process(robot, "record", "-o", name, *limit, preexec_fn=preexec) as process:
+            output, complaint = process.communicate(timeout=60.0)
+        return Done(name, process.returncode, output, complaint)
+
+    return run_beside(until_full, ("small.mcap", "full.mcap"))
+
+
+def test_a_limit_of_size_holds(robot: ProcessRobot, filled: Mapping[str, Done]) -> None:
     path = robot.directory / "small.mcap"
-    with giraff_process(robot, "record", "-o", path.name, "--max-size", "200k") as process:
-        output, _ = process.communicate(timeout=60.0)
-    assert process.returncode == 0
-    assert "ended by --max-size" in output
+    assert filled[path.name].returncode == 0
+    assert "ended by --max-size" in filled[path.name].stdout
     assert 100_000 < path.stat().st_size <= 200_000
     assert Recording(path).whole
 
 
-def test_a_full_disk_ends_it_and_keeps_what_is_there(robot: ProcessRobot) -> None:
+def test_a_full_disk_ends_it_and_keeps_what_is_there(robot: ProcessRobot, filled: Mapping[str, Done]) -> None:
     path = robot.directory / "full.mcap"
-
-    def little_room() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000))
-
-    with giraff_process(robot, "record", "-o", path.name, preexec_fn=little_room) as process:
-        _, complaint = process.communicate(timeout=60.0)
-    assert process.returncode == 1
-    assert "full.mcap: cannot be written any more: File too large; what was recorded until then is kept" in complaint
+    done = filled[path.name]
+    assert done.returncode == 1
+    kept = "full.mcap: cannot be written any more: File too large; what was recorded until then is kept"
+    assert kept in done.stderr
     recording = Recording(path)
     assert not recording.whole
     assert len(list(recording.samples())) > 500
