@@ -38,14 +38,29 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
         yield made
 
 
+@pytest.fixture(scope="module")
+def named(robot: ProcessRobot) -> Iterator[ProcessRobot]:
+    """The robot that a script of this process finds."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in robot.environment.items():
+            if name.startswith("GIRAFF_"):
+                patch.setenv(name, value)
+        yield robot
+
+
 @pytest.fixture
-def alone(robot: ProcessRobot, monkeypatch: pytest.MonkeyPatch) -> ProcessRobot:
-    """The robot that a script of this process finds, driven by nobody."""
-    for name, value in robot.environment.items():
-        if name.startswith("GIRAFF_"):
-            monkeypatch.setenv(name, value)
-    robot.wait("nobody who drives", lambda: is_free(robot), PATIENCE)
-    return robot
+def alone(named: ProcessRobot) -> ProcessRobot:
+    """The same, driven by nobody."""
+    named.wait("nobody who drives", lambda: is_free(named), PATIENCE)
+    return named
+
+
+@pytest.fixture(scope="module")
+def script(named: ProcessRobot) -> Iterator[Robot]:
+    """A script of this process, for the last tests of this file."""
+    named.wait("nobody who drives", lambda: is_free(named), PATIENCE)
+    with Robot(patience=PATIENCE) as it:
+        yield it
 
 
 def is_free(robot: ProcessRobot) -> bool:
@@ -113,20 +128,6 @@ def test_it_patrols_where_the_path_is_free(alone: ProcessRobot) -> None:
     assert math.hypot(truth.x, truth.y + 2.0) == pytest.approx(1.0, abs=0.3)
 
 
-def test_it_draws_the_path_that_another_drives(alone: ProcessRobot) -> None:
-    alone.simulator.place(0.0, -2.0)
-    with Robot(patience=PATIENCE) as robot:
-        robot.arm()
-        with example(alone, "plot_path.py", "3", "path.svg") as drawing:
-            while drawing.poll() is None:
-                drive_on(robot, 0.2, 0.3)
-            assert drawing.returncode == 0, drawing.communicate()
-    drawn = (alone.directory / "path.svg").read_text().split('points="')[1].split('"')[0].split()
-    points = [[float(value) for value in point.split(",")] for point in drawn]
-    assert len(points) > 1
-    assert max(math.dist(points[0], point) for point in points) > 0.1
-
-
 @contextmanager
 def held_by(robot: Robot) -> Iterator[None]:
     """A script goes on meanwhile, and stands still."""
@@ -168,56 +169,6 @@ def test_it_is_one_operator_among_others_and_lets_go_when_it_leaves(alone: Proce
                 second.drive(0.1, bad)
 
 
-def waits_of_links() -> list[int]:
-    """For each TCP connection of this process: ms without an acknowledgement after which the kernel ends it."""
-    waits = []
-    for entry in Path("/proc/self/fd").iterdir():
-        with suppress(OSError), socket.socket(fileno=os.dup(int(entry.name))) as link:  # not every one is a connection
-            link.getpeername()
-            waits.append(link.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT))
-    return waits
-
-
-@pytest.mark.usefixtures("alone")
-def test_its_links_end_when_they_are_dead() -> None:
-    with Robot(patience=PATIENCE) as robot:
-
-        def are_all_tuned() -> bool:
-            drive_on(robot, 0.0, 0.0)
-            return set(waits_of_links()) == {LINK_LEASE * 1000}
-
-        wait(are_all_tuned, PATIENCE, what="a link of another wait")
-
-
-def test_an_emergency_stop_is_told_and_a_reset_moves_nothing(alone: ProcessRobot) -> None:
-    with Robot(patience=PATIENCE) as robot:
-
-        def drives() -> bool:
-            drive_on(robot, 0.1, 0.0)
-            return alone.drives()
-
-        def is_told() -> bool:
-            try:
-                drive_on(robot, 0.1, 0.0)
-            except EmergencyStopError as told:
-                return "a cat" in str(told)
-            return False
-
-        wait(drives, PATIENCE, what=alone.why)
-        assert alone.giraff("estop", "engage", "--reason", "a cat") == 0
-        wait(is_told, PATIENCE, what="the stop")
-        assert alone.giraff("estop", "reset") == 0
-        stopped_us = alone.simulator.now()
-        for _ in range(30):
-            with pytest.raises(RobotError, match=r"robot\.arm|no tick"):
-                robot.drive(0.1, 0.0)
-            robot.stop()
-            time.sleep(0.05)
-        assert alone.simulator.record(stopped_us).driven_ms == 0
-        robot.arm()
-        wait(drives, PATIENCE, what=alone.why)
-
-
 SCRIPT = """
 import signal, time
 from giraff_client import Robot, RobotError
@@ -251,7 +202,7 @@ def test_a_script_that_is_no_more_stops_the_robot(alone: ProcessRobot, how: sign
             script.kill()
 
 
-@pytest.mark.usefixtures("alone")
+@pytest.mark.usefixtures("named")
 def test_where_there_is_no_robot_it_says_so() -> None:
     with (
         pytest.raises(NoRobotError, match=r"no robot called nobody is heard .*--robot sim-test"),
@@ -260,18 +211,77 @@ def test_where_there_is_no_robot_it_says_so() -> None:
         pass
 
 
-def test_guard_stands_between_it_and_the_wall(alone: ProcessRobot) -> None:
-    alone.simulator.place(3.6, -2.0)
-    with Robot(patience=PATIENCE) as robot:
+def waits_of_links() -> list[int]:
+    """For each TCP connection of this process: ms without an acknowledgement after which the kernel ends it."""
+    waits = []
+    for entry in Path("/proc/self/fd").iterdir():
+        with suppress(OSError), socket.socket(fileno=os.dup(int(entry.name))) as link:  # not every one is a connection
+            link.getpeername()
+            waits.append(link.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT))
+    return waits
 
-        def at_the_wall() -> bool:
-            drive_on(robot, 0.2, 0.0)
-            with suppress(RobotError):
-                return robot.guard().forward.freedom == "blocked"
-            return False
 
-        wait(at_the_wall, PATIENCE, what=alone.why, every=0.0)
-        until_us = alone.simulator.now() + 1_000_000
-        while alone.simulator.now() < until_us:
-            drive_on(robot, 0.2, 0.0)
-    assert alone.simulator.state().x < 5.0 - 0.3
+def test_its_links_end_when_they_are_dead(script: Robot) -> None:
+    def are_all_tuned() -> bool:
+        drive_on(script, 0.0, 0.0)
+        return set(waits_of_links()) == {LINK_LEASE * 1000}
+
+    wait(are_all_tuned, PATIENCE, what="a link of another wait")
+
+
+def test_it_draws_the_path_that_another_drives(named: ProcessRobot, script: Robot) -> None:
+    named.simulator.place(0.0, -2.0)
+    script.arm()
+    with example(named, "plot_path.py", "3", "path.svg") as drawing:
+        while drawing.poll() is None:
+            drive_on(script, 0.2, 0.3)
+        assert drawing.returncode == 0, drawing.communicate()
+    drawn = (named.directory / "path.svg").read_text().split('points="')[1].split('"')[0].split()
+    points = [[float(value) for value in point.split(",")] for point in drawn]
+    assert len(points) > 1
+    assert max(math.dist(points[0], point) for point in points) > 0.1
+
+
+def test_guard_stands_between_it_and_the_wall(named: ProcessRobot, script: Robot) -> None:
+    named.simulator.place(3.9, -2.0)
+
+    def at_the_wall() -> bool:
+        drive_on(script, 0.2, 0.0)
+        with suppress(RobotError):
+            return script.guard().forward.freedom == "blocked"
+        return False
+
+    wait(at_the_wall, PATIENCE, what=named.why, every=0.0)
+    until_us = named.simulator.now() + 1_000_000
+    while named.simulator.now() < until_us:
+        drive_on(script, 0.2, 0.0)
+    assert named.simulator.state().x < 5.0 - 0.3
+
+
+def test_an_emergency_stop_is_told_and_a_reset_moves_nothing(named: ProcessRobot, script: Robot) -> None:
+    named.simulator.place(0.0, -2.0)
+
+    def drives() -> bool:
+        drive_on(script, 0.1, 0.0)
+        return named.drives()
+
+    def is_told() -> bool:
+        try:
+            drive_on(script, 0.1, 0.0)
+        except EmergencyStopError as told:
+            return "a cat" in str(told)
+        return False
+
+    wait(drives, PATIENCE, what=named.why)
+    assert named.giraff("estop", "engage", "--reason", "a cat") == 0
+    wait(is_told, PATIENCE, what="the stop")
+    assert named.giraff("estop", "reset") == 0
+    stopped_us = named.simulator.now()
+    for _ in range(30):
+        with pytest.raises(RobotError, match=r"robot\.arm|no tick"):
+            script.drive(0.1, 0.0)
+        script.stop()
+        time.sleep(0.05)
+    assert named.simulator.record(stopped_us).driven_ms == 0
+    script.arm()
+    wait(drives, PATIENCE, what=named.why)
