@@ -181,7 +181,7 @@ class ProcessRobot:
         """What a service has logged."""
         return [json.loads(line)["message"] for line in self.log(service).splitlines()]
 
-    def wait(self, what: str, holds: Callable[[], bool], seconds: float) -> float:
+    def wait(self, what: str, holds: Callable[[], object], seconds: float) -> float:
         """Wait until `holds`; the wall seconds that took. AssertionError with the logs' ends after `seconds`."""
         return wait(holds, seconds, what=lambda: f"{what}{self._last_words()}", every=0.01)
 
