@@ -42,11 +42,11 @@ def test_driven_from_afar_when_the_network_came_later(sites: Sites, tmp_path: Pa
     afar.write_text(f'[network]\nmode = "fixed"\nconnect = ["{sites.address(HOME)}"]\n')
     robot = RemoteRobot(tmp_path, NAME, sites, (HOME, here), (AWAY, afar))
     try:
+        robot.tilt(FULL_TILT)  # from before they meet: a hand that is level meanwhile may arm as soon as it is heard
+        began_us = robot.simulator.now()
         robot.run(1.0)
         sites.plug(HOME)
         settled = wait(lambda: all(found_anew(robot, service) for service in ON_THE_ROBOT), PATIENCE)
-        robot.tilt(FULL_TILT)
-        began_us = robot.simulator.now()
         robot.run(2.0)
         assert robot.simulator.record(began_us).driven_ms == 0, "who starts again waits for a level hand"
         took = robot.drive()
