@@ -1,23 +1,5 @@
-"""For each file a robot, and a desk beside it."""
+"""For each file a robot, and a desk beside it, as the functional tests have them."""
 
-from __future__ import annotations
+from tests.functional.desk.conftest import desk, robot
 
-from collections.abc import Iterator
-
-import pytest
-
-from tests.support.desk import Desk
-from tests.support.process_robot import ProcessRobot, process_robot
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
-    """Standing in the proving room."""
-    with process_robot(tmp_path_factory.mktemp("robot"), boards="host") as started:
-        yield started
-
-
-@pytest.fixture(scope="module")
-def desk(robot: ProcessRobot, tmp_path_factory: pytest.TempPathFactory) -> Desk:
-    """Where the commands for that robot are called."""
-    return Desk(tmp_path_factory.mktemp("desk"), robot.environment["GIRAFF_NETWORK_RENDEZVOUS"], "sim-test")
+__all__ = ["desk", "robot"]

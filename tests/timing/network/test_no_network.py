@@ -1,30 +1,21 @@
-"""A robot whose network is not there when it starts: driven on its own host, and from afar when the network comes."""
+"""How soon a robot is driven whose network is not there when it starts, and how soon from afar when it comes."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from tests.functional.robot.test_no_network import AWAY, HOME, NAME, ON_THE_ROBOT, found_anew, sites
 from tests.support.process_robot import FULL_TILT
 from tests.support.remote_robot import RemoteRobot
 from tests.support.sites import Sites
 from tests.support.waiting import wait
 from tests.timing.stalled import by_the_wall
 
-HOME, AWAY = "home", "away"
-NAME = "sim-late"
+__all__ = ["sites"]
+
 MODES = ("lan", "fixed")
-ON_THE_ROBOT = ("base", "guard", "ranger", "odometry")
-
-
-@pytest.fixture
-def sites() -> Iterator[Sites]:
-    with Sites(HOME, AWAY, routed=True) as made:
-        made.pull(HOME)
-        made.await_link(HOME, "DOWN")
-        yield made
 
 
 @pytest.mark.parametrize("mode", MODES)
@@ -46,12 +37,12 @@ def test_driven_from_afar_when_the_network_came_later(sites: Sites, tmp_path: Pa
     afar.write_text(f'[network]\nmode = "fixed"\nconnect = ["{sites.address(HOME)}"]\n')
     robot = RemoteRobot(tmp_path, NAME, sites, (HOME, here), (AWAY, afar))
     try:
+        robot.tilt(FULL_TILT)
+        began_us = robot.simulator.now()
         robot.run(2.0)
         sites.plug(HOME)
         with by_the_wall():
             settled = wait(lambda: all(found_anew(robot, service) for service in ON_THE_ROBOT), 20.0)
-        robot.tilt(FULL_TILT)
-        began_us = robot.simulator.now()
         robot.run(2.0)
         assert robot.simulator.record(began_us).driven_ms == 0, "who starts again waits for a level hand"
         with by_the_wall():
@@ -61,8 +52,3 @@ def test_driven_from_afar_when_the_network_came_later(sites: Sites, tmp_path: Pa
     print(
         f"{settled:.1f} s after the cable was plugged in all are back; drove {took:.1f} s after that and a level hand"
     )
-
-
-def found_anew(robot: RemoteRobot, service: str) -> bool:
-    _, again, since = robot.says(service).partition("starting again")
-    return bool(again) and "pid" in since
