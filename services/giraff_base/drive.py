@@ -6,7 +6,7 @@ import math
 
 from giraff_node.robot import RobotConfig
 
-_LONGEST_STEP = 0.05  # s; a ramp does not jump after a pause
+_LONGEST_STEP = 0.02  # s, two reports of the board: a ramp does not jump after a pause
 
 
 def wheel_levels(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple[int, int]:
@@ -14,11 +14,10 @@ def wheel_levels(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple
 
     Curvature is kept: both wheels are scaled alike. Differential drive: v = linear_x ∓ angular_z · track_width / 2.
     """
-    half_turn = angular_z * robot.track_width / 2
-    left, right = linear_x - half_turn, linear_x + half_turn
-    fastest = max(abs(left), abs(right), robot.max_wheel_speed)
-    per_speed = robot.max_level / fastest
-    return round(left * per_speed), round(right * per_speed)
+    linear, angular = robot.within_wheels(linear_x, angular_z)
+    half_turn = angular * robot.track_width / 2
+    per_speed = robot.max_level / robot.max_wheel_speed
+    return round((linear - half_turn) * per_speed), round((linear + half_turn) * per_speed)
 
 
 def ramped(now_at: float, target: float, largest_step: float) -> float:

@@ -19,7 +19,7 @@ def asked(vector: tuple[float, float, float], config: JoystickConfig, robot: Rob
     fastest_turn = robot.fastest_spin
     if config.curve == "angle":
         fastest_turn = min(fastest_turn, robot.max_angular_speed)
-    return _within_wheels(forward * robot.max_wheel_speed, left * fastest_turn, robot)
+    return robot.within_wheels(forward * robot.max_wheel_speed, left * fastest_turn)
 
 
 def _deflection(vector: tuple[float, float, float], config: JoystickConfig) -> tuple[float, float]:
@@ -38,12 +38,3 @@ def _ramp(value: float, start: float, full: float) -> float:
     """0 within ±`start`, then in proportion up to ±1 at ±`full`, and ±1 beyond."""
     share = min(1.0, max(0.0, (abs(value) - start) / (full - start)))
     return share if value >= 0.0 else 0.0 - share  # and not -share: a negative zero would show in every log
-
-
-def _within_wheels(linear: float, angular: float, robot: RobotConfig) -> tuple[float, float]:
-    """The same curve, slowed until its faster wheel keeps to `max_wheel_speed`."""
-    faster_wheel = abs(linear) + abs(angular) * robot.track_width / 2.0
-    if faster_wheel <= robot.max_wheel_speed:
-        return linear, angular
-    scale = robot.max_wheel_speed / faster_wheel
-    return linear * scale, angular * scale

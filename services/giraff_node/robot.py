@@ -78,6 +78,14 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         """rad/s with both wheels at full speed, against each other."""
         return 2.0 * self.max_wheel_speed / self.track_width
 
+    def within_wheels(self, linear: float, angular: float) -> tuple[float, float]:
+        """The same curve (m/s, rad/s), slowed until its faster wheel keeps to `max_wheel_speed`."""
+        faster_wheel = abs(linear) + abs(angular) * self.track_width / 2.0
+        if faster_wheel <= self.max_wheel_speed:
+            return linear, angular
+        scale = self.max_wheel_speed / faster_wheel
+        return linear * scale, angular * scale
+
     @property
     def wiring_checked(self) -> bool:
         """Whether the robot file says how motors and encoders are soldered."""

@@ -13,6 +13,7 @@ from giraff_base.estop import RELEASED
 from giraff_base.policy import BasePolicy
 from giraff_schemas.wire import (
     PROTOCOL_HASH,
+    WHEELS_PERIOD_MS,
     ConfigureFrame,
     DriveFrame,
     DriveState,
@@ -182,6 +183,28 @@ def test_starts_are_ramped_and_stops_are_not() -> None:
     assert turns.index(27) == pytest.approx(40, abs=4)  # 1 rad/s at 2.5 rad/s²
 
 
+@pytest.mark.parametrize("ends", ["travel", "turn"])
+def test_the_one_that_goes_on_does_not_leap_where_the_other_ends(ends: str) -> None:
+    """Both are slowed where a wheel would be too fast; the one left alone may be faster, by its ramp."""
+    rig = Rig()
+    rig.arm()
+    rig.tilt(0.6, 2.0)
+    rig.run(1.5)
+    left, right = rig.sent[-1].levels
+    assert max(left, right) == ROBOT.max_level
+    if ends == "travel":
+        rig.tilt(0.0, 2.0)
+        before, step = (right - left) / 2, CONFIG.angular_acceleration * ROBOT.track_width / 2
+    else:
+        rig.tilt(0.6, 0.0)
+        before, step = (right + left) / 2, CONFIG.linear_acceleration
+    step *= WHEELS_PERIOD_MS * 1e-3 * ROBOT.max_level / ROBOT.max_wheel_speed
+    alone = [each.levels[1] for each in rig.run(0.5) if abs(each.levels[0]) == abs(each.levels[1])]
+    assert alone[0] <= before + 2 * step + 1, "the guard speaks each second report"
+    assert all(after <= now + step + 1 for now, after in pairwise(alone))
+    assert alone[-1] > before + 10
+
+
 def test_a_reversal_starts_from_zero() -> None:
     rig = Rig()
     rig.drive(0.6)
@@ -194,17 +217,19 @@ def test_a_reversal_starts_from_zero() -> None:
     assert speeds[-1] == -70
 
 
-@pytest.mark.parametrize("pause", [0.1, 0.25, 0.9])
+@pytest.mark.parametrize("pause", [0.04, 0.1, 0.25, 0.9])
 def test_a_ramp_does_not_jump_after_a_pause(pause: float) -> None:
+    """It goes on by two reports' worth at most: 1.4 counts."""
     rig = Rig()
     rig.arm()
     rig.tilt(0.6)
     rig.run(0.1)
+    before = rig.sent[-1].levels[0]
     rig.connected = False
     rig.run(pause)
     rig.connected = True
     rig.run(0.01)
-    assert rig.sent[-1].levels[0] <= 6 + 4
+    assert rig.sent[-1].levels[0] <= before + 2
 
 
 def test_only_reports_of_this_session_become_samples() -> None:
