@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from giraff_schemas.messages import EStopReset
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.freedom import Freedom
+from giraff_sim.dst.judging.pins import Rises
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Stop, Stops
 from giraff_sim.hand import LEVEL
 from giraff_sim.simulation import Simulation
@@ -174,6 +177,48 @@ def test_what_an_obstacle_left_behind_is_waited_for_whatever_else_befalls() -> N
     freedom.calm(from_us=16_000_000)
     assert not freedom.is_calm(17_999_999)
     assert freedom.is_calm(18_000_000)
+
+
+def rise_too_fast(counts: Callable[[int], tuple[float, float]]) -> bool:
+    """Whether the motors' counts do from 0 ms on, where 100 counts a second are allowed; until then they rest there."""
+    judged = Rises(100.0, 100.0)
+    found = {}
+    for ms in range(-400, 400, 4):
+        left, right = counts(max(0, ms))
+        found[ms] = judged.look(left, right, ms * 1000) if left or right else ""
+    return any(wrong for ms, wrong in found.items() if ms >= 0)
+
+
+@pytest.mark.parametrize(("per_second", "is_seen"), [(100, False), (140, False), (145, True)])
+@pytest.mark.parametrize(("left", "right"), [(1, 1), (-1, -1), (-1, 1), (1, -1)])
+@pytest.mark.parametrize("start", [0, 20])
+def test_what_rises_faster_than_its_ramp_is_seen(
+    per_second: int, is_seen: bool, left: int, right: int, start: int
+) -> None:
+    def counts(ms: int) -> tuple[float, float]:
+        level = start + per_second * ms / 1000
+        return left * level, right * level
+
+    assert rise_too_fast(counts) is is_seen
+
+
+def test_a_turn_does_not_rise_from_where_a_motor_reverses() -> None:
+    """It is off for a millisecond then: in that step's mean the turn is less than before and after."""
+
+    def counts(ms: int) -> tuple[float, float]:
+        if ms < 4:
+            return 66.0, 14.0
+        return (46.5, 0.25) if ms < 8 else (26.5 + ms / 10, -26.5 - ms / 10)
+
+    assert not rise_too_fast(counts)
+
+
+def test_what_stood_without_power_starts_from_rest() -> None:
+    def counts(ms: int) -> tuple[float, float]:
+        level = 20.0 if not 0 < ms <= 20 else 0.0
+        return level, level
+
+    assert rise_too_fast(counts)
 
 
 @pytest.mark.parametrize(("second_at", "is_late"), [(0.0, True), (0.3, False)])

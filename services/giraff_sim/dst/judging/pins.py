@@ -11,7 +11,7 @@ from giraff_schemas.wire import BoardKind, DriveFrame
 from giraff_sim.simulation import Simulation
 
 _WINDOW_US: Final = 100_000  # over which a ramp is measured
-_STEPS_US: Final = 12_000  # of the simulation and of the board's reports, at both ends of it
+_STEPS_US: Final = 12_000  # a report of the board, and steps of the simulation
 _ROUNDING: Final = 2.5  # PWM counts: of two levels, and of the drive's mean over a step
 
 
@@ -23,14 +23,12 @@ class Pins:
         self._simulation = simulation
         self._max_level = robot.max_level
         counts_per_speed = robot.max_level / robot.max_wheel_speed
-        seconds = (_WINDOW_US + _STEPS_US) * 1e-6
-        self._rises = (
-            config.linear_acceleration * seconds * counts_per_speed,
-            config.angular_acceleration * seconds * robot.track_width / 2.0 * counts_per_speed,
+        self._rises = Rises(
+            config.linear_acceleration * counts_per_speed,
+            config.angular_acceleration * robot.track_width / 2.0 * counts_per_speed,
         )
         self._outlives_us = outlives_us
         self._asked: deque[tuple[int, int, int]] = deque()  # when, left, right
-        self._given: deque[tuple[int, float, float]] = deque()  # when, mean and half difference
 
     def asked(self, frame: DriveFrame, now_us: int) -> None:
         """Base has sent a drive frame."""
@@ -40,7 +38,7 @@ class Pins:
         """What is wrong with the drive of this step; empty when nothing is."""
         motors = self._simulation.boards[BoardKind.BASE].model.motor
         left, right = float(motors[0].drive), float(motors[1].drive)
-        return self._too_much() or self._unasked(left, right, now_us) or self._unramped(left, right, now_us)
+        return self._too_much() or self._unasked(left, right, now_us) or self._rises.look(left, right, now_us)
 
     def _too_much(self) -> str:
         peak = self._simulation.peak_counts
@@ -59,17 +57,29 @@ class Pins:
                 return f"{given:+.0f} counts at the {name} motor, for which base has not asked"
         return ""
 
-    def _unramped(self, left: float, right: float, now_us: int) -> str:
-        mean, half = (left + right) / 2.0, (right - left) / 2.0
+
+class Rises:
+    """How fast driving and turning rise at the motors."""
+
+    def __init__(self, drive: float, turn: float) -> None:
+        """Both in counts a second, at the most."""
+        self._most = [each * _WINDOW_US * 1e-6 + _ROUNDING for each in (drive, turn)]
+        self._given: deque[tuple[int, float, float]] = deque()  # when, mean and half difference
+
+    def look(self, left: float, right: float, now_us: int) -> str:
+        """What rises too fast, of these counts at the motors. Asked after each step while one of them has power."""
         given = self._given
-        given.append((now_us, mean, half))
+        if given and now_us - given[-1][0] > _STEPS_US:
+            given.clear()  # without power in between: from rest
+        given.append((now_us, (left + right) / 2.0, (right - left) / 2.0))
         while now_us - given[0][0] > _WINDOW_US:
             given.popleft()
-        since_us, *before = given[0]
-        if now_us - since_us < _WINDOW_US - _STEPS_US:
-            before = [0.0, 0.0]  # without power in between
-        for name, now, then, rise in zip(("drive", "turn"), (mean, half), before, self._rises, strict=True):
-            start = abs(then) if now * then > 0.0 else 0.0
-            if abs(now) > start + rise + _ROUNDING:
-                return f"{name} rises from {then:+.0f} to {now:+.0f} counts within {_WINDOW_US / 1e6:g} s"
+        is_start = now_us - given[0][0] < _WINDOW_US - _STEPS_US
+        # The most of a report's time: a motor that reverses is off for a moment, and nothing rises from there.
+        began = [] if is_start else [each for each in given if each[0] - given[0][0] <= _STEPS_US]
+        for name, part, most in zip(("drive", "turn"), (1, 2), self._most, strict=True):
+            now = given[-1][part]
+            start = max((abs(each[part]) for each in began if each[part] * now > 0.0), default=0.0)
+            if abs(now) > start + most:
+                return f"{name} rises from {start:.0f} to {abs(now):.0f} counts within {_WINDOW_US / 1e6:g} s"
         return ""
