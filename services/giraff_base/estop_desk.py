@@ -15,7 +15,7 @@ from giraff_base.policy import BasePolicy
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
 
 _PATIENCE_NS: Final = 1_000_000_000  # for the disk, before the answer is no; a reset is then given up
-_RETRY_NS: Final = 1_000_000_000
+_RETRY_NS: Final = 100_000_000  # a stop that is not on disk is lost with the power
 
 RequestT_co = TypeVar("RequestT_co", covariant=True)
 
