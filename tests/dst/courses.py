@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from random import Random
 
 import msgspec
@@ -82,6 +83,20 @@ def hang_disk(drill: Drill, chance: Random) -> Course:
     disk.hang()
     yield "the robot's disk hangs"
     disk.go_on()
+
+
+def touch_sensors(drill: Drill, chance: Random) -> Course:
+    """Have something stand 8 cm before the front sensors, and go away."""
+    del chance
+    x, y, yaw = drill.loop.simulation.world.plant.pose
+    ahead = max(pose.x for pose in drill.loop.settings.robot.sensors.values()) + 0.08
+    ends = [
+        (x + ahead * math.cos(yaw) - w * math.sin(yaw), y + ahead * math.sin(yaw) + w * math.cos(yaw))
+        for w in (-0.5, 0.5)
+    ]
+    drill.loop.simulation.world.room.add_wall("box", ends)
+    yield "something nearly touches the front sensors"
+    drill.loop.simulation.world.room.remove("box")
 
 
 def reset_board(drill: Drill, chance: Random) -> Course:

@@ -146,6 +146,19 @@ class BlindGuard(GuardPolicy):
         super().on_range(reading, robot_ns)
 
 
+class GrudgingGuard(GuardPolicy):
+    """Never forgets that something may touch a sensor."""
+
+    _lost = False
+
+    def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
+        command, state, lease = super().decide(robot_ns)
+        self._lost = self._lost or "lost something" in state.forward.reason
+        if not self._lost:
+            return command, state, lease
+        return msgspec.structs.replace(command, linear_x=min(0.0, command.linear_x)), state, lease
+
+
 class TimidGuard(GuardPolicy):
     """Never lets the robot go forward."""
 

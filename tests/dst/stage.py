@@ -15,6 +15,7 @@ SETTINGS: Final = known_settings()
 FORWARD: Final = (4.0, 0.0, 8.96)
 """m/s² on the joystick: 24 degrees."""
 BACKWARD: Final = (-4.0, 0.0, 8.96)
+LEFT: Final = (0.0, 4.0, 8.96)
 SET_OFF: Final = 2.5
 """s at which `driving` tilts the joystick, after it was level."""
 

@@ -25,12 +25,13 @@ from tests.dst.courses import (
     replay,
     reset_board,
     stop,
+    touch_sensors,
     typing,
     typing_a_stop,
     unplug,
 )
 from tests.dst.sabotage import broken
-from tests.dst.stage import BACKWARD, FORWARD, SETTINGS, at, driving, hall, level, rules, stage
+from tests.dst.stage import BACKWARD, FORWARD, LEFT, SETTINGS, at, driving, hall, level, rules, stage
 
 
 def test_a_sound_robot_violates_nothing_and_drives() -> None:
@@ -157,6 +158,20 @@ def test_a_fast_touch_of_what_a_sensor_heard_before_it_was_deaf_is_seen() -> Non
 
 def test_a_free_way_that_is_refused_is_seen() -> None:
     assert rules(stage(services=broken(guard=sabotage.TimidGuard))) == {"f"}
+
+
+def test_a_way_is_not_free_where_something_may_touch_a_sensor_until_the_robot_has_turned_away() -> None:
+    """It was 8 cm before it and went: nothing tells that from what has come so near that no echo is heard."""
+    box = at(1.0, touch_sensors, 1.0)
+    held = stage(box)
+    assert rules(held) == set()
+    assert held.path < 0.02
+    hand = driving((2.6, LEFT), (4.6, LEVEL), (4.9, FORWARD))
+    grudging = stage(box, hand=hand, seconds=8.0, room=hall(2.0), services=broken(guard=sabotage.GrudgingGuard))
+    assert rules(grudging) == {"f"}
+    sound = stage(box, hand=hand, seconds=8.0, room=hall(2.0))
+    assert rules(sound) == set()
+    assert sound.path > 0.5
 
 
 def test_something_thin_ahead_is_no_free_way() -> None:

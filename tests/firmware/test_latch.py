@@ -6,7 +6,17 @@ from contextlib import contextmanager
 
 import pytest
 
-from giraff_schemas.wire import ECHO_MAX_AGE_MS, BoardKind, DriveState, EstopFrame, Latch, Refusal, ResetCause, Wiring
+from giraff_schemas.wire import (
+    ECHO_MAX_AGE_MS,
+    STUCK_MS,
+    BoardKind,
+    DriveState,
+    EstopFrame,
+    Latch,
+    Refusal,
+    ResetCause,
+    Wiring,
+)
 from tests.firmware.bench import BaseBench
 from tests.firmware.builds import compiled, open_board, with_fault
 
@@ -180,6 +190,18 @@ def test_a_release_of_nothing_leaves_a_board_that_drives_alone(base: BaseBench) 
     assert told(base) == (DriveState.ACTIVE, Latch.NONE)
     assert base.duties() == (40, 40)
     assert base.wheels().refused == 0
+
+
+def test_who_stops_a_latched_robot_does_not_hide_why_it_was_latched(base: BaseBench) -> None:
+    """A stuck wheel is told until somebody has released it."""
+    base.configure(stall_level=25)
+    base.drive(0, 0)
+    base.drive(40, 40, STUCK_MS + TELEMETRY_MS)
+    assert told(base) == (DriveState.LATCHED, Latch.LEFT_STUCK)
+    engage(base)
+    assert told(base) == (DriveState.LATCHED, Latch.LEFT_STUCK)
+    base.run(TELEMETRY_MS)
+    assert set(base.board.eeprom[LATCH_AT : LATCH_AT + 2]) == {LATCHED + Latch.LEFT_STUCK}
 
 
 def test_engaging_again_needs_no_second_release(base: BaseBench) -> None:

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from giraff_sim.closed_loop import Settings
+from giraff_sim.dst.judging.touching import Touching
 from giraff_sim.world import World
 
 if TYPE_CHECKING:
@@ -25,15 +26,20 @@ _RAYS: Final = 101  # two are 2 cm apart where the body would end: nothing that 
 
 
 class Freedom:
-    """Asked while the motors stand still."""
+    """Asked while the motors stand still, and told each step."""
 
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
         self._robot = settings.robot
+        self._touching = Touching(world, settings)
         self._refused_us: int | None = None
         self._looked_us = 0
         self._disturbances = 0
         self._calm_us = 0
+
+    def note(self) -> None:
+        """Take what this step has brought."""
+        self._touching.note()
 
     def disturb(self) -> None:
         """A fault begins: nothing is sure to be proven."""
@@ -77,7 +83,7 @@ class Freedom:
         if given.command.instance != passed.command.operator:
             return False
         way = math.copysign(1.0, command.linear_x)
-        return self._is_proven(passed, way, now_us) and self._is_free(way)
+        return self._is_proven(passed, way, now_us) and not self._touching.is_possible(way) and self._is_free(way)
 
     def _is_proven(self, passed: Passed, way: float, now_us: int) -> bool:
         for name, pose in self._robot.sensors.items():
