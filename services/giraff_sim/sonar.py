@@ -73,10 +73,17 @@ class Sonar:
         of one that was not sound."""
         self.measured: float | None = None
         """m that the newest ping measured; None where nothing answered, or where the ping was not sound."""
+        self.told: float | None = None
+        """m that the newest ping tells, sound or not; None where it tells of no echo."""
         self._last_us = NO_ECHO_US
 
     def echo_us(self, robot: Pose) -> float:
         """Ping with the robot at `robot`: the echo pulse's length, or SILENT_US, or STUCK_US."""
+        pulse_us = self._answer_us(robot)
+        self.told = pulse_us / ECHO_US_PER_M if 0.0 < pulse_us < NO_ECHO_US else None
+        return pulse_us
+
+    def _answer_us(self, robot: Pose) -> float:
         self.pings += 1
         self.must_have_heard = self.measured = None
         match self.fault:

@@ -204,7 +204,7 @@ def rise_too_fast(counts: Callable[[int], tuple[float, float]]) -> bool:
     return any(wrong for ms, wrong in found.items() if ms >= 0)
 
 
-@pytest.mark.parametrize(("per_second", "is_seen"), [(100, False), (140, False), (145, True)])
+@pytest.mark.parametrize(("per_second", "is_seen"), [(100, False), (135, False), (140, True)])
 @pytest.mark.parametrize(("left", "right"), [(1, 1), (-1, -1), (-1, 1), (1, -1)])
 @pytest.mark.parametrize("start", [0, 20])
 def test_what_rises_faster_than_its_ramp_is_seen(
@@ -217,20 +217,32 @@ def test_what_rises_faster_than_its_ramp_is_seen(
     assert rise_too_fast(counts) is is_seen
 
 
-def test_a_turn_does_not_rise_from_where_a_motor_reverses() -> None:
+@pytest.mark.parametrize("reversing", [(46.5, 0.25), (27.0, -20.0)], ids=["is positive", "is negative"])
+def test_a_turn_does_not_rise_from_where_a_motor_reverses(reversing: tuple[float, float]) -> None:
     """It is off for a millisecond then: in that step's mean the turn is less than before and after."""
 
     def counts(ms: int) -> tuple[float, float]:
         if ms < 4:
             return 66.0, 14.0
-        return (46.5, 0.25) if ms < 8 else (26.5 + ms / 10, -26.5 - ms / 10)
+        return reversing if ms < 8 else (26.5 + ms / 10, -26.5 - ms / 10)
 
     assert not rise_too_fast(counts)
 
 
+@pytest.mark.parametrize("dip", [0.0, 20.0, 40.0])
+def test_a_leap_back_after_a_frame_of_less_is_seen(dip: float) -> None:
+    """One frame lasts 10 ms; it lies at any phase of the steps."""
+
+    def counts(ms: int) -> tuple[float, float]:
+        level = dip if 0 < ms <= 12 else 60.0
+        return level, level
+
+    assert rise_too_fast(counts)
+
+
 def test_what_stood_without_power_starts_from_rest() -> None:
     def counts(ms: int) -> tuple[float, float]:
-        level = 20.0 if not 0 < ms <= 20 else 0.0
+        level = 20.0 if ms == 0 or 20 < ms <= 60 else 0.0
         return level, level
 
     assert rise_too_fast(counts)

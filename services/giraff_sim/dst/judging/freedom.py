@@ -37,9 +37,9 @@ class Freedom:
         self._disturbances = 0
         self._calm_us = 0
 
-    def note(self) -> None:
+    def note(self, now_us: int) -> None:
         """Take what this step has brought."""
-        self._touching.note()
+        self._touching.note(now_us)
 
     def disturb(self) -> None:
         """A fault begins: nothing is sure to be proven."""

@@ -106,7 +106,7 @@ class Judge(Ledger):
         self._measure_way(now_us)
         self._look_at_latch(disk, now_us)
         self._obstacles.note(now_us)
-        self.freedom.note()
+        self.freedom.note(now_us)
         self._look_at_contacts(now_us)
         against = self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us)
         if self._simulation.peak_counts == 0:

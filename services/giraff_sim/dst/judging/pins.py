@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import Final
+from typing import Final, NamedTuple
 
 from giraff_base.config import BaseConfig
 from giraff_node.robot import RobotConfig
@@ -11,7 +11,7 @@ from giraff_schemas.wire import BoardKind, DriveFrame
 from giraff_sim.simulation import Simulation
 
 _WINDOW_US: Final = 100_000  # over which a ramp is measured
-_STEPS_US: Final = 12_000  # a report of the board, and steps of the simulation
+_STEPS_US: Final = 12_000  # of the simulation and of the board's reports, at both ends of it
 _ROUNDING: Final = 2.5  # PWM counts: of two levels, and of the drive's mean over a step
 
 
@@ -58,28 +58,44 @@ class Pins:
         return ""
 
 
+class _Given(NamedTuple):
+    at_us: int
+    left: float
+    right: float
+    is_whole: bool
+    """Not of a step in which a motor reverses: it is off for a moment then, and nothing rises from there."""
+
+    @property
+    def parts(self) -> tuple[float, float]:
+        """Driving and turning: mean and half difference."""
+        return (self.left + self.right) / 2.0, (self.right - self.left) / 2.0
+
+
 class Rises:
     """How fast driving and turning rise at the motors."""
 
     def __init__(self, drive: float, turn: float) -> None:
         """Both in counts a second, at the most."""
-        self._most = [each * _WINDOW_US * 1e-6 + _ROUNDING for each in (drive, turn)]
-        self._given: deque[tuple[int, float, float]] = deque()  # when, mean and half difference
+        self._most = drive, turn
+        self._given: deque[_Given] = deque()
 
     def look(self, left: float, right: float, now_us: int) -> str:
         """What rises too fast, of these counts at the motors. Asked after each step while one of them has power."""
         given = self._given
-        if given and now_us - given[-1][0] > _STEPS_US:
+        if given and now_us - given[-1].at_us > _STEPS_US:
             given.clear()  # without power in between: from rest
-        given.append((now_us, (left + right) / 2.0, (right - left) / 2.0))
-        while now_us - given[0][0] > _WINDOW_US:
+        reverses = bool(given) and (given[-1].left * left < 0.0 or given[-1].right * right < 0.0)
+        if reverses:
+            given[-1] = given[-1]._replace(is_whole=False)
+        given.append(_Given(now_us, left, right, not reverses))
+        while now_us - given[0].at_us > _WINDOW_US:
             given.popleft()
-        is_start = now_us - given[0][0] < _WINDOW_US - _STEPS_US
-        # The most of a report's time: a motor that reverses is off for a moment, and nothing rises from there.
-        began = [] if is_start else [each for each in given if each[0] - given[0][0] <= _STEPS_US]
-        for name, part, most in zip(("drive", "turn"), (1, 2), self._most, strict=True):
-            now = given[-1][part]
-            start = max((abs(each[part]) for each in began if each[part] * now > 0.0), default=0.0)
-            if abs(now) > start + most:
-                return f"{name} rises from {start:.0f} to {abs(now):.0f} counts within {_WINDOW_US / 1e6:g} s"
+        start = next((each for each in given if each.is_whole), given[0])
+        if now_us - given[0].at_us < _WINDOW_US - _STEPS_US:
+            start = _Given(now_us - _WINDOW_US, 0.0, 0.0, is_whole=True)
+        seconds = (now_us - start.at_us + _STEPS_US) * 1e-6
+        for name, now, then, most in zip(("drive", "turn"), given[-1].parts, start.parts, self._most, strict=True):
+            begin = abs(then) if now * then > 0.0 else 0.0
+            if abs(now) > begin + most * seconds + _ROUNDING:
+                return f"{name} rises from {begin:.0f} to {abs(now):.0f} counts within {_WINDOW_US / 1e6:g} s"
         return ""

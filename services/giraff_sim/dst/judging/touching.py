@@ -1,48 +1,94 @@
-"""Where something may touch a sensor: it was heard right before it, and no sensor can tell it from having gone."""
+"""Where something may touch a sensor: it was heard right before it and is lost, and no sensor tells whether it went."""
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from collections import deque
+from typing import Final, NamedTuple
 
 from giraff_sim.closed_loop import Settings
 from giraff_sim.room import Pose
 from giraff_sim.world import World
 
-_ODOMETRY: Final = 1.1  # a guard knows by its wheels how far the robot is from there: times the true way, at most
+# A guard goes by readings and wheels: each bound is given up this much sooner or later than by the truth.
+_EARLIER: Final = 0.9
+_LATER: Final = 1.1
+_RESOLUTION: Final = 0.005  # m, of a reading
+
+
+class _Ping(NamedTuple):
+    at_us: int
+    pose: Pose
+    told: float | None
+    """m to what answered, be it wild; None where nothing did."""
+
+
+class _Lost(NamedTuple):
+    pose: Pose
+    distance: float
 
 
 class Touching:
-    """Holds the guard to no free way until the robot has moved or turned away, by the truth. Asked in each step."""
+    """Asks for no motion along a way until the robot has moved or turned away from what a sensor there has lost.
+
+    The pings and the pose are the world's. The guard's `near` is the robot file's: no fault here sets another.
+    """
 
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
+        self._guard = settings.guard
         self._sensors = settings.robot.sensors
-        self._near = settings.guard.near
-        self._clear = _ODOMETRY * 2.0 * settings.guard.near
-        self._turned = _ODOMETRY * 4.0 * settings.guard.half_cone
         self._heard_before = {index: sonar.pings for index, sonar in world.sonars.items()}
-        self._near_by: dict[str, tuple[Pose, float]] = {}
+        self._pings: dict[str, deque[_Ping]] = {name: deque(maxlen=3) for name in self._sensors}
+        self._lost: dict[str, _Lost] = {}
         """By sensor: where the robot was when it last heard something so near, and how near, m."""
 
-    def note(self) -> None:
+    def note(self, now_us: int) -> None:
         """Take the pings of this step, and where the robot is."""
         pose = self._world.plant.pose
         for name, mount in self._sensors.items():
             sonar = self._world.sonars[mount.index]
             if sonar.pings != self._heard_before[mount.index]:
                 self._heard_before[mount.index] = sonar.pings
-                if sonar.measured is not None and sonar.measured < self._near:
-                    self._near_by[name] = pose, sonar.measured
-            if name in self._near_by and self._is_away(mount.yaw, pose, *self._near_by[name]):
-                del self._near_by[name]
+                self._pings[name].append(_Ping(now_us, pose, sonar.told))
+                self._look(name, mount.yaw)
+            if name in self._lost and self._is_away(self._lost[name], pose, mount.yaw):
+                del self._lost[name]
 
     def is_possible(self, way: float) -> bool:
         """Whether something may touch a sensor that looks along `way`: 1 forward, -1 backward."""
-        return any((abs(self._sensors[name].yaw) < 1.0) == (way > 0.0) for name in self._near_by)
+        return any((abs(self._sensors[name].yaw) < 1.0) == (way > 0.0) for name in self._lost)
 
-    def _is_away(self, axis: float, pose: Pose, then: Pose, distance: float) -> bool:
-        direction = then.yaw + axis
-        nearer = (pose.x - then.x) * math.cos(direction) + (pose.y - then.y) * math.sin(direction)
-        turned = abs(math.remainder(pose.yaw - then.yaw, math.tau))
-        return distance - nearer >= self._clear or turned >= self._turned
+    def _look(self, name: str, axis: float) -> None:
+        """At the newest ping: two that agree, the later one near, and then one from farther away or none."""
+        if len(self._pings[name]) < 3:
+            return
+        before, last, newest = self._pings[name]
+        if newest.told is not None and newest.told < self._guard.near:
+            self._lost.pop(name, None)  # it is there again
+        if before.told is None or last.told is None or last.told > self._guard.near + _RESOLUTION:
+            return
+        turned = before.told * abs(math.remainder(last.pose.yaw - before.pose.yaw, math.tau))
+        if abs(_farther(before, last, axis)) > _LATER * self._guard.agreement + turned:
+            return
+        walked = self._guard.person_speed * (newest.at_us - last.at_us) * 1e-6
+        if _farther(last, newest, axis) > _EARLIER * (self._guard.agreement + walked):
+            self._lost[name] = _Lost(last.pose, last.told)
+
+    def _is_away(self, lost: _Lost, pose: Pose, axis: float) -> bool:
+        away = lost.distance - _nearer(lost.pose, pose, axis)
+        turned = abs(math.remainder(pose.yaw - lost.pose.yaw, math.tau))
+        return away >= _LATER * 2.0 * self._guard.near or turned >= _LATER * 4.0 * self._guard.half_cone
+
+
+def _nearer(then: Pose, now: Pose, axis: float) -> float:
+    """m that the robot has come nearer along a sensor's axis as it was `then`."""
+    direction = then.yaw + axis
+    return (now.x - then.x) * math.cos(direction) + (now.y - then.y) * math.sin(direction)
+
+
+def _farther(one: _Ping, other: _Ping, axis: float) -> float:
+    """m by which what `other` tells is farther away than what `one` told; infinite where it tells nothing."""
+    if one.told is None or other.told is None:
+        return math.inf
+    return other.told - (one.told - _nearer(one.pose, other.pose, axis))
