@@ -11,6 +11,7 @@ from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.dst.faults import Course, Kind, fault
 from giraff_sim.dst.judging.ledger import BASE
+from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Way
 from giraff_sim.sonar import SonarFault
 
@@ -81,7 +82,7 @@ def sonar(drill: Drill, chance: Random) -> Course:
         return
     sensor.fault = chance.choice((SonarFault.DEAD, SonarFault.STUCK, SonarFault.FROZEN, SonarFault.WILD))
     told = f"{name} is {sensor.fault}"
-    way: Way = "forward" if abs(pose.yaw) < 1.0 else "backward"
+    way: Way = "forward" if looks_along(pose, 1.0) else "backward"
     silent = sensor.fault in (SonarFault.DEAD, SonarFault.STUCK)
     with drill.stops(told, BEYOND_US, way, lambda: silent):
         yield told

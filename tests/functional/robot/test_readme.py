@@ -9,16 +9,7 @@ from pathlib import Path
 
 from giraff_sim.board import ROOT
 from tests.support.process_robot import PATIENCE, process_robot
-
-ROOM = """
-name = "room"
-start = { x = 0.0, y = 0.0, yaw_deg = 0.0 }
-
-[[walls]]
-name = "all around, near enough to be heard"
-closed = true
-points = [[-1.0, -1.5], [3.5, -1.5], [3.5, 1.5], [-1.0, 1.5]]
-"""
+from tests.support.runs import SMALL_ROOM
 
 _CONNECT = re.compile(r"# (config\.insert_json5\(.*)tcp/[^\"]*(\"\]'\))  # .*")
 
@@ -35,7 +26,7 @@ def example(endpoint: str) -> str:
 
 
 def test_the_example_prints_the_odometry(tmp_path: Path) -> None:
-    with process_robot(tmp_path, ROOM, boards="host") as robot:
+    with process_robot(tmp_path, SMALL_ROOM, boards="host") as robot:
         robot.drive_forward()
         robot.hold(0.0, 0.0)
         script = tmp_path / "listen.py"

@@ -9,6 +9,7 @@ from giraff_base.config import BaseConfig
 from giraff_node.robot import RobotConfig
 from giraff_schemas.wire import DriveFrame
 from giraff_sim.dst.judging.ledger import Ledger, Passed
+from giraff_sim.dst.judging.sensors import looks_along
 
 _LEVELS_OFF: Final = 1.0  # by rounding
 
@@ -91,7 +92,7 @@ class Explainer:
         if not twist.goes:
             return ""
         for name, pose in self._robot.sensors.items():
-            if (abs(pose.yaw) < 1.0) != (twist.linear > 0.0):
+            if not looks_along(pose, twist.linear):
                 continue
             if name not in passed.ranges:
                 return f"b: {name} had never been heard"

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, Final
 
 from giraff_sim.closed_loop import Settings
+from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.touching import Touching
 from giraff_sim.world import World
 
@@ -87,7 +88,7 @@ class Freedom:
 
     def _is_proven(self, passed: Passed, way: float, now_us: int) -> bool:
         for name, pose in self._robot.sensors.items():
-            if (abs(pose.yaw) < 1.0) == (way > 0.0):
+            if looks_along(pose, way):
                 heard = passed.ranges.get(name)
                 if heard is None or heard[0].state != "echo" or now_us - heard[1] > _HEARD_US:
                     return False

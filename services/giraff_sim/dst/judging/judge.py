@@ -26,6 +26,7 @@ from giraff_sim.dst.judging.latch import LatchWatch
 from giraff_sim.dst.judging.ledger import BASE, Ledger, Passed
 from giraff_sim.dst.judging.obstacles import Obstacles
 from giraff_sim.dst.judging.pins import Pins
+from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import ROBOT_US, Stops
 from giraff_sim.dst.judging.wishes import Wishes
 from giraff_sim.dst.story import Story, kind_of
@@ -278,7 +279,7 @@ class Judge(Ledger):
         if passed.given is None or passed.given.command.linear_x == 0.0:
             return ""
         for name, pose in self._settings.robot.sensors.items():
-            looks_there = (abs(pose.yaw) < 1.0) == (passed.given.command.linear_x > 0.0)
+            looks_there = looks_along(pose, passed.given.command.linear_x)
             if looks_there and name in passed.ranges and passed.ranges[name][1] < before_us:
                 return name
         return ""

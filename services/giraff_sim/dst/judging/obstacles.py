@@ -15,6 +15,7 @@ from typing import Final
 from giraff_schemas.wire import RANGE_SENSORS, RANGE_SLOT_MS
 from giraff_sim.closed_loop import Settings
 from giraff_sim.dst.judging.ledger import Heard
+from giraff_sim.dst.judging.sensors import NewPings, looks_along
 from giraff_sim.room import Hit, Pose
 from giraff_sim.sonar import Sonar, SonarFault
 from giraff_sim.world import World
@@ -66,18 +67,14 @@ class Obstacles:
         self._world = world
         self._robot = settings.robot
         self._deceleration = settings.guard.deceleration or math.inf
-        self._heard_before = {index: sonar.pings for index, sonar in world.sonars.items()}
+        self._new = NewPings(world, settings.robot)
         self._pings: dict[str, deque[_Ping]] = defaultdict(lambda: deque(maxlen=_KEPT))
 
     def note(self, now_us: int) -> None:
         """Take the pings of this step."""
-        world = self._world
-        for name, mount in self._robot.sensors.items():
-            sonar = world.sonars[mount.index]
-            if sonar.pings != self._heard_before[mount.index]:
-                self._heard_before[mount.index] = sonar.pings
-                if sonar.must_have_heard is not None:
-                    self._pings[name].append(_Ping(now_us, sonar, sonar.must_have_heard))
+        for name, sonar in self._new.take():
+            if sonar.must_have_heard is not None:
+                self._pings[name].append(_Ping(now_us, sonar, sonar.must_have_heard))
 
     def touched(self, readings: Mapping[str, deque[Heard]]) -> str:
         """Where the body touches, and what the sensors told last."""
@@ -98,7 +95,7 @@ class Obstacles:
             return ""
         for name, mount in self._robot.sensors.items():
             is_deaf = self._world.sonars[mount.index].fault is SonarFault.DEAF
-            if not is_deaf or (abs(mount.yaw) < 1.0) != (speed > 0.0):
+            if not is_deaf or not looks_along(mount, speed):
                 continue
             if (heard_us := self._heard_twice_us(name, now_us)) is not None:
                 ago = (now_us - heard_us) / 1e6
@@ -127,7 +124,7 @@ class Obstacles:
         room = self._world.room
         stopping = linear * linear / (2.0 * self._deceleration)
         for name, mount in self._robot.sensors.items():
-            if (abs(mount.yaw) < 1.0) != (linear > 0.0):
+            if not looks_along(mount, linear):
                 continue
             handed = readings[name]
             for heard in handed:

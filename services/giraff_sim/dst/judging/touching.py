@@ -7,10 +7,11 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_sim.closed_loop import Settings
+from giraff_sim.dst.judging.sensors import NewPings, looks_along
 from giraff_sim.room import Pose
 from giraff_sim.world import World
 
-# A guard goes by readings and wheels: each bound is given up this much sooner or later than by the truth.
+# The guard's bounds, a tenth wider: it measures distance, motion and turns with a small error.
 _EARLIER: Final = 0.9
 _LATER: Final = 1.1
 _RESOLUTION: Final = 0.005  # m, of a reading
@@ -29,16 +30,16 @@ class _Lost(NamedTuple):
 
 
 class Touching:
-    """Asks for no motion along a way until the robot has moved or turned away from what a sensor there has lost.
+    """Knows what each sensor has lost so near, until the robot has moved or turned away from there.
 
-    The pings and the pose are the world's. The guard's `near` is the robot file's: no fault here sets another.
+    Pings and poses are the world's. The guard's numbers are the robot file's: no fault sets another `near`.
     """
 
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
         self._guard = settings.guard
         self._sensors = settings.robot.sensors
-        self._heard_before = {index: sonar.pings for index, sonar in world.sonars.items()}
+        self._new = NewPings(world, settings.robot)
         self._pings: dict[str, deque[_Ping]] = {name: deque(maxlen=3) for name in self._sensors}
         self._lost: dict[str, _Lost] = {}
         """By sensor: where the robot was when it last heard something so near, and how near, m."""
@@ -46,18 +47,16 @@ class Touching:
     def note(self, now_us: int) -> None:
         """Take the pings of this step, and where the robot is."""
         pose = self._world.plant.pose
-        for name, mount in self._sensors.items():
-            sonar = self._world.sonars[mount.index]
-            if sonar.pings != self._heard_before[mount.index]:
-                self._heard_before[mount.index] = sonar.pings
-                self._pings[name].append(_Ping(now_us, pose, sonar.told))
-                self._look(name, mount.yaw)
-            if name in self._lost and self._is_away(self._lost[name], pose, mount.yaw):
+        for name, sonar in self._new.take():
+            self._pings[name].append(_Ping(now_us, pose, sonar.told))
+            self._look(name, self._sensors[name].yaw)
+        for name, lost in list(self._lost.items()):
+            if self._is_away(lost, pose, self._sensors[name].yaw):
                 del self._lost[name]
 
     def is_possible(self, way: float) -> bool:
         """Whether something may touch a sensor that looks along `way`: 1 forward, -1 backward."""
-        return any((abs(self._sensors[name].yaw) < 1.0) == (way > 0.0) for name in self._lost)
+        return any(looks_along(self._sensors[name], way) for name in self._lost)
 
     def _look(self, name: str, axis: float) -> None:
         """At the newest ping: two that agree, the later one near, and then one from farther away or none."""

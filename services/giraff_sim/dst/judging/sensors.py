@@ -1,0 +1,29 @@
+"""The ultrasonic sensors as the judge sees them: which way they look, and which have just sent a ping."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from giraff_node.robot import RobotConfig, SensorPose
+from giraff_sim.sonar import Sonar
+from giraff_sim.world import World
+
+
+def looks_along(mount: SensorPose, way: float) -> bool:
+    """`way`: above 0 forward, else backward."""
+    return (abs(mount.yaw) < 1.0) == (way > 0.0)
+
+
+class NewPings:
+    """Asked after each step of the world."""
+
+    def __init__(self, world: World, robot: RobotConfig) -> None:
+        self._sonars = {name: world.sonars[mount.index] for name, mount in robot.sensors.items()}
+        self._seen = {name: sonar.pings for name, sonar in self._sonars.items()}
+
+    def take(self) -> Iterator[tuple[str, Sonar]]:
+        """The sensors that have sent a ping since this was asked last."""
+        for name, sonar in self._sonars.items():
+            if sonar.pings != self._seen[name]:
+                self._seen[name] = sonar.pings
+                yield name, sonar
