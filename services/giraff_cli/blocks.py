@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.layout import HEADING, NONE, block, dim, left, right, unit, words
+from giraff_cli.layout import HEADING, NONE, block, left, right, unit, words
 from giraff_cli.telemetry import KeyRate, Seen, Snapshot, range_key
-from giraff_cli.words import DIRECTIONS, base_reason, base_text, holder_text, printable, range_text, verdicts
+from giraff_cli.text import printable
+from giraff_cli.words import DIRECTIONS, base_reason, base_text, holder_text, range_text, verdicts
 from giraff_schemas.messages import Range
 
 _BAR: Final = 12  # characters
@@ -101,6 +102,11 @@ def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table
     for row in range(rows):
         table.add_row(*_cells(rates[row::rows], with_age=with_age))
     return table
+
+
+def dim(seen: Seen[Any] | None) -> str:
+    """The style of what may be over."""
+    return "" if seen is not None and seen.fresh else "dim"
 
 
 def _cells(rates: Sequence[tuple[str, KeyRate]], *, with_age: bool) -> list[RenderableType]:

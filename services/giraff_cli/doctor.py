@@ -18,13 +18,14 @@ from giraff_cli.interfaces import is_own
 from giraff_cli.machine_facts import look_at_boards, look_at_machine, wiring_checked
 from giraff_cli.output import written
 from giraff_cli.robot_facts import listen
+from giraff_cli.text import counted, printable
 from giraff_cli.visit import complain
 from giraff_cli.watcher import Watcher
-from giraff_cli.words import counted, printable
 from giraff_node.config import ConfigError
+from giraff_node.network_config import NetworkConfig
 from giraff_node.reunion import hosts_of
 from giraff_node.robots import NoRobotError, Way, find_way, only_one, robots_alive, way_of
-from giraff_node.session import NetworkConfig, open_session
+from giraff_node.session import open_session
 
 FoundT = TypeVar("FoundT")
 

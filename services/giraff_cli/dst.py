@@ -8,9 +8,10 @@ from pathlib import Path
 import msgspec
 from rich.console import Console
 
-from giraff_sim.dst.drill import KINDS, SECONDS, Outcome
+from giraff_sim.dst.drill import SECONDS, Outcome
 from giraff_sim.dst.many import Totals, run_many
 from giraff_sim.dst.marks import unreached
+from giraff_sim.dst.scenarios import KINDS
 
 _FAILED = 1  # exit code
 

@@ -5,9 +5,6 @@ Each answers with an exit code and a word for people. Nothing is taken for done 
 
 from __future__ import annotations
 
-import getpass
-import os
-import socket
 import time
 from typing import Any, Final, NamedTuple
 
@@ -157,12 +154,3 @@ def _silent(watcher: Watcher, timeout: float) -> Told:
 
 def _several(robot: str, heard: _Heard) -> str:
     return f"{len(heard.states)} bases are called {robot} ({', '.join(heard.states)}); end all but one"
-
-
-def who() -> str:
-    """Whom to name to those who ask who it was."""
-    try:
-        user = getpass.getuser()
-    except (OSError, KeyError):  # a container's user may have no name
-        user = str(os.getuid())
-    return f"{user}@{socket.gethostname()}"

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import deque
 from dataclasses import dataclass
 from typing import Final
 
 _WINDOW: Final = 3.0  # s that the rate of now looks back
 _MARK_EVERY: Final = 0.25  # s
-_AGE_STEP_MS: Final = 0.1
 
 
 @dataclass(frozen=True)
@@ -69,22 +68,3 @@ class Flow:
     def loses_now(self, seconds: float) -> bool:
         """Whether any were lost in the last moments."""
         return not self.has_ended(seconds) and bool(self._marks) and self.lost > self._marks[0][2]
-
-
-class Ages:
-    """A distribution of ages in ms, as steps of 0.1 ms: it does not grow with a long run."""
-
-    def __init__(self) -> None:
-        self._counts: Counter[int] = Counter()
-
-    def add(self, milliseconds: float) -> None:
-        self._counts[round(milliseconds / _AGE_STEP_MS)] += 1
-
-    def share(self, share: float) -> float | None:
-        """The age that `share` (0..1) of all do not exceed; None: there are none."""
-        wanted, seen = share * self._counts.total(), 0
-        for step, count in sorted(self._counts.items()):
-            seen += count
-            if seen >= wanted:
-                return round(step * _AGE_STEP_MS, 1)
-        return None

@@ -14,13 +14,13 @@ import zenoh
 from rich.text import Text
 from rich.tree import Tree
 
-from giraff_cli.graph import quoted
+from giraff_cli.graphviz import quoted
 from giraff_cli.page import Page, print_json
 from giraff_cli.stopping import Stopping
 from giraff_cli.survey import Surveyor
+from giraff_cli.text import printable
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
-from giraff_cli.words import printable
 from giraff_schemas.frames import Transform
 from giraff_schemas.topics import frame_key
 

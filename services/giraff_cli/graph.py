@@ -7,6 +7,7 @@ from typing import Final
 
 import msgspec
 
+from giraff_cli.graphviz import quoted
 from giraff_cli.meter import Meter
 from giraff_cli.page import print_json, print_table
 from giraff_cli.stopping import Stopping
@@ -102,9 +103,3 @@ def _show(drawn: Graph) -> None:
             heard = ", ".join(edge.target for edge in drawn.edges if (edge.source, edge.key) == (name, key))
             rows.append((name if number == 0 else "", key, f"-> {heard or 'nobody that says so'}" if key else ""))
     print_table(("service", "says", "heard by"), rows)
-
-
-def quoted(text: str) -> str:
-    """As Graphviz takes a name."""
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'

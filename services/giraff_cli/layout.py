@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 from rich.console import RenderableType
 from rich.rule import Rule
 from rich.table import Column, Table
 from rich.text import Text
 
-from giraff_cli.telemetry import Seen
-from giraff_cli.words import printable
+from giraff_cli.text import printable
 
 Standing = Literal["starting", "alive", "silent", "ended"]
 
@@ -87,11 +86,6 @@ def unit(text: str) -> Text:
 def words(text: str, style: str = "") -> Text:
     """Text of the network, or a dash for none."""
     return Text(printable(text), style=style) if text else NONE
-
-
-def dim(seen: Seen[Any] | None) -> str:
-    """The style of what may be over."""
-    return "" if seen is not None and seen.fresh else "dim"
 
 
 def clock(seconds: float) -> str:

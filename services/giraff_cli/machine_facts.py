@@ -18,8 +18,8 @@ from giraff_cli.facts import Disk, Machine, Port
 from giraff_cli.interfaces import interfaces
 from giraff_node.config import ConfigError, is_at_hand, load, read_tables
 from giraff_node.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
+from giraff_node.network_config import NetworkConfig
 from giraff_node.robot import RobotConfig
-from giraff_node.session import NetworkConfig
 from giraff_node.state import state_directory
 from giraff_node.version import version
 from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind

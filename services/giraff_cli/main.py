@@ -147,13 +147,14 @@ def engage(
     Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
     """
     from giraff_cli import estop as it  # noqa: PLC0415
+    from giraff_cli.user import who  # noqa: PLC0415
     from giraff_cli.without_file import way_to_stop  # noqa: PLC0415
 
     _tell(
         robot,
         connect,
         timeout,
-        lambda watcher: it.engage(watcher, it.who(), reason, timeout),
+        lambda watcher: it.engage(watcher, who(), reason, timeout),
         lambda: way_to_stop(robot, connect or ()),
     )
 
@@ -165,8 +166,9 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0) 
     Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
     """
     from giraff_cli import estop as it  # noqa: PLC0415
+    from giraff_cli.user import who  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda watcher: it.reset(watcher, it.who(), timeout))
+    _tell(robot, connect, timeout, lambda watcher: it.reset(watcher, who(), timeout))
 
 
 @estop.command()

@@ -11,9 +11,9 @@ from rich.text import Text
 from giraff_cli.page import Page, print_json, print_table
 from giraff_cli.stopping import Stopping
 from giraff_cli.survey import Maker, Survey, Surveyor
+from giraff_cli.text import printable
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
-from giraff_cli.words import printable
 from giraff_schemas.messages import Health
 
 _PATIENCE: Final = 3.0  # s, to find the only robot

@@ -13,7 +13,7 @@ from rich.console import Console, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.words import printable
+from giraff_cli.text import printable
 
 _PIPE_WIDTH: Final = 1000  # characters: a line stays a line for whoever searches them
 

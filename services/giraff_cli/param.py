@@ -8,9 +8,9 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.estop import who
 from giraff_cli.page import print_json
 from giraff_cli.param_view import Shown, as_objects, differing
+from giraff_cli.user import who
 from giraff_cli.visit import UNUSABLE, complain, visit
 from giraff_cli.watcher import Watcher
 from giraff_node.asking import Asking

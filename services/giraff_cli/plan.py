@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Final, Literal
 
 from giraff_node.config import ConfigError, load, robot_file
+from giraff_node.network_config import NetworkConfig
 from giraff_node.robot import RobotConfig
 from giraff_node.robots import find_way
-from giraff_node.session import NetworkConfig
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.config import KNOWN, SimConfig

@@ -17,6 +17,7 @@ import zenoh
 
 from giraff_cli.layout import Standing
 from giraff_cli.plan import Plan
+from giraff_cli.ports import claim, free_port
 from giraff_cli.run_directory import RunDirectory
 from giraff_cli.run_telemetry import RunTelemetry
 from giraff_cli.screen import Nobody, Screen, as_svg, open_screen, say
@@ -24,7 +25,7 @@ from giraff_cli.simulated import SERVICES, SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.stopping import Stopping
 from giraff_cli.summary import summarize, to_json, to_text
 from giraff_cli.view import Frame, RunSight
-from giraff_cli.watcher import Watcher, claim, free_port
+from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
 from giraff_node.config import ConfigError
 from giraff_node.session import open_session

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final
 
-from giraff_cli.flow import Ages
+from giraff_cli.ages import Ages
 from giraff_cli.motion import Apart, Comparison, Pose, Truth
 from giraff_cli.telemetry import Snapshot, Telemetry
 from giraff_schemas.messages import GuardedCommand, Odometry, Sample

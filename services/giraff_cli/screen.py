@@ -14,7 +14,7 @@ from rich.console import Console, RenderableType
 from rich.live import Live
 
 from giraff_cli.output import drop_output
-from giraff_cli.words import printable
+from giraff_cli.text import printable
 
 _PICTURE_COLUMNS: Final = 100
 _WEB_FONTS: Final = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)

@@ -10,7 +10,7 @@ import msgspec
 from giraff_cli.motion import Apart
 from giraff_cli.run_telemetry import AgeSummary, RunTelemetry
 from giraff_cli.telemetry import Seen
-from giraff_cli.words import counted
+from giraff_cli.text import counted
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, ODOM
 from giraff_sim.truth import Level

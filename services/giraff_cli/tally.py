@@ -8,7 +8,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.flow import Ages
+from giraff_cli.ages import Ages
 
 _RECALLED: Final = 10_000
 """Samples back that a late one is known to be late, and not lost or a double."""

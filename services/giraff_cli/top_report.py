@@ -13,7 +13,7 @@ from rich.text import Text
 from giraff_cli.page import shown, table_of
 from giraff_cli.survey import Survey
 from giraff_cli.tally import Count, Tally
-from giraff_cli.words import printable
+from giraff_cli.text import printable
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import topic_of
 

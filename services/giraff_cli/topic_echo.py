@@ -12,10 +12,10 @@ import msgspec
 
 from giraff_cli.stopping import Stopping
 from giraff_cli.survey import Surveyor
+from giraff_cli.text import printable
 from giraff_cli.topic_keys import UnknownKeyError, find_topic
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
-from giraff_cli.words import printable
 from giraff_node import robot_now_ns
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic

@@ -13,10 +13,10 @@ from giraff_cli.meter import Meter
 from giraff_cli.page import Page, print_json, print_table, shown
 from giraff_cli.stopping import Stopping
 from giraff_cli.survey import Maker, Survey, Surveyor, is_listened_to
+from giraff_cli.text import printable
 from giraff_cli.topic_keys import UnknownKeyError, covers, find_topic
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
-from giraff_cli.words import printable
 from giraff_schemas.fields import Field, fields_of
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import TOPICS, Topic, key_of, topic_of

@@ -12,10 +12,10 @@ from giraff_cli.page import print_json, print_table, shown
 from giraff_cli.stopping import Stopping
 from giraff_cli.survey import Maker, Survey, Surveyor
 from giraff_cli.tally import Count
+from giraff_cli.text import printable
 from giraff_cli.topic_keys import UnknownKeyError, find_topic
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
-from giraff_cli.words import printable
 from giraff_schemas.topics import Topic, topic_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot

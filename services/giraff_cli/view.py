@@ -11,7 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_cli import blocks
-from giraff_cli.layout import NONE, Standing, beside, block, clock, dim, header, notice, right, services
+from giraff_cli.blocks import dim
+from giraff_cli.layout import NONE, Standing, beside, block, clock, header, notice, right, services
 from giraff_cli.line import line
 from giraff_cli.motion import Pose
 from giraff_cli.run_telemetry import RunSnapshot

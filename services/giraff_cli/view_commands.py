@@ -45,7 +45,8 @@ def view(  # noqa: PLR0913, PLR0917  one argument an option
     if recording is not None and find_spec("mcap") is None:
         typer.echo("giraff view: the library mcap is missing: pip install 'giraff[viewer,cli,record]'", err=True)
         raise typer.Exit(_REFUSED)
-    from giraff_cli.viewing import Options, show  # noqa: PLC0415
+    from giraff_cli.view_output import Options  # noqa: PLC0415
+    from giraff_cli.viewing import show  # noqa: PLC0415
 
     options = Options(save=save, picture=picture, web=web, port=port, memory=memory, seconds=seconds, as_json=as_json)
     raise typer.Exit(show(recording, robot, connect or (), options))

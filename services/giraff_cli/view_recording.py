@@ -8,7 +8,7 @@ from typing import Final
 import msgspec
 
 from giraff_cli.stopping import Stopping
-from giraff_cli.viewing import DONE, Options, Stage, give_up, known_robot
+from giraff_cli.view_output import DONE, Options, Stage, give_up, known_robot
 from giraff_cli.visit import complain
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_node.robot import RobotConfig

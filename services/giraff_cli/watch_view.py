@@ -11,13 +11,13 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_cli import blocks
+from giraff_cli.blocks import dim
 from giraff_cli.layout import (
     NONE,
     Standing,
     beside,
     block,
     clock,
-    dim,
     header,
     left,
     notice,

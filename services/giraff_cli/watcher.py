@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import random
-import socket
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -18,7 +16,6 @@ from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
 
-_OWN_PORTS: Final = (20_000, 32_000)  # below Linux's range for outgoing connections, 32768 to 60999
 _ASK_AGAIN: Final = 0.1  # s
 _MOST_WAITING: Final = 20_000  # reports, 40 s of them; a listener that stands still longer loses the oldest
 
@@ -112,33 +109,3 @@ class Watcher:
         *_, service, instance = str(received.key_expr).split("/")
         present = received.kind == zenoh.SampleKind.PUT
         self._heard.append(lambda listener: listener.announce(service, instance, present=present))
-
-
-def free_port() -> int:
-    """A port of the loopback that nobody listens on, and that no outgoing connection is given by the kernel.
-
-    One of the kernel's would be free now and taken in a moment; a peer that calls it before anybody listens could
-    even be given the port for its own end, and be connected to itself.
-    """
-    while True:
-        port = random.randrange(*_OWN_PORTS)
-        with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
-            try:
-                probe.bind(("127.0.0.1", port))
-            except OSError:
-                continue
-        return port
-
-
-def claim(robot: str) -> socket.socket | None:
-    """Hold a robot's name among this host's runs, as long as the socket lives; None when another run holds it.
-
-    The liveliness of a namesake shows only where there is a network to show it on.
-    """
-    held = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    try:
-        held.bind(f"\0giraff run {robot}")  # an abstract name: it goes with the process, and leaves no file
-    except OSError:
-        held.close()
-        return None
-    return held

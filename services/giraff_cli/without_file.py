@@ -16,8 +16,9 @@ import tomlkit
 
 from giraff_node.config import NO_FILE, ConfigError, Given, is_at_hand, read
 from giraff_node.doubts import doubts
+from giraff_node.network_config import NetworkConfig
 from giraff_node.robots import name_of
-from giraff_node.session import CERTIFICATES, NetworkConfig
+from giraff_node.session import CERTIFICATES
 
 _NAME, _HOST, _ADDRESS = "NAME", "HOST", "ADDRESS"
 _MEANING: Final = {

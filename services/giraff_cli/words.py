@@ -10,16 +10,6 @@ from giraff_schemas.messages import GuardState, Range, Verdict
 DIRECTIONS: Final = ("forward", "backward", "turn left", "turn right")
 
 
-def printable(text: str) -> str:
-    """Text of the network on one line: what it says may not steer the terminal."""
-    return "".join(character if character.isprintable() else "?" for character in text)
-
-
-def counted(number: int, thing: str) -> str:
-    """How many there are of a thing."""
-    return f"{number} {thing}{'' if number == 1 else 's'}"
-
-
 def range_text(seen: Seen[Range] | None) -> str:
     """A range in a word."""
     if seen is None or not seen.fresh:

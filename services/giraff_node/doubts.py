@@ -13,8 +13,8 @@ from typing import Any, Final, get_args, get_origin, get_type_hints
 import msgspec
 
 from giraff_node.config import TABLES, Given, Strange
+from giraff_node.network_config import NetworkConfig
 from giraff_node.robot import RobotConfig
-from giraff_node.session import NetworkConfig
 
 _NETWORK: Final = {
     **{field: f"{field!r} of [network]" for field in NetworkConfig.__struct_fields__},

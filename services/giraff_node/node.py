@@ -24,19 +24,20 @@ from giraff_node.asking import Asking
 from giraff_node.bad_keys import BadKeys
 from giraff_node.board_link import BoardLink
 from giraff_node.clock import robot_now_ns
-from giraff_node.config import ConfigError, ConfigT, load
+from giraff_node.config import ConfigError, load
 from giraff_node.host_addresses import AddressWatch, host_addresses
 from giraff_node.inbox import MOST_REQUESTS, Inbox
 from giraff_node.io import Asked, Selectable, Service
 from giraff_node.key_bundle import ExpiryWatch
+from giraff_node.network_config import NetworkConfig
 from giraff_node.pacing import Pacer
 from giraff_node.param_desk import ParamDesk
-from giraff_node.params import Params
+from giraff_node.params import ConfigT, Params
 from giraff_node.process import Process
 from giraff_node.reunion import Reunion
 from giraff_node.robot import RobotConfig
 from giraff_node.router_link import RouterLink
-from giraff_node.session import NetworkConfig, open_session
+from giraff_node.session import open_session
 from giraff_node.state import Folder, state_directory
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform

@@ -9,10 +9,9 @@ from typing import Any, Final, Generic
 
 import msgspec
 
-from giraff_node.config import ConfigT
 from giraff_node.inbox import Inbox
 from giraff_node.io import Asked, Store
-from giraff_node.params import ParamError, Params
+from giraff_node.params import ConfigT, ParamError, Params
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 
 PARAMS_FOLDER: Final = "params"

@@ -8,15 +8,17 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Mapping
-from typing import Any, Final, Generic
+from typing import Any, Final, Generic, TypeVar
 
 import msgspec
 
-from giraff_node.config import ConfigT
 from giraff_node.live import Live, live_fields, loosens
 from giraff_node.robot import RobotConfig
 from giraff_schemas.fields import fields_of
 from giraff_schemas.params import Param
+
+ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
+"""The table of a service."""
 
 _SHARED: Final = "robot."
 

@@ -18,7 +18,8 @@ from typing import Final, NamedTuple
 import zenoh
 
 from giraff_node.config import ConfigError
-from giraff_node.session import NetworkConfig, close_session, open_session
+from giraff_node.network_config import NetworkConfig
+from giraff_node.session import close_session, open_session
 from giraff_node.tcp_links import tune_links
 
 _STAYS: Final = 6.0

@@ -14,7 +14,7 @@ import zenoh
 
 from giraff_node.config import ConfigError, Given, is_at_hand, read
 from giraff_node.doubts import doubts
-from giraff_node.session import NetworkConfig
+from giraff_node.network_config import NetworkConfig
 from giraff_schemas.topics import alive_key, require_chunk
 
 _ASK_AGAIN: Final = 0.1  # s

@@ -12,18 +12,16 @@ import threading
 import tomllib
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Any, Final
 
-import msgspec
 import zenoh
 
-from giraff_node.access import AccessConfig, access_control
+from giraff_node.access import access_control
 from giraff_node.config import ConfigError
 from giraff_node.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
-from giraff_node.site import require_site
+from giraff_node.network_config import NetworkConfig, with_port
 
 _CLOSE_TIMEOUT: Final = 1.0  # s
-_PORT: Final = 7447  # Zenoh's own
 
 CERTIFICATES: Final = {
     "root_ca_certificate": CA_CERTIFICATE,
@@ -33,42 +31,6 @@ CERTIFICATES: Final = {
     "connect_private_key": HOST_KEY,
 }
 """Zenoh's name -> file of the host's bundle, as `giraff keys host` makes it."""
-
-
-class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How this process meets the others."""
-
-    mode: Literal["lan", "fixed", "secured"] = "lan"
-    """`lan`: trusted, found by multicast. `fixed`: trusted, found at the addresses in `connect`. `secured`: as fixed,
-    with certificates and rules."""
-    session_file: str = ""
-    """A Zenoh JSON5 file; when given, it alone counts."""
-    rendezvous: str = "127.0.0.1:7447"
-    """Where the processes of one host find each other, with or without a network. Any of them may own it."""
-    connect: tuple[str, ...] = ()
-    """More hosts to connect to, like "192.168.1.20" or "robot.lan:7447": for networks without multicast."""
-    router: str = ""
-    """Address of the router through which this site and others hear each other, like "router.example.org:7447"."""
-    site: str = ""
-    """Where this host is, by a name that `[router] sites` has. The hosts of one site reach each other directly."""
-    local: bool = False
-    """Keep off the network: loopback only."""
-    keys: str = "/etc/giraff/keys"
-    """Folder of this host's bundle of certificates; of a secured network."""
-    access: AccessConfig = AccessConfig()
-    """Which certificate may do what; of a secured network."""
-
-    def __post_init__(self) -> None:
-        if self.mode == "secured" and not self.session_file and not self.access.robot:
-            raise ValueError("mode is secured, but [network.access] names no host of the robot: nobody could drive it")
-        for address in self.connect:
-            _require_address("connect", address)
-        if self.router:
-            _require_address("router", self.router)
-            if not self.site:
-                raise ValueError("router is given, but not at which site this host is: the router passes between sites")
-        if self.site:
-            require_site(self.site)
 
 
 def session_config(network: NetworkConfig, robot: str, *, visiting: bool = False) -> dict[str, Any]:
@@ -124,18 +86,6 @@ def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> boo
     closing.start()
     closing.join(within)
     return not closing.is_alive()
-
-
-def _require_address(field: str, address: str) -> None:
-    """ValueError unless it is HOST or HOST:PORT."""
-    if not address or any(mark in address for mark in "/#? "):
-        raise ValueError(f"{field}: {address!r} is no address; give HOST or HOST:PORT, like 192.168.1.20:7447")
-
-
-def with_port(address: str) -> str:
-    """HOST:PORT; an IPv6 address stands in brackets."""
-    _, colon, port = address.rpartition(":")
-    return address if colon and not port.endswith("]") else f"{address}:{_PORT}"
 
 
 def settings(*names: str) -> dict[str, Any]:

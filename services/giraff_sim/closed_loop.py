@@ -8,54 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Final, NamedTuple
+from typing import Any
 
-import msgspec
-
-from giraff_base.config import BaseConfig
-from giraff_base.service import Base
-from giraff_guard.config import GuardConfig
-from giraff_guard.service import Guard
-from giraff_joystick.config import JoystickConfig
-from giraff_joystick.service import Joystick
-from giraff_node.io import IO, Service
-from giraff_node.robot import RobotConfig
-from giraff_odometry.config import OdometryConfig
-from giraff_odometry.service import Odometry
-from giraff_ranger.config import RangerConfig
-from giraff_ranger.service import Ranger
+from giraff_node.io import Service
 from giraff_schemas.wire import BoardKind
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Network
 from giraff_sim.hosts.process import Observer, Process
+from giraff_sim.settings import MACHINES, Services, Settings
 from giraff_sim.simulation import Simulation
-
-
-class Settings(msgspec.Struct, frozen=True, kw_only=True):
-    """Configuration of the robot and its services."""
-
-    robot: RobotConfig
-    joystick: JoystickConfig = JoystickConfig(port="joystick")
-    base: BaseConfig = BaseConfig(port="base")
-    ranger: RangerConfig = RangerConfig(port="ranger")
-    guard: GuardConfig = GuardConfig(deceleration=1.5)
-    odometry: OdometryConfig = OdometryConfig()
-
-
-class Services(NamedTuple):
-    """What runs in each process: what ships, unless a test breaks something."""
-
-    joystick: Callable[[IO, JoystickConfig, RobotConfig], Service] = Joystick
-    ranger: Callable[[IO, RangerConfig, RobotConfig], Service] = Ranger
-    guard: Callable[[IO, GuardConfig, RobotConfig], Service] = Guard
-    base: Callable[[IO, BaseConfig, RobotConfig], Service] = Base
-    odometry: Callable[[IO, OdometryConfig, RobotConfig], Service] = Odometry
-
-
-MACHINES: Final = {"joystick": "operator", "ranger": "robot", "guard": "robot", "base": "robot", "odometry": "robot"}
-"""By service: the machine it runs on."""
 
 
 class ClosedLoop:

@@ -22,7 +22,7 @@ from giraff_ranger.service import Ranger
 from giraff_schemas.messages import DriveCommand, Range, RobotTime
 from giraff_schemas.wire import DriveFrame, Frame, RangeFrame
 from giraff_sim.board import BUILD
-from giraff_sim.closed_loop import Services
+from giraff_sim.settings import Services
 from tests.firmware.builds import with_fault
 
 _LATE: Final = 0.4  # s

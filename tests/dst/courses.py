@@ -9,8 +9,7 @@ import msgspec
 
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bno055 import Bno055Fault
-from giraff_sim.dst.drill import Drill
-from giraff_sim.dst.faults import Begin, Course
+from giraff_sim.dst.drill import Begin, Course, Drill
 from giraff_sim.dst.hands import Fingers
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.dst.people import typist

@@ -7,8 +7,7 @@ from random import Random
 from typing import Final
 
 from giraff_schemas.messages import DriveCommand, GuardedCommand, Lease, Range, Tick, Wheels
-from giraff_sim.dst.drill import Drill
-from giraff_sim.dst.faults import Begin, Course
+from giraff_sim.dst.drill import Begin, Course, Drill
 from giraff_sim.hand import LEVEL
 from giraff_sim.record import Verdict
 from tests.dst.courses import cut, hold_frames, replay, watch

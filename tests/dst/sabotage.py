@@ -28,7 +28,7 @@ from giraff_schemas.messages import (
     Tilt,
 )
 from giraff_schemas.wire import TickFrame, TiltFrame
-from giraff_sim.closed_loop import Services
+from giraff_sim.settings import Services
 
 FOR_EVER: Final = 2.0  # s; as long as a budget can be, and longer than any fault here lasts
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from giraff_sim.dst.drill import draw, play
+from giraff_sim.dst.drill import play
+from giraff_sim.dst.scenarios import draw
 from tests.dst.stage import SETTINGS
 
 SEEDS = range(2)

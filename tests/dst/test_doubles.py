@@ -9,8 +9,7 @@ import pytest
 from giraff_schemas.messages import EStopReset
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bno055 import Bno055Fault
-from giraff_sim.dst.drill import Drill, Outcome
-from giraff_sim.dst.faults import Begin, Course
+from giraff_sim.dst.drill import Begin, Course, Drill, Outcome
 from giraff_sim.dst.people import double
 from giraff_sim.hand import LEVEL
 from giraff_sim.record import Verdict

@@ -6,9 +6,10 @@ from typing import Final
 
 import pytest
 
-from giraff_sim.dst.drill import KINDS, Outcome
+from giraff_sim.dst.drill import Outcome
 from giraff_sim.dst.many import run_one
 from giraff_sim.dst.marks import unreached
+from giraff_sim.dst.scenarios import KINDS
 
 DRAWN: Final[dict[int, tuple[str, ...]]] = {
     153: (

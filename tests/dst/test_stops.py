@@ -8,7 +8,7 @@ import pytest
 
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bno055 import Bno055Fault, Vector
-from giraff_sim.dst.faults import Begin
+from giraff_sim.dst.drill import Begin
 from giraff_sim.hand import LEVEL, ScriptedHand
 from giraff_sim.record import Verdict
 from giraff_sim.sonar import SonarFault

@@ -9,7 +9,7 @@ import msgspec
 from giraff_schemas.codec import encode
 from giraff_schemas.params import Param, ParamSave, ParamSet
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_QUERIES, PARAM_SAVE, PARAM_SET
-from giraff_sim.closed_loop import MACHINES
+from giraff_sim.settings import MACHINES
 
 PARAM_KEYS = tuple(query.at(service) for query in PARAM_QUERIES for service in MACHINES)
 BY = "fuzz"

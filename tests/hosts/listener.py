@@ -17,7 +17,8 @@ import msgpack
 import msgspec
 import zenoh
 
-from giraff_node.session import NetworkConfig, open_session
+from giraff_node.network_config import NetworkConfig
+from giraff_node.session import open_session
 from giraff_node.tcp_links import tune_links
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_sim.closed_loop import MACHINES
+from giraff_sim.settings import MACHINES
 from tests.rules.repository import ROOT, services
 
 SIMULATED = {f"giraff_{service}" for service in MACHINES} | {"giraff_keyboard"}

@@ -35,7 +35,7 @@ def imports_viewer(source: str) -> bool:
 
 def may_draw(path: Path) -> bool:
     """The viewer's own package, and the command's part that is imported when somebody has asked to see."""
-    return path.parent.name == "giraff_viewer" or path.name in {"viewing.py", "view_recording.py"}
+    return path.parent.name == "giraff_viewer" or path.name in {"viewing.py", "view_output.py", "view_recording.py"}
 
 
 def test_no_other_module_imports_the_viewer() -> None:

@@ -9,7 +9,8 @@ from typing import Any
 import zenoh
 
 from giraff_node.config import load
-from giraff_node.session import NetworkConfig, close_session, session_config
+from giraff_node.network_config import NetworkConfig
+from giraff_node.session import close_session, session_config
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.topics import Query, SampleT, Topic, key_of
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -15,44 +15,32 @@ import msgspec
 from giraff_node.config import load
 from giraff_sim.bno055 import Vector
 from giraff_sim.board import BUILD, ROOT, Implementation
-from giraff_sim.closed_loop import ClosedLoop, Services, Settings
+from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import KNOWN, SimConfig
-from giraff_sim.demo_hand import DemoHand
-from giraff_sim.dst import machine_faults, network_faults, robot_faults
-from giraff_sim.dst.faults import Kind
-from giraff_sim.dst.hands import ClutchingHand, RestlessHand
 from giraff_sim.dst.judging.judge import Judge, Violation
 from giraff_sim.dst.judging.stops import Stop, Way
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.dst.people import Button, Caretaker
-from giraff_sim.dst.rooms import lay_threshold, random_room
 from giraff_sim.dst.story import Story
 from giraff_sim.hand import Hand
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable
 from giraff_sim.hosts.process import Process
 from giraff_sim.room import Room
+from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import Simulation, simulation
-from giraff_sim.truth import EXACT, Truth, draw_truth
+from giraff_sim.truth import EXACT, Truth
 from giraff_sim.world import World
 
 SECONDS: Final = 20.0
-KINDS: Final[tuple[Kind, ...]] = (*network_faults.KINDS, *machine_faults.KINDS, *robot_faults.KINDS)
 
 _STEP_US: Final = 4000  # a serial adapter waits longer, and twice as many steps take a third more time
-_FAULTS: Final = (1, 5)
-_RESTS_FROM: Final = 0.9  # s: the demonstration's hand rests until all has started
-_RESTLESS: Final = 0.5  # share of the hands that follow no room
-_CLUTCHES: Final = 0.3  # share of the runs in which the joystick's button is pressed
-_DEAF: Final = 0.15  # share of the runs in which a sensor is deaf for a time
-_FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
-_LAST_FAULT: Final = 1.5  # s before the end
 _HOUR_NS: Final = 3_600_000_000_000
 _WRITES_US: Final = (2_000, 120_000)  # file, folder and their fsync, from a solid state disk to a slow flash card
 _RELEASE_US: Final = 500_000
 _DRIVES: Final = 0.2  # m of path that count as driving
 
-_SIM: Final = SimConfig()
+SIM: Final = SimConfig()
 _GIVEN: Final = {
     "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
     "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
@@ -85,6 +73,38 @@ def known_settings() -> Settings:
     tables = Settings.__struct_fields__
     types = {field.name: field.type for field in msgspec.structs.fields(Settings)}
     return Settings(**{name: load(name, types[name], _GIVEN) for name in tables})
+
+
+Course = Generator[str, None, None]
+"""Begins a fault, yields what to tell, and ends the fault when it is called on. One that finds what it would spoil
+spoilt already returns before it yields: it does not happen."""
+Begin = Callable[["Drill", Random], Course]
+
+
+class Kind(NamedTuple):
+    """A kind of fault."""
+
+    name: str
+    begin: Begin
+    weight: float
+    """How often it is drawn, beside the others."""
+    lasts: tuple[float, float]
+    """s, from and to."""
+    calm_after: float
+    """s after its end until everything can be proven again."""
+
+
+def fault(
+    kinds: list[Kind], weight: float, lasts: tuple[float, float], calm_after: float = 3.0
+) -> Callable[[Begin], Begin]:
+    """Add a function to the `kinds` that are drawn from; its name is the fault's."""
+
+    def add(begin: Begin) -> Begin:
+        name = getattr(begin, "__name__", "").replace("_", " ")
+        kinds.append(Kind(name, begin, weight, lasts, calm_after))
+        return begin
+
+    return add
 
 
 class Befall(NamedTuple):
@@ -244,42 +264,9 @@ class Drill:
         self.loop.agenda.at(at_us, begin)
 
 
-def draw(seed: int, seconds: float = SECONDS) -> Scenario:
-    """A room, a hand, faults, and a robot that nobody has calibrated, from the seed."""
-    chance = Random(f"{seed}/scenario")
-    room = random_room(chance)
-    lay_threshold(room, Random(f"{seed}/threshold"))
-    hand: Hand = (
-        RestlessHand(chance, seconds) if chance.random() < _RESTLESS else DemoHand(room.waypoints, seed, _RESTS_FROM)
-    )
-    befalls = tuple(
-        Befall(
-            kind=chance.choices(KINDS, [each.weight for each in KINDS])[0],
-            at=chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT),
-            chance=Random(chance.getrandbits(64)),
-        )
-        for _ in range(chance.randint(*_FAULTS))
-    )
-    befalls += _deafness(Random(f"{seed}/deaf"), seconds)
-    presses: tuple[tuple[float, float], ...] = ()
-    clutch = Random(f"{seed}/clutch")  # a chance of its own: all others stay what they were without it
-    if clutch.random() < _CLUTCHES:
-        hand = clutching = ClutchingHand(hand, clutch, seconds)
-        presses = tuple(clutching.presses)
-    return Scenario(seed, room, hand, seconds, befalls, draw_truth("uncalibrated", _SIM.truth, seed), presses)
-
-
-def _deafness(chance: Random, seconds: float) -> tuple[Befall, ...]:
-    """In some runs a sensor that is deaf, by a chance of its own: all others stay what they were without it."""
-    if chance.random() >= _DEAF:
-        return ()
-    kind = next(each for each in KINDS if each.begin is robot_faults.deaf)
-    return (Befall(kind, chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT), Random(chance.getrandbits(64))),)
-
-
 def play(scenario: Scenario, settings: Settings, services: Services | None = None, build: Path = BUILD) -> Outcome:
     """Run a scenario to its end. `build`: where the boards were compiled to."""
-    world = World(scenario.room, settings.robot, _SIM, scenario.hand, scenario.seed, _STEP_US, truth=scenario.truth)
+    world = World(scenario.room, settings.robot, SIM, scenario.hand, scenario.seed, _STEP_US, truth=scenario.truth)
     with simulation(world, implementation=Implementation.HOST, build=build) as running:
         run = Drill(running, settings, services or Services(), scenario)
         run.run()

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from random import Random
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
-from giraff_sim.closed_loop import MACHINES
-from giraff_sim.dst.faults import Course, Kind, fault
+from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.hands import Fingers
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Way
 from giraff_sim.dst.people import double, typist
-
-if TYPE_CHECKING:
-    from giraff_sim.dst.drill import Drill
+from giraff_sim.settings import MACHINES
 
 KINDS: Final[list[Kind]] = []
 

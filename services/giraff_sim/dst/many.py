@@ -12,7 +12,8 @@ from typing import Final
 
 import msgspec
 
-from giraff_sim.dst.drill import SECONDS, Outcome, draw, known_settings, play
+from giraff_sim.dst.drill import SECONDS, Outcome, known_settings, play
+from giraff_sim.dst.scenarios import draw
 
 _CHUNK: Final = 4  # seeds handed to a process at a time
 

@@ -10,8 +10,7 @@ import msgspec
 
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.host import Host
-from giraff_sim.hosts.network import Message, Network, Subscription
-from giraff_sim.hosts.process import Process
+from giraff_sim.hosts.network import Member, Message, Network, Subscription
 
 _BURST_US: Final = 20_000  # over which TCP hands over what it has held
 
@@ -66,16 +65,16 @@ class FaultyNetwork(Network):
             self._links[key] = Link(self._delay_us, self._delay_us // 3)
         return self._links[key]
 
-    def publish(self, sender: Process, message: Message) -> None:
+    def publish(self, sender: Member, message: Message) -> None:
         self.history.append(Said(self._agenda.now_us, message))
         super().publish(sender, message)
 
-    def answer(self, sender: Process, message: Message, answer: msgspec.Struct) -> None:
+    def answer(self, sender: Member, message: Message, answer: msgspec.Struct) -> None:
         if message.answers_to is not None:
             self.history.append(Said(self._agenda.now_us, Message(message.key, answer), (message.answers_to,)))
         super().answer(sender, message, answer)
 
-    def carry(self, sender: Process, taker: Subscription, message: Message) -> None:
+    def carry(self, sender: Member, taker: Subscription, message: Message) -> None:
         if sender.host is taker.process.host:
             taker.deliver(message)
             return

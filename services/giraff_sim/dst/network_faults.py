@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from random import Random
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from giraff_schemas.messages import (
     DriveCommand,
@@ -16,12 +16,9 @@ from giraff_schemas.messages import (
     Tick,
     Wheels,
 )
-from giraff_sim.dst.faults import Course, Kind, fault
+from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.judging.stops import BEYOND_US
-
-if TYPE_CHECKING:
-    from giraff_sim.dst.drill import Drill
-    from giraff_sim.dst.network import Link
+from giraff_sim.dst.network import Link
 
 KINDS: Final[list[Kind]] = []
 

@@ -5,18 +5,15 @@ from __future__ import annotations
 import math
 from functools import partial
 from random import Random
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bno055 import Bno055Fault
-from giraff_sim.dst.faults import Course, Kind, fault
+from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.judging.ledger import BASE
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Way
 from giraff_sim.sonar import SonarFault
-
-if TYPE_CHECKING:
-    from giraff_sim.dst.drill import Drill
 
 KINDS: Final[list[Kind]] = []
 

@@ -5,13 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from giraff_node.estop import LATCH_FILE, RELEASED, latch_bytes
 from giraff_sim.hosts.agenda import Action, Agenda
-
-if TYPE_CHECKING:
-    from giraff_sim.hosts.process import Process
 
 _WRITE_US: Final = 8_000  # file, folder and their fsync, on a flash card
 _FOLDER: Final = "/var/lib/giraff"
@@ -61,9 +58,11 @@ class Disk:
 class ProcessStore:
     """The disk as one process has it, a `Store`."""
 
-    def __init__(self, process: Process, disk: Disk) -> None:
-        self._process = process
+    def __init__(self, disk: Disk, is_wanted: Callable[[], bool], wake: Action) -> None:
+        """`is_wanted`: whether the process still runs; `wake`: has it look for the outcome of a write."""
         self._disk = disk
+        self._is_wanted = is_wanted
+        self._wake = wake
 
     def path(self, name: str) -> str:
         return f"{_FOLDER}/{name}"
@@ -75,24 +74,25 @@ class ProcessStore:
             raise FileNotFoundError(2, "No such file or directory", self.path(name)) from None
 
     def writer(self, name: str) -> ProcessWriter:
-        return ProcessWriter(self._process, self._disk, name)
+        return ProcessWriter(self._disk, name, self._is_wanted, self._wake)
 
 
 class ProcessWriter:
     """Writes one file; what a process that ends meanwhile was about to write is lost."""
 
-    def __init__(self, process: Process, disk: Disk, name: str) -> None:
-        self._process = process
+    def __init__(self, disk: Disk, name: str, is_wanted: Callable[[], bool], wake: Action) -> None:
         self._disk = disk
         self._name = name
+        self._is_wanted = is_wanted
+        self._wake = wake
         self._outcomes: deque[str] = deque()
 
     def save(self, data: bytes) -> None:
-        self._disk.write(self._name, data, self._done, lambda: not self._process.ended)
+        self._disk.write(self._name, data, self._done, self._is_wanted)
 
     def outcome(self) -> str | None:
         return self._outcomes.popleft() if self._outcomes else None
 
     def _done(self, why_not: str) -> None:
         self._outcomes.append(why_not)
-        self._process.wake()
+        self._wake()

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple, Protocol
 
 import msgspec
 
-if TYPE_CHECKING:
-    from giraff_sim.hosts.process import Process
+from giraff_sim.hosts.host import Host
+
+
+class Member(Protocol):
+    """Who sends and takes messages: a process."""
+
+    @property
+    def host(self) -> Host: ...
+
+    def receive(self, subscription: Subscription, message: Message) -> None:
+        """A message of this subscription has arrived."""
 
 
 class Message(NamedTuple):
@@ -24,7 +33,7 @@ class Message(NamedTuple):
 class Subscription(NamedTuple):
     """One process's door for the messages of a key."""
 
-    process: Process
+    process: Member
     key: str
     """With `*` for any one chunk."""
     accept: Callable[[Message], None]
@@ -45,7 +54,7 @@ class Network:
         self._subscriptions.append(subscription)
         self._by_key.clear()
 
-    def leave(self, process: Process) -> None:
+    def leave(self, process: Member) -> None:
         self._subscriptions = [each for each in self._subscriptions if each.process is not process]
         self._by_key.clear()
 
@@ -55,34 +64,20 @@ class Network:
             self._by_key[key] = tuple(each for each in self._subscriptions if _matches(each.key, key))
         return self._by_key[key]
 
-    def publish(self, sender: Process, message: Message) -> None:
+    def publish(self, sender: Member, message: Message) -> None:
         """Carry `message` to each process that takes its key."""
         for taker in self.takers(message.key):
             self.carry(sender, taker, message)
 
-    def answer(self, sender: Process, message: Message, answer: msgspec.Struct) -> None:
+    def answer(self, sender: Member, message: Message, answer: msgspec.Struct) -> None:
         """Carry the answer to a request back to whoever asked."""
         if message.answers_to is not None:
             self.carry(sender, message.answers_to, Message(message.key, answer))
 
-    def carry(self, sender: Process, taker: Subscription, message: Message) -> None:
+    def carry(self, sender: Member, taker: Subscription, message: Message) -> None:
         """Carry one message from one process to another."""
         del sender
         taker.deliver(message)
-
-
-class Request:
-    """A request that has arrived, as a service takes it."""
-
-    def __init__(self, network: Network, taker: Process, message: Message) -> None:
-        self.request: Any = message.body
-        self._network = network
-        self._taker = taker
-        self._message = message
-
-    def answer(self, answer: Any) -> None:
-        self._taker.loop.observer.answered(self._taker, self.request, answer)
-        self._network.answer(self._taker, self._message, answer)
 
 
 def _matches(pattern: str, key: str) -> bool:

@@ -7,16 +7,15 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from random import Random
-from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar
+from typing import Any, Final, Generic, Protocol, TypeVar
 
 import msgspec
 
 from giraff_node.board_link import BoardLink
-from giraff_node.config import ConfigT
 from giraff_node.inbox import MOST_REQUESTS, Inbox
 from giraff_node.io import Asked, Board, Publisher, Service
 from giraff_node.param_desk import ParamDesk
-from giraff_node.params import Params
+from giraff_node.params import ConfigT, Params
 from giraff_node.repeating import Repeated
 from giraff_node.robot import RobotConfig
 from giraff_schemas.codec import stamped
@@ -34,13 +33,13 @@ from giraff_schemas.topics import (
 )
 from giraff_schemas.wire import BoardKind, Frame
 from giraff_sim.bno055 import Vector
-from giraff_sim.hosts.cable import CableEnd
+from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.cable import Cable, CableEnd
 from giraff_sim.hosts.disk import ProcessStore
-from giraff_sim.hosts.network import Message, Request, Subscription
-
-if TYPE_CHECKING:
-    from giraff_sim.closed_loop import ClosedLoop
-    from giraff_sim.hosts.host import Host
+from giraff_sim.hosts.host import Host
+from giraff_sim.hosts.network import Message, Network, Subscription
+from giraff_sim.settings import Settings
+from giraff_sim.simulation import Simulation
 
 _LONGEST_WAIT_US: Final = 100_000  # a node's loop comes round at least this often
 _NEVER: Final = 1 << 62
@@ -51,17 +50,46 @@ _LOG.propagate = False
 ItemT = TypeVar("ItemT")
 
 
+class Loop(Protocol):
+    """What processes run in, and share: the closed loop."""
+
+    @property
+    def simulation(self) -> Simulation: ...
+
+    @property
+    def settings(self) -> Settings: ...
+
+    @property
+    def network(self) -> Network: ...
+
+    @property
+    def observer(self) -> Observer: ...
+
+    @property
+    def agenda(self) -> Agenda: ...
+
+    @property
+    def cables(self) -> dict[str, Cable]:
+        """By the port's path."""
+        ...
+
+    @property
+    def newest(self) -> dict[str, Any]:
+        """The newest sample that was published, by key."""
+        ...
+
+
 class Process:
     """The `IO` of one service, and its loop."""
 
-    def __init__(self, loop: ClosedLoop, host: Host, name: str, instance: str) -> None:
+    def __init__(self, loop: Loop, host: Host, name: str, instance: str) -> None:
         """`name`: what it is called here; `instance`: of this start of it."""
         self.loop = loop
         self.host = host
         self.name = name
         self.instance = instance
         self.hostname = host.name
-        self.store = ProcessStore(self, host.disk)
+        self.store = ProcessStore(host.disk, lambda: not self.ended, self.wake)
         self.on_reconfigured: Callable[[Any], None] | None = None
         self.paused = False
         """As by SIGSTOP: nothing runs, and what arrives waits."""
@@ -238,6 +266,20 @@ class Process:
         for pacer in self._service.pacers:
             wait_us = min(wait_us, int(pacer.wait(now) * 1e6) + 1)
         self.wake(now_us + wait_us)
+
+
+class Request:
+    """A request that has arrived, as a service takes it."""
+
+    def __init__(self, network: Network, taker: Process, message: Message) -> None:
+        self.request: Any = message.body
+        self._network = network
+        self._taker = taker
+        self._message = message
+
+    def answer(self, answer: Any) -> None:
+        self._taker.loop.observer.answered(self._taker, self.request, answer)
+        self._network.answer(self._taker, self._message, answer)
 
 
 class _Inbox(Inbox[ItemT]):

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from giraff_node.config import load
+from giraff_node.network_config import NetworkConfig
 from giraff_node.robot import RobotConfig
-from giraff_node.session import NetworkConfig
 from giraff_sim.board import ROOT
 
 UNITS = ROOT / "deploy" / "systemd"

@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from giraff_cli.flow import Ages, Flow
+from giraff_cli.ages import Ages
+from giraff_cli.flow import Flow
 from giraff_cli.motion import Comparison, Pose
 from giraff_cli.run_telemetry import RunTelemetry
 from giraff_schemas import topics

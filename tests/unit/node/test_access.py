@@ -14,7 +14,8 @@ import zenoh
 
 from giraff_node.access import access_control
 from giraff_node.config import ConfigError
-from giraff_node.session import NetworkConfig, session_config
+from giraff_node.network_config import NetworkConfig
+from giraff_node.session import session_config
 from giraff_schemas.topics import CMD_VEL, ESTOP_ENGAGE, ESTOP_RESET, OPERATOR_CMD_VEL, PARAM_SET, TILT, TOPICS, key_of
 from tests.support.secured_hosts import ACCESS, HOSTS, ROBOT, authority
 

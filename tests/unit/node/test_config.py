@@ -10,8 +10,8 @@ import pytest
 from giraff_guard.config import GuardConfig
 from giraff_node.access import AccessConfig
 from giraff_node.config import ConfigError, load, robot_file
+from giraff_node.network_config import NetworkConfig
 from giraff_node.robot import RobotConfig
-from giraff_node.session import NetworkConfig
 from giraff_sim.board import ROOT
 
 

@@ -10,8 +10,8 @@ import zenoh
 
 from giraff_node import robots
 from giraff_node.config import ConfigError
+from giraff_node.network_config import NetworkConfig
 from giraff_node.robots import NoRobotError, find_way, only_robot, others
-from giraff_node.session import NetworkConfig
 from giraff_schemas.topics import alive_key
 from tests.support.one_process import Clock, Session
 

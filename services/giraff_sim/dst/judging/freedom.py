@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
-from giraff_sim.closed_loop import Settings
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.touching import Touching
+from giraff_sim.settings import Settings
 from giraff_sim.world import World
 
 if TYPE_CHECKING:

@@ -18,7 +18,6 @@ from typing import Any, Final, NamedTuple
 from giraff_schemas.messages import BaseState, EStopAnswer, EStopEngage, EStopReset, GuardedCommand, Lease
 from giraff_schemas.params import ParamAnswer, ParamSave
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame
-from giraff_sim.closed_loop import Settings
 from giraff_sim.dst.judging.contrary import Contrary
 from giraff_sim.dst.judging.explain import Explainer, Twist
 from giraff_sim.dst.judging.freedom import Freedom
@@ -33,6 +32,7 @@ from giraff_sim.dst.story import Story, kind_of
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.disk import Disk
 from giraff_sim.hosts.process import Process
+from giraff_sim.settings import Settings
 from giraff_sim.simulation import Simulation
 
 _WIRE_US: Final = 10_000  # a frame's way to the board, and the simulation's steps

@@ -13,10 +13,10 @@ from collections.abc import Mapping
 from typing import Final
 
 from giraff_schemas.wire import RANGE_SENSORS, RANGE_SLOT_MS
-from giraff_sim.closed_loop import Settings
 from giraff_sim.dst.judging.ledger import Heard
 from giraff_sim.dst.judging.sensors import NewPings, looks_along
 from giraff_sim.room import Hit, Pose
+from giraff_sim.settings import Settings
 from giraff_sim.sonar import Sonar, SonarFault
 from giraff_sim.world import World
 

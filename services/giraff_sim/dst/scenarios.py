@@ -1,0 +1,57 @@
+"""What befalls the robot of a seed."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Final
+
+from giraff_sim.demo_hand import DemoHand
+from giraff_sim.dst import machine_faults, network_faults, robot_faults
+from giraff_sim.dst.drill import SECONDS, SIM, Befall, Kind, Scenario
+from giraff_sim.dst.hands import ClutchingHand, RestlessHand
+from giraff_sim.dst.rooms import lay_threshold, random_room
+from giraff_sim.hand import Hand
+from giraff_sim.truth import draw_truth
+
+KINDS: Final[tuple[Kind, ...]] = (*network_faults.KINDS, *machine_faults.KINDS, *robot_faults.KINDS)
+
+_FAULTS: Final = (1, 5)
+_RESTS_FROM: Final = 0.9  # s: the demonstration's hand rests until all has started
+_RESTLESS: Final = 0.5  # share of the hands that follow no room
+_CLUTCHES: Final = 0.3  # share of the runs in which the joystick's button is pressed
+_DEAF: Final = 0.15  # share of the runs in which a sensor is deaf for a time
+_FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
+_LAST_FAULT: Final = 1.5  # s before the end
+
+
+def draw(seed: int, seconds: float = SECONDS) -> Scenario:
+    """A room, a hand, faults, and a robot that nobody has calibrated, from the seed."""
+    chance = Random(f"{seed}/scenario")
+    room = random_room(chance)
+    lay_threshold(room, Random(f"{seed}/threshold"))
+    hand: Hand = (
+        RestlessHand(chance, seconds) if chance.random() < _RESTLESS else DemoHand(room.waypoints, seed, _RESTS_FROM)
+    )
+    befalls = tuple(
+        Befall(
+            kind=chance.choices(KINDS, [each.weight for each in KINDS])[0],
+            at=chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT),
+            chance=Random(chance.getrandbits(64)),
+        )
+        for _ in range(chance.randint(*_FAULTS))
+    )
+    befalls += _deafness(Random(f"{seed}/deaf"), seconds)
+    presses: tuple[tuple[float, float], ...] = ()
+    clutch = Random(f"{seed}/clutch")  # a chance of its own: all others stay what they were without it
+    if clutch.random() < _CLUTCHES:
+        hand = clutching = ClutchingHand(hand, clutch, seconds)
+        presses = tuple(clutching.presses)
+    return Scenario(seed, room, hand, seconds, befalls, draw_truth("uncalibrated", SIM.truth, seed), presses)
+
+
+def _deafness(chance: Random, seconds: float) -> tuple[Befall, ...]:
+    """In some runs a sensor that is deaf, by a chance of its own: all others stay what they were without it."""
+    if chance.random() >= _DEAF:
+        return ()
+    kind = next(each for each in KINDS if each.begin is robot_faults.deaf)
+    return (Befall(kind, chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT), Random(chance.getrandbits(64))),)
