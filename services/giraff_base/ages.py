@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from giraff_base.config import BaseConfig
-from giraff_node.freshness import age, fade
+from giraff_core.freshness import age, fade
 from giraff_schemas.messages import GuardedCommand, RobotTime
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from giraff_base.config import BaseConfig
-from giraff_node.freshness import age
+from giraff_core.freshness import age
 from giraff_schemas.messages import GuardedCommand, RobotTime
 
 HOW_TO_ARM = "hold the hand level"

@@ -8,7 +8,7 @@ from giraff_base.battery import BatteryWatch
 from giraff_base.binding import Binding
 from giraff_base.config import BaseConfig
 from giraff_base.estop import EStopControl
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import GuardedCommand, RobotTime
 
 _NO_GUARD = "the guard is not heard; start giraff_guard on this machine"

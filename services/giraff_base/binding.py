@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from giraff_base.arming import Arming
 from giraff_base.config import BaseConfig
-from giraff_node.freshness import age
+from giraff_core.freshness import age
 from giraff_schemas.messages import GuardedCommand, RobotTime
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Final
 
-from giraff_node.estop import RESET_COMMAND
+from giraff_core.estop import RESET_COMMAND
 from giraff_schemas.messages import BoardState, EStopEngage
 from giraff_schemas.wire import DriveState, Latch, Refusal, WheelsFrame
 

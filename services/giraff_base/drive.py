@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 
 _LONGEST_STEP = 0.02  # s, two reports of the board: a ramp does not jump after a pause
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_node.estop import RELEASED, RESET_COMMAND, EStopLatch
-from giraff_node.freshness import age
+from giraff_core.estop import RELEASED, RESET_COMMAND, EStopLatch
+from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]

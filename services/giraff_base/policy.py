@@ -10,8 +10,8 @@ from giraff_base.config import BaseConfig
 from giraff_base.drive import Ramp, wheel_levels
 from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.wheels import WheelReports
-from giraff_node.base_frames import BaseFrames
-from giraff_node.robot import RobotConfig
+from giraff_core.base_commands import BaseFrames
+from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import (
     BaseState,
     Battery,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from giraff_base.config import BaseConfig
 from giraff_base.estop_desk import EStopDesk
 from giraff_base.policy import BasePolicy
-from giraff_node.estop import LATCH_FILE, LatchSaver, kept_latch
-from giraff_node.io import IO
-from giraff_node.pacing import Pacer
-from giraff_node.robot import RobotConfig
+from giraff_core.estop import LATCH_FILE, LatchSaver, kept_latch
+from giraff_core.io import IO
+from giraff_core.robot import RobotConfig
+from giraff_core.timer import Pacer
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, WHEELS
 from giraff_schemas.wire import BASE_BAUD, BoardKind

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 
-from giraff_node.counters import signed32
-from giraff_node.robot import RobotConfig
+from giraff_core.counters import signed32
+from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import WheelsFrame
 

@@ -17,8 +17,8 @@ import zenoh
 
 from giraff_cli.facts import Call, Interface, Outcome
 from giraff_cli.interfaces import on_link
-from giraff_node.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
-from giraff_node.network_config import NetworkConfig, with_port
+from giraff_core.network import NetworkConfig, with_port
+from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
 
 _ANSWER_WITHIN: Final = 1.0  # s
 _ALERT_WITHIN: Final = 0.3  # s; with TLS 1.3 the other end judges our certificate after we think all is well

@@ -13,7 +13,7 @@ from cryptography.hazmat.primitives.asymmetric.ec import SECP256R1, EllipticCurv
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from giraff_cli.host_names import Address, with_local
-from giraff_node.key_bundle import BACKDATED
+from giraff_node.network.key_bundle import BACKDATED
 
 AUTHORITY_LIFE: Final = timedelta(days=3652)  # ten years
 

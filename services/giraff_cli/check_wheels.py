@@ -14,8 +14,8 @@ from giraff_base.config import BaseConfig
 from giraff_cli.robot_file import RobotFileError, record
 from giraff_cli.wheel_bench import BenchError, Levels, WheelBench
 from giraff_cli.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
-from giraff_node.config import ConfigError, load, robot_file
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.wire import Latch, Wiring
 
 AnswerT = TypeVar("AnswerT", bound=str)

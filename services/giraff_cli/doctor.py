@@ -21,11 +21,11 @@ from giraff_cli.robot_facts import listen
 from giraff_cli.text import counted, printable
 from giraff_cli.visit import complain
 from giraff_cli.watcher import Watcher
-from giraff_node.config import ConfigError
-from giraff_node.network_config import NetworkConfig
-from giraff_node.reunion import hosts_of
-from giraff_node.robots import NoRobotError, Way, find_way, only_one, robots_alive, way_of
-from giraff_node.session import open_session
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.discovery import NoRobotError, Way, find_way, only_one, robots_alive, way_of
+from giraff_node.network.link_repair import hosts_of
+from giraff_node.network.session import open_session
 
 FoundT = TypeVar("FoundT")
 

@@ -9,9 +9,9 @@ import time
 from typing import Any, Final, NamedTuple
 
 from giraff_cli.watcher import Watcher
-from giraff_node.asking import Asking, ask_to_stop
-from giraff_node.estop import RESET_COMMAND
-from giraff_node.robots import HOW_TO_REACH, others
+from giraff_core.estop import RESET_COMMAND
+from giraff_node.network.discovery import HOW_TO_REACH, others
+from giraff_node.network.query_client import Asking, ask_to_stop
 from giraff_schemas.messages import EStop, EStopReset, RobotTime, Sample, Tick
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, AnswerT, RequestT, Topic, key_of
 

@@ -14,7 +14,7 @@ from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
 from giraff_cli.certificates import Identity, addresses_of, common_name
 from giraff_cli.host_names import without_local
-from giraff_node.key_bundle import CA_CERTIFICATE
+from giraff_node.network.key_bundle import CA_CERTIFICATE
 
 CA_KEY: Final = "ca.key"
 
@@ -66,7 +66,7 @@ def is_pair(certificate: x509.Certificate, key: EllipticCurvePrivateKey) -> bool
 
 
 def bundle_text(certificate: x509.Certificate, made: datetime) -> str:
-    """What is in the `bundle.toml` of this certificate; giraff_node.key_bundle reads it."""
+    """What is in the `bundle.toml` of this certificate; giraff_node.network.key_bundle reads it."""
     document = tomlkit.document()
     document.add(tomlkit.comment("Written by `giraff keys`: who uses these keys, and until when. host.pem decides."))
     document["name"] = common_name(certificate)

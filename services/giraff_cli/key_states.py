@@ -15,7 +15,14 @@ from giraff_cli.certificates import addresses_of, common_name
 from giraff_cli.host_names import without_local
 from giraff_cli.key_files import CA_KEY, KeyFileError, is_pair, read_certificate, read_key
 from giraff_cli.key_folder import is_readable_by_others
-from giraff_node.key_bundle import CA_CERTIFICATE, EXPIRES_SOON, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
+from giraff_node.network.key_bundle import (
+    CA_CERTIFICATE,
+    EXPIRES_SOON,
+    HOST_CERTIFICATE,
+    HOST_KEY,
+    BundleError,
+    read_bundle,
+)
 
 
 class State(StrEnum):

@@ -16,7 +16,7 @@ from giraff_cli.host_names import Address, require_address, require_name, withou
 from giraff_cli.key_files import CA_KEY, KeyFileError, bundle_text, read_authority, read_certificate
 from giraff_cli.key_folder import holding, lay_down
 from giraff_cli.key_states import Standing, State, authority_standing, host_standing, keys_command
-from giraff_node.key_bundle import BUNDLE_FILE, CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
+from giraff_node.network.key_bundle import BUNDLE_FILE, CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
 
 _DONE: Final = 0
 _TO_DO: Final = 1

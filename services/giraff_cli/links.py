@@ -7,8 +7,8 @@ from typing import Final
 from giraff_cli.evidence import Heard
 from giraff_cli.scene import Link, Scene, several, told
 from giraff_cli.words import verdicts
+from giraff_core.estop import RESET_COMMAND
 from giraff_guard.config import GuardConfig
-from giraff_node.estop import RESET_COMMAND
 from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.topics import BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 

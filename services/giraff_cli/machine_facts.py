@@ -16,12 +16,12 @@ import msgspec
 
 from giraff_cli.facts import Disk, Machine, Port
 from giraff_cli.interfaces import interfaces
-from giraff_node.config import ConfigError, is_at_hand, load, read_tables
-from giraff_node.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
-from giraff_node.network_config import NetworkConfig
-from giraff_node.robot import RobotConfig
-from giraff_node.state import state_directory
-from giraff_node.version import version
+from giraff_core.network import NetworkConfig
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, is_at_hand, load, read_tables
+from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
+from giraff_node.process.state import state_directory
+from giraff_node.process.version import version
 from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind
 
 _BOARDS: Final = {
@@ -78,7 +78,7 @@ def _greet(path: str, baud: int, kind: BoardKind) -> str:
     """Why no board of this kind says hello there, with the way out; empty: one does."""
     if find_spec("serial") is None:
         return ""  # a desk without boards
-    from giraff_node.board_link import BoardLink  # noqa: PLC0415  of the extra `serial`
+    from giraff_node.boards.board_link import BoardLink  # noqa: PLC0415  of the extra `serial`
 
     link = BoardLink(path, baud, kind)
     try:

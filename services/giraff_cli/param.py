@@ -13,9 +13,9 @@ from giraff_cli.param_view import Shown, as_objects, differing
 from giraff_cli.user import who
 from giraff_cli.visit import UNUSABLE, complain, visit
 from giraff_cli.watcher import Watcher
-from giraff_node.asking import Asking
-from giraff_node.config import TABLES
-from giraff_node.robots import NoRobotError, robots_alive, unheard
+from giraff_node.config.robot_file import TABLES
+from giraff_node.network.discovery import NoRobotError, robots_alive, unheard
+from giraff_node.network.query_client import Asking
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
 

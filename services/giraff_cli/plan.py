@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
-from giraff_node.config import ConfigError, load, robot_file
-from giraff_node.network_config import NetworkConfig
-from giraff_node.robot import RobotConfig
-from giraff_node.robots import find_way
+from giraff_core.network import NetworkConfig
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_node.network.discovery import find_way
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.config import KNOWN, SimConfig

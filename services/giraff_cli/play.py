@@ -18,7 +18,7 @@ from giraff_cli.topic_keys import UnknownKeyError, find_topic, refusal
 from giraff_cli.visit import complain, join
 from giraff_cli.watcher import Watcher
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_node.robots import NoRobotError
+from giraff_node.network.discovery import NoRobotError
 from giraff_schemas.topics import alive_key, key_below
 
 _MEET_WITHIN: Final = 1.0  # s, to meet who listens, and a robot of this name

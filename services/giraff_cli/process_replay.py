@@ -14,9 +14,9 @@ from typing import Any, Final
 import msgspec
 
 from giraff_cli.agreement import Agreement, differences
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
-from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy
 from giraff_schemas.messages import (

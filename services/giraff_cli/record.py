@@ -21,8 +21,8 @@ from giraff_cli.watcher import Watcher
 from giraff_mcap.about import about
 from giraff_mcap.ear import Ear, step_back
 from giraff_mcap.writing import RecordingWriter
-from giraff_node.robots import NoRobotError, Roster, only_one, unheard
-from giraff_node.tcp_links import tune_links
+from giraff_node.network.discovery import NoRobotError, Roster, only_one, unheard
+from giraff_node.network.tcp_options import tune_links
 from giraff_schemas.topics import TOPICS, key_below
 
 _LOOK_EVERY: Final = 0.2  # s

@@ -15,10 +15,10 @@ from rich.text import Text
 from giraff_cli.agreement import Agreement
 from giraff_cli.process_replay import Said, replay_guard, replay_odometry
 from giraff_cli.visit import complain
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_node.config import ConfigError, load
-from giraff_node.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of

@@ -14,7 +14,7 @@ from giraff_cli.facts import Answer, Rate, Robot
 from giraff_cli.telemetry import Telemetry
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
-from giraff_node.tcp_links import tune_links
+from giraff_node.network.tcp_options import tune_links
 from giraff_schemas.messages import Health, Sample
 from giraff_schemas.topics import (
     BASE,

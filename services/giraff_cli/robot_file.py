@@ -10,7 +10,7 @@ from typing import Any
 import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
-from giraff_node.state import write_file_durably
+from giraff_node.process.state import write_file_durably
 
 
 class RobotFileError(Exception):

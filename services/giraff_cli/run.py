@@ -27,9 +27,9 @@ from giraff_cli.summary import summarize, to_json, to_text
 from giraff_cli.view import Frame, RunSight
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
-from giraff_node.config import ConfigError
-from giraff_node.session import open_session
-from giraff_node.state import write_file_durably
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.session import open_session
+from giraff_node.process.state import write_file_durably
 from giraff_sim.client import SimulatorError
 
 _LOOK_EVERY: Final = 0.2  # s

@@ -13,9 +13,9 @@ from giraff_cli.children import Children, Ended
 from giraff_cli.motion import Pose, Truth
 from giraff_cli.plan import Plan
 from giraff_cli.stopping import Stopping
+from giraff_core.estop import RELEASED
 from giraff_node import robot_now_ns
-from giraff_node.estop import RELEASED
-from giraff_node.state import write_latch
+from giraff_node.process.state import write_latch
 from giraff_sim.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 

@@ -16,7 +16,7 @@ from giraff_cli.stopping import Stopping
 from giraff_cli.tally import Arrival, Tally
 from giraff_cli.topic_keys import covers
 from giraff_cli.watcher import Watcher
-from giraff_node.robots import NoRobotError, robots_alive, unheard
+from giraff_node.network.discovery import NoRobotError, robots_alive, unheard
 from giraff_schemas.messages import Health, Sample
 from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
 

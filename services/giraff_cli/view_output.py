@@ -12,8 +12,8 @@ import msgspec
 
 from giraff_cli.ports import free_port
 from giraff_cli.visit import complain
-from giraff_node.config import ConfigError, load
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show, require_screen
 from giraff_viewer.window import ViewerError, Window

@@ -10,8 +10,8 @@ import msgspec
 from giraff_cli.stopping import Stopping
 from giraff_cli.view_output import DONE, Options, Stage, give_up, known_robot
 from giraff_cli.visit import complain
+from giraff_core.robot import RobotConfig
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_node.robot import RobotConfig
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of
 from giraff_viewer.window import ViewerError

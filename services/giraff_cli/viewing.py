@@ -13,8 +13,8 @@ from giraff_cli.view_output import DONE, Options, Stage, give_up, known_robot
 from giraff_cli.visit import complain, visit
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
-from giraff_node.robots import robots_alive, unheard
-from giraff_node.tcp_links import tune_links
+from giraff_node.network.discovery import robots_alive, unheard
+from giraff_node.network.tcp_options import tune_links
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic
 from giraff_viewer.memory import require_memory

@@ -11,10 +11,10 @@ import zenoh
 
 from giraff_cli.output import written
 from giraff_cli.watcher import Watcher
-from giraff_node.config import ConfigError
-from giraff_node.process import start_anew
-from giraff_node.robots import CORRECT_IT, NoRobotError, find_way, only_robot
-from giraff_node.session import open_session
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.discovery import CORRECT_IT, NoRobotError, find_way, only_robot
+from giraff_node.network.session import open_session
+from giraff_node.process.lifecycle import start_anew
 
 UNUSABLE: Final = 2
 

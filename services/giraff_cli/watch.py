@@ -18,9 +18,9 @@ from giraff_cli.watch_report import ReportSight
 from giraff_cli.watch_view import WatchSight
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
-from giraff_node.host_addresses import AddressWatch, host_addresses
-from giraff_node.robots import Roster, only_one, unheard
-from giraff_node.tcp_links import tune_links
+from giraff_node.network.discovery import Roster, only_one, unheard
+from giraff_node.network.host_addresses import AddressWatch, host_addresses
+from giraff_node.network.tcp_options import tune_links
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, SERIAL, SERIAL_WRITE, TICK, TILT, TOPICS, WHEELS
 
 _LOOK_EVERY: Final = 0.5  # s; a picture costs 7 ms of a core

@@ -11,7 +11,7 @@ from typing import Any, Final, Protocol
 import zenoh
 
 from giraff_node import robot_now_ns
-from giraff_node.session import close_session
+from giraff_node.network.session import close_session
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of

@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 from giraff_cli.wiring import Counted
-from giraff_node.base_frames import BaseFrames
-from giraff_node.board_link import BoardLink
-from giraff_node.counters import signed32
-from giraff_node.estop import RESET_COMMAND
+from giraff_core.base_commands import BaseFrames
+from giraff_core.counters import signed32
+from giraff_core.estop import RESET_COMMAND
+from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.wire import (
     BASE_BAUD,
     BoardKind,

@@ -18,7 +18,7 @@ from giraff_cli.scene import Standing
 from giraff_cli.visit import complain
 from giraff_cli.watcher import Watcher
 from giraff_node import robot_now_ns
-from giraff_node.robots import robots_alive, unheard
+from giraff_node.network.discovery import robots_alive, unheard
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import health_key
 

@@ -14,11 +14,11 @@ from typing import Any, Final
 import msgspec
 import tomlkit
 
-from giraff_node.config import NO_FILE, ConfigError, Given, is_at_hand, read
-from giraff_node.doubts import doubts
-from giraff_node.network_config import NetworkConfig
-from giraff_node.robots import name_of
-from giraff_node.session import CERTIFICATES
+from giraff_core.network import NetworkConfig
+from giraff_node.config.misplaced import doubts
+from giraff_node.config.robot_file import NO_FILE, ConfigError, Given, is_at_hand, read
+from giraff_node.network.discovery import name_of
+from giraff_node.network.session import CERTIFICATES
 
 _NAME, _HOST, _ADDRESS = "NAME", "HOST", "ADDRESS"
 _MEANING: Final = {

@@ -6,8 +6,8 @@ import math
 from typing import Final
 
 from giraff_client.errors import EmergencyStopError, NoRobotError, NotArmedError, RefusedError, RobotError
-from giraff_node.freshness import Clock
-from giraff_node.lease import LeaseSeeker
+from giraff_core.freshness import Clock
+from giraff_core.lease import LeaseSeeker
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, RobotTime, Sample, Source, Tick
 
 LINK_SILENCE: Final = 0.5

@@ -17,13 +17,13 @@ import zenoh
 
 from giraff_client.errors import NoRobotError, RobotError, SilentError
 from giraff_client.policy import OperatorPolicy
+from giraff_core.timer import Pacer
 from giraff_node import Publisher
-from giraff_node.config import ConfigError
-from giraff_node.pacing import Pacer
-from giraff_node.robots import CORRECT_IT, find_way, only_robot, others, unheard
-from giraff_node.robots import NoRobotError as UnknownRobotError
-from giraff_node.session import close_session, open_session
-from giraff_node.tcp_links import tune_links
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.discovery import CORRECT_IT, find_way, only_robot, others, unheard
+from giraff_node.network.discovery import NoRobotError as UnknownRobotError
+from giraff_node.network.session import close_session, open_session
+from giraff_node.network.tcp_options import tune_links
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Odometry, Range, Sample
 from giraff_schemas.topics import (

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import msgspec
 
-from giraff_node.live import Live
+from giraff_core.tuning import Live
 from giraff_schemas.topics import require_chunk
 
 

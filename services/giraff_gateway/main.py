@@ -7,7 +7,7 @@ sensor is not to switch a relay.
 from giraff_gateway.config import GatewayConfig
 from giraff_gateway.policy import LineSplitter, Passing, WriteQueue, wrong_with
 from giraff_node import Node
-from giraff_node.serial_link import SerialLink
+from giraff_node.boards.serial_link import SerialLink
 from giraff_schemas.topics import SERIAL, SERIAL_WRITE
 
 _TOLD_FOR = 10.0  # s

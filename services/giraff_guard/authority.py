@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from giraff_core.freshness import age
+from giraff_core.lease import ASK
 from giraff_guard.config import GuardConfig
-from giraff_node.freshness import age
-from giraff_node.lease import ASK
 from giraff_schemas.messages import DriveCommand, RobotTime
 
 _COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1 again

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import msgspec
 
-from giraff_node.live import Live
-from giraff_node.ranges import Within, require_plausible
+from giraff_core.bounds import Within, require_plausible
+from giraff_core.tuning import Live
 
 
 class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
+from giraff_core.robot import SensorPose
 from giraff_guard.motion import Place
-from giraff_node.robot import SensorPose
 
 Point = tuple[float, float]
 """x, y in m."""

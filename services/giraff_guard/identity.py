@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from giraff_core.freshness import age
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_node.freshness import age
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import Range, RobotTime, Tick, Wheels
 
 

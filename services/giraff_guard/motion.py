@@ -6,10 +6,10 @@ import math
 from collections import deque
 from typing import Final, NamedTuple
 
+from giraff_core.counters import signed32
+from giraff_core.freshness import age
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_node.counters import signed32
-from giraff_node.freshness import age
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
 
 _KEPT_NS: Final = 1_500_000_000

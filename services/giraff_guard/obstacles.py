@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from giraff_core.freshness import age
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.directions import Direction, with_way_out
 from giraff_guard.echoes import Echoes
 from giraff_guard.motion import Motion
 from giraff_guard.sensor import Sensor
-from giraff_node.freshness import age
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import Range, RobotTime, Verdict, Wheels
 
 

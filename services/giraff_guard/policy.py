@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from giraff_core.robot import RobotConfig
 from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
 from giraff_guard.identity import Identity
 from giraff_guard.obstacles import Obstacles
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import (
     DriveCommand,
     GuardedCommand,

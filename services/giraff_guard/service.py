@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from giraff_core.io import IO
+from giraff_core.robot import RobotConfig
+from giraff_core.timer import Pacer
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
-from giraff_node.io import IO
-from giraff_node.pacing import Pacer
-from giraff_node.robot import RobotConfig
 from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, RANGE, TICK, WHEELS
 
 

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from giraff_node.live import Live
-from giraff_node.ranges import Within, require_plausible
+from giraff_core.bounds import Within, require_plausible
+from giraff_core.tuning import Live
 from giraff_schemas.topics import require_chunk
 
 Curve = Literal["angle", "source"]

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from giraff_core.robot import RobotConfig
 from giraff_joystick.config import JoystickConfig
-from giraff_node.robot import RobotConfig
 
 # The published curve in PWM counts is 14a - 63, 0 at the first of these accelerations and 70 at the second.
 SOURCE_START: Final = 4.5  # m/s²

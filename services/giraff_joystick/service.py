@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from giraff_core.io import IO
+from giraff_core.robot import RobotConfig
+from giraff_core.timer import Pacer
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
-from giraff_node.io import IO
-from giraff_node.pacing import Pacer
-from giraff_node.robot import RobotConfig
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, TILT
 from giraff_schemas.wire import JOYSTICK_BAUD, BoardKind, TiltFrame
 

@@ -6,10 +6,10 @@ import math
 from enum import Enum, auto
 from typing import Final
 
+from giraff_core.freshness import Clock, age
+from giraff_core.lease import LeaseSeeker
+from giraff_core.robot import RobotConfig
 from giraff_keyboard.config import KeyboardConfig
-from giraff_node.freshness import Clock, age
-from giraff_node.lease import LeaseSeeker
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick
 
 

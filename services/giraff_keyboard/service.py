@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Any, Final, Protocol
 
+from giraff_core.estop import stops_for_good
+from giraff_core.inbox import Inbox
+from giraff_core.io import IO, Selectable
+from giraff_core.robot import RobotConfig
+from giraff_core.timer import Pacer
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_keyboard.status import Heard
 from giraff_keyboard.stopping import Stopping
-from giraff_node.estop import stops_for_good
-from giraff_node.inbox import Inbox
-from giraff_node.io import IO, Selectable
-from giraff_node.pacing import Pacer
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import EStopEngage
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, ESTOP_ENGAGE, GUARD, LEASE, OPERATOR_CMD_VEL, TICK
 

@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 import msgspec
 
 from giraff_mcap.schemas import tables_hash
-from giraff_node.config import ConfigError, read_tables
+from giraff_node.config.robot_file import ConfigError, read_tables
 
 _SECRETS = "network"  # where keys lie and who may do what is nobody's business who is given a recording
 

@@ -30,7 +30,7 @@ _ONE_THREAD: Final = "(net: (worker_threads: 1), {})".format(
 )
 """Zenoh's ZENOH_RUNTIME. With threads for each kind of work a sample wakes one that sees it come, one that reads it and
 one that looks whether there is more to do. A service needs them, because what ends one link must not hold up the
-others; here `giraff_node.tcp_links` alone has to do."""
+others; here `giraff_node.network.tcp_options` alone has to do."""
 _MOST_ATTACHED: Final = 32  # threads; there is one but for moments, when a link comes or goes
 _MOST_DECLARED: Final = 200  # keys; a robot has some twenty
 

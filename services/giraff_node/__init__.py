@@ -6,12 +6,12 @@ import os
 # link's close blocks its thread for up to 10 s and would freeze the healthy links that share it.
 os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 
-from giraff_node import heaps
-from giraff_node.clock import robot_now_ns
-from giraff_node.inbox import Inbox
+from giraff_core.inbox import Inbox
+from giraff_core.timer import Pacer
 from giraff_node.node import Node, Publisher
-from giraff_node.pacing import Pacer
+from giraff_node.process import malloc
+from giraff_node.process.clock import robot_now_ns
 
-heaps.keep_little()
+malloc.keep_little()
 
 __all__ = ["Inbox", "Node", "Pacer", "Publisher", "robot_now_ns"]

@@ -20,25 +20,25 @@ from typing import Any, Generic, Self
 import msgspec
 import zenoh
 
-from giraff_node.asking import Asking
-from giraff_node.bad_keys import BadKeys
-from giraff_node.board_link import BoardLink
-from giraff_node.clock import robot_now_ns
-from giraff_node.config import ConfigError, load
-from giraff_node.host_addresses import AddressWatch, host_addresses
-from giraff_node.inbox import MOST_REQUESTS, Inbox
-from giraff_node.io import Asked, Selectable, Service
-from giraff_node.key_bundle import ExpiryWatch
-from giraff_node.network_config import NetworkConfig
-from giraff_node.pacing import Pacer
-from giraff_node.param_desk import ParamDesk
-from giraff_node.params import ConfigT, Params
-from giraff_node.process import Process
-from giraff_node.reunion import Reunion
-from giraff_node.robot import RobotConfig
-from giraff_node.router_link import RouterLink
-from giraff_node.session import open_session
-from giraff_node.state import Folder, state_directory
+from giraff_core.inbox import MOST_REQUESTS, Inbox
+from giraff_core.io import Asked, Selectable, Service
+from giraff_core.network import NetworkConfig
+from giraff_core.parameters.server import ParamDesk
+from giraff_core.parameters.table import ConfigT, Params
+from giraff_core.robot import RobotConfig
+from giraff_core.timer import Pacer
+from giraff_node.boards.board_link import BoardLink
+from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.network.decode_errors import BadKeys
+from giraff_node.network.host_addresses import AddressWatch, host_addresses
+from giraff_node.network.key_bundle import ExpiryWatch
+from giraff_node.network.link_repair import Reunion
+from giraff_node.network.query_client import Asking
+from giraff_node.network.router_link import RouterLink
+from giraff_node.network.session import open_session
+from giraff_node.process.clock import robot_now_ns
+from giraff_node.process.lifecycle import Process
+from giraff_node.process.state import Folder, state_directory
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Health
@@ -119,7 +119,7 @@ class Node(Generic[ConfigT]):
             sys.exit(2)
         self._params = Params(service, filed, self.robot)
         self.store = Folder(state_directory(self.robot.name), self._process.wake)
-        self._desk = ParamDesk(service, self.instance, self.hostname, self._params, self.store, self.log)
+        self._desk = ParamDesk(service, self.instance, self.hostname, self._params, self.store, self.log.info)
         self.set_fault("params", self._desk.fault)
         self.on_reconfigured: Callable[[Any], None] | None = None
         secured = network.mode == "secured" and not network.session_file

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_node.counters import signed32
-from giraff_node.robot import RobotConfig
+from giraff_core.counters import signed32
+from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.dead_reckoning import Estimate, advance, less_sure
 from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_node.io import IO
-from giraff_node.robot import RobotConfig
+from giraff_core.io import IO
+from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.frames import BASE_FRAME

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 import msgspec
 
-from giraff_node.live import Live
+from giraff_core.tuning import Live
 
 
 class RangerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_node.robot import RobotConfig
-from giraff_node.tick_down import TickDown, moment_of
+from giraff_core.robot import RobotConfig
+from giraff_core.tick_relay import TickDown, moment_of
 from giraff_schemas.frames import BASE_FRAME, Transform, range_frame
 from giraff_schemas.messages import Range, RangeState, Tick
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from giraff_node.io import IO
-from giraff_node.robot import RobotConfig
+from giraff_core.io import IO
+from giraff_core.robot import RobotConfig
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import RangerPolicy
 from giraff_schemas.topics import RANGE, TICK

@@ -17,7 +17,7 @@ from giraff_mcap.ear import Ear, step_back
 from giraff_mcap.heard import Heard
 from giraff_mcap.writing import RecordingWriter
 from giraff_node import Node, Pacer
-from giraff_node.state import state_directory
+from giraff_node.process.state import state_directory
 from giraff_recorder.config import RecorderConfig
 from giraff_recorder.policy import Incident, Incidents, Memory, surplus
 from giraff_schemas.codec import DecodeError, decode

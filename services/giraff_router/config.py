@@ -7,8 +7,8 @@ from typing import Literal
 
 import msgspec
 
-from giraff_node.access import AccessConfig
-from giraff_node.site import require_site
+from giraff_core.access import AccessConfig
+from giraff_core.site import require_site
 from giraff_schemas.topics import require_chunk
 
 

@@ -12,12 +12,12 @@ from typing import Any
 
 import zenoh
 
-from giraff_node.config import ConfigError, load
-from giraff_node.key_bundle import ExpiryWatch
-from giraff_node.pacing import Pacer
-from giraff_node.process import Process
-from giraff_node.session import certificates, settings
-from giraff_node.tcp_links import tune_links
+from giraff_core.timer import Pacer
+from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.network.key_bundle import ExpiryWatch
+from giraff_node.network.session import certificates, settings
+from giraff_node.network.tcp_options import tune_links
+from giraff_node.process.lifecycle import Process
 from giraff_router.config import RouterConfig
 from giraff_router.policy import Visitors, gateway, rules
 

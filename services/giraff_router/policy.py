@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from giraff_node.access import AccessConfig, access_control
+from giraff_core.access import AccessConfig, access_control
 
 
 def gateway(sites: Iterable[str]) -> dict[str, Any]:

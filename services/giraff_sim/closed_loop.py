@@ -10,7 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from giraff_node.io import Service
+from giraff_core.io import Service
 from giraff_schemas.wire import BoardKind
 from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable

@@ -6,7 +6,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_node.ranges import require_not_negative, require_positive
+from giraff_core.bounds import require_not_negative, require_positive
 from giraff_sim.truth import TruthRanges
 
 KNOWN: Final = {

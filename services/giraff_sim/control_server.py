@@ -10,7 +10,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_node.unix_socket import listen_at
+from giraff_node.process.unix_socket import listen_at
 from giraff_sim import messages
 
 _LONGEST_LINE: Final = 65536

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, get_args
 
-from giraff_node.config import ConfigError, load
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import Board, BoardError, Implementation
 from giraff_sim.config import SimConfig

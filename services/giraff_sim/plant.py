@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_sim.config import SimConfig
 from giraff_sim.room import Pose, Room
 from giraff_sim.truth import EXACT, TrueWheel, Truth

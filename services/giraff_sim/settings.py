@@ -9,12 +9,12 @@ import msgspec
 
 from giraff_base.config import BaseConfig
 from giraff_base.service import Base
+from giraff_core.io import IO, Service
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.service import Guard
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.service import Joystick
-from giraff_node.io import IO, Service
-from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.service import Odometry
 from giraff_ranger.config import RangerConfig

@@ -14,7 +14,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_node.robot import SensorPose
+from giraff_core.robot import SensorPose
 from giraff_schemas.wire import ECHO_US_PER_M
 from giraff_sim.config import SimConfig
 from giraff_sim.room import Hit, Point, Pose, Room

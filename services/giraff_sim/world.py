@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_sim.bno055 import Vector
 from giraff_sim.config import SimConfig
 from giraff_sim.hand import LEVEL, Hand, Tremor

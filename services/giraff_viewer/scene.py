@@ -12,7 +12,7 @@ from typing import Any, Final
 import msgspec
 import rerun as rr
 
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tilt
 from giraff_schemas.topics import Topic
 from giraff_viewer.colours import CONES, GREY, LEVELS, PATH, ROBOT, TILT, WHITE

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 import rerun as rr
 
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic
 from giraff_viewer.desk import TIMELINE, blueprint

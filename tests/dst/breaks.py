@@ -12,11 +12,11 @@ import msgspec
 
 from giraff_base.policy import BasePolicy
 from giraff_base.service import Base
+from giraff_core.io import IO
 from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick
-from giraff_node.io import IO
 from giraff_ranger.policy import RangerPolicy
 from giraff_ranger.service import Ranger
 from giraff_schemas.messages import DriveCommand, Range, RobotTime

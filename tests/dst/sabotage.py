@@ -9,11 +9,11 @@ import msgspec
 
 from giraff_base.policy import BasePolicy
 from giraff_base.service import Base
+from giraff_core.estop import RELEASED
 from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick
-from giraff_node.estop import RELEASED
 from giraff_schemas.messages import (
     DriveCommand,
     EStopAnswer,

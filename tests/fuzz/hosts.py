@@ -17,7 +17,7 @@ from giraff_base.estop import RELEASED
 from giraff_base.policy import BasePolicy
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
-from giraff_node.board_link import BoardLink
+from giraff_node.boards.board_link import BoardLink
 from giraff_ranger.policy import RangerPolicy
 from giraff_schemas.framing import encode
 from giraff_schemas.messages import RobotTime

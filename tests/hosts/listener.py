@@ -17,9 +17,9 @@ import msgpack
 import msgspec
 import zenoh
 
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import open_session
-from giraff_node.tcp_links import tune_links
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import open_session
+from giraff_node.network.tcp_options import tune_links
 
 
 def main(robot: str, key: str, network: str) -> None:

@@ -11,10 +11,10 @@ from typing import Any, Final
 import pytest
 
 from giraff_cli.keys import make_authority, make_bundle
-from giraff_node.access import AccessConfig
-from giraff_node.key_bundle import BACKDATED
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import session_config
+from giraff_core.access import AccessConfig
+from giraff_core.network import NetworkConfig
+from giraff_node.network.key_bundle import BACKDATED
+from giraff_node.network.session import session_config
 from tests.hosts.attempts import Attempt, Told
 from tests.hosts.images import CURRENT_COMPOSE
 from tests.hosts.lab import NAME, NUMBERS, PATIENCE, Lab, address

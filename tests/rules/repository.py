@@ -14,6 +14,7 @@ SOURCE_ROOTS = ("schemas", "services")
 NOT_SERVICES = {
     "giraff_schemas",
     "giraff_health",
+    "giraff_core",
     "giraff_node",
     "giraff_mcap",
     "giraff_viewer",

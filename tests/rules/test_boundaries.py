@@ -62,7 +62,7 @@ def test_contracts_hold() -> None:
         ("services/giraff_cli/main.py", "import giraff_joystick.main"),
         ("services/giraff_client/robot.py", "import giraff_cli.watcher"),
         ("services/giraff_cli/main.py", "import giraff_client"),
-        ("services/giraff_node/robot.py", "import giraff_node.node"),
+        ("services/giraff_core/robot.py", "import giraff_node.node"),
         ("services/giraff_sim/hosts/disk.py", "import giraff_sim.hosts.process"),
     ],
 )
@@ -120,7 +120,7 @@ OF_ONE_SERVICE = {"giraff_recorder": {"mcap", "lz4", "zstandard", "_cffi_backend
 """What only requirements/recorder.lock installs."""
 
 
-@pytest.mark.parametrize("package", ["giraff_schemas", "giraff_node", "giraff_client", *services()])
+@pytest.mark.parametrize("package", ["giraff_schemas", "giraff_core", "giraff_node", "giraff_client", *services()])
 def test_the_robots_side_needs_the_robots_lock_only(package: str) -> None:
     statement = f"""
 import importlib, pkgutil, {package}

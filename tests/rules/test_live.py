@@ -14,14 +14,14 @@ import pytest
 
 from giraff_base.config import BaseConfig
 from giraff_base.policy import BasePolicy
+from giraff_core.estop import RELEASED
+from giraff_core.parameters.table import ParamError, Params
+from giraff_core.robot import RobotConfig
+from giraff_core.tuning import Live, live_fields, loosens
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
-from giraff_node.estop import RELEASED
-from giraff_node.live import Live, live_fields, loosens
-from giraff_node.params import ParamError, Params
-from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from tests.rules.repository import ROOT, services

@@ -4,10 +4,12 @@ reaches it and leaves it does so through its `IO`."""
 from __future__ import annotations
 
 import ast
+import sys
 
 import pytest
 
-from tests.rules.repository import ROOT, services
+from tests.rules.repository import ROOT, name, services
+from tests.support.tools import finished
 
 # Of the standard library and the dependencies: what touches the world, the clock or chance.
 IMPURE = {
@@ -15,12 +17,7 @@ IMPURE = {
     *{"selectors", "signal", "socket", "subprocess", "sys", "tempfile", "threading", "time", "serial", "zenoh"},
     *{"curses", "termios", "tty"},
 }
-PURE_RUNTIME = {
-    *{"giraff_node.base_frames", "giraff_node.counters", "giraff_node.estop", "giraff_node.freshness"},
-    *{"giraff_node.lease", "giraff_node.live", "giraff_node.robot", "giraff_node.tick_down"},
-    *{"giraff_node.access", "giraff_node.ranges", "giraff_node.site"},
-    *{"giraff_node.inbox", "giraff_node.io", "giraff_node.pacing", "giraff_node.repeating"},
-}
+CORE = ROOT / "services" / "giraff_core"
 WIRING = {"main.py", "__main__.py"}
 DEVICES = {"giraff_keyboard/terminal.py"}  # what is read and shown where giraff_node has no link for it
 
@@ -34,12 +31,12 @@ def impure_imports(source: str) -> list[str]:
                 imported += [alias.name for alias in names]
             case ast.ImportFrom(module=str(module)):
                 imported.append(module)
-    return [
-        module
-        for module in imported
-        if module.partition(".")[0] in IMPURE
-        or (module.partition(".")[0] == "giraff_node" and module not in PURE_RUNTIME)
-    ]
+    return [module for module in imported if module.partition(".")[0] in IMPURE | {"giraff_node"}]
+
+
+def test_the_core_touches_no_world() -> None:
+    found = {name(path): impure_imports(path.read_text()) for path in CORE.rglob("*.py")}
+    assert {module: imports for module, imports in found.items() if imports} == {}
 
 
 @pytest.mark.parametrize("package", services())
@@ -56,11 +53,33 @@ def test_only_main_touches_the_world(package: str) -> None:
         ("import time", ["time"]),
         ("from os.path import exists", ["os.path"]),
         ("def now() -> int:\n    from giraff_node import robot_now_ns", ["giraff_node"]),
-        ("from giraff_node.robot import RobotConfig", []),
-        ("from giraff_node.ranges import require_positive", []),
-        ("from giraff_node.config import load", ["giraff_node.config"]),
+        ("from giraff_core.robot import RobotConfig", []),
+        ("from giraff_core.bounds import require_positive", []),
+        ("from giraff_node.config.robot_file import load", ["giraff_node.config.robot_file"]),
         ("import math", []),
     ],
 )
 def test_an_impure_import_shows(source: str, expected: list[str]) -> None:
     assert impure_imports(source) == expected
+
+
+LOADS = """
+import importlib, sys
+for module in {modules}:
+    importlib.import_module(module)
+print([name for name in sys.modules if name.partition(".")[0] in ("zenoh", "serial", "giraff_node")])
+"""
+
+
+def loaded_of_the_network(modules: list[str]) -> str:
+    """What of Zenoh, serial ports and the runtime is loaded once these modules are imported."""
+    return finished([sys.executable, "-c", LOADS.format(modules=modules)], check=True).stdout.strip()
+
+
+def test_importing_a_policy_loads_no_network() -> None:
+    modules = [f"{package}.{part}" for package in services() for part in ("config", "policy")]
+    assert loaded_of_the_network(modules) == "[]"
+
+
+def test_an_import_that_loads_the_network_shows() -> None:
+    assert "zenoh" in loaded_of_the_network(["giraff_node.network.session"])

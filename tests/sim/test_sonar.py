@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_node.robot import SensorPose
+from giraff_core.robot import SensorPose
 from giraff_sim.config import SimConfig
 from giraff_sim.room import Pose, Room
 from giraff_sim.sonar import NO_ECHO_US, SILENT_US, STUCK_US, Sonar, SonarFault, sonars

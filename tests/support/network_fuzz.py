@@ -9,7 +9,7 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_node.asking import Asking
+from giraff_node.network.query_client import Asking
 from giraff_schemas.codec import encoding_of
 from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime
 from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet

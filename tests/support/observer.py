@@ -8,9 +8,9 @@ from typing import Any
 
 import zenoh
 
-from giraff_node.config import load
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, session_config
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import load
+from giraff_node.network.session import close_session, session_config
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.topics import Query, SampleT, Topic, key_of
 

@@ -16,11 +16,11 @@ from typing import Any, Final
 
 from giraff_cli.children import Children
 from giraff_cli.ports import free_port
-from giraff_node.config import load
-from giraff_node.estop import RELEASED
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import session_config
-from giraff_node.state import write_latch
+from giraff_core.estop import RELEASED
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import load
+from giraff_node.network.session import session_config
+from giraff_node.process.state import write_latch
 from giraff_schemas.topics import BASE, GUARD
 from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient

@@ -14,11 +14,11 @@ from typing import Any
 import psutil
 import zenoh
 
+from giraff_core.network import NetworkConfig
 from giraff_mcap.ear import Ear
 from giraff_mcap.heard import Heard
 from giraff_mcap.reading import Recorded
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, session_config
+from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import key_below
 from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import ProcessRobot

@@ -11,8 +11,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_node.estop import RELEASED
-from giraff_node.state import write_latch
+from giraff_core.estop import RELEASED
+from giraff_node.process.state import write_latch
 from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN

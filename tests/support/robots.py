@@ -2,7 +2,7 @@
 
 import math
 
-from giraff_node.robot import RobotConfig, SensorPose
+from giraff_core.robot import RobotConfig, SensorPose
 
 ROBOT = RobotConfig(
     name="sim-test",

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Final
 
 from giraff_cli.keys import make_authority, make_bundle
-from giraff_node.access import AccessConfig
+from giraff_core.access import AccessConfig
 
 ROBOT: Final = "sim-secured"
 HOSTS: Final = ("robot", "laptop", "desk", "unnamed")

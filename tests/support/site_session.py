@@ -12,9 +12,9 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_node.config import load
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import session_config
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import load
+from giraff_node.network.session import session_config
 
 _PATIENCE: Final = 60.0  # s
 

@@ -10,8 +10,8 @@ from typing import Any
 import zenoh
 
 from giraff_cli.survey import is_listened_to
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, open_session
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic, alive_key, key_of

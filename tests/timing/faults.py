@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from giraff_node.asking import Asking
+from giraff_node.network.query_client import Asking
 from giraff_schemas.messages import EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE
 from giraff_sim.bno055 import Bno055Fault

@@ -15,9 +15,9 @@ from giraff_cli.children import Children
 from giraff_cli.estop import engage
 from giraff_cli.ports import free_port
 from giraff_cli.watcher import Watcher
+from giraff_core.network import NetworkConfig
 from giraff_health.ask import TIMEOUT
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, open_session
+from giraff_node.network.session import close_session, open_session
 from tests.functional.cli.bases import ROBOT, base
 from tests.functional.cli.test_children import STUBBORN, is_up, start
 from tests.functional.health.answering import answering, check

@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from giraff_node.config import load
+from giraff_node.config.robot_file import load
 from giraff_sim.bno055 import Vector
 from giraff_sim.board import BUILD, ROOT, Implementation
 from giraff_sim.closed_loop import ClosedLoop

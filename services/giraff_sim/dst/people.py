@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
+from giraff_core.estop import stops_for_good
+from giraff_core.retry import Repeated
+from giraff_core.timer import Pacer
 from giraff_joystick.service import Joystick
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
-from giraff_node.estop import stops_for_good
-from giraff_node.pacing import Pacer
-from giraff_node.repeating import Repeated
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
 from giraff_schemas.params import ParamSave, ParamSet
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, PARAM_SAVE, PARAM_SET, TICK, Query

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from typing import Final
 
-from giraff_node.serial_link import REOPEN_PERIOD, SerialLink
+from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
 from giraff_schemas.wire import BoardKind
 from giraff_sim.hosts.agenda import Action
 from giraff_sim.simulation import Simulation

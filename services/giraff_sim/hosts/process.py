@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
@@ -11,13 +10,13 @@ from typing import Any, Final, Generic, Protocol, TypeVar
 
 import msgspec
 
-from giraff_node.board_link import BoardLink
-from giraff_node.inbox import MOST_REQUESTS, Inbox
-from giraff_node.io import Asked, Board, Publisher, Service
-from giraff_node.param_desk import ParamDesk
-from giraff_node.params import ConfigT, Params
-from giraff_node.repeating import Repeated
-from giraff_node.robot import RobotConfig
+from giraff_core.inbox import MOST_REQUESTS, Inbox
+from giraff_core.io import Asked, Board, Publisher, Service
+from giraff_core.parameters.server import ParamDesk
+from giraff_core.parameters.table import ConfigT, Params
+from giraff_core.retry import Repeated
+from giraff_core.robot import RobotConfig
+from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.codec import stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Sample
@@ -43,9 +42,6 @@ from giraff_sim.simulation import Simulation
 
 _LONGEST_WAIT_US: Final = 100_000  # a node's loop comes round at least this often
 _NEVER: Final = 1 << 62
-_LOG: Final = logging.getLogger("giraff_sim.process")
-_LOG.addHandler(logging.NullHandler())
-_LOG.propagate = False
 
 ItemT = TypeVar("ItemT")
 
@@ -163,7 +159,7 @@ class Process:
     def parameters(self, service: str, filed: ConfigT, robot: RobotConfig) -> ConfigT:
         """What is in force of a table once what was saved is restored. From now on it is answered for."""
         params = Params(service, filed, robot)
-        desk = ParamDesk(service, self.instance, self.hostname, params, self.store, _LOG)
+        desk = ParamDesk(service, self.instance, self.hostname, params, self.store, _tell_nobody)
         describes, sets, saves = (
             self.requests(PARAM_DESCRIBE.at(service)),
             self.requests(PARAM_SET.at(service)),
@@ -282,6 +278,10 @@ class Request:
         self._network.answer(self._taker, self._message, answer)
 
 
+def _tell_nobody(message: str, *values: object) -> None:
+    """The log of a process in a simulation."""
+
+
 class _Inbox(Inbox[ItemT]):
     """An inbox that tells of each item when it is handed to the service."""
 
@@ -305,7 +305,7 @@ class _Publisher(Generic[SampleT]):
 
 
 class _Asking(Repeated[AnswerT]):
-    """As `giraff_node.asking.Asking`, over the simulated network."""
+    """As `giraff_node.network.query_client.Asking`, over the simulated network."""
 
     def __init__(self, process: Process, key: str, request: msgspec.Struct, settles: Callable[[AnswerT], bool]) -> None:
         super().__init__(settles)

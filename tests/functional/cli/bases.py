@@ -11,8 +11,8 @@ from typing import Any
 import msgspec
 import zenoh
 
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, open_session
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import close_session, open_session
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Tick
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, key_of

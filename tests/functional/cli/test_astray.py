@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from giraff_cli.ports import free_port
-from giraff_node.access import AccessConfig
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, open_session
+from giraff_core.access import AccessConfig
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import close_session, open_session
 from tests.functional.cli.bases import ROBOT, Base, base
 from tests.support.elsewhere import GIRAFF
 from tests.support.secured_hosts import authority

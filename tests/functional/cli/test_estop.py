@@ -11,8 +11,8 @@ import pytest
 from giraff_cli.estop import engage, reset, status
 from giraff_cli.ports import free_port
 from giraff_cli.watcher import Watcher
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, open_session
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import close_session, open_session
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
 from tests.functional.cli.bases import DONE, EPOCH, ROBOT, base
 

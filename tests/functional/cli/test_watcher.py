@@ -13,8 +13,8 @@ import zenoh
 from giraff_cli.ports import claim, free_port
 from giraff_cli.telemetry import Telemetry
 from giraff_cli.watcher import Watcher
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import open_session, session_config
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import open_session, session_config
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, alive_key, key_of

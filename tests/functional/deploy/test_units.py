@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from giraff_node.config import load
-from giraff_node.network_config import NetworkConfig
-from giraff_node.robot import RobotConfig
+from giraff_core.network import NetworkConfig
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import load
 from giraff_sim.board import ROOT
 
 UNITS = ROOT / "deploy" / "systemd"

@@ -21,7 +21,7 @@ from typing import Any
 import pytest
 
 from giraff_client import EmergencyStopError, NoRobotError, RefusedError, Robot, RobotError
-from giraff_node.session import LEASE as LINK_LEASE
+from giraff_node.network.session import LEASE as LINK_LEASE
 from giraff_schemas.topics import LEASE
 from tests.support.examples import EXAMPLES, HALL
 from tests.support.process_robot import ProcessRobot, process_robot

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from giraff_node.asking import Asking
+from giraff_node.network.query_client import Asking
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSet
 from giraff_schemas.topics import GUARD, PARAM_DESCRIBE, PARAM_SET, Query, RequestT, alive_key
 from tests.support.desk import run_beside

@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 
 from giraff_mcap.reading import Recording
-from giraff_node.robots import robots_alive
+from giraff_node.network.discovery import robots_alive
 from giraff_schemas.topics import TOPICS, key_below
 from tests.support.desk import Done, run_beside
 from tests.support.elsewhere import giraff

@@ -15,7 +15,7 @@ import pytest
 import zenoh
 
 from giraff_cli.keys import now
-from giraff_node.session import close_session
+from giraff_node.network.session import close_session
 from tests.support.waiting import wait
 from tests.unit.keys.folders import DAY, authority, bundle
 

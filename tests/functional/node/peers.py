@@ -13,8 +13,8 @@ from typing import Any
 import msgspec
 
 from giraff_cli.ports import free_port
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import open_session
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import open_session
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import Topic, alive_key, health_key, key_of
 from giraff_sim.board import ROOT

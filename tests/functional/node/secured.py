@@ -17,8 +17,8 @@ from typing import Any, Final
 import zenoh
 
 from giraff_cli.ports import free_port
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, session_config
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,

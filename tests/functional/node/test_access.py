@@ -12,7 +12,7 @@ import msgspec
 import pytest
 import zenoh
 
-from giraff_node.session import close_session, open_session, session_config
+from giraff_node.network.session import close_session, open_session, session_config
 from giraff_schemas.topics import (
     CMD_VEL,
     ESTOP_ENGAGE,

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_node.asking import Asking
+from giraff_node.network.query_client import Asking
 from giraff_schemas.codec import encode
 from giraff_schemas.messages import Battery, EStopAnswer, EStopEngage, Tick
 from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK, alive_key, key_of

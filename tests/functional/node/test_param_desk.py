@@ -11,11 +11,11 @@ from typing import Any
 import msgspec
 import pytest
 
+from giraff_core.inbox import Inbox
+from giraff_core.parameters.server import ParamDesk
+from giraff_core.parameters.table import Params
 from giraff_guard.config import GuardConfig
-from giraff_node.inbox import Inbox
-from giraff_node.param_desk import ParamDesk
-from giraff_node.params import Params
-from giraff_node.state import Folder
+from giraff_node.process.state import Folder
 from giraff_schemas.params import ParamSave
 from tests.support.robots import ROBOT
 from tests.support.waiting import wait
@@ -29,7 +29,7 @@ class Desk:
         self.params = Params("guard", GuardConfig(), ROBOT)
         self.params.set("margin", 0.5)
         self.file = folder / "params" / "guard.json"
-        self._desk = ParamDesk("guard", "guard-1", "host", self.params, Folder(folder), logging.getLogger("guard"))
+        self._desk = ParamDesk("guard", "guard-1", "host", self.params, Folder(folder), logging.getLogger("guard").info)
         self._saves: Inbox[Any] = Inbox(20)
 
     def ask(self, name: str = "margin") -> Asked:
@@ -55,7 +55,7 @@ def test_who_asks_without_end_at_a_slow_disk_takes_no_other_thread(
         assert ready.wait(10.0)
         path.write_bytes(data)
 
-    monkeypatch.setattr("giraff_node.state.write_file_durably", written)
+    monkeypatch.setattr("giraff_node.process.state.write_file_durably", written)
     desk = Desk(tmp_path)
     before = threading.active_count()
     first = last = desk.ask()

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from giraff_node.estop import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, kept_latch
-from giraff_node.state import Folder, write_file_durably
+from giraff_core.estop import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, kept_latch
+from giraff_node.process.state import Folder, write_file_durably
 from tests.support.waiting import wait
 
 ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar")
@@ -58,7 +58,7 @@ def test_the_saver_does_not_wait_for_the_disk(tmp_path: Path, monkeypatch: pytes
         assert released.wait(60.0)
         write(path, data)
 
-    monkeypatch.setattr("giraff_node.state.write_file_durably", hang)
+    monkeypatch.setattr("giraff_node.process.state.write_file_durably", hang)
     saver = saver_in(tmp_path)
     saver.save(ENGAGED)
     assert saver.outcome() is None

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from giraff_node.asking import Asking
+from giraff_node.network.query_client import Asking
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
 from tests.support.process_robot import ARENA, FULL_TILT, PATIENCE, ProcessRobot, process_robot

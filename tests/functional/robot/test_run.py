@@ -13,8 +13,8 @@ import pytest
 from giraff_cli.ports import free_port
 from giraff_cli.simulated import SERVICES
 from giraff_cli.watcher import Watcher
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import open_session
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import open_session
 from giraff_schemas.topics import alive_key
 from giraff_sim.board import ROOT
 from giraff_sim.truth import Truth, TruthRanges, draw_truth

@@ -14,11 +14,11 @@ import zenoh
 
 from giraff_cli.children import Children
 from giraff_cli.ports import free_port
-from giraff_node.asking import Asking
-from giraff_node.estop import RELEASED, kept_latch
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, open_session
-from giraff_node.state import Folder, write_latch
+from giraff_core.estop import RELEASED, kept_latch
+from giraff_core.network import NetworkConfig
+from giraff_node.network.query_client import Asking
+from giraff_node.network.session import close_session, open_session
+from giraff_node.process.state import Folder, write_latch
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, Health, RobotTime, Sample, Tick
 from giraff_schemas.topics import (
     ESTOP,

@@ -9,7 +9,7 @@ import zenoh
 
 from giraff_mcap import ear
 from giraff_mcap.ear import Ear
-from giraff_node.session import close_session
+from giraff_node.network.session import close_session
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ import msgspec
 import pytest
 import tomlkit
 
-from giraff_node.session import close_session, open_session
+from giraff_node.network.session import close_session, open_session
 from giraff_schemas.topics import CMD_VEL, ODOM, key_of
 from giraff_sim.board import ROOT
 from tests.functional.node.secured import ANOTHERS, MINE, Network

@@ -6,7 +6,7 @@ import statistics
 import time
 from pathlib import Path
 
-from giraff_node.asking import Asking
+from giraff_node.network.query_client import Asking
 from giraff_schemas.params import ParamSet
 from giraff_schemas.topics import GUARD, PARAM_SET
 from tests.support.process_robot import process_robot

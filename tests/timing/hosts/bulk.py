@@ -13,8 +13,8 @@ from typing import Final
 
 import zenoh
 
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import open_session
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import open_session
 
 _SAMPLE: Final = bytes(64_000)
 _PERIOD: Final = 0.005  # s: 100 Mbit/s, ten times what the cable carries

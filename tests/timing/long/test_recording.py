@@ -38,8 +38,8 @@ REPLAY = "replay-sim-test"
 LISTENER = """
 import sys, threading, zenoh
 from giraff_mcap.ear import step_back
-from giraff_node.config import load
-from giraff_node.session import NetworkConfig, open_session
+from giraff_node.config.robot_file import load
+from giraff_node.network.session import NetworkConfig, open_session
 from giraff_schemas.topics import key_below
 step_back()
 session = open_session(load("network", NetworkConfig), "sim-test", visiting=True)

@@ -7,7 +7,7 @@ import msgspec
 from giraff_base.config import BaseConfig
 from giraff_base.estop import RELEASED, EStopLatch
 from giraff_base.policy import BasePolicy
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import BaseState, GuardedCommand, RobotTime, Source, Wheels
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,

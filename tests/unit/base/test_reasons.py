@@ -7,7 +7,7 @@ from collections.abc import Callable
 import msgspec
 import pytest
 
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import EStopEngage
 from giraff_schemas.wire import DriveState, Latch
 from tests.unit.base.rig import ROBOT, Rig, moving

@@ -17,8 +17,8 @@ import zenoh
 import giraff_cli.record
 from giraff_cli.main import app
 from giraff_client import NoRobotError, Robot
-from giraff_node.config import TABLES, ConfigError
-from giraff_node.robots import find_way
+from giraff_node.config.robot_file import TABLES, ConfigError
+from giraff_node.network.discovery import find_way
 from tests.rules.repository import ROOT
 from tests.unit.cli.typed import typed
 

@@ -14,11 +14,11 @@ import pytest
 
 import giraff_cli.visit
 import giraff_cli.watcher
-import giraff_node.robots
+import giraff_node.network.discovery
 from giraff_cli import output
 from giraff_cli import watch as it
 from giraff_cli.screen import Lines
-from giraff_node.robots import Roster
+from giraff_node.network.discovery import Roster
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
 from tests.support.one_process import Clock, Session
@@ -73,7 +73,7 @@ def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Network:
     for name in [name for name in os.environ if name.startswith("GIRAFF_")]:
         monkeypatch.delenv(name)
     monkeypatch.chdir(tmp_path)
-    for module in (it, giraff_node.robots):
+    for module in (it, giraff_node.network.discovery):
         monkeypatch.setattr(module, "time", made.clock)
     for module in (it, giraff_cli.watcher):
         monkeypatch.setattr(module, "robot_now_ns", made.clock.monotonic_ns)

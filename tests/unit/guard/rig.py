@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import msgspec
 
+from giraff_core.lease import ASK
+from giraff_core.robot import RobotConfig
 from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
-from giraff_node.lease import ASK
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import (
     DriveCommand,
     GuardedCommand,

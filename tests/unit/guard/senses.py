@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.obstacles import Limited, Obstacles, Verdicts
-from giraff_node.robot import RobotConfig
 from giraff_schemas.messages import Range, RobotTime, Verdict, Wheels
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FRONT, NEAR, ROBOT, robot_with
 

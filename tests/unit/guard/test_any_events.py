@@ -9,7 +9,7 @@ import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from giraff_node.lease import ASK, LeaseSeeker
+from giraff_core.lease import ASK, LeaseSeeker
 from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, RobotTime, Source
 from tests.unit.guard.checks import check_passed
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FIRST_LEASE, Rig

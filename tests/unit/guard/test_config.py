@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from giraff_guard.config import GuardConfig
-from giraff_node.config import ConfigError, load
+from giraff_node.config.robot_file import ConfigError, load
 
 NUMBERS = [name for name in GuardConfig.__struct_fields__ if name != "priorities"]
 

@@ -7,8 +7,8 @@ import math
 import msgspec
 import pytest
 
+from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_node.robot import SensorPose
 from giraff_schemas.messages import Verdict
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, FRONT, NEAR, ROBOT, Senses, opened, robot_with
 

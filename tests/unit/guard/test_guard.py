@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from giraff_node.lease import ASK
+from giraff_core.lease import ASK
 from giraff_schemas.messages import Range, RobotTime, Wheels
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FIRST_LEASE, NEAR, OPERATOR, Rig
 

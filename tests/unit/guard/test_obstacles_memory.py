@@ -9,13 +9,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_guard.directions import Direction
 from giraff_guard.echoes import Echoes, Obstruction
 from giraff_guard.geometry import until_touch
 from giraff_guard.motion import Motion, Place
 from giraff_guard.sensor import Ping, Sensor
-from giraff_node.robot import SensorPose
 from giraff_schemas.messages import RobotTime
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, opened
 

@@ -8,9 +8,9 @@ import random
 import msgspec
 import pytest
 
+from giraff_core.robot import SensorPose
 from giraff_guard.motion import Place
 from giraff_guard.sensor import Ping, Sensor
-from giraff_node.robot import SensorPose
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
 
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import msgspec
 
+from giraff_core.robot import RobotConfig
 from giraff_joystick.config import JoystickConfig
-from giraff_node.config import load
-from giraff_node.robot import RobotConfig
+from giraff_node.config.robot_file import load
 from giraff_schemas.wire import TiltFrame, TiltStatus
 
 ROBOT = msgspec.structs.replace(

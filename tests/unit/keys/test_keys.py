@@ -23,7 +23,7 @@ from typer.testing import CliRunner
 
 from giraff_cli import keys
 from giraff_cli.main import app
-from giraff_node.session import CERTIFICATES
+from giraff_node.network.session import CERTIFICATES
 from tests.unit.keys.folders import DAY, NOW, authority, bundle, contents
 
 

@@ -12,10 +12,10 @@ import msgspec
 import pytest
 import zenoh
 
-from giraff_node.access import access_control
-from giraff_node.config import ConfigError
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import session_config
+from giraff_core.access import access_control
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.session import session_config
 from giraff_schemas.topics import CMD_VEL, ESTOP_ENGAGE, ESTOP_RESET, OPERATOR_CMD_VEL, PARAM_SET, TILT, TOPICS, key_of
 from tests.support.secured_hosts import ACCESS, HOSTS, ROBOT, authority
 

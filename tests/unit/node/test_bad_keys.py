@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 
-from giraff_node.bad_keys import MOST, BadKeys
+from giraff_node.network.decode_errors import MOST, BadKeys
 
 PATTERN = "giraff/sim-test/range/*"
 

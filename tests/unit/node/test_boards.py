@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_node.counters import signed32
-from giraff_node.tick_down import TickDown, moment_of
+from giraff_core.counters import signed32
+from giraff_core.tick_relay import TickDown, moment_of
 from giraff_schemas.messages import RobotTime, Tick
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import msgspec
 
-from giraff_node.health import Condition
-from giraff_node.logs import service_logger
+from giraff_node.process.health import Condition
+from giraff_node.process.logs import service_logger
 from giraff_schemas.messages import Health
 
 

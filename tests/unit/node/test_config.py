@@ -7,11 +7,11 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from giraff_core.access import AccessConfig
+from giraff_core.network import NetworkConfig
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_node.access import AccessConfig
-from giraff_node.config import ConfigError, load, robot_file
-from giraff_node.network_config import NetworkConfig
-from giraff_node.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_sim.board import ROOT
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from giraff_node.estop import stops_for_good
+from giraff_core.estop import stops_for_good
 from giraff_schemas.messages import EStopAnswer
 
 

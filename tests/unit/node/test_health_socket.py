@@ -12,7 +12,7 @@ import msgspec
 import pytest
 
 from giraff_health.ask import ask
-from giraff_node.health_socket import RETRY, HealthSocket
+from giraff_node.process.health_socket import RETRY, HealthSocket
 from giraff_schemas.messages import Health
 
 HEALTH = Health(service="base", instance="1", host="h", pid=7, uptime=1.0, ok=False, faults=("x",), notices=("y",))

@@ -6,7 +6,7 @@ import ipaddress
 
 import pytest
 
-from giraff_node.host_addresses import AddressWatch, host_addresses
+from giraff_node.network.host_addresses import AddressWatch, host_addresses
 
 NONE: frozenset[str] = frozenset()
 HOME = frozenset({"192.168.1.20"})

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_node.key_bundle import BUNDLE_FILE, BundleError, ExpiryWatch, read_bundle
+from giraff_node.network.key_bundle import BUNDLE_FILE, BundleError, ExpiryWatch, read_bundle
 
 TEXT = """
 name = "robot"

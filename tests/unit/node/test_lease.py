@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_node.lease import ASK, LeaseSeeker
+from giraff_core.lease import ASK, LeaseSeeker
 from giraff_schemas.messages import Lease
 
 

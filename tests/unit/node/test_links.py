@@ -13,8 +13,8 @@ import msgspec
 import pytest
 import serial
 
-from giraff_node.board_link import SILENCE, BoardLink
-from giraff_node.serial_link import REOPEN_PERIOD, SerialLink
+from giraff_node.boards.board_link import SILENCE, BoardLink
+from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, TickFrame
 from tests.unit.node.ports import FakePort

@@ -7,9 +7,9 @@ from typing import Annotated, Any
 import msgspec
 import pytest
 
-from giraff_node.live import Live
-from giraff_node.params import ParamError, Params
-from giraff_node.ranges import require_positive
+from giraff_core.bounds import require_positive
+from giraff_core.parameters.table import ParamError, Params
+from giraff_core.tuning import Live
 from giraff_schemas.params import Param
 from tests.support.robots import ROBOT
 

@@ -11,12 +11,12 @@ import msgspec
 import pytest
 
 from giraff_base.config import BaseConfig
+from giraff_core.bounds import Within, ranges
+from giraff_core.robot import RobotConfig, SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig
-from giraff_node.config import ConfigError, load
-from giraff_node.ranges import Within, ranges
-from giraff_node.robot import RobotConfig, SensorPose
+from giraff_node.config.robot_file import ConfigError, load
 from giraff_odometry.config import OdometryConfig
 from giraff_recorder.config import RecorderConfig
 from giraff_sentry.config import SentryConfig

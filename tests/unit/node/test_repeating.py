@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from giraff_node.repeating import Repeated
+from giraff_core.retry import Repeated
 from giraff_schemas.messages import EStopAnswer
 
 NO = EStopAnswer(done=False, engaged=False, id=0, reason="no")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_node.reunion import Partings, hosts_of
+from giraff_node.network.link_repair import Partings, hosts_of
 
 ROBOT, LAPTOP = "10.0.0.2", "10.0.0.3"
 DELAY = 0.3

@@ -8,10 +8,10 @@ from typing import cast
 import pytest
 import zenoh
 
-from giraff_node import robots
-from giraff_node.config import ConfigError
-from giraff_node.network_config import NetworkConfig
-from giraff_node.robots import NoRobotError, find_way, only_robot, others
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network import discovery as robots
+from giraff_node.network.discovery import NoRobotError, find_way, only_robot, others
 from giraff_schemas.topics import alive_key
 from tests.support.one_process import Clock, Session
 

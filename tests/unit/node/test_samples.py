@@ -8,7 +8,7 @@ import logging
 import pytest
 
 from giraff_node import Inbox
-from giraff_node.logs import service_logger
+from giraff_node.process.logs import service_logger
 from giraff_schemas.messages import Battery
 
 

@@ -6,8 +6,8 @@ import json
 
 import zenoh
 
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import session_config
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import session_config
 
 ROBOT = "sim-node"
 

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from giraff_node.estop import LATCH_FILE, RELEASED, EStopLatch, kept_latch
-from giraff_node.state import Folder, state_directory, write_file_durably, write_latch
+from giraff_core.estop import LATCH_FILE, RELEASED, EStopLatch, kept_latch
+from giraff_node.process.state import Folder, state_directory, write_file_durably, write_latch
 
 LOST = 41
 ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar")

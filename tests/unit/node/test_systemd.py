@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_node.systemd import Notifier
+from giraff_node.process.systemd import Notifier
 from tests.support.manager import FakeManager
 
 

@@ -6,8 +6,8 @@ import platform
 import socket
 import struct
 
-from giraff_node.session import LEASE
-from giraff_node.tcp_links import RTO_MIN, tune_links
+from giraff_node.network.session import LEASE
+from giraff_node.network.tcp_options import RTO_MIN, tune_links
 
 THIN_LINEAR_TIMEOUTS, RTO_MIN_US = 16, 45  # linux/tcp.h
 

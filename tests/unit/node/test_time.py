@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_node.freshness import Clock, age, fade
-from giraff_node.pacing import Pacer
+from giraff_core.freshness import Clock, age, fade
+from giraff_core.timer import Pacer
 from giraff_schemas.messages import RobotTime, Tick
 
 NOW = RobotTime(epoch=7, robot_ns=5_000_000_000)

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_node.config import load
-from giraff_node.robot import RobotConfig, SensorPose
+from giraff_core.robot import RobotConfig, SensorPose
+from giraff_node.config.robot_file import load
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import LONGEST_ECHO_US, RangerPolicy
 from giraff_schemas import frames

@@ -10,10 +10,10 @@ import pytest
 
 from giraff_cli.agreement import Agreement
 from giraff_cli.process_replay import Said, replay_guard, replay_odometry
+from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.reading import Recording
 from giraff_mcap.writing import RecordingWriter
-from giraff_node.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.messages import Sample, Tick, Wheels
 from tests.rules.repository import ROOT

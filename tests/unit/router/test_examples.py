@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from giraff_node.config import load, read_tables
+from giraff_node.config.robot_file import load, read_tables
 from giraff_router.config import RouterConfig
 from giraff_sim.board import ROOT
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import zenoh
 
-from giraff_node.access import AccessConfig
+from giraff_core.access import AccessConfig
 from giraff_router.policy import Visitors, gateway, rules
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, key_of
 

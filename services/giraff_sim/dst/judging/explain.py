@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from giraff_base.config import BaseConfig
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import DriveFrame
 from giraff_sim.dst.judging.ledger import Ledger, Passed
 from giraff_sim.dst.judging.sensors import looks_along

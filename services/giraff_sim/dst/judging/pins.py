@@ -6,7 +6,7 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_base.config import BaseConfig
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import BoardKind, DriveFrame
 from giraff_sim.simulation import Simulation
 

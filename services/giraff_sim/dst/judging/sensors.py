@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from giraff_node.robot import RobotConfig, SensorPose
+from giraff_core.robot import RobotConfig, SensorPose
 from giraff_sim.sonar import Sonar
 from giraff_sim.world import World
 

@@ -24,7 +24,7 @@ import struct
 from pathlib import Path
 from typing import Final
 
-from giraff_node.session import LEASE
+from giraff_node.network.session import LEASE
 
 RTO_MIN: Final = 0.05
 """s; a round trip through a home varies by less."""

@@ -6,8 +6,8 @@ from typing import Final, Literal
 
 import msgspec
 
-from giraff_node.access import AccessConfig
-from giraff_node.site import require_site
+from giraff_core.access import AccessConfig
+from giraff_core.site import require_site
 
 _PORT: Final = 7447  # Zenoh's own
 

@@ -11,9 +11,9 @@ from typing import Any, Protocol, TypeVar
 
 import msgspec
 
-from giraff_node.inbox import Inbox
-from giraff_node.pacing import Pacer
-from giraff_node.repeating import Repeated
+from giraff_core.inbox import Inbox
+from giraff_core.retry import Repeated
+from giraff_core.timer import Pacer
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic

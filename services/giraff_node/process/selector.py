@@ -7,7 +7,7 @@ import selectors
 import socket
 from typing import Self
 
-from giraff_node.io import Selectable
+from giraff_core.io import Selectable
 
 
 class Waker:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from giraff_node.serial_link import SerialLink
+from giraff_node.boards.serial_link import SerialLink
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, Frame, HelloFrame, HelloRequestFrame
 

@@ -12,9 +12,9 @@ from typing import Any, Final, get_args, get_origin, get_type_hints
 
 import msgspec
 
-from giraff_node.config import TABLES, Given, Strange
-from giraff_node.network_config import NetworkConfig
-from giraff_node.robot import RobotConfig
+from giraff_core.network import NetworkConfig
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import TABLES, Given, Strange
 
 _NETWORK: Final = {
     **{field: f"{field!r} of [network]" for field in NetworkConfig.__struct_fields__},

@@ -14,14 +14,14 @@ from typing import Final, NoReturn
 
 import zenoh
 
-from giraff_node.health import Condition
-from giraff_node.health_socket import HealthSocket
-from giraff_node.io import Selectable
-from giraff_node.logs import service_logger
-from giraff_node.pacing import Pacer
-from giraff_node.session import close_session
-from giraff_node.systemd import Notifier
-from giraff_node.watch import Waker, Watch
+from giraff_core.io import Selectable
+from giraff_core.timer import Pacer
+from giraff_node.network.session import close_session
+from giraff_node.process.health import Condition
+from giraff_node.process.health_socket import HealthSocket
+from giraff_node.process.logs import service_logger
+from giraff_node.process.selector import Waker, Watch
+from giraff_node.process.systemd import Notifier
 
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
 

@@ -12,8 +12,8 @@ from typing import Any, Final, Generic, TypeVar
 
 import msgspec
 
-from giraff_node.live import Live, live_fields, loosens
-from giraff_node.robot import RobotConfig
+from giraff_core.robot import RobotConfig
+from giraff_core.tuning import Live, live_fields, loosens
 from giraff_schemas.fields import fields_of
 from giraff_schemas.params import Param
 

@@ -16,7 +16,7 @@ from typing import Final
 import msgspec
 
 from giraff_health.ask import socket_path
-from giraff_node.unix_socket import listen_at
+from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.messages import Health
 
 RETRY: Final = 1.0  # s between two attempts to become the one who answers

@@ -16,10 +16,10 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_node.access import access_control
-from giraff_node.config import ConfigError
-from giraff_node.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
-from giraff_node.network_config import NetworkConfig, with_port
+from giraff_core.access import access_control
+from giraff_core.network import NetworkConfig, with_port
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
 
 _CLOSE_TIMEOUT: Final = 1.0  # s
 

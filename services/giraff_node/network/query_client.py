@@ -8,8 +8,8 @@ from typing import Any, Generic
 import msgspec
 import zenoh
 
-from giraff_node.estop import stops_for_good
-from giraff_node.repeating import Repeated
+from giraff_core.estop import stops_for_good
+from giraff_core.retry import Repeated
 from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.messages import EStopAnswer, EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of

@@ -17,10 +17,10 @@ from typing import Final, NamedTuple
 
 import zenoh
 
-from giraff_node.config import ConfigError
-from giraff_node.network_config import NetworkConfig
-from giraff_node.session import close_session, open_session
-from giraff_node.tcp_links import tune_links
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.session import close_session, open_session
+from giraff_node.network.tcp_options import tune_links
 
 _STAYS: Final = 6.0
 """s; who was linked for less was a visitor, like `giraff estop`, and has left."""

@@ -9,7 +9,7 @@ from typing import Annotated, Final
 
 import msgspec
 
-from giraff_node.io import Store, Writer
+from giraff_core.io import Store, Writer
 from giraff_schemas.messages import EStopAnswer
 
 RESET_COMMAND: Final = "giraff estop reset"

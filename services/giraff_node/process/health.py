@@ -8,7 +8,7 @@ import socket
 import time
 from pathlib import Path
 
-from giraff_node.version import version
+from giraff_node.process.version import version
 from giraff_schemas.messages import Health
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from giraff_node.freshness import Clock
+from giraff_core.freshness import Clock
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.wire import TickFrame
 

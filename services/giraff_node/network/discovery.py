@@ -12,9 +12,9 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_node.config import ConfigError, Given, is_at_hand, read
-from giraff_node.doubts import doubts
-from giraff_node.network_config import NetworkConfig
+from giraff_core.network import NetworkConfig
+from giraff_node.config.misplaced import doubts
+from giraff_node.config.robot_file import ConfigError, Given, is_at_hand, read
 from giraff_schemas.topics import alive_key, require_chunk
 
 _ASK_AGAIN: Final = 0.1  # s

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import logging
 from collections import deque
 from collections.abc import Callable
 from typing import Any, Final, Generic
 
 import msgspec
 
-from giraff_node.inbox import Inbox
-from giraff_node.io import Asked, Store
-from giraff_node.params import ConfigT, ParamError, Params
+from giraff_core.inbox import Inbox
+from giraff_core.io import Asked, Store
+from giraff_core.parameters.table import ConfigT, ParamError, Params
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 
 PARAMS_FOLDER: Final = "params"
@@ -28,7 +27,7 @@ class ParamDesk(Generic[ConfigT]):
     """`service`, `instance` and `host` name who answers; `store` keeps what is saved."""
 
     def __init__(
-        self, service: str, instance: str, host: str, params: Params[ConfigT], store: Store, log: logging.Logger
+        self, service: str, instance: str, host: str, params: Params[ConfigT], store: Store, log: Callable[..., None]
     ) -> None:
         self.fault = ""
         """What of the saved parameters does not count, with the way out; empty: all of it does."""
@@ -65,7 +64,7 @@ class ParamDesk(Generic[ConfigT]):
         except ParamError as error:
             return self._answer(str(error))
         reconfigure(self._params.config)
-        self._log.info("%s is %s, by %s", request.name, getattr(self._params.config, request.name), request.by)
+        self._log("%s is %s, by %s", request.name, getattr(self._params.config, request.name), request.by)
         return self._answer("", request.name)
 
     def _begin_to_save(self, asked: Asked[ParamSave, ParamAnswer]) -> None:
@@ -84,7 +83,7 @@ class ParamDesk(Generic[ConfigT]):
                 f"(STATE_DIRECTORY names it), or write it into the robot file"
             )
         self._params.saved = kept
-        self._log.info("saved in %s, by %s: %s", self._file, request.by, kept)
+        self._log("saved in %s, by %s: %s", self._file, request.by, kept)
         return self._answer("", *(request.names or kept))
 
     def _restore(self, store: Store, name: str) -> None:
@@ -100,7 +99,7 @@ class ParamDesk(Generic[ConfigT]):
             return
         ignored = self._params.restore(saved)
         if self._params.saved:
-            self._log.info("as saved in %s, not as in the robot file: %s", self._file, self._params.saved)
+            self._log("as saved in %s, not as in the robot file: %s", self._file, self._params.saved)
         if ignored:
             self.fault = f"{self._file}: {'; '.join(ignored)}; save again, or remove the file"
 

@@ -1,0 +1,1 @@
+"""Zenoh: open a session, find a robot, ask, keep links alive."""
