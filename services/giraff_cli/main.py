@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from giraff_cli.ask_commands import add_to as add_asking
-from giraff_cli.doctor_commands import doctor
+from giraff_cli.doctor.commands import doctor
 from giraff_cli.options import Connect, Ending, Robot, finite
-from giraff_cli.param_commands import param
-from giraff_cli.record_commands import add_to as add_recording
-from giraff_cli.view_commands import view
+from giraff_cli.param.commands import param
+from giraff_cli.record.commands import add_to as add_recording
+from giraff_cli.topic.commands import add_to as add_asking
+from giraff_cli.view.commands import view
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from giraff_cli.estop import Told
-    from giraff_cli.watcher import Watcher
+    from giraff_cli.estop.client import Told
+    from giraff_cli.network.connection import Watcher
 
 app = typer.Typer(
     name="giraff",
@@ -77,8 +77,8 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:
     """Drive the simulated robot through the five services, and watch it."""
-    from giraff_cli.plan import PlanError, make_plan  # noqa: PLC0415
-    from giraff_cli.run import drive  # noqa: PLC0415
+    from giraff_cli.run.plan import PlanError, make_plan  # noqa: PLC0415
+    from giraff_cli.run.runner import drive  # noqa: PLC0415
 
     try:
         plan = make_plan(
@@ -111,8 +111,8 @@ def why(
 
     Exit code: 0 the robot drives, or would if asked to; 1 something stops it; 2 there is no robot to tell of.
     """
-    from giraff_cli.visit import visit  # noqa: PLC0415
-    from giraff_cli.why import explain  # noqa: PLC0415
+    from giraff_cli.network.command import visit  # noqa: PLC0415
+    from giraff_cli.why.explain import explain  # noqa: PLC0415
 
     raise typer.Exit(visit(robot, connect or (), 3.0, lambda watcher: explain(watcher, seconds, as_json=as_json)))
 
@@ -130,7 +130,7 @@ def watch(
     takes one that comes back up again. Exit code: 0; 1 standard output takes nothing; 2 no robot came within --for,
     or several are there and none is named.
     """
-    from giraff_cli.watch import watch as it  # noqa: PLC0415
+    from giraff_cli.watch.monitor import watch as it  # noqa: PLC0415
 
     raise typer.Exit(it(robot, connect or (), seconds, as_json=as_json))
 
@@ -146,9 +146,9 @@ def engage(
 
     Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
     """
-    from giraff_cli import estop as it  # noqa: PLC0415
-    from giraff_cli.user import who  # noqa: PLC0415
-    from giraff_cli.without_file import way_to_stop  # noqa: PLC0415
+    from giraff_cli.estop import client as it  # noqa: PLC0415
+    from giraff_cli.estop.fallback import way_to_stop  # noqa: PLC0415
+    from giraff_cli.network.user import who  # noqa: PLC0415
 
     _tell(
         robot,
@@ -165,8 +165,8 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0) 
 
     Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
     """
-    from giraff_cli import estop as it  # noqa: PLC0415
-    from giraff_cli.user import who  # noqa: PLC0415
+    from giraff_cli.estop import client as it  # noqa: PLC0415
+    from giraff_cli.network.user import who  # noqa: PLC0415
 
     _tell(robot, connect, timeout, lambda watcher: it.reset(watcher, who(), timeout))
 
@@ -177,7 +177,7 @@ def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0)
 
     Exit code: 0 released; 1 engaged; 2 unknown.
     """
-    from giraff_cli import estop as it  # noqa: PLC0415
+    from giraff_cli.estop import client as it  # noqa: PLC0415
 
     _tell(robot, connect, timeout, lambda watcher: it.status(watcher, timeout))
 
@@ -192,7 +192,7 @@ def wheels(
 
     Asks before each step; giraff_base must not run. Exit code: 0 written; 1 in doubt, nothing written; 2 not begun.
     """
-    from giraff_cli.check_wheels import check_wheels  # noqa: PLC0415
+    from giraff_cli.check.wheels import check_wheels  # noqa: PLC0415
 
     raise typer.Exit(check_wheels(port))
 
@@ -208,7 +208,7 @@ def dst(
 
     Exit code: 0 no invariant is violated; 1 one is: the story of each such seed is told.
     """
-    from giraff_cli.dst import explore  # noqa: PLC0415
+    from giraff_cli.dst.explore import explore  # noqa: PLC0415
 
     raise typer.Exit(explore(seeds, seed, jobs, json))
 
@@ -227,7 +227,7 @@ def init(folder: Folder = Path("keys")) -> None:
 
     Exit code: 0 made; 2 not, and nothing is changed.
     """
-    from giraff_cli import keys as it  # noqa: PLC0415
+    from giraff_cli.keys import manage as it  # noqa: PLC0415
 
     raise typer.Exit(it.init(folder, it.now()))
 
@@ -251,7 +251,7 @@ def host(
 
     Exit code: 0 made; 2 not, and nothing is changed.
     """
-    from giraff_cli import keys as it  # noqa: PLC0415
+    from giraff_cli.keys import manage as it  # noqa: PLC0415
 
     raise typer.Exit(it.host(folder, name, addresses or (), days=days, renew=renew, moment=it.now()))
 
@@ -264,7 +264,7 @@ def list_keys(
 
     Exit code: 0 all is well; 1 there is something to do; 2 something cannot be read.
     """
-    from giraff_cli import keys as it  # noqa: PLC0415
+    from giraff_cli.keys import manage as it  # noqa: PLC0415
 
     raise typer.Exit(it.show(folder, it.now(), as_json=as_json))
 
@@ -276,7 +276,7 @@ def _tell(
     act: Callable[[Watcher], Told],
     lost: Callable[[], str] | None = None,
 ) -> None:
-    from giraff_cli.visit import UNUSABLE, visit  # noqa: PLC0415
+    from giraff_cli.network.command import UNUSABLE, visit  # noqa: PLC0415
 
     def tell(watcher: Watcher) -> int:
         code, text = act(watcher)

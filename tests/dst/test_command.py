@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from giraff_cli import dst
+from giraff_cli.dst import explore as dst
 from giraff_cli.main import app
 from giraff_sim.dst.drill import Outcome
 from giraff_sim.dst.judging.judge import Violation

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.children import Children
+from giraff_cli.run.processes import Children
 from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN

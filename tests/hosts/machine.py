@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_cli import launch
+from giraff_cli.run import launch
 
 BIN: Final = "/usr/sbin:/usr/bin:/sbin:/bin"
 """Debian's own programs, whatever else this machine has in front of them."""

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import pytest
 
-from giraff_cli.keys import make_authority, make_bundle
+from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig
 from giraff_node.network.key_bundle import BACKDATED

@@ -60,7 +60,7 @@ def test_contracts_hold() -> None:
         ("services/giraff_sim/main.py", "import giraff_base.policy"),
         ("services/giraff_cli/main.py", "import giraff_base.service"),
         ("services/giraff_cli/main.py", "import giraff_joystick.main"),
-        ("services/giraff_client/robot.py", "import giraff_cli.watcher"),
+        ("services/giraff_client/robot.py", "import giraff_cli.network.connection"),
         ("services/giraff_cli/main.py", "import giraff_client"),
         ("services/giraff_core/robot.py", "import giraff_node.node"),
         ("services/giraff_sim/hosts/disk.py", "import giraff_sim.hosts.process"),

@@ -34,8 +34,9 @@ def imports_viewer(source: str) -> bool:
 
 
 def may_draw(path: Path) -> bool:
-    """The viewer's own package, and the command's part that is imported when somebody has asked to see."""
-    return path.parent.name == "giraff_viewer" or path.name in {"viewing.py", "view_output.py", "view_recording.py"}
+    """The viewer's own package, and the room of `giraff view` but for its options: imported on demand."""
+    in_room = path.parent.parent.name == "giraff_cli" and path.parent.name == "view"
+    return path.parent.name == "giraff_viewer" or (in_room and path.name != "commands.py")
 
 
 def test_no_other_module_imports_the_viewer() -> None:

@@ -14,8 +14,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_cli.children import Children
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
+from giraff_cli.run.processes import Children
 from giraff_core.estop import RELEASED
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import load

@@ -17,7 +17,7 @@ from typing import Any
 
 import msgspec
 
-from giraff_cli.simulated import SERVICES
+from giraff_cli.run.simulated_robot import SERVICES
 from giraff_sim.board import ROOT
 from tests.support.process_robot import PATIENCE
 

@@ -6,7 +6,7 @@ import datetime as dt
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.keys import make_authority, make_bundle
+from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_core.access import AccessConfig
 
 ROBOT: Final = "sim-secured"

@@ -9,7 +9,7 @@ from typing import Any
 
 import zenoh
 
-from giraff_cli.survey import is_listened_to
+from giraff_cli.network.robot_graph import is_listened_to
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
 from giraff_schemas.codec import encode, encoding_of, stamped

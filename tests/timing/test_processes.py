@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.children import Children
-from giraff_cli.estop import engage
-from giraff_cli.ports import free_port
-from giraff_cli.watcher import Watcher
+from giraff_cli.estop.client import engage
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.ports import free_port
+from giraff_cli.run.processes import Children
 from giraff_core.network import NetworkConfig
 from giraff_health.ask import TIMEOUT
 from giraff_node.network.session import close_session, open_session

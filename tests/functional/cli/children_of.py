@@ -12,7 +12,7 @@ import sys
 import time
 from pathlib import Path
 
-from giraff_cli.children import Children
+from giraff_cli.run.processes import Children
 
 if __name__ == "__main__":
     directory, *modules = sys.argv[1:]

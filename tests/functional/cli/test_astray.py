@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session

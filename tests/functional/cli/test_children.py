@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.children import Children
+from giraff_cli.run.processes import Children
 from tests.support.waiting import wait
 
 STUBBORN = """

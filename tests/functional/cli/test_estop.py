@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.estop import engage, reset, status
-from giraff_cli.ports import free_port
-from giraff_cli.watcher import Watcher
+from giraff_cli.estop.client import engage, reset, status
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset

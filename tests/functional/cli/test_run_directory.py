@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.run_directory import RunDirectory
+from giraff_cli.run.directory import RunDirectory
 
 KILLED = """
 import os, signal
-from giraff_cli.run_directory import RunDirectory
+from giraff_cli.run.directory import RunDirectory
 directory = RunDirectory()
 (directory.path / "some.log").write_text("said")
 os.kill(os.getpid(), signal.SIGKILL)

@@ -10,9 +10,9 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
-from giraff_cli.ports import claim, free_port
-from giraff_cli.telemetry import Telemetry
-from giraff_cli.watcher import Watcher
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.ports import claim, free_port
+from giraff_cli.telemetry.collector import Telemetry
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session, session_config
 from giraff_schemas.codec import encode, stamped

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.keys import make_authority, make_bundle
-from giraff_cli.ports import free_port
+from giraff_cli.keys.manage import make_authority, make_bundle
+from giraff_cli.network.ports import free_port
 from giraff_sim.board import ROOT
 from tests.functional.desk.sick import (
     doctor,

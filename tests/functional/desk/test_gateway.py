@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_node import Publisher
 from giraff_schemas.messages import SerialLine, SerialWrite
 from giraff_schemas.topics import SERIAL, SERIAL_WRITE

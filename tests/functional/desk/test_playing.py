@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from pathlib import Path
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_mcap.heard import Heard
 from tests.support.desk import Desk
 from tests.support.recorders import hearing, require_the_same

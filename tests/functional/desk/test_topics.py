@@ -12,8 +12,8 @@ from typing import Any, Final
 import msgspec
 import pytest
 
-from giraff_cli.topic_keys import find_topic
-from giraff_cli.topic_pub import FILLED_IN
+from giraff_cli.network.topic_keys import find_topic
+from giraff_cli.topic.publish import FILLED_IN
 from giraff_schemas.messages import Battery, Sample
 from giraff_schemas.topics import BATTERY, TOPICS
 from tests.functional.desk.answers import Holds, Scene, answers, at_once, document, in_json

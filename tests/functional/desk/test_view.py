@@ -15,7 +15,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_mcap.reading import Recording
 from giraff_schemas.messages import Odometry
 from giraff_viewer.colours import CONES, PATH, ROBOT

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_schemas.messages import EStop
 from giraff_schemas.topics import ESTOP
 from giraff_viewer.glyphs import ALPHABET

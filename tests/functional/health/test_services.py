@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_sim.board import ROOT
 from tests.functional.health.answering import check
 from tests.support.waiting import wait

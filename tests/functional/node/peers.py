@@ -12,7 +12,7 @@ from typing import Any
 
 import msgspec
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session
 from giraff_schemas.messages import Health

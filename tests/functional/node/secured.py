@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import (

@@ -10,7 +10,7 @@ from typing import IO
 
 import pytest
 
-from giraff_cli.wiring import SIDES
+from giraff_cli.check.wiring import SIDES
 from giraff_schemas.wire import Wiring
 from giraff_sim.board import ROOT
 from giraff_sim.client import SimulatorClient

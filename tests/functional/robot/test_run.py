@@ -10,9 +10,9 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from giraff_cli.ports import free_port
-from giraff_cli.simulated import SERVICES
-from giraff_cli.watcher import Watcher
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.ports import free_port
+from giraff_cli.run.simulated_robot import SERVICES
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session
 from giraff_schemas.topics import alive_key

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.children import Children
+from giraff_cli.run.processes import Children
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import HelloFrame
 from giraff_sim.messages import BoardName

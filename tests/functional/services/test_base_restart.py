@@ -12,8 +12,8 @@ import msgspec
 import pytest
 import zenoh
 
-from giraff_cli.children import Children
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
+from giraff_cli.run.processes import Children
 from giraff_core.estop import RELEASED, kept_latch
 from giraff_core.network import NetworkConfig
 from giraff_node.network.query_client import Asking

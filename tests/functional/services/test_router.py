@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_health.ask import WELL, ask
 
 ROBOTS = '[router.robots.anne]\nrobot = ["anne-pc"]\n'

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_mcap.reading import Recording
 from tests.support.desk import Desk
 from tests.support.recorders import all_of, hearing, require_the_same

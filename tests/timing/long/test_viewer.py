@@ -12,7 +12,7 @@ import msgspec
 import psutil
 import pytest
 
-from giraff_cli.ports import free_port
+from giraff_cli.network.ports import free_port
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Sample, Tick, Tilt
 from giraff_schemas.topics import Topic

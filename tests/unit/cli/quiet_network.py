@@ -10,7 +10,7 @@ from unittest.mock import MagicMock
 import pytest
 import zenoh
 
-from giraff_cli.stopping import Stopping
+from giraff_cli.terminal.signals import Stopping
 
 
 class QuietNetwork:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from giraff_cli.motion import Pose, Truth
-from giraff_cli.run_telemetry import RunTelemetry
-from giraff_cli.telemetry import Telemetry
+from giraff_cli.run.odometry_error import Pose, Truth
+from giraff_cli.run.telemetry import RunTelemetry
+from giraff_cli.telemetry.collector import Telemetry
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import (

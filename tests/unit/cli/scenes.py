@@ -7,8 +7,8 @@ from typing import Any
 
 import msgspec
 
-from giraff_cli.diagnosis import Diagnosis, diagnose
-from giraff_cli.evidence import Evidence
+from giraff_cli.why.diagnosis import Diagnosis, diagnose
+from giraff_cli.why.observation import Evidence
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import DriveCommand, GuardState, Health, Tick, Tilt, Verdict

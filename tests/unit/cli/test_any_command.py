@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 import typer.main
 
-import giraff_cli.doctor
-import giraff_cli.record
-import giraff_cli.screen
+import giraff_cli.doctor.examine
+import giraff_cli.record.recorder
+import giraff_cli.terminal.screen
 from giraff_cli.main import app
 from giraff_schemas.topics import alive_key
 from tests.rules.repository import ROOT
@@ -113,10 +113,10 @@ def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
     for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
-    monkeypatch.setattr(giraff_cli.record, "step_back", lambda: None)  # it is for the whole process
+    monkeypatch.setattr(giraff_cli.record.recorder, "step_back", lambda: None)  # it is for the whole process
     monkeypatch.setattr(gc, "freeze", lambda: None)
-    monkeypatch.setattr(giraff_cli.doctor, "call_all", lambda *_: ())
-    monkeypatch.setattr(giraff_cli.screen, "_takes_more", lambda: True)
+    monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())
+    monkeypatch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)
 
     def say(path: str, words: Words, *more: str) -> tuple[int, str, str]:
         given = (str(tmp_path / "new") if word == "FILE" else word for word in words)

@@ -10,9 +10,9 @@ from typing import ClassVar
 
 import pytest
 
-from giraff_cli import check_wheels
-from giraff_cli.wheel_bench import BenchError, Levels
-from giraff_cli.wiring import SIDES, Counted, DoubtError
+from giraff_cli.check import wheels as check_wheels
+from giraff_cli.check.bench import BenchError, Levels
+from giraff_cli.check.wiring import SIDES, Counted, DoubtError
 from giraff_schemas.wire import Latch, Wiring
 from giraff_sim.board import ROOT
 

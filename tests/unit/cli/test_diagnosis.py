@@ -8,8 +8,8 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.diagnosis import LINKS
-from giraff_cli.evidence import Evidence
+from giraff_cli.why.diagnosis import LINKS
+from giraff_cli.why.observation import Evidence
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from tests.unit.cli.samples import MS, base, lease, reading, verdict

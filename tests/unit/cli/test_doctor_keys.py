@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-import giraff_cli.doctor
-from giraff_cli.keys import make_authority, make_bundle
+import giraff_cli.doctor.examine
+from giraff_cli.keys.manage import make_authority, make_bundle
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
@@ -25,7 +25,7 @@ def test_a_certificate_that_has_expired(
     for name, value in (("MODE", "secured"), ("KEYS", str(tmp_path / "keys" / "old")), ("RENDEZVOUS", "127.0.0.1:9")):
         monkeypatch.setenv(f"GIRAFF_NETWORK_{name}", value)
     monkeypatch.setenv("GIRAFF_CONFIG", str(access))
-    monkeypatch.setattr(giraff_cli.doctor, "call_all", lambda *_: ())
+    monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())
     meet(monkeypatch)
     code, out, _ = typed(monkeypatch, capsys, "doctor", "--robot", "sim-far")
     assert code == 1

@@ -12,9 +12,9 @@ from typing import Any, cast
 import msgspec
 import pytest
 
-import giraff_cli.estop as it
-from giraff_cli.estop import engage, reset, status
-from giraff_cli.watcher import Watcher
+import giraff_cli.estop.client as it
+from giraff_cli.estop.client import engage, reset, status
+from giraff_cli.network.connection import Watcher
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Tick
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, alive_key, key_of

@@ -7,9 +7,9 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.facts import Answer, Call, Disk, Interface, Look, Machine, Network, Port, Rate, Robot
-from giraff_cli.findings import findings
-from giraff_cli.interfaces import is_own, on_link
+from giraff_cli.doctor.findings import findings
+from giraff_cli.doctor.inspection import Answer, Call, Disk, Interface, Look, Machine, Network, Port, Rate, Robot
+from giraff_cli.doctor.interfaces import is_own, on_link
 from giraff_schemas.messages import Health
 from tests.unit.cli.samples import base, estop
 

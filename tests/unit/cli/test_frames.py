@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_cli.frames import Frames, dot, faults_of
+from giraff_cli.frames.tree import Frames, dot, faults_of
 from giraff_schemas.frames import Transform
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from giraff_cli.graph import Edge, Graph, dot
-from giraff_cli.survey import Maker
+from giraff_cli.graph.graph import Edge, Graph, dot
+from giraff_cli.network.robot_graph import Maker
 
 DRAWN = Graph(
     robot="anne",

@@ -14,7 +14,7 @@ import pytest
 import typer.main
 import zenoh
 
-import giraff_cli.record
+import giraff_cli.record.recorder
 from giraff_cli.main import app
 from giraff_client import NoRobotError, Robot
 from giraff_node.config.robot_file import TABLES, ConfigError
@@ -135,7 +135,7 @@ def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         raise zenoh.ZError("none is opened here")
 
     monkeypatch.setattr(zenoh, "open", refuse)
-    monkeypatch.setattr(giraff_cli.record, "step_back", lambda: None)  # it is for the whole process
+    monkeypatch.setattr(giraff_cli.record.recorder, "step_back", lambda: None)  # it is for the whole process
     monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.chdir(tmp_path)
     for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.robot_file import RobotFileError, record
+from giraff_cli.check.robot_file import RobotFileError, record
 from giraff_sim.board import ROOT
 
 FIELDS = {"swap_motors": True, "swap_encoders": False}

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli import run
-from giraff_cli.plan import Plan
+from giraff_cli.run import runner as run
+from giraff_cli.run.plan import Plan
 from giraff_sim.board import ROOT
 from tests.unit.cli.typed import typed
 

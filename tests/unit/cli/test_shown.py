@@ -11,11 +11,11 @@ import msgspec
 import pytest
 from rich.console import Console
 
-from giraff_cli.line import line
-from giraff_cli.run_telemetry import RunSnapshot, RunTelemetry
-from giraff_cli.screen import as_svg
-from giraff_cli.summary import Summary, summarize, to_json, to_text
-from giraff_cli.view import Frame, view
+from giraff_cli.run.line import line
+from giraff_cli.run.screen import Frame, view
+from giraff_cli.run.summary import Summary, summarize, to_json, to_text
+from giraff_cli.run.telemetry import RunSnapshot, RunTelemetry
+from giraff_cli.terminal.screen import as_svg
 from giraff_schemas import topics
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.truth import Truth as Drawn

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_cli.tally import Arrival, Head, Tally
+from giraff_cli.network.statistics import Arrival, Head, Tally
 
 PERIOD_NS = 10_000_000
 

@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from giraff_cli.ages import Ages
-from giraff_cli.flow import Flow
-from giraff_cli.motion import Comparison, Pose
-from giraff_cli.run_telemetry import RunTelemetry
+from giraff_cli.network.age_histogram import Ages
+from giraff_cli.run.odometry_error import Comparison, Pose
+from giraff_cli.run.telemetry import RunTelemetry
+from giraff_cli.telemetry.rate import Flow
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Tick

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.topic_keys import UnknownKeyError, covers, find_topic, refusal
-from giraff_cli.topic_pub import NotASampleError, parse_sample
+from giraff_cli.network.topic_keys import UnknownKeyError, covers, find_topic, refusal
+from giraff_cli.topic.publish import NotASampleError, parse_sample
 from giraff_schemas.messages import Battery, DriveCommand
 from giraff_schemas.topics import (
     BATTERY,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.topic_echo import FieldError, selected
+from giraff_cli.topic.echo import FieldError, selected
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed

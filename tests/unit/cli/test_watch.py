@@ -12,12 +12,12 @@ from typing import Any, Self, cast
 import msgspec
 import pytest
 
-import giraff_cli.visit
-import giraff_cli.watcher
+import giraff_cli.network.command
+import giraff_cli.network.connection
 import giraff_node.network.discovery
-from giraff_cli import output
-from giraff_cli import watch as it
-from giraff_cli.screen import Lines
+from giraff_cli.terminal import output
+from giraff_cli.terminal.screen import Lines
+from giraff_cli.watch import monitor as it
 from giraff_node.network.discovery import Roster
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
@@ -75,12 +75,12 @@ def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Network:
     monkeypatch.chdir(tmp_path)
     for module in (it, giraff_node.network.discovery):
         monkeypatch.setattr(module, "time", made.clock)
-    for module in (it, giraff_cli.watcher):
+    for module in (it, giraff_cli.network.connection):
         monkeypatch.setattr(module, "robot_now_ns", made.clock.monotonic_ns)
     monkeypatch.setattr(it, "Stopping", lambda: Waits(made.clock))
     monkeypatch.setattr(it, "tune_links", lambda: None)
-    monkeypatch.setattr(giraff_cli.visit, "open_session", lambda *_, **__: made.session)
-    monkeypatch.setattr(giraff_cli.watcher, "close_session", lambda *_: True)
+    monkeypatch.setattr(giraff_cli.network.command, "open_session", lambda *_, **__: made.session)
+    monkeypatch.setattr(giraff_cli.network.connection, "close_session", lambda *_: True)
     return made
 
 
@@ -221,7 +221,7 @@ def test_it_starts_anew_on_a_host_that_is_found_elsewhere(
 
     addresses = iter([frozenset[str]()])
     monkeypatch.setattr(it, "host_addresses", lambda: next(addresses, frozenset({"192.0.2.7"})))
-    monkeypatch.setattr("giraff_cli.visit.start_anew", start_anew)
+    monkeypatch.setattr("giraff_cli.network.command.start_anew", start_anew)
     with pytest.raises(StartedAnewError):
         it.watch(None, (), None, as_json=False)
     capfd.readouterr()

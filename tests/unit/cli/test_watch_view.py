@@ -10,10 +10,10 @@ from typing import Any
 import msgspec
 from rich.console import Console
 
-from giraff_cli.telemetry import Telemetry
-from giraff_cli.watch_report import ReportSight
-from giraff_cli.watch_view import WatchSight, missing, moving
-from giraff_cli.words import limit_text
+from giraff_cli.telemetry.collector import Telemetry
+from giraff_cli.telemetry.describe import limit_text
+from giraff_cli.watch.report import ReportSight
+from giraff_cli.watch.screen import WatchSight, missing, moving
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels
 from tests.unit.cli.samples import (

@@ -6,7 +6,7 @@ from typing import Literal
 
 import pytest
 
-from giraff_cli.wiring import SIDES, Counted, DoubtError, Seen, encoder_that_counted, require_right, wiring_of
+from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, encoder_that_counted, require_right, wiring_of
 from giraff_schemas.wire import Wiring
 
 TICKS = 400

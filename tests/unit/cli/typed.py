@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from giraff_cli import visit
 from giraff_cli.main import app
+from giraff_cli.network import command as visit
 from giraff_cli.usage import obey
 
 

@@ -10,7 +10,14 @@ from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric.ec import SECP256R1
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
-from giraff_cli.certificates import AUTHORITY_LIFE, CertificateError, addresses_of, common_name, new_authority, new_host
+from giraff_cli.keys.certificates import (
+    AUTHORITY_LIFE,
+    CertificateError,
+    addresses_of,
+    common_name,
+    new_authority,
+    new_host,
+)
 from tests.unit.keys.folders import DAY, NOW
 
 AUTHORITY = new_authority(NOW)

@@ -21,7 +21,7 @@ from cryptography.hazmat.primitives.serialization import (
 )
 from typer.testing import CliRunner
 
-from giraff_cli import keys
+from giraff_cli.keys import manage as keys
 from giraff_cli.main import app
 from giraff_node.network.session import CERTIFICATES
 from tests.unit.keys.folders import DAY, NOW, authority, bundle, contents
@@ -336,5 +336,5 @@ def test_somebody_elses_folder_is_told_as_such(monkeypatch: pytest.MonkeyPatch) 
 
 def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("giraff_cli.main.find_spec", lambda _name: None)
-    monkeypatch.delitem(sys.modules, "giraff_cli.keys")
+    monkeypatch.delitem(sys.modules, "giraff_cli.keys.manage")
     assert "pip install 'giraff[cli,keys]'" in refusal("init")

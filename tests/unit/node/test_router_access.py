@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.keys import make_authority, make_bundle
+from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_core.access import AccessConfig, access_control
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError

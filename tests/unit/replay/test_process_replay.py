@@ -8,8 +8,8 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from giraff_cli.agreement import Agreement
-from giraff_cli.process_replay import Said, replay_guard, replay_odometry
+from giraff_cli.replay.agreement import Agreement
+from giraff_cli.replay.policies import Said, replay_guard, replay_odometry
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.reading import Recording

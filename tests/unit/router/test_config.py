@@ -9,7 +9,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.keys import make_authority, make_bundle
+from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_router.config import RouterConfig
 from giraff_router.main import router_config
 from giraff_router.policy import rules

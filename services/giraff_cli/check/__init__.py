@@ -1,0 +1,1 @@
+"""`giraff check`: what a robot must have passed before it drives."""

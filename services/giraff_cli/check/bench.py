@@ -1,0 +1,166 @@
+"""The base board on the bench: drives its motors straight from its serial port, with the same proofs as base.
+
+Each frame answers a report and echoes its time, so that the board stops by itself 0.3 s after this process does.
+"""
+
+from __future__ import annotations
+
+import random
+import select
+import time
+from collections.abc import Callable, Iterator
+from typing import Final, NamedTuple
+
+from giraff_cli.check.wiring import Counted
+from giraff_core.base_commands import BaseFrames
+from giraff_core.counters import signed32
+from giraff_core.estop import RESET_COMMAND
+from giraff_node.boards.board_link import BoardLink
+from giraff_schemas.wire import (
+    BASE_BAUD,
+    BoardKind,
+    DriveState,
+    Latch,
+    Refusal,
+    WheelsFrame,
+    Wiring,
+)
+
+_SILENCE: Final = 2.0  # s; an adapter that resets its board costs half of it
+_STEP_WITHIN: Final = 2.0  # s for what the board does at once
+_WAIT: Final = 0.05  # s
+_REST_US: Final = 200_000  # without a tick: at rest
+_COAST_WITHIN: Final = 5.0  # s
+
+
+class BenchError(Exception):
+    """The board cannot be driven. The message says why, and the way out."""
+
+
+class Levels(NamedTuple):
+    """PWM counts of 255, forward positive."""
+
+    left: int
+    right: int
+
+
+ZERO: Final = Levels(0, 0)
+
+
+class WheelBench:
+    """Owns the port. Nothing drives between two calls."""
+
+    def __init__(self, port: str) -> None:
+        self._port = port
+        self._link = BoardLink(port, BASE_BAUD, BoardKind.BASE)
+        self._report: WheelsFrame | None = None
+        self._session = 0
+        self._frames = BaseFrames()
+
+    def open(self) -> None:
+        """Take the port, and hear the board. BenchError when there is none, or it is latched by somebody."""
+        report = next(self._reports())
+        if report.latch == Latch.ESTOP:
+            raise BenchError(
+                f"{self._port}: the emergency stop is engaged on the board; start giraff_base, "
+                f"`{RESET_COMMAND}`, end giraff_base, and begin again"
+            )
+
+    def drive(self, wiring: Wiring, levels: Levels, seconds: float, stall_level: int) -> tuple[Counted, Latch]:
+        """Drive at `levels`; what was counted until the wheels are at rest again, and what ended it early, if so.
+
+        `stall_level`: 255 where nobody knows yet which encoder belongs to which motor: no wheel counts as stuck.
+        """
+        start = self._configured(wiring, max(map(abs, levels)), stall_level)
+        began_us = start.board_us
+        latch = Latch.NONE
+        try:
+            for report in self._reports():
+                latch = Latch(report.latch)
+                if latch != Latch.NONE or (report.board_us - began_us) & 0xFFFFFFFF >= seconds * 1e6:
+                    break
+                if report.drive_state != DriveState.ACTIVE:
+                    raise BenchError("the board stopped in between, frames came late; end what keeps this machine busy")
+                self._send(report, levels)
+        finally:
+            self.stop()
+        end = self._at_rest()
+        left = signed32(end.left_ticks - start.left_ticks)
+        return Counted(left, signed32(end.right_ticks - start.right_ticks)), latch
+
+    def stop(self) -> None:
+        """Zero, now."""
+        if self._report is not None:
+            self._send(self._report, ZERO)
+
+    def close(self) -> None:
+        """Zero, and let go of the port."""
+        self.stop()
+        self._link.close()
+
+    def _configured(self, wiring: Wiring, level_max: int, stall_level: int) -> WheelsFrame:
+        """Open a session and its latches; the report of a board that would drive now."""
+        self._session = random.randrange(1, 1 << 32)
+
+        def configure(report: WheelsFrame) -> None:
+            self._link.send(self._frames.configure(report, self._session, wiring, level_max, stall_level))
+
+        def release(report: WheelsFrame) -> None:
+            self._link.send(self._frames.estop(report, self._session, engage=False))
+
+        self._until(lambda report: report.session == self._session, configure, "takes no configuration")
+        self._until(lambda report: report.latch == Latch.NONE, release, "stays latched")
+        return self._until(
+            lambda report: report.drive_state == DriveState.ACTIVE, self._send_zero, "does not get ready"
+        )
+
+    def _until(
+        self, holds: Callable[[WheelsFrame], bool], act: Callable[[WheelsFrame], None], trouble: str
+    ) -> WheelsFrame:
+        """Answer each report with `act` until one `holds`."""
+        deadline = time.monotonic() + _STEP_WITHIN
+        for report in self._reports():
+            if holds(report):
+                return report
+            if time.monotonic() > deadline:
+                break
+            act(report)
+        refusal = Refusal(self._report.last_refusal).name.lower() if self._report is not None else ""
+        raise BenchError(f"{self._port}: the board {trouble} (last refusal: {refusal}); reset it, or reflash it")
+
+    def _at_rest(self) -> WheelsFrame:
+        """Keep at zero until no tick has come for a while."""
+        deadline = time.monotonic() + _COAST_WITHIN
+        newest: WheelsFrame | None = None
+        for report in self._reports():
+            self._send_zero(report)
+            if newest is None or (report.left_ticks, report.right_ticks) != (newest.left_ticks, newest.right_ticks):
+                newest = report
+            elif (report.board_us - newest.board_us) & 0xFFFFFFFF >= _REST_US:
+                return report
+            if time.monotonic() > deadline:
+                break
+        raise BenchError("the wheels do not come to rest at zero; keep hands off them, and check the motor drivers")
+
+    def _reports(self) -> Iterator[WheelsFrame]:
+        """The board's newest report, again and again. BenchError when it falls silent, or was reset."""
+        heard = time.monotonic()
+        while True:
+            frames = [frame for frame in self._link.poll(time.monotonic()) if isinstance(frame, WheelsFrame)]
+            if frames:
+                if self._report is not None and frames[-1].boot_id != self._report.boot_id:
+                    raise BenchError(f"{self._port}: the board was reset in between; check its power, and begin again")
+                self._report = frames[-1]
+                heard = time.monotonic()
+                yield self._report
+            elif time.monotonic() - heard > _SILENCE:
+                raise BenchError(f"{self._link.fault}; giraff_base must not run meanwhile")
+            else:
+                descriptor = self._link.descriptor()
+                select.select([] if descriptor is None else [descriptor], [], [], _WAIT)
+
+    def _send_zero(self, report: WheelsFrame) -> None:
+        self._send(report, ZERO)
+
+    def _send(self, report: WheelsFrame, levels: Levels) -> None:
+        self._link.send(self._frames.drive(report, levels.left, levels.right))

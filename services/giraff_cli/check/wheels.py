@@ -1,0 +1,186 @@
+"""`giraff check wheels`: a human, two lifted wheels and the base board find out how the robot is wired."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import FrameType
+from typing import Final, Protocol, TypeVar
+
+from giraff_base.config import BaseConfig
+from giraff_cli.check.bench import BenchError, Levels, WheelBench
+from giraff_cli.check.robot_file import RobotFileError, record
+from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_schemas.wire import Latch, Wiring
+
+AnswerT = TypeVar("AnswerT", bound=str)
+
+_DRIVE_TIME: Final = 1.0  # s
+_NOT_JUDGED: Final = 255  # a stall level that is never reached: whose encoder is whose is not known yet
+_WORD: Final = "lifted"
+
+_TURNED: Final[tuple[Turned, ...]] = (*SIDES, "both", "none")
+
+_DONE: Final = 0
+_IN_DOUBT: Final = 1
+_NOT_BEGUN: Final = 2
+_INTERRUPTED: Final = 130
+
+_ENCODER_BIT: Final[dict[Latch, Wiring]] = {
+    Latch.LEFT_OPPOSITE: Wiring.INVERT_LEFT_ENCODER,
+    Latch.RIGHT_OPPOSITE: Wiring.INVERT_RIGHT_ENCODER,
+}
+
+
+class Human(Protocol):
+    """Who watches the wheels."""
+
+    def tell(self, text: str) -> None: ...
+
+    def ask(self, question: str) -> str:
+        """What is answered. DoubtError when nobody is there any more."""
+        ...
+
+
+class Terminal:
+    """A human in front of one."""
+
+    def tell(self, text: str) -> None:
+        print(text, flush=True)
+
+    def ask(self, question: str) -> str:
+        try:
+            return input(f"{question} ").strip().lower()
+        except EOFError as error:
+            raise DoubtError("nobody answers") from error
+
+
+def check_wheels(port: str | None) -> int:
+    """The whole command; its exit code."""
+    try:
+        path, robot = robot_file(), load("robot", RobotConfig)
+        port = port or load("base", BaseConfig).port
+    except ConfigError as error:
+        return _complain(str(error), _NOT_BEGUN)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, _interrupt)
+    human = Terminal()
+    human.tell(_before(port))
+    try:
+        if human.ask(f'Type "{_WORD}" when both wheels turn freely:') != _WORD:
+            return _complain("not begun", _NOT_BEGUN)
+        bench = WheelBench(port)
+        try:
+            bench.open()
+            fields = find_wiring(bench, human, robot.stall_level)
+        finally:
+            bench.close()
+        record(path, "robot", fields)
+    except BenchError as error:
+        return _complain(f"{error}. Nothing was written.", _NOT_BEGUN)
+    except DoubtError as error:
+        return _complain(f"in doubt: {error}. Nothing was written.", _IN_DOUBT)
+    except RobotFileError as error:
+        return _complain(str(error), _IN_DOUBT)
+    except KeyboardInterrupt:
+        return _complain("interrupted; the motors are off. Nothing was written.", _INTERRUPTED)
+    human.tell(_after(path, fields, os.environ))
+    return _DONE
+
+
+def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
+    """The six fields of the robot file, found in one pass and proved in a second. Raises BenchError, DoubtError."""
+    first, second = (_probe(bench, human, side, level) for side in SIDES)
+    fields = wiring_of(first, second)
+    wiring = Wiring(0)
+    for name, is_set in fields.items():
+        if is_set:
+            wiring |= Wiring[name.upper()]
+    human.tell("Found. Now the proof: each wheel forward, with the wiring that was found.")
+    for side in SIDES:
+        counted, latch = bench.drive(wiring, _levels(side, level), _DRIVE_TIME, level)
+        if latch != Latch.NONE:
+            raise DoubtError(f"the board stopped the {side} wheel: {latch.name.lower()}; go through it again")
+        require_right(side, counted)
+        if _choice(human, f"Did the {side} wheel turn forward, and only that one?", ("yes", "no")) == "no":
+            raise DoubtError("the proof does not agree with the answers before it; go through it again")
+    return fields
+
+
+def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> Seen:
+    """Drive the motor that is wired as `side`, with nothing inverted, and ask what happened."""
+    human.tell(f"Motor {'A' if side == 'left' else 'B'} turns one wheel for a second. Look at both.")
+    wiring, counted = Wiring(0), Counted(0, 0)
+    while True:
+        counted, latch = bench.drive(wiring, _levels(side, level), _DRIVE_TIME, _NOT_JUDGED)
+        if latch == Latch.NONE:
+            break
+        # The board protects itself from a wheel that turns against its level: its encoder counts the other way.
+        if latch not in _ENCODER_BIT or wiring:
+            raise DoubtError(
+                f"the board stopped the motor: {latch.name.lower()}; check the plugs of motors and encoders"
+            )
+        wiring = _ENCODER_BIT[latch]
+    counted = Counted(
+        -counted.left if wiring & Wiring.INVERT_LEFT_ENCODER else counted.left,
+        -counted.right if wiring & Wiring.INVERT_RIGHT_ENCODER else counted.right,
+    )
+    human.tell(f"The encoders counted {counted.left} and {counted.right}.")
+    seen = _ask_what_turned(human, counted)
+    encoder_of(seen)  # in doubt already
+    return seen
+
+
+def _ask_what_turned(human: Human, counted: Counted) -> Seen:
+    wheel: Turned = _choice(human, "Which wheel turned, as seen by one who sits on the robot?", _TURNED)
+    if wheel not in SIDES:
+        return Seen(counted, wheel, forward=True)
+    way = _choice(human, "Which way, as if the robot drove on it?", ("forward", "backward"))
+    return Seen(counted, wheel, forward=way == "forward")
+
+
+def _levels(side: Side, level: int) -> Levels:
+    return Levels(level, 0) if side == "left" else Levels(0, level)
+
+
+def _choice(human: Human, question: str, answers: tuple[AnswerT, ...]) -> AnswerT:
+    """One of the answers, or its first letter."""
+    for _ in range(3):
+        given = human.ask(f"{question} [{'/'.join(answers)}]")
+        for answer in answers:
+            if given in (answer, answer[0]):
+                return answer
+    raise DoubtError(f"no answer was one of {', '.join(answers)}")
+
+
+def _before(port: str) -> str:
+    return (
+        f"Base board on {port}. giraff_base must not run. Lift the robot so that both wheels turn freely,\n"
+        "and keep the battery switch within reach. Ctrl-C stops at any time."
+    )
+
+
+def _after(path: Path, fields: Mapping[str, bool], environment: Mapping[str, str]) -> str:
+    lines = [
+        f"Proved, and written into {path}:",
+        *(f"    {name} = {str(is_set).lower()}" for name, is_set in fields.items()),
+    ]
+    if overriding := sorted({f"GIRAFF_ROBOT_{name.upper()}" for name in fields} & environment.keys()):
+        lines.append(f"These variables of the environment still override it: {', '.join(overriding)}")
+    lines.append("Copy the file to the other machines, and start giraff_base.")
+    return "\n".join(lines)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    del number, frame
+    raise KeyboardInterrupt
+
+
+def _complain(text: str, code: int) -> int:
+    print(f"giraff check wheels: {text}", file=sys.stderr)
+    return code

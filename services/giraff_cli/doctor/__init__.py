@@ -1,0 +1,1 @@
+"""`giraff doctor`: what is wrong with this machine and this robot."""

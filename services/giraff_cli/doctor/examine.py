@@ -1,0 +1,179 @@
+"""`giraff doctor`: looks at this machine, its network and a robot, and tells what is wrong."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Final, Generic, TypeVar
+
+import msgspec
+import zenoh
+
+from giraff_cli.doctor.findings import Finding, as_document, findings
+from giraff_cli.doctor.inspection import Look, Machine, Network, Robot
+from giraff_cli.doctor.interfaces import is_own
+from giraff_cli.doctor.machine import look_at_boards, look_at_machine, wiring_checked
+from giraff_cli.doctor.probe import call_all, scout
+from giraff_cli.doctor.robot import listen
+from giraff_cli.network.command import complain
+from giraff_cli.network.connection import Watcher
+from giraff_cli.terminal.output import written
+from giraff_cli.terminal.text import counted, printable
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.discovery import NoRobotError, Way, find_way, only_one, robots_alive, way_of
+from giraff_node.network.link_repair import hosts_of
+from giraff_node.network.session import open_session
+
+FoundT = TypeVar("FoundT")
+
+_NO_FAULT: Final = 0
+_FAULT: Final = 1
+_FIND_WITHIN: Final = 2.0  # s
+_SCOUT_FOR: Final = 1.5  # s
+_ASK_AGAIN: Final = 0.1  # s
+_SETTLED: Final = 0.5  # s
+_CLOSE_WITHIN: Final = 0.3  # s
+_NOT_ASKED: Final = "nobody was asked, because the robot file, or a variable, may mean another network; correct it"
+
+
+def examine(robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
+    """The whole of it; the exit code."""
+    watcher: Watcher | None = None
+    try:
+        way, wrong = _find_way(robot, connect)
+        machine = look_at_machine(way.robot, way.network, wrong)
+        watcher, problem = (None, _NOT_ASKED) if wrong else _join(way)
+        look = _look(way, machine, watcher, problem, seconds)
+    except NoRobotError as error:
+        code = complain(str(error))
+    else:
+        found = findings(look)
+        verdict = _FAULT if any(each.severity == "fault" for each in found) else _NO_FAULT
+        code = written(lambda: _tell(as_document(look, found) if as_json else _page(look, found), verdict))
+    # Nothing waits to be printed any more: Zenoh's close can hang, and its threads would hold the process.
+    if watcher is not None and not watcher.close(_CLOSE_WITHIN):
+        os._exit(code)
+    return code
+
+
+def _tell(text: str, code: int) -> int:
+    print(text)
+    return code
+
+
+def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Way, str]:
+    """With what is wrong with robot file or environment: then the way is the command line's alone."""
+    try:
+        return find_way(robot, connect), ""
+    except ConfigError as error:
+        return way_of(robot, connect, NetworkConfig()), str(error)
+
+
+def _join(way: Way) -> tuple[Watcher | None, str]:
+    """A watcher of the network, or why there is none."""
+    try:
+        return Watcher(way.robot, open_session(way.network, way.robot or "*", visiting=True)), ""
+    except ConfigError as error:
+        return None, str(error)
+    except zenoh.ZError as error:
+        return None, f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect"
+
+
+def _look(way: Way, machine: Machine, watcher: Watcher | None, problem: str, seconds: float) -> Look:
+    """Raises NoRobotError where several are there and none is named."""
+    by_multicast = watcher is not None and way.network.mode == "lan"
+    by_multicast = by_multicast and not way.network.local and not way.network.session_file
+    calls = _Beside(lambda: call_all(way.network, machine.interfaces))
+    scouts = _Beside(lambda: scout(_SCOUT_FOR) if by_multicast else {})
+    robot = None if watcher is None else _meet(watcher, seconds)
+    heard = scouts.result()
+    known = set() if watcher is None else {str(watcher.session.info.zid()), *_peers(watcher.session)}
+    linked = set() if watcher is None else _elsewhere(watcher.session, machine)
+    strangers = [locators for each, locators in heard.items() if each not in known]
+    running = [service for service, count in (robot.services if robot else {}).items() if count]
+    based_here = robot is not None and any(
+        each.health.service == "base" and each.health.host == machine.host for each in robot.answers
+    )
+    return Look(
+        machine=msgspec.structs.replace(
+            machine,
+            ports=() if robot is None else look_at_boards(running),
+            wiring_checked=not based_here or wiring_checked(),
+        ),
+        network=Network(
+            local=way.network.local,
+            problem=problem,
+            calls=calls.result(),
+            linked=len(linked),
+            scouted=by_multicast,
+            scouts=len(linked & set(heard)),
+            strangers=len(strangers),
+            protocols=tuple(sorted({each.partition("/")[0] for locators in strangers for each in locators})),
+            protocol="tls" if way.network.mode == "secured" else "tcp",
+            robots=() if watcher is None else tuple(robots_alive(watcher.session)),
+        ),
+        robot=robot,
+        wanted=way.robot,
+    )
+
+
+def _meet(watcher: Watcher, seconds: float) -> Robot | None:
+    """Find the robot that is meant, and listen to it."""
+    if not watcher.robot:
+        deadline = time.monotonic() + _FIND_WITHIN
+        while not (found := robots_alive(watcher.session)):
+            if time.monotonic() > deadline:
+                return None
+            time.sleep(_ASK_AGAIN)
+        time.sleep(_SETTLED)
+        watcher.robot = only_one(sorted({*found, *robots_alive(watcher.session)}))
+    return listen(watcher, seconds)
+
+
+def _peers(session: zenoh.Session) -> set[str]:
+    return {str(each) for each in session.info.peers_zid()}
+
+
+def _elsewhere(session: zenoh.Session, machine: Machine) -> set[str]:
+    """The processes of other machines that this one is linked with, by their Zenoh ids."""
+    hosts = hosts_of((str(link.zid), link.dst) for link in session.info.links())
+    return {each for each, host in hosts.items() if not is_own(host, machine.interfaces)}
+
+
+class _Beside(Generic[FoundT]):
+    """Work that goes on beside other work."""
+
+    def __init__(self, work: Callable[[], FoundT]) -> None:
+        self._found: list[FoundT] = []
+        self._thread = threading.Thread(target=lambda: self._found.append(work()), daemon=True)
+        self._thread.start()
+
+    def result(self) -> FoundT:
+        """What it has found, when it has ended."""
+        self._thread.join()
+        return self._found[0]
+
+
+def _page(look: Look, found: list[Finding]) -> str:
+    """For people."""
+    lines = []
+    for each in found:
+        lines += [f"{each.severity.upper():7}  {each.about}: {each.what}", f"         -> {each.fix}"]
+    faults = sum(each.severity == "fault" for each in found)
+    word = counted(faults, "fault") if faults else "no fault"
+    lines.append(f"{_subject(look)}: {word} found")
+    return "\n".join(printable(line) for line in lines)
+
+
+def _subject(look: Look) -> str:
+    """What was looked at."""
+    machine = f"{look.machine.host}, giraff {look.machine.version}"
+    if look.robot is None:
+        return machine
+    hosts = {answer.health.host for answer in look.robot.answers}
+    services, keys = sum(look.robot.services.values()), sum(rate.heard > 0 for rate in look.robot.rates)
+    running = f"{counted(services, 'service')} on {counted(len(hosts), 'host')}"
+    return f"{look.robot.name}: {running}, {counted(keys, 'key')} heard; {machine}"

@@ -1,0 +1,295 @@
+"""What is wrong with a robot and its machines, each with its way out: facts in, findings out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final, Literal
+
+import msgspec
+
+from giraff_cli.doctor.inspection import Answer, Call, Look, Machine, Network, Rate, Robot
+
+Severity = Literal["fault", "warning", "note"]
+
+CLOCKS_APART: Final = 0.5  # s; recordings and logs of two machines can no longer be laid beside each other
+_DISK_FULL: Final = 50_000_000  # bytes
+_DISK_LOW: Final = 500_000_000
+_SLOW: Final = 0.7  # of the rate in the topics table
+_LOSSY: Final = 0.02
+_FEW: Final = 5  # samples that tell nothing about a rate
+
+_NEEDED: Final = {
+    "base": ("fault", "nothing moves"),
+    "guard": ("fault", "nothing moves: base obeys the guard alone"),
+    "ranger": ("fault", "the robot is blind, and guard stops it"),
+    "odometry": ("warning", "nobody knows where the robot is"),
+}
+_HANDS: Final = ("joystick", "keyboard")
+_ONE_OF_EACH: Final = ("base", "guard", "ranger", "odometry")
+
+
+class Finding(msgspec.Struct, frozen=True, kw_only=True):
+    """One thing that is wrong, or worth knowing."""
+
+    severity: Severity
+    about: str
+    what: str
+    fix: str
+
+
+def findings(look: Look) -> list[Finding]:
+    """All of them, the gravest first."""
+    found = [*_of_machine(look.machine)]
+    if look.robot is None:
+        found += _of_silence(look)
+    else:
+        found += [*_of_network(look.network), *_of_services(look.robot), *_of_answers(look.robot, look.machine)]
+        found += [*_of_rates(look.robot), *_of_state(look.robot)]
+    order = ("fault", "warning", "note")
+    return sorted(dict.fromkeys(found), key=lambda each: order.index(each.severity))
+
+
+def _of_machine(machine: Machine) -> Iterator[Finding]:
+    if machine.settings_problem:
+        yield _told("fault", "robot file", machine.settings_problem)
+    if machine.keys_problem:
+        yield _told("fault" if machine.keys_expired else "warning", "certificates", machine.keys_problem)
+    for port in machine.ports:
+        if port.problem:
+            yield _told("fault", f"{port.service}'s board", port.problem)
+    for disk in machine.disks:
+        if disk.problem:
+            yield _told("fault", "disk", disk.problem)
+        elif disk.free_bytes < _DISK_LOW:
+            grave: Severity = "fault" if disk.free_bytes < _DISK_FULL else "warning"
+            left = f"{disk.folder}: {disk.free_bytes / 1e6:.0f} MB of {disk.total_bytes / 1e6:.0f} MB are free"
+            yield Finding(severity=grave, about="disk", what=left, fix="delete old recordings, or move them elsewhere")
+    if not machine.wiring_checked:
+        yield Finding(
+            severity="warning",
+            about="wiring",
+            what="how motors and encoders are soldered is not known, so base does not arm",
+            fix="lift the wheels and run giraff check wheels",
+        )
+
+
+def _of_silence(look: Look) -> Iterator[Finding]:
+    """Why no robot is heard: the first cause that explains it."""
+    network, found = look.network, False
+    whom = f"no robot called {look.wanted} is heard" if look.wanted else "no robot is heard"
+    for about, what, fix in _causes(look):
+        found = True
+        yield Finding(severity="fault", about=about, what=f"{whom}: {what}", fix=fix)
+    if not found:
+        reached = [call.address for call in network.calls if call.outcome == "answers"]
+        what = f"{', '.join(reached)} answers, but runs no service of it" if reached else "nobody answers"
+        yield Finding(
+            severity="fault",
+            about="network",
+            what=f"{whom}: {what}",
+            fix="see that it is on and its services run; where the network blocks multicast, give --connect ADDRESS",
+        )
+
+
+def _causes(look: Look) -> Iterator[tuple[str, str, str]]:
+    machine, network = look.machine, look.network
+    if network.problem:
+        what, fix = _split(network.problem)
+        yield "network", what, fix
+    for call in network.calls:
+        if told := _of_call(call, machine):
+            yield told
+    if network.local or network.problem:
+        return
+    if others := [name for name in network.robots if name != look.wanted]:
+        yield "network", f"there is {', '.join(others)}", f"name the one you mean: --robot {others[0]}"
+    elif not machine.interfaces:
+        yield "network", "this machine has no network: no interface is up", "plug the cable in, or join the Wi-Fi"
+    elif network.strangers and network.protocol not in network.protocols:
+        theirs = " and ".join(network.protocols)
+        secured = "secured" if "tls" in network.protocols else "lan or fixed"
+        what = f"others answer, but speak {theirs}, and this machine {network.protocol}"
+        yield "network", what, f"set mode in [network] of this machine's robot file to {secured}, as theirs is"
+    elif deaf := [each.name for each in machine.interfaces if not each.multicast]:
+        what = f"interface {', '.join(deaf)} does not do multicast, by which robots are found"
+        yield "network", what, f"ip link set {deaf[0]} multicast on; or give --connect ADDRESS"
+
+
+def _of_call(call: Call, machine: Machine) -> tuple[str, str, str] | None:
+    where = ", ".join(f"{each.name} {each.address}" for each in machine.interfaces) or "no interface is up"
+    match call.outcome:
+        case "untrusted":
+            return "certificates", f"{call.address}: {call.detail}", _trust(call.detail)
+        case "refused":
+            fix = "start its services; or correct the port"
+            return "services", f"{call.address} is there, but nothing of a robot listens", fix
+        case "silent" | "no way" if not call.on_link:
+            what = f"{call.address} does not answer, and is in none of this machine's networks ({where})"
+            return "network", what, "correct the address, or join the robot's network"
+        case "silent" | "no way":
+            what = f"{call.address} does not answer, though it is in a network of this machine ({where})"
+            return "network", what, "see that it is on, that the address is its own, and that no firewall is between"
+        case _:
+            return None
+
+
+def _trust(detail: str) -> str:
+    if "expired" in detail or "not yet valid" in detail:
+        return "giraff keys list tells whose: renew it with giraff keys host NAME --renew, and see the clocks"
+    return "make both hosts' bundles with the same giraff keys folder, and copy them again"
+
+
+def _of_network(network: Network) -> Iterator[Finding]:
+    if network.scouted and network.linked and not network.scouts:
+        yield Finding(
+            severity="fault",
+            about="network",
+            what="multicast does not get through: the robot is reached by its address, and not found without it",
+            fix="keep its address in connect of [network] on each machine; or let switch and firewall pass 224.0.0.224",
+        )
+
+
+def _of_services(robot: Robot) -> Iterator[Finding]:
+    for service, (severity, so) in _NEEDED.items():
+        if not robot.services.get(service):
+            yield Finding(
+                severity="fault" if severity == "fault" else "warning",
+                about=service,
+                what=f"giraff_{service} is not running, or hangs: {so}",
+                fix=f"start it on the robot's machine: systemctl start giraff-{service}, or docker-compose up",
+            )
+    if not any(robot.services.get(hand) for hand in _HANDS):
+        fix = "start giraff_joystick or giraff_keyboard on the operator's machine"
+        yield Finding(severity="warning", about="operator", what="nobody is there who could drive", fix=fix)
+    doubled = [service for service in _ONE_OF_EACH if robot.services.get(service, 0) > 1]
+    if len(doubled) > 1:
+        yield Finding(
+            severity="fault",
+            about="robot",
+            what=f"two robots are called {robot.name}: several {', '.join(doubled)}{_on(robot, doubled)}",
+            fix="give one of them another name in [robot] of its robot file, and restart its services",
+        )
+    elif doubled:
+        (service,) = doubled
+        yield Finding(
+            severity="fault",
+            about=service,
+            what=f"{robot.services[service]} giraff_{service} run for {robot.name}{_on(robot, doubled)}",
+            fix="end all but one; the robot does not drive while two decide",
+        )
+
+
+def _on(robot: Robot, services: list[str]) -> str:
+    """Where they are, as far as they tell."""
+    places = [
+        f"{each.health.service} on {each.health.host}, pid {each.health.pid}"
+        for each in robot.answers
+        if each.health.service in services
+    ]
+    return f" ({'; '.join(sorted(places))})" if places else ""
+
+
+def _of_answers(robot: Robot, machine: Machine) -> Iterator[Finding]:
+    for answer in robot.answers:
+        who = f"{answer.health.service} on {answer.health.host}"
+        yield from (_told("fault", who, fault) for fault in answer.health.faults)
+        if answer.health.service not in _HANDS:  # theirs tell why nobody drives, which is giraff why's to tell
+            yield from (_told("warning", who, notice) for notice in answer.health.notices)
+    told = {answer.health.service for answer in robot.answers}
+    for service in sorted(service for service, count in robot.services.items() if count and service not in told):
+        yield Finding(
+            severity="fault",
+            about=service,
+            what=f"giraff_{service} is there, but does not answer: it hangs, or the network lets only one way through",
+            fix="see its log, restart it; see that no firewall drops what comes back",
+        )
+    yield from _of_clocks(robot.answers, machine)
+    yield from _of_versions(robot.answers, machine)
+
+
+def _of_clocks(answers: tuple[Answer, ...], machine: Machine) -> Iterator[Finding]:
+    worst: dict[str, Answer] = {}
+    for answer in answers:
+        before = worst.get(answer.health.host)
+        if answer.ahead is not None and (before is None or abs(answer.ahead) > abs(before.ahead or 0.0)):
+            worst[answer.health.host] = answer
+    for host, answer in worst.items():
+        ahead = answer.ahead or 0.0
+        if abs(ahead) - answer.uncertainty > CLOCKS_APART:
+            side = "ahead of" if ahead > 0 else "behind"
+            yield Finding(
+                severity="fault",
+                about="clock",
+                what=f"the clock of {host} is {abs(ahead):.1f} s {side} this machine's ({machine.host})",
+                fix="let both keep time by the network: timedatectl set-ntp true",
+            )
+
+
+def _of_versions(answers: tuple[Answer, ...], machine: Machine) -> Iterator[Finding]:
+    by_version = {machine.version: {f"{machine.host} (this command)"}}
+    for answer in answers:
+        running = answer.health.version or "an older one"
+        by_version.setdefault(running, set()).add(f"{answer.health.host} ({answer.health.service})")
+    if len(by_version) > 1:
+        told = "; ".join(f"{running} on {', '.join(sorted(where))}" for running, where in by_version.items())
+        fix = "install the same version on all machines, and restart the services"
+        yield Finding(severity="fault", about="version", what=f"versions differ: {told}", fix=fix)
+
+
+def _of_rates(robot: Robot) -> Iterator[Finding]:
+    """Of services that say they are well: what is wrong with others is told already."""
+    unwell = {answer.health.service for answer in robot.answers if not answer.health.ok}
+    if "base" in unwell or not robot.services.get("base"):
+        unwell |= {"odometry"}  # it lives by base's wheels
+    well = {answer.health.service for answer in robot.answers} - unwell
+    for rate in robot.rates:
+        if rate.maker in well and robot.services.get(rate.maker) == 1:
+            yield from _of_rate(rate)
+
+
+def _of_rate(rate: Rate) -> Iterator[Finding]:
+    if not rate.heard:
+        what = f"{rate.key} is silent, though giraff_{rate.maker} says it is well"
+        yield Finding(severity="fault", about=rate.maker, what=what, fix=f"see the log of giraff_{rate.maker}")
+    elif rate.heard >= _FEW and rate.hz is not None and rate.hz < _SLOW * rate.wanted_hz:
+        yield Finding(
+            severity="fault",
+            about=rate.maker,
+            what=f"{rate.key} comes at {rate.hz:.0f} Hz instead of {rate.wanted_hz:.0f}",
+            fix=f"the machine of giraff_{rate.maker} is overloaded: see what else runs there",
+        )
+    if rate.heard >= _FEW and rate.lost > max(_FEW, _LOSSY * (rate.heard + rate.lost)):
+        what = f"{rate.key}: {rate.lost} of {rate.heard + rate.lost} samples were lost on the way"
+        yield Finding(severity="fault", about="network", what=what, fix="better Wi-Fi, or a cable")
+
+
+def _of_state(robot: Robot) -> Iterator[Finding]:
+    if robot.estop is not None and robot.estop.engaged:
+        why = robot.estop.reason.partition("; ")[0]
+        what = f"the emergency stop is engaged by {robot.estop.by or 'nobody known'}: {why}"
+        yield Finding(severity="note", about="e-stop", what=what, fix="see that the robot may move: giraff estop reset")
+    if robot.base is not None and "check wheels" in robot.base.reason:
+        yield _told("warning", "wiring", robot.base.reason.replace(": ", "; ", 1))
+
+
+def _told(severity: Severity, about: str, text: str) -> Finding:
+    """What somebody has said, whose way out stands after the first semicolon."""
+    what, fix = _split(text)
+    return Finding(severity=severity, about=about, what=what, fix=fix)
+
+
+def _split(text: str) -> tuple[str, str]:
+    what, _, fix = text.partition("; ")
+    return what, fix or "see its log"
+
+
+def as_document(look: Look, found: list[Finding]) -> str:
+    """For programs."""
+    told = {
+        "robot": look.robot.name if look.robot else None,
+        "host": look.machine.host,
+        "faults": sum(each.severity == "fault" for each in found),
+        "findings": found,
+        "looked_at": look,
+    }
+    return msgspec.json.format(msgspec.json.encode(told), indent=2).decode()

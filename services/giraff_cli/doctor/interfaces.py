@@ -1,0 +1,59 @@
+"""This machine's networks, as the kernel has them for this process: its own namespace's, whatever /sys shows."""
+
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import ipaddress
+import socket
+import struct
+from collections.abc import Iterator
+from typing import Final
+
+from giraff_cli.doctor.inspection import Interface
+
+_FLAGS: Final = 0x8913  # linux/sockios.h, SIOCGIFFLAGS
+_ADDRESS: Final = 0x8915  # SIOCGIFADDR
+_NETMASK: Final = 0x891B  # SIOCGIFNETMASK
+_UP_AND_RUNNING: Final = 0x1 | 0x40  # linux/if.h
+_LOOPBACK: Final = 0x8
+_MULTICAST: Final = 0x1000
+_REQUEST: Final = struct.Struct("16s24x")  # struct ifreq
+
+
+def interfaces() -> tuple[Interface, ...]:
+    """Those that are up and have an IPv4 address, without the loopback."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
+        return tuple(_each(asked))
+
+
+def on_link(address: str, own: tuple[Interface, ...]) -> bool:
+    """Whether an IP address is this machine's, or in one of its networks; True for a name: that is not known."""
+    with contextlib.suppress(ValueError):
+        there = ipaddress.ip_address(address)
+        return there.is_loopback or any(there in ipaddress.ip_interface(each.address).network for each in own)
+    return True
+
+
+def is_own(address: str, own: tuple[Interface, ...]) -> bool:
+    """Whether an IP address is this machine's."""
+    with contextlib.suppress(ValueError):
+        there = ipaddress.ip_address(address.strip("[]").partition("%")[0])
+        local = there.is_loopback or there.is_link_local  # of a link-local one nothing tells whose it is
+        return local or any(there == ipaddress.ip_interface(each.address).ip for each in own)
+    return False
+
+
+def _each(asked: socket.socket) -> Iterator[Interface]:
+    for _, name in socket.if_nameindex():
+        request = _REQUEST.pack(name.encode())
+        with contextlib.suppress(OSError):  # it is gone since it was listed, or has no address
+            (flags,) = struct.unpack_from("H", fcntl.ioctl(asked, _FLAGS, request), 16)
+            if flags & _UP_AND_RUNNING != _UP_AND_RUNNING or flags & _LOOPBACK:
+                continue
+            # A struct sockaddr_in: family and port, 2 bytes each, before the address.
+            address, mask = (
+                socket.inet_ntoa(fcntl.ioctl(asked, what, request)[20:24]) for what in (_ADDRESS, _NETMASK)
+            )
+            network = ipaddress.ip_interface(f"{address}/{mask}")
+            yield Interface(name=name, address=network.with_prefixlen, multicast=bool(flags & _MULTICAST))

@@ -1,0 +1,141 @@
+"""Looks at this machine: its networks, disks and keys, and the boards of services that do not run."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import socket
+import time
+from collections.abc import Collection, Mapping
+from datetime import UTC, datetime
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from giraff_cli.doctor.inspection import Disk, Machine, Port
+from giraff_cli.doctor.interfaces import interfaces
+from giraff_core.network import NetworkConfig
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, is_at_hand, load, read_tables
+from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
+from giraff_node.process.state import state_directory
+from giraff_node.process.version import version
+from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind
+
+_BOARDS: Final = {
+    "base": (BASE_BAUD, BoardKind.BASE),
+    "ranger": (RANGER_BAUD, BoardKind.RANGER),
+    "joystick": (JOYSTICK_BAUD, BoardKind.JOYSTICK),
+}
+_HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
+_TURN: Final = 0.01  # s
+
+
+def look_at_machine(
+    robot: str, network: NetworkConfig, wrong: str = "", environment: Mapping[str, str] = os.environ
+) -> Machine:
+    """Without its boards: whether a service holds them is known when the network was looked at.
+
+    `wrong`: what is known to be, with robot file or environment.
+    """
+    keys, expired = _keys(network) if network.mode == "secured" and not network.session_file else ("", False)
+    return Machine(
+        host=socket.gethostname(),
+        version=version(),
+        interfaces=interfaces(),
+        disks=(_disk(state_directory(robot or "giraff", environment)), _disk(Path.cwd())),
+        settings_problem=_settings_problem(wrong, environment),
+        keys_problem=keys,
+        keys_expired=expired,
+    )
+
+
+def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os.environ) -> tuple[Port, ...]:
+    """Of the services that do not run and whose port is there: whether the right board answers.
+
+    A port that is not there may be another machine's; one that is in use is not touched.
+    """
+    found = []
+    for service, (baud, kind) in _BOARDS.items():
+        path = str(_tables(environment).get(service, {}).get("port", ""))
+        if service not in running and path and Path(path).exists():
+            problem = _greet(path, baud, kind)
+            if "in use by another process" not in problem:
+                found.append(Port(service=service, problem=problem))
+    return tuple(found)
+
+
+def wiring_checked(environment: Mapping[str, str] = os.environ) -> bool:
+    """Whether this machine's robot file tells how motors and encoders are soldered; True where there is none."""
+    with contextlib.suppress(ConfigError):
+        return load("robot", RobotConfig, environment).wiring_checked
+    return True
+
+
+def _greet(path: str, baud: int, kind: BoardKind) -> str:
+    """Why no board of this kind says hello there, with the way out; empty: one does."""
+    if find_spec("serial") is None:
+        return ""  # a desk without boards
+    from giraff_node.boards.board_link import BoardLink  # noqa: PLC0415  of the extra `serial`
+
+    link = BoardLink(path, baud, kind)
+    try:
+        deadline = time.monotonic() + _HELLO_WITHIN
+        while link.hello is None and time.monotonic() < deadline:
+            link.poll(time.monotonic())
+            time.sleep(_TURN)
+        silent = f"{path}: no {kind.name.lower()} board says hello; see its power, its cable, and that it is flashed"
+        return "" if link.hello is not None else link.fault if "protocol" in link.fault or link.opened == 0 else silent
+    finally:
+        link.close()
+
+
+def _disk(folder: Path) -> Disk:
+    """Of the folder, or the nearest above it that is there."""
+    there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
+    try:
+        told = os.statvfs(there)
+    except OSError as error:
+        problem = f"{there}: {error.strerror}; see that this user may look there"
+        return Disk(folder=str(folder), free_bytes=0, total_bytes=0, problem=problem)
+    free, total = told.f_bavail * told.f_frsize, told.f_blocks * told.f_frsize
+    return Disk(folder=str(folder), free_bytes=free, total_bytes=total)
+
+
+def _keys(network: NetworkConfig) -> tuple[str, bool]:
+    """What is wrong with this host's bundle, with the way out, and whether no link comes about with it."""
+    folder, now = Path(network.keys), datetime.now(UTC)
+    if find_spec("cryptography") is not None:
+        from giraff_cli.keys.files import KeyFileError, read_certificate  # noqa: PLC0415
+        from giraff_cli.keys.status import State, host_standing  # noqa: PLC0415
+
+        try:
+            standing = host_standing(folder, read_certificate(folder / CA_CERTIFICATE), now)
+        except KeyFileError as error:
+            return f"{error}; copy this host's bundle there again", True
+        if standing.state is State.OK:
+            return "", False
+        grave = standing.state not in (State.SOON, State.EXPOSED)
+        return f"{folder}, keys of {standing.name}: {standing.state}; {'; '.join(standing.to_do)}", grave
+    warning = ExpiryWatch(folder).warning(now).replace(": ", "; ", 1)
+    with contextlib.suppress(BundleError):
+        return warning, read_bundle(folder).expires < now
+    return warning, False
+
+
+def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
+    if not wrong and is_at_hand(environment):
+        try:
+            load("robot", RobotConfig, environment)
+            load("network", NetworkConfig, environment)
+        except ConfigError as error:
+            wrong = str(error)
+    return f"{wrong}; correct the robot file, or the variable" if wrong else ""
+
+
+def _tables(environment: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    with contextlib.suppress(ConfigError, msgspec.MsgspecError):
+        return read_tables(environment, with_file=is_at_hand(environment))
+    return {}

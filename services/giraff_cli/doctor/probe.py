@@ -1,0 +1,107 @@
+"""Calls the addresses by which a robot should be reached, without Zenoh, which would not say why nobody comes."""
+
+from __future__ import annotations
+
+import errno
+import re
+import socket
+import ssl
+import threading
+import time
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, Final
+
+import zenoh
+
+from giraff_cli.doctor.inspection import Call, Interface, Outcome
+from giraff_cli.doctor.interfaces import on_link
+from giraff_core.network import NetworkConfig, with_port
+from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
+
+_ANSWER_WITHIN: Final = 1.0  # s
+_ALERT_WITHIN: Final = 0.3  # s; with TLS 1.3 the other end judges our certificate after we think all is well
+_UNREACHABLE: Final = (errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAVAIL, errno.EACCES, errno.EPERM)
+
+
+def call_all(network: NetworkConfig, own: tuple[Interface, ...]) -> tuple[Call, ...]:
+    """Each address that is named, all at once: one that is silent takes a second."""
+    named = (*network.connect, *filter(None, [network.router]))
+    secured = network.mode == "secured"
+    if secured or network.local:
+        named = (network.rendezvous, *named)
+    return _at_once([partial(call, with_port(each), network, own) for each in dict.fromkeys(named)])
+
+
+def call(address: str, network: NetworkConfig, own: tuple[Interface, ...]) -> Call:
+    """What comes back from HOST:PORT."""
+    host, _, port = address.rpartition(":")
+    outcome, detail = _outcome(host.strip("[]"), int(port), network)
+    return Call(address=address, outcome=outcome, detail=detail, on_link=on_link(host.strip("[]"), own))
+
+
+def scout(seconds: float) -> dict[str, list[str]]:
+    """Who answers a call by multicast: by Zenoh id, its locators."""
+    calling: Any = zenoh.scout(what="peer|router")
+    time.sleep(seconds)
+    answers = iter(calling.try_recv, None)
+    heard = {str(hello.zid): [str(locator) for locator in hello.locators] for hello in answers}
+    calling.stop()
+    return heard
+
+
+def _outcome(host: str, port: int, network: NetworkConfig) -> tuple[Outcome, str]:
+    try:
+        with socket.create_connection((host, port), timeout=_ANSWER_WITHIN) as link:
+            return _greet(link, host, Path(network.keys)) if network.mode == "secured" else ("answers", "")
+    except TimeoutError:
+        return "silent", ""
+    except ConnectionRefusedError:
+        return "refused", ""
+    except socket.gaierror as error:
+        return "no way", f"no such name: {error.strerror}"
+    except OSError as error:
+        return ("no way" if error.errno in _UNREACHABLE else "silent"), error.strerror or str(error)
+
+
+def _greet(link: socket.socket, host: str, keys: Path) -> tuple[Outcome, str]:
+    """Shake hands as this host's services would."""
+    try:
+        context = ssl.create_default_context(cafile=str(keys / CA_CERTIFICATE))
+        context.load_cert_chain(keys / HOST_CERTIFICATE, keys / HOST_KEY)
+    except (ssl.SSLError, OSError) as error:
+        return "untrusted", f"this host's keys in {keys} cannot be used: {_words(error)}"
+    try:
+        with context.wrap_socket(link, server_hostname=host) as secured:
+            secured.settimeout(_ALERT_WITHIN)
+            secured.recv(1)
+    except TimeoutError:
+        return "answers", ""  # it waits for our first word, so it is content
+    except ssl.SSLCertVerificationError as error:
+        return "untrusted", f"its certificate is not trusted here: {error.verify_message}"
+    except ssl.SSLError as error:
+        return "untrusted", f"it does not trust this host's certificate: {_words(error)}"
+    except OSError:
+        return "answers", ""
+    return "answers", ""
+
+
+def _words(error: Any) -> str:
+    """OpenSSL's reason, in small letters."""
+    reason = getattr(error, "reason", "") or str(error)
+    return re.sub(r"[_ ]+", " ", str(reason)).lower()
+
+
+def _at_once(works: Sequence[Callable[[], Call]]) -> tuple[Call, ...]:
+    done: dict[int, Call] = {}
+
+    def run(number: int, work: Callable[[], Call]) -> None:
+        done[number] = work()
+
+    threads = [threading.Thread(target=run, args=each, daemon=True) for each in enumerate(works)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(3.0 * _ANSWER_WITHIN)
+    return tuple(done[number] for number in sorted(done))

@@ -1,0 +1,162 @@
+"""Listens to one robot for a moment, and asks each of its services how it is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from typing import Any, Final
+
+import msgspec
+import zenoh
+
+from giraff_cli.doctor.inspection import Answer, Rate, Robot
+from giraff_cli.network.connection import Watcher
+from giraff_cli.telemetry.collector import Telemetry
+from giraff_node import robot_now_ns
+from giraff_node.network.tcp_options import tune_links
+from giraff_schemas.messages import Health, Sample
+from giraff_schemas.topics import (
+    BASE,
+    CMD_VEL,
+    ESTOP,
+    GUARD,
+    LEASE,
+    ODOM,
+    RANGE,
+    TICK,
+    TILT,
+    WHEELS,
+    Topic,
+    health_key,
+)
+
+MAKERS: Final[dict[Topic[Any], str]] = {
+    TICK: "base",
+    WHEELS: "base",
+    BASE: "base",
+    ESTOP: "base",
+    CMD_VEL: "guard",
+    LEASE: "guard",
+    GUARD: "guard",
+    RANGE: "ranger",
+    ODOM: "odometry",
+    TILT: "joystick",
+}
+"""Of what a robot says all the time."""
+
+_LOOK_EVERY: Final = 0.02  # s
+_ASK_EVERY: Final = 0.25  # s; the quickest of several answers tells the clock best
+_HEAR_FIRST: Final = 3.0  # s
+
+
+class _Ear:
+    """Of the watcher: everything goes to the telemetry, and is counted."""
+
+    def __init__(self) -> None:
+        self.telemetry = Telemetry()
+        self.heard: dict[str, int] = {}
+
+    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        self.telemetry.hear(topic, key, sample, at_ns)
+        self.heard[key] = self.heard.get(key, 0) + 1
+
+    def announce(self, service: str, instance: str, *, present: bool) -> None:
+        self.telemetry.announce(service, instance, present=present)
+
+
+class Asked:
+    """Answers about health, each with what it tells of its host's clock."""
+
+    def __init__(self, session: zenoh.Session, robot: str) -> None:
+        self._session = session
+        self._key = health_key(robot)
+        self._best: dict[str, Answer] = {}
+
+    def ask(self, within: float) -> None:
+        """Ask all; whoever answers within so many seconds is heard."""
+        asked_ns = time.time_ns()
+
+        def on_reply(reply: zenoh.Reply) -> None:
+            now_ns = time.time_ns()
+            if reply.ok is not None:
+                with suppress(msgspec.MsgspecError):  # of another version: that it does not answer is told
+                    self._take(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health), asked_ns, now_ns)
+
+        self._session.get(
+            self._key,
+            on_reply,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=within,
+        )
+
+    @property
+    def answers(self) -> tuple[Answer, ...]:
+        """One a process."""
+        return tuple(sorted(self._best.values(), key=lambda each: (each.health.service, each.health.instance)))
+
+    def _take(self, health: Health, asked_ns: int, now_ns: int) -> None:
+        half = (now_ns - asked_ns) * 0.5e-9
+        ahead = (health.stamp_ns - asked_ns) * 1e-9 - half if health.stamp_ns else None
+        before = self._best.get(health.instance)
+        if before is None or half <= before.uncertainty:
+            self._best[health.instance] = Answer(health=health, ahead=ahead, uncertainty=half)
+
+
+def listen(watcher: Watcher, seconds: float) -> Robot | None:
+    """What is heard within `seconds` of the first word; None: not a word."""
+    ear, asked = _Ear(), Asked(watcher.session, watcher.robot)
+    watcher.listen()
+    if not _first_word(watcher, ear):
+        return None
+    began = time.monotonic()
+    next_question = 0.0
+    while (elapsed := time.monotonic() - began) < seconds:
+        tune_links()
+        watcher.pass_on(ear)
+        if elapsed >= next_question:
+            next_question = elapsed + _ASK_EVERY
+            asked.ask(max(0.1, seconds - elapsed))
+        time.sleep(_LOOK_EVERY)
+    watcher.pass_on(ear)
+    now = ear.telemetry.snapshot(robot_now_ns())
+    return Robot(
+        name=watcher.robot,
+        seconds=seconds,
+        services=dict(sorted(now.services.items())),
+        answers=asked.answers,
+        rates=tuple(_rates(ear)),
+        base=now.base.sample if now.base and now.base.fresh else None,
+        estop=now.estop.sample if now.estop and now.estop.fresh else None,
+    )
+
+
+def _first_word(watcher: Watcher, ear: _Ear) -> bool:
+    deadline = time.monotonic() + _HEAR_FIRST
+    while time.monotonic() < deadline:
+        watcher.pass_on(ear)
+        if ear.heard or ear.telemetry.alive:
+            return True
+        time.sleep(_LOOK_EVERY)
+    return False
+
+
+def _rates(ear: _Ear) -> Iterable[Rate]:
+    """Of each key that was heard, or should have been."""
+    hz, lost = ear.telemetry.rates_hz, ear.telemetry.lost
+    for topic, maker in MAKERS.items():
+        for key in [key for key in ear.heard if _belongs(key, topic)] or [topic.key]:
+            yield Rate(
+                key=key,
+                maker=maker,
+                wanted_hz=topic.rate_hz,
+                hz=hz.get(key),
+                heard=ear.heard.get(key, 0),
+                lost=lost.get(key, 0),
+            )
+
+
+def _belongs(key: str, topic: Topic[Any]) -> bool:
+    head, star, _ = topic.key.partition("*")
+    return key.startswith(head) if star else key == topic.key

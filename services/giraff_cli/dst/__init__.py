@@ -1,0 +1,1 @@
+"""`giraff dst`: deterministic simulation, many seeds."""

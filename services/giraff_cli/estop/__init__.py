@@ -1,0 +1,1 @@
+"""`giraff estop`: engage, reset, status."""

@@ -1,0 +1,1 @@
+"""`giraff frames`: the tree of coordinate frames."""

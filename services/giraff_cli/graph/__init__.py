@@ -1,0 +1,1 @@
+"""`giraff graph`: who publishes what to whom."""

@@ -1,0 +1,105 @@
+"""`giraff graph`: services as nodes, topics as edges, the way rxgraph drew them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import msgspec
+
+from giraff_cli.network.command import visit
+from giraff_cli.network.header_subscriber import Meter
+from giraff_cli.network.robot_graph import Maker, Survey, Surveyor
+from giraff_cli.terminal.graphviz import quoted
+from giraff_cli.terminal.page import print_json, print_table
+from giraff_cli.terminal.signals import Stopping
+
+_PATIENCE: Final = 3.0  # s, to find the only robot
+
+
+class Edge(msgspec.Struct, frozen=True, order=True):
+    """What one process says and another hears."""
+
+    source: str
+    """Name of a node."""
+    key: str
+    target: str
+    """Name of a node; empty: nobody says that he listens."""
+
+
+class Graph(msgspec.Struct, frozen=True, kw_only=True):
+    """Who is there and who hears whom."""
+
+    robot: str
+    nodes: dict[str, Maker]
+    """By name: the service, and its instance where several are there."""
+    edges: list[Edge]
+
+
+def graph(robot: str | None, connect: Sequence[str], seconds: float, *, as_dot: bool, as_json: bool) -> int:
+    """Draw the services of a robot; the exit code."""
+
+    def tell(survey: Survey) -> int:
+        drawn = graph_of(survey)
+        if as_json:
+            print_json(drawn)
+        elif as_dot:
+            print(dot(drawn))
+        else:
+            _show(drawn)
+        return 0
+
+    with Stopping() as stopping:
+        return visit(
+            robot,
+            connect,
+            _PATIENCE,
+            lambda watcher: tell(Surveyor(watcher, [Meter(watcher.session, watcher.robot)]).go(seconds, stopping)),
+        )
+
+
+def graph_of(survey: Survey) -> Graph:
+    """Of what is known."""
+    makers = {*survey.services, *(maker for key in survey.keys for maker in survey.publishers(key))}
+    names = [maker.name for maker in makers]
+    nodes = {
+        (maker.name if names.count(maker.name) == 1 else f"{maker.name} {maker.instance}"): maker
+        for maker in sorted(makers)
+    }
+    name_of = {maker: name for name, maker in nodes.items()}
+    edges = [
+        Edge(name_of[source], key, target)
+        for key in survey.keys
+        for source in survey.publishers(key)
+        for target in [name_of[maker] for maker in survey.subscribers(key)] or [""]
+    ]
+    return Graph(robot=survey.robot, nodes=nodes, edges=edges)
+
+
+def dot(drawn: Graph) -> str:
+    """For Graphviz: `giraff graph --dot | dot -Tsvg`."""
+    lines = [f"digraph {quoted(drawn.robot)} {{", "  rankdir=LR;", "  node [shape=ellipse];"]
+    lines += [f"  {quoted(name)};" for name in drawn.nodes]
+    unheard = sorted({edge.key for edge in drawn.edges if not edge.target})
+    lines += [f"  {_box(key)} [label={quoted(key)}, shape=box, style=dashed];" for key in unheard]
+    for edge in drawn.edges:
+        if edge.target:
+            lines.append(f"  {quoted(edge.source)} -> {quoted(edge.target)} [label={quoted(edge.key)}];")
+        else:
+            lines.append(f"  {quoted(edge.source)} -> {_box(edge.key)} [style=dashed];")
+    return "\n".join([*lines, "}"])
+
+
+def _box(key: str) -> str:
+    """The node of a key, apart from those of services: base says `base`. No service's name has a slash."""
+    return quoted(f"/{key}")
+
+
+def _show(drawn: Graph) -> None:
+    rows = []
+    for name in drawn.nodes:
+        spoken = list(dict.fromkeys(edge.key for edge in drawn.edges if edge.source == name))
+        for number, key in enumerate(spoken or [""]):
+            heard = ", ".join(edge.target for edge in drawn.edges if (edge.source, edge.key) == (name, key))
+            rows.append((name if number == 0 else "", key, f"-> {heard or 'nobody that says so'}" if key else ""))
+    print_table(("service", "says", "heard by"), rows)

@@ -1,0 +1,1 @@
+"""`giraff keys`: the certificates of a secured network."""

@@ -1,0 +1,1 @@
+"""Find a robot, listen to it, count its samples."""

@@ -1,0 +1,151 @@
+"""What the samples of one key tell of how they travel: counted by their makers' numbers. No clock, no network."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from typing import Final
+
+import msgspec
+
+from giraff_cli.network.age_histogram import Ages
+
+_RECALLED: Final = 10_000
+"""Samples back that a late one is known to be late, and not lost or a double."""
+_KEPT_NS: Final = 10_000_000_000  # of marks, by which the rate of now is told
+_ENOUGH: Final = 0.25  # s of a maker's stamps that tell a rate
+
+
+class Head(msgspec.Struct, frozen=True):
+    """What every sample starts with; the rest of it is not looked at."""
+
+    seq: int
+    stamp_ns: int
+    instance: str
+
+
+@dataclass(frozen=True)
+class Arrival:
+    """One sample as it came."""
+
+    key: str
+    size: int
+    """Bytes."""
+    head: Head | None
+    """None: it cannot be read."""
+    at: float
+    """Monotonic, s."""
+    wall_ns: int
+    """By this host's wall clock."""
+
+
+class Count:
+    """The samples of one maker on one key, from the first that was heard."""
+
+    def __init__(self, first: Arrival, head: Head) -> None:
+        self.reordered = self.duplicated = 0
+        self.ages = Ages()
+        """By the two hosts' wall clocks, ms."""
+        self.newest = first
+        self._first = self._last = head
+        self._heard = 0
+        self._missing: set[int] = set()
+        self._marks: deque[Head] = deque()
+
+    def add(self, arrival: Arrival, head: Head) -> None:
+        """Another sample, or the first."""
+        self.ages.add((arrival.wall_ns - head.stamp_ns) * 1e-6)
+        self.newest = arrival
+        newest = self._last.seq
+        if self._heard == 0 or head.seq > newest:
+            self._heard += 1
+            self._miss(newest + 1, head.seq)
+            self._last = head
+            self._mark(head)
+        elif head.seq in self._missing:
+            self._heard += 1
+            self._missing.discard(head.seq)
+            self.reordered += 1
+        elif head.seq >= self._first.seq:
+            self.duplicated += 1  # one from before the first was on its way before anybody listened
+
+    @property
+    def sent(self) -> int:
+        """What the maker has numbered between the first and the newest that were heard, both counted."""
+        return self._last.seq - self._first.seq + 1
+
+    @property
+    def heard(self) -> int:
+        """Of these."""
+        return self._heard
+
+    @property
+    def lost(self) -> int:
+        """Of these, what has not come."""
+        return self.sent - self._heard
+
+    @property
+    def rate(self) -> float | None:
+        """Hz, by the maker's own numbers and stamps, whatever became of the samples; None: too few to tell."""
+        return _rate(self._first, self._last)
+
+    def rate_over(self, seconds: float) -> float | None:
+        """The same of the last `seconds`."""
+        since = next((mark for mark in self._marks if mark.stamp_ns >= self._last.stamp_ns - seconds * 1e9), None)
+        return None if since is None else _rate(since, self._last)
+
+    def _miss(self, begin: int, end: int) -> None:
+        forget = end - _RECALLED
+        if end > begin:
+            self._missing.update(range(max(begin, forget), end))
+        if len(self._missing) > _RECALLED:
+            self._missing = {seq for seq in self._missing if seq >= forget}
+
+    def _mark(self, head: Head) -> None:
+        if not self._marks or head.stamp_ns - self._marks[-1].stamp_ns >= _ENOUGH * 1e9:
+            self._marks.append(head)
+            while self._marks[0].stamp_ns < head.stamp_ns - _KEPT_NS:
+                self._marks.popleft()
+
+
+class Tally:
+    """All that comes on one key."""
+
+    def __init__(self, key: str) -> None:
+        self.key = key
+        self.counts: dict[str, Count] = {}
+        """By maker's instance."""
+        self.unreadable = 0
+        self.samples = 0
+        self.bytes = 0
+        self.smallest = self.largest = 0
+        self._first_at = self._last_at = 0.0
+        self._first_size = 0
+
+    def hear(self, arrival: Arrival) -> None:
+        """A sample."""
+        if self.samples == 0:
+            self._first_at, self._first_size = arrival.at, arrival.size
+            self.smallest = arrival.size
+        self.samples += 1
+        self.bytes += arrival.size
+        self.smallest, self.largest = min(self.smallest, arrival.size), max(self.largest, arrival.size)
+        self._last_at = arrival.at
+        head = arrival.head
+        if head is None:
+            self.unreadable += 1
+            return
+        if head.instance not in self.counts:
+            self.counts[head.instance] = Count(arrival, head)
+        self.counts[head.instance].add(arrival, head)
+
+    @property
+    def bytes_per_second(self) -> float | None:
+        """Of the payloads, as they come; None: too few to tell."""
+        took = self._last_at - self._first_at
+        return (self.bytes - self._first_size) / took if took > 0.0 else None
+
+
+def _rate(first: Head, last: Head) -> float | None:
+    took = (last.stamp_ns - first.stamp_ns) * 1e-9
+    return (last.seq - first.seq) / took if took >= _ENOUGH else None

@@ -1,0 +1,1 @@
+"""`giraff node`: list, info."""

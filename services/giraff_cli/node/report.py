@@ -1,0 +1,133 @@
+"""`giraff node list` and `info`: the services of a robot, where they run and how they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+import msgspec
+from rich.text import Text
+
+from giraff_cli.network.command import complain, visit
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.robot_graph import Maker, Survey, Surveyor
+from giraff_cli.terminal.page import Page, print_json, print_table
+from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.text import printable
+from giraff_schemas.messages import Health
+
+_PATIENCE: Final = 3.0  # s, to find the only robot
+_WELL: Final = 0
+_ILL: Final = 1
+_SILENT: Final = "does not answer: it hangs, is of another version, or its answers may not come here"
+
+
+class NodeRow(msgspec.Struct, frozen=True, kw_only=True):
+    """A process that is on the network."""
+
+    service: str
+    instance: str
+    health: Health | None
+    """None: it does not answer."""
+
+    @property
+    def well(self) -> bool:
+        return self.health is not None and self.health.ok
+
+
+def list_nodes(robot: str | None, connect: Sequence[str], *, as_json: bool) -> int:
+    """Print the services of a robot; the exit code."""
+
+    def tell(survey: Survey) -> int:
+        rows = rows_of(survey)
+        if as_json:
+            print_json(rows)
+        else:
+            _show_rows(rows)
+        return _WELL if all(row.well for row in rows) else _ILL
+
+    with Stopping() as stopping:
+        return visit(robot, connect, _PATIENCE, lambda watcher: tell(Surveyor(watcher).inquire(stopping)))
+
+
+def info(service: str, robot: str | None, connect: Sequence[str], *, as_json: bool) -> int:
+    """Print all that one service tells of itself; the exit code."""
+
+    def act(watcher: Watcher) -> int:
+        survey = Surveyor(watcher).inquire(stopping)
+        rows = [row for row in rows_of(survey) if service in (row.service, row.instance)]
+        if not rows:
+            there = ", ".join(dict.fromkeys(maker.service for maker in survey.services)) or "none"
+            return complain(f"{watcher.robot} has no service {service!r} on the network; there are: {there}")
+        if as_json:
+            print_json(rows)
+        else:
+            for row in rows:
+                _show(row, survey)
+        return _WELL if all(row.well for row in rows) else _ILL
+
+    with Stopping() as stopping:
+        return visit(robot, connect, _PATIENCE, act)
+
+
+def rows_of(survey: Survey) -> list[NodeRow]:
+    """Every process that is there."""
+    return [
+        NodeRow(service=maker.service, instance=maker.instance, health=survey.healths.get(maker.instance))
+        for maker in survey.services
+    ]
+
+
+def duration(seconds: float) -> str:
+    """Like 2 h 05 min."""
+    minutes, rest = divmod(int(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours} h {minutes:02} min" if hours else f"{minutes} min {rest:02} s" if minutes else f"{rest} s"
+
+
+def _show_rows(rows: Sequence[NodeRow]) -> None:
+    print_table(
+        ("service", "instance", "host", ">pid", ">up", "state"),
+        (
+            (row.service, row.instance, "?", "?", "?", _SILENT)
+            if row.health is None
+            else (
+                row.service,
+                row.instance,
+                row.health.host,
+                str(row.health.pid),
+                duration(row.health.uptime),
+                "; ".join((*row.health.faults, *row.health.notices)) or "well",
+            )
+            for row in rows
+        ),
+    )
+
+
+def _show(row: NodeRow, survey: Survey) -> None:
+    page, health = Page(), row.health
+
+    def line(name: str, text: str) -> None:
+        page.print(Text(f"{name:<12}{printable(text)}"))
+
+    line("service", row.service)
+    line("instance", row.instance)
+    if health is None:
+        line("state", _SILENT)
+        return
+    line("host", f"{health.host}, pid {health.pid}, up {duration(health.uptime)}")
+    line("takes", f"{health.cpu_time:.1f} s of processor time, {health.rss_bytes / 1e6:.0f} MB of memory")
+    line("state", "well" if health.ok else "not well")
+    for kind, told in (("fault", health.faults), ("notice", health.notices)):
+        for text in told:
+            line(kind, text)
+    for key in health.publishes:
+        line("publishes", f"{key} -> {_names(survey.subscribers(key)) or 'nobody that says so'}")
+    for pattern in health.subscribes:
+        line("listens to", f"{pattern} <- {_names(survey.publishers_of(pattern)) or 'nobody'}")
+    for key in health.answers:
+        line("answers", key)
+
+
+def _names(makers: Sequence[Maker]) -> str:
+    return ", ".join(dict.fromkeys(maker.name for maker in makers))

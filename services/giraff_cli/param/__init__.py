@@ -1,0 +1,1 @@
+"""`giraff param`: list, get, describe, set, save."""

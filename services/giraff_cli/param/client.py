@@ -1,0 +1,173 @@
+"""`giraff param`: asks the services of a robot for what they go by, and asks them to go by something else."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, Final
+
+import msgspec
+
+from giraff_cli.network.command import UNUSABLE, complain, visit
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.user import who
+from giraff_cli.param.format import Shown, as_objects, differing
+from giraff_cli.terminal.page import print_json
+from giraff_node.config.robot_file import TABLES
+from giraff_node.network.discovery import NoRobotError, robots_alive, unheard
+from giraff_node.network.query_client import Asking
+from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
+from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
+
+_PATIENCE: Final = 3.0  # s, for a robot to be found, and then for its services to answer
+_SAVE_PATIENCE: Final = 10.0  # s, for a slow disk
+_SETTLED: Final = 0.5  # s after the first service was found: the others of a network are met within some ten ms
+_TURN: Final = 0.02  # s
+_WITHOUT: Final = ("network", "robot", "router", "sim")
+"""Tables of the robot file that no service on the robot's network answers for."""
+
+_DONE: Final = 0
+_WRONG: Final = 1
+
+Answers = dict[str, ParamAnswer]
+"""By service."""
+
+
+def show(
+    robot: str | None,
+    connect: Sequence[str],
+    names: Sequence[str],
+    view: Callable[[Sequence[Shown]], str],
+    *,
+    as_json: bool,
+) -> int:
+    """Tell of the parameters `names`, which are fields or whole services; the exit code."""
+
+    def tell(watcher: Watcher) -> int:
+        services = _services(watcher, names)
+        answers = _ask(watcher, PARAM_DESCRIBE, dict.fromkeys(services, ParamDescribe()), _PATIENCE)
+        shown = [Shown(answer.service, answer.host, param) for answer in answers.values() for param in answer.params]
+        wanted = [one for one in shown if not names or any(one.is_meant(name) for name in names)]
+        if unknown := [name for name in names if not any(one.is_meant(name) for one in shown)]:
+            if missing := services - answers.keys():
+                return complain(_silent(missing))
+            return complain(_unknown(unknown[0], shown))
+        for service in sorted(services - answers.keys()):
+            complain(_silent({service}))
+        for words in (differences := differing(wanted)):
+            complain(words)
+        if as_json:
+            print_json(as_objects(wanted))
+        else:
+            print(view(wanted))
+        return _WRONG if differences or len(answers) < len(services) else _DONE
+
+    return visit(robot, connect, _PATIENCE, tell)
+
+
+def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, as_json: bool) -> int:
+    """Set `SERVICE.FIELD`; the exit code."""
+    service, dot, field = name.partition(".")
+    if not dot:
+        return complain(f"{name}: name service and field, like guard.margin; `giraff param list {name}` has them")
+    request = ParamSet(name=field, value=_value(text), by=who())
+
+    def tell(watcher: Watcher) -> int:
+        services = _services(watcher, (service,))
+        return _told(_ask(watcher, PARAM_SET, dict.fromkeys(services, request), _PATIENCE), services, as_json=as_json)
+
+    return visit(robot, connect, _PATIENCE, tell)
+
+
+def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *, as_json: bool) -> int:
+    """Save `names`, which are fields or whole services, or everything; the exit code."""
+
+    def tell(watcher: Watcher) -> int:
+        services = _services(watcher, names)
+        fields: dict[str, tuple[str, ...]] = dict.fromkeys(services, ())
+        for service, dot, field in (name.partition(".") for name in names):
+            if dot and service not in names:
+                fields[service] += (field,)
+        by = who()
+        requests = {service: ParamSave(names=few, by=by) for service, few in fields.items()}
+        return _told(_ask(watcher, PARAM_SAVE, requests, _SAVE_PATIENCE), services, as_json=as_json)
+
+    return visit(robot, connect, _PATIENCE, tell)
+
+
+def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:
+    """Say what became of a request; the exit code."""
+    for service in sorted(services - answers.keys()):
+        complain(f"NOT CONFIRMED: {_silent({service})}")
+    for answer in answers.values():
+        if not answer.done:
+            complain(answer.reason)
+    done = [Shown(answer.service, answer.host, param) for answer in answers.values() for param in answer.params]
+    if as_json:
+        print_json([answer for _, answer in sorted(answers.items())])
+    elif done:
+        print("\n".join(one.sentence() for one in done))
+    if len(answers) < len(services):
+        return UNUSABLE
+    return _DONE if all(answer.done for answer in answers.values()) else _WRONG
+
+
+def _services(watcher: Watcher, names: Iterable[str]) -> set[str]:
+    """Those that `names` are of and that are there, all where none is named. Raises NoRobotError."""
+    wanted = {name.partition(".")[0] for name in names} - {"robot"}
+    there: set[str] = set()
+    deadline, settled = time.monotonic() + _PATIENCE, 0.0
+    while time.monotonic() < deadline:
+        replies = watcher.session.liveliness().get(alive_key(watcher.robot), timeout=_PATIENCE)
+        there |= {str(reply.ok.key_expr).split("/")[3] for reply in replies if reply.ok is not None}
+        there &= {table for table in TABLES if table not in _WITHOUT}
+        settled = settled or (time.monotonic() + _SETTLED if there else 0.0)
+        if wanted and wanted <= there:
+            break
+        if settled and time.monotonic() > settled and not wanted:
+            break
+        time.sleep(_TURN)
+    if not there:
+        raise NoRobotError(unheard(watcher.robot, robots_alive(watcher.session)))
+    if away := sorted(wanted - there):
+        raise NoRobotError(
+            f"{away[0]}: no such service is heard of {watcher.robot}; there are {', '.join(sorted(there))}"
+        )
+    return wanted or there
+
+
+def _ask(watcher: Watcher, query: Query[Any, ParamAnswer], requests: dict[str, Any], patience: float) -> Answers:
+    """The answers of those who answered within `patience`, s. Each is asked again until it does."""
+    waiting = {
+        service: Asking(watcher.session, watcher.robot, query.at(require_chunk(service)), request)
+        for service, request in sorted(requests.items())
+    }
+    answers: Answers = {}
+    deadline = time.monotonic() + patience
+    while len(answers) < len(waiting) and (now := time.monotonic()) < deadline:
+        for service, asking in waiting.items():
+            if service not in answers and (answer := asking.poll(now)) is not None:
+                answers[service] = answer
+        time.sleep(_TURN)
+    return answers
+
+
+def _value(text: str) -> Any:
+    """What was typed: a number, a truth, a list as JSON has it, none, or else text."""
+    if text.lower() in ("none", "null"):
+        return None
+    try:
+        return msgspec.json.decode(text)
+    except (msgspec.DecodeError, UnicodeEncodeError):
+        return text
+
+
+def _silent(services: set[str]) -> str:
+    which = ", ".join(sorted(services))
+    return f"{which} did not answer; on a secured network [network.access] says who may ask, else restart it"
+
+
+def _unknown(name: str, shown: Sequence[Shown]) -> str:
+    service = name.partition(".")[0]
+    fields = [one.param.name for one in shown if one.service == service and not one.is_shared]
+    return f"{name}: no such parameter; {service} has {', '.join(fields) or 'none'}"

@@ -1,0 +1,1 @@
+"""`giraff play`: publish a recording again."""

@@ -1,0 +1,196 @@
+"""`giraff play`: says again what a recording holds, in its own order and rhythm, as a robot of another name."""
+
+from __future__ import annotations
+
+import secrets
+import sys
+import time
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final
+
+import msgspec
+import zenoh
+
+from giraff_cli.network.command import complain, join
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, refusal
+from giraff_cli.play.reader import Reader, Said
+from giraff_cli.terminal.signals import Stopping
+from giraff_mcap.reading import Recording, RecordingError
+from giraff_node.network.discovery import NoRobotError
+from giraff_schemas.topics import alive_key, key_below
+
+_MEET_WITHIN: Final = 1.0  # s, to meet who listens, and a robot of this name
+_LOOK_EVERY_NS: Final = 200_000_000
+_SERVICE: Final = "play"
+"""Its name among the services of the robot that it plays: who looks for robots finds that one."""
+
+_DONE: Final = 0
+_STOPPED: Final = 1
+
+
+class Played(msgspec.Struct, kw_only=True):
+    """What came of it."""
+
+    file: str
+    robot: str
+    samples: int = 0
+    seconds: float = 0.0
+    latest: float = 0.0
+    """s by which the latest sample came too late."""
+    ended_by: str = "the end of the recording"
+
+
+def play(
+    path: Path,
+    robot: str | None,
+    connect: Sequence[str],
+    topics: Sequence[str],
+    rate: float,
+    *,
+    loop: bool,
+    as_json: bool,
+) -> int:
+    """Until the end, or Ctrl-C; the exit code."""
+    try:
+        recording = Recording(path)
+        keys = keys_played(recording, topics)
+    except RecordingError as error:
+        return complain(str(error))
+    name = robot or f"replay-{recording.robot}"
+    with Stopping() as stopping:
+        reader = Reader(recording, topics, loop=loop)
+        return join(
+            name,
+            connect,
+            lambda watcher: _play(
+                watcher, stopping, reader, Played(file=str(path), robot=name), keys, rate, as_json=as_json
+            ),
+        )
+
+
+def keys_played(recording: Recording, topics: Sequence[str]) -> set[str]:
+    """Of these patterns. RecordingError: the recording has none of one of them."""
+    known = set(recording.keys)
+    for pattern in topics:
+        if not recording.matching((pattern,)):
+            raise RecordingError(
+                f"--topics {pattern}: {recording.path} has no such key; it has {', '.join(sorted(known))}"
+            )
+    return recording.matching(topics)
+
+
+class Presence:
+    """Of robots of this name: the one that is played, and those that are there."""
+
+    def __init__(self, session: zenoh.Session, robot: str) -> None:
+        self._session = session
+        self._own = alive_key(robot, _SERVICE, secrets.token_hex(8))
+        self._token: zenoh.LivelinessToken | None = None
+        self._tokens: dict[str, bool] = {}
+        key = alive_key(robot)
+        self._subscriber = session.liveliness().declare_subscriber(key, self._on_token, history=True)
+
+    def declare(self) -> None:
+        """Let the played one be found."""
+        self._token = self._session.liveliness().declare_token(self._own)
+
+    @property
+    def services(self) -> list[str]:
+        """Those that are there, of others."""
+        return sorted({token.split("/")[3] for token, present in list(self._tokens.items()) if present})
+
+    def _on_token(self, sample: zenoh.Sample) -> None:
+        token = str(sample.key_expr)
+        if token != self._own:
+            self._tokens[token] = sample.kind == zenoh.SampleKind.PUT
+
+
+def _play(
+    watcher: Watcher,
+    stopping: Stopping,
+    reader: Reader,
+    played: Played,
+    keys: set[str],
+    rate: float,
+    *,
+    as_json: bool,
+) -> int:
+    presence = Presence(watcher.session, played.robot)
+    reader.start()
+    stopping.wait(_MEET_WITHIN)
+    if why := _refusal(keys, presence.services):
+        raise NoRobotError(why)
+    presence.declare()
+    publishers = Publishers(watcher.session, played.robot)
+    trouble = ""
+    began_ns = time.monotonic_ns()
+    looked_ns = began_ns
+    while (said := reader.next()) is not None:
+        due_ns = began_ns + round(said.at_ns / rate)
+        if stopping.wait((due_ns - time.monotonic_ns()) * 1e-9):
+            played.ended_by = "Ctrl-C or a signal"
+            break
+        publishers.put(said)
+        now_ns = time.monotonic_ns()
+        played.samples += 1
+        played.latest = max(played.latest, (now_ns - due_ns) * 1e-9)
+        if now_ns - looked_ns > _LOOK_EVERY_NS:
+            looked_ns = now_ns
+            if trouble := _refusal(keys, presence.services):
+                break
+    played.seconds = (time.monotonic_ns() - began_ns) * 1e-9
+    trouble = trouble or reader.trouble
+    played.ended_by = trouble or played.ended_by
+    sys.stdout.write(_told(played, as_json=as_json))
+    if trouble:
+        complain(trouble)
+        return _STOPPED
+    return _DONE
+
+
+class Publishers:
+    """One for each key, all of one priority: of two, what was said earlier might be heard later.
+
+    Who listens too slowly holds it up, and that is told as lateness: a sample that is left out would not be.
+    """
+
+    def __init__(self, session: zenoh.Session, robot: str) -> None:
+        self._session = session
+        self._robot = robot
+        self._publishers: dict[str, zenoh.Publisher] = {}
+
+    def put(self, said: Said) -> None:
+        publisher = self._publishers.get(said.key)
+        if publisher is None:
+            publisher = self._publishers[said.key] = self._session.declare_publisher(
+                key_below(self._robot, said.key),
+                encoding=said.encoding,
+                congestion_control=zenoh.CongestionControl.BLOCK,
+                priority=zenoh.Priority.DATA_HIGH,
+                express=True,
+            )
+        publisher.put(said.payload)
+
+
+def _refusal(keys: Iterable[str], services: Sequence[str]) -> str:
+    """Why these may not be said in the name of a robot of which these services are there; empty: they may."""
+    live: dict[str, tuple[str, ...]] = dict.fromkeys(services, ())
+    for key in sorted(keys) if live else ():
+        try:
+            why = refusal(find_topic(key), live)
+        except UnknownKeyError as error:
+            why = str(error)
+        if why:
+            return why
+    return ""
+
+
+def _told(played: Played, *, as_json: bool) -> str:
+    if as_json:
+        return msgspec.json.encode(played).decode() + "\n"
+    return (
+        f"{played.file} as {played.robot}: {played.samples} samples in {played.seconds:.1f} s, the latest "
+        f"{played.latest * 1000.0:.1f} ms late; ended by {played.ended_by}\n"
+    )

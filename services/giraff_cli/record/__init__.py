@@ -1,0 +1,1 @@
+"""`giraff record`: write a recording, or repair one."""

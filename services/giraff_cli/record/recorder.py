@@ -1,0 +1,162 @@
+"""`giraff record`: everything that a robot says, into a file that outlives whatever ends the recording."""
+
+from __future__ import annotations
+
+import gc
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import closing
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+import msgspec
+import zenoh
+
+from giraff_cli.network.command import complain, join
+from giraff_cli.network.connection import Watcher
+from giraff_cli.record.report import Report, told
+from giraff_cli.terminal.signals import Stopping
+from giraff_mcap.about import about
+from giraff_mcap.ear import Ear, step_back
+from giraff_mcap.writing import RecordingWriter
+from giraff_node.network.discovery import NoRobotError, Roster, only_one, unheard
+from giraff_node.network.tcp_options import tune_links
+from giraff_schemas.topics import TOPICS, key_below
+
+_LOOK_EVERY: Final = 0.2  # s
+_SYNC_EVERY: Final = 0.4  # s; with a slow write still less than the second that a crash may cost
+_TUNE_EVERY: Final = 2.0  # s; a link of the recorder's only thread, which would otherwise be held up by its end
+_SILENT_AFTER: Final = 3.0  # s
+
+_DONE: Final = 0
+_CUT_SHORT: Final = 1
+
+
+class Limits(msgspec.Struct, frozen=True):
+    """When a recording ends by itself."""
+
+    seconds: float | None
+    """From the first sample on."""
+    size: int | None
+    """Bytes that the file never exceeds."""
+
+
+def record(
+    robot: str | None,
+    connect: Sequence[str],
+    path: Path | None,
+    topics: Sequence[str],
+    limits: Limits,
+    *,
+    as_json: bool,
+) -> int:
+    """Until Ctrl-C or a limit; the exit code."""
+    step_back()
+    gc.freeze()  # what is imported stays, and need not be looked through again and again
+    with Stopping() as stopping:
+        try:
+            wanted = tuple(wanted_topics(topics))
+        except NoRobotError as error:
+            return complain(str(error))
+        return join(robot, connect, lambda watcher: _record(watcher, stopping, path, wanted, limits, as_json=as_json))
+
+
+def wanted_topics(patterns: Sequence[str]) -> list[str]:
+    """Key expressions below the robot's name, each of which meets the table; NoRobotError names one that does not."""
+    for pattern in patterns:
+        try:
+            meets = any(zenoh.KeyExpr(pattern).intersects(zenoh.KeyExpr(topic.key)) for topic in TOPICS)
+        except zenoh.ZError:
+            meets = False
+        if not meets:
+            raise NoRobotError(f"--topics {pattern}: no such topic; there are {', '.join(t.key for t in TOPICS)}")
+    return list(patterns)
+
+
+def _record(
+    watcher: Watcher,
+    stopping: Stopping,
+    path: Path | None,
+    topics: Sequence[str],
+    limits: Limits,
+    *,
+    as_json: bool,
+) -> int:
+    roster = Roster(watcher.session)
+    robot = watcher.robot or _wait_for_one(roster, stopping, limits.seconds)
+    if not robot:
+        return complain("ended before a robot came: nothing was recorded")
+    path = path or Path(f"{robot}-{datetime.now(UTC):%Y%m%d-%H%M%S}.mcap")
+    try:
+        writer = RecordingWriter(path, about(robot))
+    except FileExistsError:
+        return complain(f"{path} is there already: name another, or move it away; nothing is ever written over")
+    except OSError as error:
+        return complain(f"{path}: cannot be written: {error.strerror}")
+    keys = [key_below(robot, topic) for topic in topics or ("**",)]
+    with writer, closing(Ear(watcher.session, keys)) as ear:
+        tell(f"recording {robot} into {path}; Ctrl-C ends it")
+        trouble = ended_by = ""
+        try:
+            ended_by = _follow(robot, roster, writer, ear, stopping, limits)
+            if writer.first_ns is not None:
+                writer.close(ended_by)
+        except OSError as error:
+            trouble = (
+                f"{path}: cannot be written any more: {error.strerror}; what was recorded until then is kept: make "
+                f"room, then giraff record --repair {path}"
+            )
+        report = Report.of(writer, ended_by or trouble, ear.overrun)
+    if not report.samples and not trouble:
+        path.unlink()
+        return complain(f"{unheard(robot, roster.names)}; nothing was recorded ({ended_by})")
+    sys.stdout.write(told(report, as_json=as_json))
+    if trouble:
+        complain(trouble)
+        return _CUT_SHORT
+    return _DONE
+
+
+def tell(text: str) -> None:
+    """What goes on, for people: standard output is for what comes of it."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def _wait_for_one(roster: Roster, stopping: Stopping, seconds: float | None) -> str:
+    """The only robot, once there is one; empty: the end came before. NoRobotError: there are several."""
+    waiting = False
+    began = time.monotonic()
+    while not (found := roster.settled):
+        if not waiting and time.monotonic() - began > _SILENT_AFTER:
+            waiting = True
+            tell(f"giraff: {unheard('', ())}; waiting for one")
+        if stopping.wait(_LOOK_EVERY) or (seconds is not None and time.monotonic() - began >= seconds):
+            return ""
+    return only_one(found)
+
+
+def _follow(robot: str, roster: Roster, writer: RecordingWriter, ear: Ear, stopping: Stopping, limits: Limits) -> str:
+    """Write what is heard, until the end; why it came. Raises OSError."""
+    began = time.monotonic()
+    warned, waited, tune_at = False, began, began
+    while True:
+        ended = stopping.wait(_SYNC_EVERY)
+        writer.add(ear.take())
+        writer.sync()
+        now = time.monotonic()
+        if now >= tune_at:
+            tune_at = now + _TUNE_EVERY
+            tune_links()
+        if ended:
+            return "Ctrl-C or a signal"
+        if writer.first_ns is None:
+            waited = now
+        if limits.seconds is not None and now - (began if writer.first_ns is None else waited) >= limits.seconds:
+            return f"--for {limits.seconds:g}"
+        if limits.size is not None and writer.size >= limits.size:
+            return "--max-size"
+        if not warned and writer.first_ns is None and now - began > _SILENT_AFTER:
+            warned = True
+            tell(f"giraff: {unheard(robot, roster.names)}; waiting for it")

@@ -1,0 +1,1 @@
+"""`giraff replay`: run policies over a recording, and compare."""

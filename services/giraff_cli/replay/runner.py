@@ -1,0 +1,105 @@
+"""`giraff replay`: whether the services of today would do with a recording what those of then did."""
+
+from __future__ import annotations
+
+import sys
+from io import StringIO
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from giraff_cli.network.command import complain
+from giraff_cli.replay.agreement import Agreement
+from giraff_cli.replay.policies import Said, replay_guard, replay_odometry
+from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
+from giraff_mcap.reading import Recording, RecordingError
+from giraff_node.config.robot_file import ConfigError, load
+from giraff_odometry.config import OdometryConfig
+from giraff_schemas.codec import DecodeError
+from giraff_schemas.topics import topic_of
+
+ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
+
+_AGREES = 0
+_DIFFERS = 1
+
+
+def replay(path: Path, least: float, *, as_json: bool) -> int:
+    """The exit code. `least`: share that must agree."""
+    unread: dict[str, str] = {}
+    try:
+        found = agreements(Recording(path), unread)
+    except (RecordingError, ConfigError) as error:
+        return complain(str(error))
+    for why in unread.values():
+        complain(f"{path}: not of this version: {why}")
+    compared = [agreement for agreement in found if agreement.compared]
+    if not compared:
+        return complain(f"{path}: nothing in it can be compared: it takes wheels and odom, or all that the guard hears")
+    sys.stdout.write(_told(found, as_json=as_json))
+    agrees = all(agreement.share >= least for agreement in compared)
+    return _AGREES if agrees and not unread else _DIFFERS
+
+
+def agreements(recording: Recording, unread: dict[str, str]) -> list[Agreement]:
+    """Of each service that can be replayed. Raises RecordingError, and ConfigError where no robot file can be used.
+
+    `unread`: takes, by key, why a sample of it cannot be decoded by this version, and so is not compared.
+    """
+    said = Said()
+    for sample in recording.samples():
+        if topic_of(sample.key) is None:
+            continue
+        try:
+            said.add(sample.decode())
+        except DecodeError as error:
+            unread.setdefault(sample.key, str(error))
+    robot = _config(recording, "robot", RobotConfig)
+    return [
+        replay_odometry(said, _config(recording, "odometry", OdometryConfig), robot),
+        *replay_guard(said, _config(recording, "guard", GuardConfig), robot),
+    ]
+
+
+def _config(recording: Recording, table: str, config: type[ConfigT]) -> ConfigT:
+    """As it was when it was recorded; else as the robot file at hand has it."""
+    tables = recording.tables()
+    if not tables:
+        try:
+            return load(table, config)
+        except ConfigError as error:
+            raise ConfigError(f"{recording.path} was recorded where its robot file was not; {error}") from error
+    try:
+        return msgspec.convert(tables.get(table, {}), config, strict=False)
+    except msgspec.ValidationError as error:
+        raise RecordingError(
+            f"{recording.path}: table [{table}] of the robot file in it is not one of this version: {error}"
+        ) from error
+
+
+def _told(found: list[Agreement], *, as_json: bool) -> str:
+    if as_json:
+        rows = [msgspec.structs.asdict(agreement) | {"share": agreement.share} for agreement in found]
+        return msgspec.json.format(msgspec.json.encode(rows), indent=2).decode() + "\n"
+    table = Table.grid(padding=(0, 2, 0, 0))
+    for agreement in found:
+        share = f"{agreement.share:.2%}" if agreement.compared else "nothing to compare"
+        table.add_row(
+            agreement.service,
+            agreement.key,
+            Text(f"{agreement.equal} of {agreement.compared}", justify="right"),
+            Text(share, justify="right"),
+            f"{agreement.left_out} left out" if agreement.left_out else "",
+        )
+    text = StringIO()
+    console = Console(file=text, width=1000, highlight=False)
+    console.print(table)
+    for agreement in found:
+        if agreement.first:
+            console.print(Text(f"{agreement.key}: first difference at {agreement.first}"))
+    return "".join(f"{line.rstrip()}\n" for line in text.getvalue().splitlines())

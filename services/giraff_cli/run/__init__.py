@@ -1,0 +1,1 @@
+"""`giraff run`: the simulated robot and its services."""

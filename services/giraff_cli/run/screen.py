@@ -1,0 +1,118 @@
+"""The live view of a run: a snapshot as a picture of 80 by 24 characters, or wider."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from giraff_cli.run.line import line
+from giraff_cli.run.odometry_error import Pose
+from giraff_cli.run.telemetry import RunSnapshot
+from giraff_cli.telemetry import panels as blocks
+from giraff_cli.telemetry.panels import dim
+from giraff_cli.terminal.layout import NONE, Standing, beside, block, clock, header, notice, right, services
+
+_TOPIC_COLUMNS: Final = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """What is around the snapshot."""
+
+    robot: str
+    boards: str
+    seed: int
+    elapsed: float
+    """s since the run began."""
+    seconds: float | None
+    """How long it is to go on; None: until Ctrl-C."""
+    services: dict[str, Standing]
+    notices: tuple[str, ...]
+    """What went wrong so far, one line each."""
+
+
+@dataclass(frozen=True)
+class RunSight:
+    """A run at one moment, for any screen."""
+
+    snapshot: RunSnapshot
+    frame: Frame
+
+    @property
+    def elapsed(self) -> float:
+        """s since the run began."""
+        return self.frame.elapsed
+
+    def picture(self) -> RenderableType:
+        return view(self.snapshot, self.frame)
+
+    def line(self) -> str:
+        return line(self.snapshot, self.elapsed)
+
+
+def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
+    """The picture."""
+    truth = snapshot.truth
+    return Group(
+        _header(frame),
+        beside(_poses(snapshot), blocks.motion(truth.path, truth.speed, truth.turn), _hand(snapshot)),
+        Text(),
+        beside(blocks.ranges(snapshot), blocks.base(snapshot, ("command", _age(snapshot)))),
+        Text(),
+        blocks.guard(snapshot),
+        blocks.command(snapshot),
+        blocks.topics(snapshot, _TOPIC_COLUMNS),
+        services(list(frame.services.items())),
+        *map(notice, frame.notices),
+    )
+
+
+def _header(frame: Frame) -> RenderableType:
+    time = clock(frame.elapsed)
+    if frame.seconds is not None:
+        time += f" of {clock(frame.seconds)}"
+    return header(
+        (f"giraff run · {frame.robot}", "bold"),
+        (f" · {frame.boards} boards · seed {frame.seed} · ", "dim"),
+        (time, "bold"),
+    )
+
+
+def _poses(snapshot: RunSnapshot) -> Table:
+    table = block("POSE", 8, right("x m", 8), right("y m", 8), right("yaw °", 7))
+    odometry, apart = snapshot.odometry, snapshot.apart
+    believed = None if odometry is None else Pose(odometry.sample.x, odometry.sample.y, odometry.sample.yaw)
+    table.add_row("odometry", *_pose(believed), style=dim(odometry))
+    table.add_row("truth", *_pose(snapshot.true_pose))
+    if apart is None:
+        table.add_row("apart", NONE, "", NONE)
+    else:
+        table.add_row("apart", f"{apart.distance:.3f}", "", f"{math.degrees(apart.angle):.1f}")
+    return table
+
+
+def _hand(snapshot: RunSnapshot) -> Table:
+    tilt = snapshot.tilt
+    table = block("TILT", 7, right("m/s²", 6))
+    if tilt is not None and tilt.sample.status != "running":
+        table.columns[1].header = Text(tilt.sample.status.replace("_", " "), style="red")
+    for axis, meaning in (("x", "forward"), ("y", "left"), ("z", "up")):
+        value = NONE if tilt is None else f"{getattr(tilt.sample, axis):z.2f}"
+        table.add_row(meaning, value, style=dim(tilt))
+    return table
+
+
+def _age(snapshot: RunSnapshot) -> RenderableType:
+    age = snapshot.age_ms
+    return NONE if age is None else f"{age.p50:.0f} ms, p99 {age.p99:.0f}, most {age.max:.0f}"
+
+
+def _pose(pose: Pose | None) -> tuple[RenderableType, RenderableType, RenderableType]:
+    if pose is None:
+        return NONE, NONE, NONE
+    return f"{pose.x:z.3f}", f"{pose.y:z.3f}", f"{math.degrees(pose.yaw):z.1f}"

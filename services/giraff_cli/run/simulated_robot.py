@@ -1,0 +1,143 @@
+"""The simulated robot of a run: the simulator, the five services on its serial ports, and the world's truth."""
+
+from __future__ import annotations
+
+import os
+import time
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from giraff_cli.run.odometry_error import Pose, Truth
+from giraff_cli.run.plan import Plan
+from giraff_cli.run.processes import Children, Ended
+from giraff_cli.terminal.signals import Stopping
+from giraff_core.estop import RELEASED
+from giraff_node import robot_now_ns
+from giraff_node.process.state import write_latch
+from giraff_sim.client import SimulatorClient, SimulatorError
+from giraff_sim.truth import Truth as Drawn
+
+SERVICES: Final = ("joystick", "guard", "base", "ranger", "odometry")
+SIMULATOR: Final = "simulator"
+
+_BOARDS: Final = ("joystick", "base", "ranger")
+_READY_WITHIN: Final = 20.0  # s
+_ASK_AGAIN: Final = 0.02  # s
+_GRACE: Final = 3.0  # s; a service's own end is bounded at about one
+_LONGEST_SOCKET_PATH: Final = 107  # bytes that Linux takes
+
+
+class StartError(Exception):
+    """The run cannot begin. The message says why."""
+
+
+class _Ready(msgspec.Struct):
+    """What the simulator prints when its ports are there."""
+
+    ready: bool
+    ports: dict[str, str]
+
+
+class SimulatedRobot:
+    """Its processes end with the one that made it, however that ends."""
+
+    def __init__(self, plan: Plan, rendezvous: str, directory: Path) -> None:
+        """`directory` takes ports, control socket, state and logs."""
+        self._plan = plan
+        self._rendezvous = rendezvous
+        self._directory = directory
+        self._control = directory / "control"
+        self._children = Children(directory)
+        self._client: SimulatorClient | None = None
+        self.drawn: Drawn | None = None
+        """How this robot differs from its file; None before it is there."""
+
+    def start_simulator(self, stopping: Stopping) -> bool:
+        """Start boards and world; False when the end was asked for meanwhile. Raises StartError."""
+        if len(os.fsencode(self._control)) > _LONGEST_SOCKET_PATH:
+            raise StartError(f"{self._control}: too long for a socket's path; set TMPDIR to a shorter one")
+        plan = self._plan
+        arguments = {
+            "--ports": self._directory / "ports",
+            "--control": self._control,
+            "--world": plan.world,
+            "--seed": plan.seed,
+            "--truth": plan.truth,
+            "--boards": plan.boards,
+            "--hand": plan.hand,
+        }
+        flat = [str(part) for pair in arguments.items() for part in pair]
+        self._children.start(SIMULATOR, "giraff_sim", flat, plan.environment)
+        deadline = time.monotonic() + _READY_WITHIN
+        while (ready := self._ready()) is None:
+            for ended in self._children.reap():
+                raise StartError(str(ended))
+            if time.monotonic() > deadline:
+                said = "\n    ".join(self._children.last_words(SIMULATOR))
+                raise StartError(f"the simulator is not ready after {_READY_WITHIN:g} s; its log ends:\n    {said}")
+            if stopping.wait(_ASK_AGAIN):
+                return False
+        self._client = SimulatorClient(self._control)
+        self.drawn = self._client.truth()
+        self._start_services(ready.ports)
+        return True
+
+    def _start_services(self, ports: dict[str, str]) -> None:
+        environment = self._plan.environment | {"GIRAFF_NETWORK_RENDEZVOUS": self._rendezvous}
+        environment |= {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
+        environment["STATE_DIRECTORY"] = str(self._directory / "state")
+        write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
+        for service in SERVICES:
+            self._children.start(service, f"giraff_{service}", [], environment)
+
+    def truth(self) -> Truth:
+        """The robot as the world has it now. Raises SimulatorError."""
+        client = self._connected()
+        before = robot_now_ns()
+        state = client.state()
+        return Truth(
+            robot_ns=(before + robot_now_ns()) // 2,
+            simulated_us=state.now_us,
+            pose=Pose(state.x, state.y, state.yaw),
+            speed=state.speed,
+            turn=state.turn,
+            path=state.path_length,
+            closest=state.closest,
+            contacts=state.contacts,
+        )
+
+    def lay_joystick_flat(self) -> None:
+        """What the operator does to end a drive. Raises SimulatorError."""
+        self._connected().hand("still")
+
+    def reap(self) -> list[Ended]:
+        """The processes that have ended by themselves since the last call."""
+        return self._children.reap()
+
+    @property
+    def ended(self) -> dict[str, Ended]:
+        """All that have, by name."""
+        return self._children.ended
+
+    def stop(self) -> list[str]:
+        """End the services, then the simulator. Bounded. Returns what went wrong."""
+        troubles = self._children.stop(SERVICES, _GRACE)
+        if self._client is not None:
+            self._client.close()
+        return troubles + self._children.stop([SIMULATOR], _GRACE)
+
+    def _ready(self) -> _Ready | None:
+        line, end, _ = self._children.output(SIMULATOR).read_bytes().partition(b"\n")
+        if not end:
+            return None
+        try:
+            return msgspec.json.decode(line, type=_Ready)
+        except msgspec.DecodeError as error:
+            raise StartError(f"the simulator said {line!r} where its ready line belongs: {error}") from error
+
+    def _connected(self) -> SimulatorClient:
+        if self._client is None:
+            raise SimulatorError("the simulator has not been started")
+        return self._client

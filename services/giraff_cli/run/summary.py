@@ -1,0 +1,164 @@
+"""How a run went, in numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import msgspec
+
+from giraff_cli.run.odometry_error import Apart
+from giraff_cli.run.telemetry import AgeSummary, RunTelemetry
+from giraff_cli.telemetry.collector import Seen
+from giraff_cli.terminal.text import counted
+from giraff_schemas.messages import Odometry
+from giraff_schemas.topics import BASE, ODOM
+from giraff_sim.truth import Level
+from giraff_sim.truth import Truth as Drawn
+
+_LABEL: Final = 15  # characters
+_INDENT: Final = " " * (_LABEL + 2)
+_RATES_A_LINE: Final = 3
+
+
+class Summary(msgspec.Struct, frozen=True, kw_only=True):
+    """As it is written by `--summary`. None where nothing was heard to tell by."""
+
+    robot: str
+    boards: str
+    seed: int
+    duration_s: float
+    """From when all services were there, the coming to rest at the end included."""
+    distance_m: float
+    """That the robot truly moved."""
+    odom_error_m: float | None
+    """Between odometry and truth at the end, at rest; both started at the same pose."""
+    odom_error_deg: float | None
+    odom_sigma_m: float | None
+    """What odometry itself takes that error for: its standard deviation, by its own covariance."""
+    odom_sigma_deg: float | None
+    truth: Level
+    """How far the robot could differ from its file."""
+    drawn: Drawn | None
+    """How it did."""
+    closest_m: float
+    """To anything in the room, ever."""
+    contacts: int
+    frames_lost: int
+    """Samples that are missing from the sequence of their maker."""
+    lost_by_key: dict[str, int]
+    """The same, of keys that lost any."""
+    line_errors: int | None
+    """Frames that arrived torn or wrong over the base board's serial line."""
+    rates_hz: dict[str, float]
+    """By key. What boards pace is measured in their time, the rest in the host's."""
+    age_ms: AgeSummary | None
+    """Of the operator's measurement, when the guard's command that goes back to it reached base's host."""
+    skew_percent: float
+    """By which simulated time went slower than the wall's."""
+    failures: list[str]
+    """What went wrong; empty: nothing."""
+
+
+def summarize(
+    telemetry: RunTelemetry,
+    *,
+    robot: str,
+    boards: str,
+    seed: int,
+    truth: Level,
+    drawn: Drawn | None,
+    began_ns: int,
+    failures: list[str],
+) -> Summary:
+    """The numbers of the run that began at `began_ns` (robot's clock) and ends with the newest look at the world."""
+    world, apart = telemetry.truth, telemetry.apart
+    base = telemetry.newest(BASE, world.robot_ns)
+    sigma = None if apart is None else _sigma(telemetry.newest(ODOM, world.robot_ns))
+    return Summary(
+        robot=robot,
+        boards=boards,
+        seed=seed,
+        duration_s=round((world.robot_ns - began_ns) * 1e-9, 3),
+        distance_m=round(world.path, 4),
+        odom_error_m=None if apart is None else round(apart.distance, 4),
+        odom_error_deg=None if apart is None else round(math.degrees(apart.angle), 3),
+        odom_sigma_m=None if sigma is None else round(sigma.distance, 4),
+        odom_sigma_deg=None if sigma is None else round(math.degrees(sigma.angle), 3),
+        truth=truth,
+        drawn=drawn,
+        closest_m=round(world.closest, 4),
+        contacts=world.contacts,
+        frames_lost=sum(telemetry.lost.values()),
+        lost_by_key=telemetry.lost,
+        line_errors=None if base is None else base.sample.board.line_errors,
+        rates_hz={key: round(rate, 3) for key, rate in telemetry.rates_hz.items()},
+        age_ms=telemetry.age_ms,
+        skew_percent=round(telemetry.skew * 100, 3),
+        failures=failures,
+    )
+
+
+def to_json(summary: Summary) -> str:
+    return msgspec.json.format(msgspec.json.encode(summary), indent=2).decode() + "\n"
+
+
+def to_text(summary: Summary) -> str:
+    """For people."""
+    age, error = summary.age_ms, summary.odom_error_m
+    per_cent = f" ({error / summary.distance_m:.2%} of the way)" if error is not None and summary.distance_m else ""
+    rows = [
+        ("robot", f"{summary.robot}, {summary.boards} boards, seed {summary.seed}"),
+        ("duration", f"{summary.duration_s:.1f} s, simulated time {_behind(summary.skew_percent)}"),
+        ("distance", f"{summary.distance_m:.2f} m"),
+        ("odometry off by", "unknown" if error is None else f"{error:.3f} m, {summary.odom_error_deg:.2f}°{per_cent}"),
+        ("its own sigma", _claim(summary)),
+        ("true robot", _difference(summary.truth, summary.drawn)),
+        ("closest", f"{summary.closest_m:.3f} m, {counted(summary.contacts, 'contact')}"),
+        ("samples lost", _losses(summary)),
+        ("line errors", "unknown" if summary.line_errors is None else f"{summary.line_errors}"),
+        ("command age", "unknown" if age is None else f"{age.p50} ms median, {age.p99} ms p99, {age.max} ms at most"),
+        ("rates in Hz", _rates(summary.rates_hz)),
+    ]
+    return "\n".join(f"{label:>{_LABEL}}  {value}" for label, value in rows)
+
+
+def _sigma(odometry: Seen[Odometry] | None) -> Apart | None:
+    """Standard deviations by the covariance of a sample: of the distance and of the heading."""
+    if odometry is None:
+        return None
+    xx, _, _, yy, _, tt = odometry.sample.covariance
+    return Apart(math.sqrt(xx + yy), math.sqrt(tt))
+
+
+def _claim(summary: Summary) -> str:
+    if summary.odom_sigma_m is None or summary.odom_sigma_deg is None:
+        return "unknown"
+    return f"{summary.odom_sigma_m:.3f} m, {summary.odom_sigma_deg:.2f}°"
+
+
+def _difference(level: Level, drawn: Drawn | None) -> str:
+    """The drawn robot beside its file."""
+    if drawn is None:
+        return f"{level}, unknown"
+    if level == "exact":
+        return "exact: as its file says"
+    left, right = drawn.left, drawn.right
+    geometry = f"wheels {left.scale - 1.0:+.2%} {right.scale - 1.0:+.2%}, track {drawn.track_scale - 1.0:+.2%}"
+    motors = f"motors {left.strength:.0%} {right.strength:.0%}, {drawn.turn_slip:.1%} of turning slips"
+    return f"{level}: {geometry},\n{_INDENT}{motors}"
+
+
+def _rates(rates_hz: dict[str, float]) -> str:
+    shown = [f"{key} {rate:.1f}" for key, rate in rates_hz.items()]
+    lines = [", ".join(shown[start : start + _RATES_A_LINE]) for start in range(0, len(shown), _RATES_A_LINE)]
+    return f",\n{_INDENT}".join(lines) or "none heard"
+
+
+def _losses(summary: Summary) -> str:
+    by_key = ", ".join(f"{key} {lost}" for key, lost in summary.lost_by_key.items())
+    return f"{summary.frames_lost} ({by_key})" if by_key else "0"
+
+
+def _behind(percent: float) -> str:
+    return f"{abs(percent):.2f} % {'slower' if percent >= 0.0 else 'faster'} than the wall's"

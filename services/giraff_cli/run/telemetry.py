@@ -1,0 +1,102 @@
+"""What is heard and seen of a run: the robot as any is heard, and beside it the world's truth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+from giraff_cli.network.age_histogram import Ages
+from giraff_cli.run.odometry_error import Apart, Comparison, Pose, Truth
+from giraff_cli.telemetry.collector import Snapshot, Telemetry
+from giraff_schemas.messages import GuardedCommand, Odometry, Sample
+from giraff_schemas.topics import ODOM, RANGE, TICK, TILT, WHEELS, Topic
+
+_BY_BOARD: Final = {topic.key for topic in (TILT, RANGE, WHEELS, ODOM)}
+"""What the boards' clocks pace: judged in simulated time, in which all three agree. The rest goes by the wall's."""
+
+
+@dataclass(frozen=True)
+class AgeSummary:
+    """Of commands when they reached base's host, ms."""
+
+    p50: float
+    p99: float
+    max: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunSnapshot(Snapshot):
+    """A run at one moment."""
+
+    truth: Truth
+    true_pose: Pose | None
+    """The truth in the frame of odometry."""
+    apart: Apart | None
+    age_ms: AgeSummary | None
+
+
+class RunTelemetry(Telemetry):
+    """Collects, on base's host: times are the robot's clock in ns."""
+
+    def __init__(self, sensors: tuple[str, ...], truth: Truth) -> None:
+        """`truth`: from before anything is heard."""
+        super().__init__(sensors)
+        self.truth = truth
+        self._first_truth = truth
+        self._comparison = Comparison()
+        self._ages = Ages()
+
+    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        super().hear(topic, key, sample, at_ns)
+        if isinstance(sample, Odometry):
+            self._comparison.hear(sample)
+        elif isinstance(sample, GuardedCommand):
+            self._note_age(sample, at_ns)
+
+    def begin(self) -> None:
+        """Judge rates and skew from now on: while processes start, nothing has its rate."""
+        super().begin()
+        self._first_truth = self.truth
+
+    def see(self, truth: Truth) -> None:
+        """The world's truth."""
+        self.truth = truth
+        self._comparison.see(truth)
+
+    @property
+    def apart(self) -> Apart | None:
+        """Odometry's error now."""
+        return self._comparison.apart
+
+    @property
+    def skew(self) -> float:
+        """How much slower simulated time went than the wall's, as a share; negative: faster."""
+        wall_us = (self.truth.robot_ns - self._first_truth.robot_ns) / 1000
+        return 1.0 - (self.truth.simulated_us - self._first_truth.simulated_us) / wall_us if wall_us else 0.0
+
+    @property
+    def age_ms(self) -> AgeSummary | None:
+        p50, p99, most = self._ages.share(0.5), self._ages.share(0.99), self._ages.share(1.0)
+        return None if p50 is None or p99 is None or most is None else AgeSummary(p50, p99, most)
+
+    def snapshot(self, now_ns: int) -> RunSnapshot:
+        return RunSnapshot(
+            **vars(super().snapshot(now_ns)),
+            truth=self.truth,
+            true_pose=self._comparison.in_odom(self.truth.pose),
+            apart=self.apart,
+            age_ms=self.age_ms,
+        )
+
+    def _clock(self, topic: Topic[Any], at_ns: int) -> float:
+        """s of the clock that paces a topic. Simulated time runs on from the last look at it."""
+        if topic.key in _BY_BOARD:
+            return self.truth.simulated_us * 1e-6 + (at_ns - self.truth.robot_ns) * 1e-9
+        return super()._clock(topic, at_ns)
+
+    def _note_age(self, command: GuardedCommand, at_ns: int) -> None:
+        tick = self.newest(TICK, at_ns)
+        if tick is None or command.operator_tick is None or command.source != "hand":
+            return
+        if tick.sample.epoch == command.operator_tick.epoch:
+            self._ages.add((at_ns - command.operator_tick.robot_ns) * 1e-6)

@@ -1,0 +1,81 @@
+"""The state of a robot's parts in a word or two, for any screen."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_cli.telemetry.collector import Seen, Snapshot
+from giraff_schemas.messages import GuardState, Range, Verdict
+
+DIRECTIONS: Final = ("forward", "backward", "turn left", "turn right")
+
+
+def range_text(seen: Seen[Range] | None) -> str:
+    """A range in a word."""
+    if seen is None or not seen.fresh:
+        return "silent"
+    return seen.sample.state if seen.sample.range is None else f"{seen.sample.range:.2f} m"
+
+
+def base_text(snapshot: Snapshot) -> str:
+    """What base does, in a word or two."""
+    base, estop = snapshot.base, snapshot.estop
+    if base is None or not base.fresh:
+        return "silent"
+    if estop is not None and estop.sample.engaged:
+        return "EMERGENCY STOP"
+    if base.sample.board.latch not in ("", "none"):
+        return f"latched, {base.sample.board.latch.replace('_', ' ')}"
+    if not base.sample.armed:
+        return "not armed"
+    return "driving" if base.sample.driving else "armed, at rest"
+
+
+def forward_text(seen: Seen[GuardState] | None) -> str:
+    """What the guard allows forward."""
+    if seen is None or not seen.fresh:
+        return "unknown"
+    verdict = seen.sample.forward
+    return verdict.freedom if not verdict.sensor else f"{verdict.freedom} ({verdict.sensor})"
+
+
+def verdicts(state: GuardState) -> list[tuple[str, Verdict]]:
+    """By direction."""
+    return list(zip(DIRECTIONS, (state.forward, state.backward, state.turn_left, state.turn_right), strict=True))
+
+
+def limit_text(snapshot: Snapshot) -> str:
+    """What limits the robot now, with the way out: what it is asked for first; empty: nothing does."""
+    guard = snapshot.guard
+    said = base_reason(snapshot)
+    if said or guard is None or not guard.fresh:
+        return said
+    if guard.sample.reason:
+        return guard.sample.reason
+    for label, verdict in verdicts(guard.sample):
+        if verdict.freedom != "free":
+            return f"{label} {verdict.freedom}: " + "; ".join(filter(None, (verdict.reason, verdict.way_out)))
+    return ""
+
+
+def holder_text(snapshot: Snapshot) -> str:
+    """Whom the guard obeys; empty: that is not known."""
+    lease = snapshot.lease
+    return "" if lease is None or not lease.fresh else lease.sample.operator or "nobody"
+
+
+def base_reason(snapshot: Snapshot) -> str:
+    """Why base does not do what is asked; empty when it does."""
+    base = snapshot.base
+    if base is None:
+        return ""
+    return base.sample.reason if base.fresh else f"not heard for {base.age:.0f} s"
+
+
+def estop_text(snapshot: Snapshot) -> str:
+    """The emergency stop, by whom and why; empty: that is not known."""
+    estop = snapshot.estop
+    if estop is None or not estop.fresh:
+        return ""
+    state = estop.sample
+    return f"engaged by {state.by or 'nobody known'}: {state.reason}" if state.engaged else "released"

@@ -1,0 +1,137 @@
+"""The blocks of a live view that tell of any robot, simulated or not."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+from rich.console import RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from giraff_cli.telemetry.collector import KeyRate, Seen, Snapshot, range_key
+from giraff_cli.telemetry.describe import DIRECTIONS, base_reason, base_text, holder_text, range_text, verdicts
+from giraff_cli.terminal.layout import HEADING, NONE, block, left, right, unit, words
+from giraff_cli.terminal.text import printable
+from giraff_schemas.messages import Range
+
+_BAR: Final = 12  # characters
+_BAR_REACH: Final = 3.0  # m that fill it
+_LONGEST_SENSOR: Final = 14  # characters
+_FREEDOM: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
+_BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}
+
+
+def motion(path: float | None, speed: float | None, turn: float | None, style: str = "") -> Table:
+    """Path travelled (m), velocity now (m/s, rad/s)."""
+    table = block("MOTION", 6, right("", 6), left("", 5))
+    for label, value, of in (("path", path, "m"), ("speed", speed, "m/s"), ("turn", turn, "rad/s")):
+        table.add_row(label, NONE if value is None else f"{value:z.2f}", unit(of), style=style)
+    return table
+
+
+def ranges(snapshot: Snapshot) -> Table:
+    """What each sensor sees, and how often."""
+    longest = max((len(sensor) for sensor in snapshot.ranges), default=0)
+    table = block("RANGES", min(longest, _LONGEST_SENSOR) + 1, right("", 6), left("", _BAR), right("Hz", 4))
+    for sensor, seen in snapshot.ranges.items():
+        rate = snapshot.rates.get(range_key(sensor))
+        table.add_row(words(sensor.replace("_", " ")), range_text(seen), _bar(seen), _hz(rate))
+    return table
+
+
+def base(snapshot: Snapshot, *rows: tuple[str, RenderableType]) -> Table:
+    """Base, why it does not do what is asked, and whatever else the view tells beside it."""
+    table = block("BASE", 7, left("", 0))
+    word = base_text(snapshot)
+    state = Text(printable(word), style=_BASE.get(word, "yellow"))
+    if snapshot.battery is not None:
+        state.append(f"  {snapshot.battery.sample.voltage:.1f} V", style=f"default {dim(snapshot.battery)}")
+    table.add_row("state", state)
+    table.add_row("reason", words(base_reason(snapshot), "yellow"))
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def guard(snapshot: Snapshot) -> Table:
+    """The verdict for each direction."""
+    table = block("GUARD", 10, right("allows", 6), left("", 5), left("", 7), left("", 0))
+    seen = snapshot.guard
+    if seen is None:
+        for label in DIRECTIONS:
+            table.add_row(label, NONE, _speed_unit(label), NONE, "")
+        return table
+    for label, verdict in verdicts(seen.sample):
+        why = printable(" · ".join(text for text in (verdict.reason, verdict.way_out) if text))
+        freedom = Text(verdict.freedom, style=_FREEDOM[verdict.freedom])
+        table.add_row(label, f"{verdict.allowed:.2f}", _speed_unit(label), freedom, Text(why), style=dim(seen))
+    return table
+
+
+def command(snapshot: Snapshot) -> Table:
+    """What passes the guard now, of whom, and why it is less than asked for."""
+    seen = snapshot.command
+    table = Table.grid(padding=(0, 1, 0, 0), expand=True)
+    table.add_column(width=10, style="dim")
+    table.add_column(no_wrap=True, overflow="ellipsis", ratio=1)
+    if seen is None or not seen.fresh:
+        table.add_row("passes", NONE)
+    else:
+        sample, holder = seen.sample, printable(holder_text(snapshot))
+        text = Text(f"{sample.linear_x:z6.2f} m/s {sample.angular_z:z6.2f} rad/s  {holder}")
+        table.add_row("passes", text.append(f"  {printable(sample.reason)}", style="yellow"))
+    return table
+
+
+def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table:
+    """How each key flows, but for those of the ranges."""
+    of_ranges = {range_key(sensor) for sensor in snapshot.ranges}
+    rates = [(key, rate) for key, rate in snapshot.rates.items() if key not in of_ranges]
+    lost = sum(rate.lost for rate in snapshot.rates.values())
+    losing = any(rate.losing for rate in snapshot.rates.values())
+    table = Table(box=None, padding=(0, 2, 0, 0), show_edge=False, pad_edge=False)
+    heading = Text.assemble(("TOPICS", HEADING), (f"  {lost} lost", "red" if losing else "yellow" if lost else "dim"))
+    for column in range(columns):
+        table.add_column(heading if column == 0 else "", no_wrap=True, overflow="ellipsis", width=17)
+        table.add_column(unit("Hz"), justify="right", no_wrap=True, width=5)
+        if with_age:
+            table.add_column(unit("age s"), justify="right", no_wrap=True, width=7)
+    rows = max(1, math.ceil(len(rates) / columns))
+    for row in range(rows):
+        table.add_row(*_cells(rates[row::rows], with_age=with_age))
+    return table
+
+
+def dim(seen: Seen[Any] | None) -> str:
+    """The style of what may be over."""
+    return "" if seen is not None and seen.fresh else "dim"
+
+
+def _cells(rates: Sequence[tuple[str, KeyRate]], *, with_age: bool) -> list[RenderableType]:
+    cells: list[RenderableType] = []
+    for key, rate in rates:
+        cells += [words(key), _hz(rate)]
+        if with_age:
+            cells.append(Text(f"{rate.age:.2f}" if rate.fresh else f"{rate.age:.0f}", "" if rate.fresh else "red"))
+    return cells
+
+
+def _speed_unit(direction: str) -> Text:
+    return unit("rad/s" if direction.startswith("turn") else "m/s")
+
+
+def _bar(seen: Seen[Range] | None) -> Text:
+    if seen is None or not seen.fresh or seen.sample.range is None:
+        return Text("·" * _BAR, style="dim")
+    distance = seen.sample.range
+    filled = max(1, round(min(distance, _BAR_REACH) / _BAR_REACH * _BAR))
+    style = "red" if distance < 0.3 else "yellow" if distance < 0.8 else "green"
+    return Text.assemble(("█" * filled, style), ("·" * (_BAR - filled), "dim"))
+
+
+def _hz(rate: KeyRate | None) -> Text:
+    if rate is None or rate.hz is None:
+        return Text("-", style="red")
+    return Text(f"{rate.hz:.1f}", style="red" if rate.losing else "")

@@ -1,0 +1,1 @@
+"""What is printed: screen, layout, tables, JSON, Ctrl-C. Knows no robot."""

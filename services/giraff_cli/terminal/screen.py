@@ -1,0 +1,111 @@
+"""Where a robot is shown: a live view in a terminal, else one line a second."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import os
+import re
+import select
+import sys
+from typing import Final, Protocol
+
+from rich.console import Console, RenderableType
+from rich.live import Live
+
+from giraff_cli.terminal.output import drop_output
+from giraff_cli.terminal.text import printable
+
+_PICTURE_COLUMNS: Final = 100
+_WEB_FONTS: Final = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)
+
+
+class Sight(Protocol):
+    """What is to be seen at one moment."""
+
+    @property
+    def elapsed(self) -> float:
+        """s since it began."""
+        ...
+
+    def picture(self) -> RenderableType: ...
+
+    def line(self) -> str: ...
+
+
+class Screen(Protocol):
+    """Raises OSError from `show` when nobody can see it any more."""
+
+    def show(self, sight: Sight) -> None: ...
+
+    def close(self) -> None: ...
+
+
+class Terminal:
+    """The live view on the terminal's second page, so that the first is as it was when this closes."""
+
+    def __init__(self) -> None:
+        self._live = Live(console=Console(highlight=False), screen=True, auto_refresh=False)
+        self._live.start()
+
+    def show(self, sight: Sight) -> None:
+        if _takes_more():
+            self._live.update(sight.picture(), refresh=True)
+
+    def close(self) -> None:
+        with contextlib.suppress(OSError):  # the terminal may be gone
+            self._live.stop()
+
+
+class Lines:
+    """A line in each second."""
+
+    def __init__(self) -> None:
+        self._next = 0.0
+
+    def show(self, sight: Sight) -> None:
+        if sight.elapsed >= self._next and _takes_more():
+            self._next = int(sight.elapsed) + 1.0
+            print(printable(sight.line()), flush=True)
+
+    def close(self) -> None:
+        """Nothing is left to restore."""
+
+
+class Nobody:
+    """Nobody watches."""
+
+    def show(self, sight: Sight) -> None:
+        """Nothing to do."""
+
+    def close(self) -> None:
+        """Nothing to restore."""
+
+
+def open_screen() -> Screen:
+    """What standard output is good for."""
+    if sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb":
+        return Terminal()
+    return Lines()
+
+
+def say(text: str) -> None:
+    """Print what a person should read after all. Whoever reads the output may have gone: that ends no run early."""
+    try:
+        print(text, flush=True)
+    except OSError:
+        drop_output()
+
+
+def as_svg(picture: RenderableType) -> str:
+    """A live view as SVG, with the reader's own fonts."""
+    console = Console(
+        file=io.StringIO(), record=True, width=_PICTURE_COLUMNS, force_terminal=True, color_system="truecolor"
+    )
+    console.print(picture)
+    return _WEB_FONTS.sub("", console.export_svg(title="giraff run"))
+
+
+def _takes_more() -> bool:
+    """Whether standard output takes more without delay. A paused reader must not hold up what else is to be done."""
+    return bool(select.select([], [sys.stdout], [], 0.0)[1])

@@ -1,0 +1,1 @@
+"""`giraff top`: the load of each process."""

@@ -1,0 +1,1 @@
+"""`giraff topic`: list, info, echo, hz, bw, pub."""

@@ -1,0 +1,150 @@
+"""`giraff topic echo`: samples as they come."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any, Final
+
+import msgspec
+
+from giraff_cli.network.command import complain, visit
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.robot_graph import Surveyor
+from giraff_cli.network.topic_keys import UnknownKeyError, find_topic
+from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.text import printable
+from giraff_node import robot_now_ns
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import Topic
+
+_PATIENCE: Final = 3.0  # s, to find the only robot
+_SILENT_AFTER: Final = 1.2  # s; twice the period of the slowest topic
+_LOOK_EVERY: Final = 0.02  # s
+
+
+class FieldError(Exception):
+    """A sample has no such field. The message says which it has."""
+
+
+def echo(
+    key: str,
+    robot: str | None,
+    connect: Sequence[str],
+    count: int | None,
+    seconds: float | None,
+    fields: Sequence[str],
+    *,
+    as_json: bool,
+) -> int:
+    """Until Ctrl-C, for `seconds` or `count` samples; the exit code."""
+    try:
+        topic = find_topic(key)
+        for field in fields:
+            require_field(topic, field)
+    except (UnknownKeyError, FieldError) as error:
+        return complain(str(error))
+    with Stopping() as stopping:
+        return visit(
+            robot,
+            connect,
+            _PATIENCE,
+            lambda watcher: _echo(Echo(watcher, stopping, topic, fields, as_json=as_json), count, seconds),
+        )
+
+
+def _echo(it: Echo, count: int | None, seconds: float | None) -> int:
+    try:
+        return it.go(math.inf if count is None else count, math.inf if seconds is None else seconds)
+    except FieldError as error:
+        return complain(str(error))
+
+
+def require_field(topic: Topic[Any], field: str) -> None:
+    """FieldError unless samples of `topic` have a field of this name, as far as the first dot."""
+    names = topic.schema.__struct_fields__
+    if field.partition(".")[0] not in names:
+        raise FieldError(f"--field {field}: {topic.schema.__name__} has no such field; it has {', '.join(names)}")
+
+
+def selected(sample: dict[str, Any], fields: Sequence[str]) -> dict[str, Any]:
+    """These of a sample, like `board.latch`; all where none is named. Raises FieldError.
+
+    What lies below a field that is null is null.
+    """
+    return {field: _value(sample, field) for field in fields} if fields else sample
+
+
+class Echo:
+    """Prints what it hears."""
+
+    def __init__(
+        self, watcher: Watcher, stopping: Stopping, topic: Topic[Any], fields: Sequence[str], *, as_json: bool
+    ) -> None:
+        self._watcher = watcher
+        self._stopping = stopping
+        self._topic = topic
+        self._fields = fields
+        self._as_json = as_json
+        self._surveyor = Surveyor(watcher)
+        self._complained: set[str] = set()
+
+    def go(self, count: float, seconds: float) -> int:
+        """Until so many, or so long; the exit code. Raises NoRobotError and FieldError."""
+        self._watcher.follow(self._topic)
+        self._surveyor.meet(self._stopping)
+        heard = self._surveyor.survey.heard
+        began, told, doubtful = time.monotonic(), 0, True
+        while not self._stopping.asked:
+            self._surveyor.look(now := time.monotonic())
+            while heard and told < count:
+                self._tell(*heard.popleft())
+                told += 1
+            self._mention()
+            if told >= count or now - began >= seconds:
+                break
+            if doubtful and not told and now - began > _SILENT_AFTER:
+                doubtful = False
+                if missing := self._surveyor.inquire(self._stopping).instead(self._topic):
+                    return complain(missing)
+            self._stopping.wait(min(_LOOK_EVERY, max(0.0, began + seconds - now)))
+        return 0 if told or self._stopping.asked else complain(f"nothing came on {self._topic.key} in {seconds:g} s")
+
+    def _tell(self, key: str, sample: Sample, at_ns: int) -> None:
+        content = selected(msgspec.to_builtins(sample), self._fields)
+        if self._as_json:
+            print(msgspec.json.encode({"key": key, "sample": content}).decode(), flush=True)
+            return
+        if self._fields:
+            values = "  ".join(f"{name}: {_text(value)}" for name, value in content.items())
+            print(printable(f"{key}: {values}"))
+        else:
+            print(f"{printable(key)}: {(robot_now_ns() - at_ns) * 1e-6:.0f} ms ago")
+            for name, value in content.items():
+                print(printable(f"  {name}: {_text(value)}".rstrip()))
+        sys.stdout.flush()
+
+    def _mention(self) -> None:
+        """Say once what could not be read."""
+        for complaint in self._watcher.complaints:
+            if complaint not in self._complained and len(self._complained) < 10:
+                self._complained.add(complaint)
+                complain(printable(f"unreadable: {complaint}"))
+
+
+def _value(sample: dict[str, Any], field: str) -> Any:
+    value: Any = sample
+    for name in field.split("."):
+        if value is None:
+            return None
+        if not isinstance(value, dict) or name not in value:
+            has = f"there are: {', '.join(map(str, value))}" if isinstance(value, dict) else "it has no parts"
+            raise FieldError(f"--field {field}: there is no {name}; {has}")
+        value = value[name]
+    return value
+
+
+def _text(value: Any) -> str:
+    return msgspec.json.encode(value).decode() if not isinstance(value, str) else value

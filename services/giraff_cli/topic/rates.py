@@ -1,0 +1,216 @@
+"""`giraff topic hz` and `bw`: how often and how much, of what was sent and of what came."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Final
+
+import msgspec
+
+from giraff_cli.network.command import complain, visit
+from giraff_cli.network.connection import Watcher
+from giraff_cli.network.header_subscriber import Meter
+from giraff_cli.network.robot_graph import Maker, Survey, Surveyor
+from giraff_cli.network.statistics import Count
+from giraff_cli.network.topic_keys import UnknownKeyError, find_topic
+from giraff_cli.terminal.page import print_json, print_table, shown
+from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.text import printable
+from giraff_schemas.topics import Topic, topic_of
+
+_PATIENCE: Final = 3.0  # s, to find the only robot
+_WELL: Final = 0
+_ILL: Final = 1
+
+
+class Rate(msgspec.Struct, frozen=True, kw_only=True):
+    """How one maker's samples of a key travel, from the first to the newest that was heard."""
+
+    key: str
+    maker: Maker
+    hz: float | None
+    """By the maker's own numbers and stamps, whatever became of the samples; None: too few to tell."""
+    nominal_hz: float
+    """0: on change only."""
+    sent: int
+    heard: int
+    lost: int
+    reordered: int
+    """Of those heard: after a later one."""
+    duplicated: int
+    """Heard once more."""
+    age_median: float | None
+    """s from the maker's stamp to here, by the wall clocks of both hosts, which may disagree."""
+    age_p99: float | None
+    age_largest: float | None
+
+
+class Rates(msgspec.Struct, frozen=True, kw_only=True):
+    """The answer of `hz`."""
+
+    robot: str
+    rates: list[Rate]
+    unreadable: dict[str, int]
+    """By key, what came and is no sample."""
+
+    @property
+    def well(self) -> bool:
+        """Whether all that was sent came, once and in order."""
+        return not self.unreadable and not any(rate.lost or rate.reordered or rate.duplicated for rate in self.rates)
+
+
+class Bandwidth(msgspec.Struct, frozen=True, kw_only=True):
+    """What the payloads of a key take."""
+
+    key: str
+    bytes_per_second: float | None
+    """None: too few came to tell."""
+    samples: int
+    bytes: int
+    smallest: int
+    """Bytes of a payload."""
+    largest: int
+
+
+def hz(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
+    """Count for `seconds` and print it; the exit code."""
+
+    def tell(survey: Survey) -> int:
+        rates = rates_of(survey)
+        if as_json:
+            print_json(rates)
+        else:
+            _show_rates(rates)
+        return _WELL if rates.well else _ILL
+
+    return _measure(key, robot, connect, seconds, tell)
+
+
+def bw(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
+    """Weigh for `seconds` and print it; the exit code."""
+
+    def tell(survey: Survey) -> int:
+        widths = bandwidths_of(survey)
+        if as_json:
+            print_json(widths)
+        else:
+            _show_bandwidths(widths)
+        return _WELL
+
+    return _measure(key, robot, connect, seconds, tell)
+
+
+def rates_of(survey: Survey) -> Rates:
+    """Of each key and maker that was heard."""
+    return Rates(
+        robot=survey.robot,
+        rates=[
+            _rate(key, survey.maker(instance), count)
+            for key in survey.keys
+            if key in survey.tallies
+            for instance, count in survey.tallies[key].counts.items()
+        ],
+        unreadable={key: tally.unreadable for key, tally in survey.tallies.items() if tally.unreadable},
+    )
+
+
+def bandwidths_of(survey: Survey) -> list[Bandwidth]:
+    """Of each key that was heard."""
+    return [
+        Bandwidth(
+            key=key,
+            bytes_per_second=tally.bytes_per_second,
+            samples=tally.samples,
+            bytes=tally.bytes,
+            smallest=tally.smallest,
+            largest=tally.largest,
+        )
+        for key in survey.keys
+        if (tally := survey.tallies.get(key)) is not None
+    ]
+
+
+def _measure(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, tell: Any) -> int:
+    try:
+        topic = None if key is None else find_topic(key)
+    except UnknownKeyError as error:
+        return complain(str(error))
+
+    def act(watcher: Watcher) -> int:
+        survey = Surveyor(watcher, [Meter(watcher.session, watcher.robot, topic)]).go(seconds, stopping)
+        if survey.tallies:
+            return int(tell(survey))
+        return complain(_silence(survey, topic, seconds))
+
+    with Stopping() as stopping:
+        return visit(robot, connect, _PATIENCE, act)
+
+
+def _silence(survey: Survey, topic: Topic[Any] | None, seconds: float) -> str:
+    if topic is None:
+        return f"{survey.robot} says nothing in {seconds:g} s"
+    return survey.instead(topic) or f"nothing came on {topic.key} in {seconds:g} s"
+
+
+def _rate(key: str, maker: Maker, count: Count) -> Rate:
+    row = topic_of(key)
+    median, high, largest = (_seconds(count.ages.share(share)) for share in (0.5, 0.99, 1.0))
+    return Rate(
+        key=key,
+        maker=maker,
+        hz=count.rate,
+        nominal_hz=0.0 if row is None else row.rate_hz,
+        sent=count.sent,
+        heard=count.heard,
+        lost=count.lost,
+        reordered=count.reordered,
+        duplicated=count.duplicated,
+        age_median=median,
+        age_p99=high,
+        age_largest=largest,
+    )
+
+
+def _show_rates(rates: Rates) -> None:
+    headings = (">Hz", ">of", ">sent", ">heard", ">lost", ">reordered", ">double", ">age ms", ">p99", ">largest")
+    print_table(
+        ("key", "by", *headings),
+        (
+            (
+                rate.key,
+                rate.maker.name,
+                shown(rate.hz, ".2f"),
+                shown(rate.nominal_hz) if rate.nominal_hz else "on change",
+                *(str(number) for number in (rate.sent, rate.heard, rate.lost, rate.reordered, rate.duplicated)),
+                *(shown(_milliseconds(age)) for age in (rate.age_median, rate.age_p99, rate.age_largest)),
+            )
+            for rate in rates.rates
+        ),
+    )
+    for key, number in rates.unreadable.items():
+        complain(printable(f"unreadable on {key}: {number}"))
+
+
+def _show_bandwidths(widths: Sequence[Bandwidth]) -> None:
+    total = sum(width.bytes_per_second or 0.0 for width in widths)
+    rows = [
+        (
+            width.key,
+            shown(width.bytes_per_second, ".0f"),
+            str(width.samples),
+            str(width.bytes),
+            str(width.smallest),
+            str(width.largest),
+        )
+        for width in widths
+    ]
+    headings = ("key", ">bytes/s", ">samples", ">bytes", ">smallest", ">largest")
+    print_table(headings, [*rows, ("all", shown(total, ".0f"), "", "", "", "")] if len(rows) > 1 else rows)
+
+
+def _seconds(milliseconds: float | None) -> float | None:
+    return None if milliseconds is None else round(milliseconds * 1e-3, 4)
+
+
+def _milliseconds(seconds: float | None) -> float | None:
+    return None if seconds is None else seconds * 1e3

@@ -1,0 +1,1 @@
+"""`giraff view`: a robot or a recording, drawn in rerun."""

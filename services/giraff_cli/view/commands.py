@@ -1,0 +1,52 @@
+"""The words and options of `giraff view`."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from giraff_cli.options import Connect, Robot
+
+_REFUSED = 2  # exit code: nothing is shown
+
+
+def view(  # noqa: PLR0913, PLR0917  one argument an option
+    recording: Annotated[
+        Path | None, typer.Argument(metavar="FILE", help="Of `giraff record`; else the live robot.", show_default=False)
+    ] = None,
+    robot: Robot = None,
+    connect: Connect = None,
+    save: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="No window: write .rrd for `rerun FILE`.", show_default=False)
+    ] = None,
+    picture: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="No window: write the last sight as PNG.", show_default=False)
+    ] = None,
+    web: Annotated[bool, typer.Option("--web", help="No window: for any browser of the network.")] = False,
+    port: Annotated[int, typer.Option(metavar="N", min=1024, max=65534, help="Of --web; data has the next.")] = 9090,
+    memory: Annotated[
+        str, typer.Option(metavar="LIMIT", help="Like 500MB or 25%; beyond it the oldest is forgotten.")
+    ] = "1GB",
+    seconds: Annotated[
+        float | None, typer.Option("--for", metavar="SECONDS", help="Live: end after so long; else with Ctrl-C.")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="For programs: one JSON object at the end.")] = False,
+) -> None:
+    """Floor plan, path, what the sensors see, guard's verdict, speeds and ages, drawn: live, or of a recording.
+
+    Exit code: 0 shown; 1 the viewer or the disk failed; 2 nothing to show.
+    """
+    if find_spec("rerun") is None:
+        typer.echo("giraff view: the library rerun is missing: pip install 'giraff[viewer,cli]'", err=True)
+        raise typer.Exit(_REFUSED)
+    if recording is not None and find_spec("mcap") is None:
+        typer.echo("giraff view: the library mcap is missing: pip install 'giraff[viewer,cli,record]'", err=True)
+        raise typer.Exit(_REFUSED)
+    from giraff_cli.view.live import show  # noqa: PLC0415
+    from giraff_cli.view.output import Options  # noqa: PLC0415
+
+    options = Options(save=save, picture=picture, web=web, port=port, memory=memory, seconds=seconds, as_json=as_json)
+    raise typer.Exit(show(recording, robot, connect or (), options))

@@ -1,0 +1,98 @@
+"""Where `giraff view` shows a robot: a window, a browser, a file or a picture."""
+
+from __future__ import annotations
+
+import os
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Final, NamedTuple, NoReturn
+
+import msgspec
+
+from giraff_cli.network.command import complain
+from giraff_cli.network.ports import free_port
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load
+from giraff_viewer.scene import stock
+from giraff_viewer.show import Show, require_screen
+from giraff_viewer.window import ViewerError, Window
+
+DONE: Final = 0
+FAILED: Final = 1
+
+
+class Options(NamedTuple):
+    """What was asked for on the command line."""
+
+    save: Path | None
+    picture: Path | None
+    web: bool
+    port: int
+    memory: str
+    seconds: float | None
+    as_json: bool
+
+
+class Stage(ExitStack):
+    """Where one robot is shown, as asked for. All is closed with it."""
+
+    def __init__(self, robot: RobotConfig, options: Options, *, live: bool) -> None:
+        """Raises ViewerError."""
+        super().__init__()
+        self._options = options
+        self.name = robot.name
+        self.show = Show(robot, live=live)
+        self.window: Window | None = None
+        self.address = ""
+        if options.save is not None:
+            self.show.to_file(options.save)
+        elif options.web:
+            self.address = self.show.to_browsers(options.port, options.port + 1, options.memory)
+            print(f"giraff view: open {self.address}", file=sys.stderr, flush=True)
+        else:
+            if options.picture is None:
+                require_screen()
+            headless = options.picture is not None
+            self.window = self.enter_context(Window(free_port(), options.memory, headless=headless))
+            self.show.to_window(self.window.url)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether anybody may still look. Raises ViewerError."""
+        return self.window is None or self.window.is_open()
+
+    @property
+    def lasts(self) -> bool:
+        """There is something to look at after everything was drawn."""
+        return self._options.save is None and self._options.picture is None
+
+    def end(self, *, hurried: bool) -> int:
+        """Everything was drawn; the exit code. `hurried`: without a picture. Raises ViewerError."""
+        self.show.close()
+        if self.window is not None and self._options.picture is not None and not hurried:
+            self.window.picture(self._options.picture, self.show.newest)
+        if self._options.as_json:
+            told = {
+                "robot": self.name,
+                "samples": self.show.heard,
+                "address": self.address or None,
+                "file": str(self._options.save or self._options.picture or "") or None,
+            }
+            print(msgspec.json.encode(told).decode(), flush=True)
+        return DONE
+
+
+def give_up(error: ViewerError) -> NoReturn:
+    """End with what the viewer has failed with, at once: rerun would go on trying to send to it what is left."""
+    complain(str(error))
+    sys.stdout.flush()
+    os._exit(FAILED)
+
+
+def known_robot(name: str) -> RobotConfig:
+    """Its geometry, as far as this machine has a robot file; else a stock Giraff's."""
+    try:
+        return msgspec.structs.replace(load("robot", RobotConfig), name=name)
+    except ConfigError:
+        return stock(name)

@@ -1,0 +1,1 @@
+"""`giraff watch`: a live view of one robot."""

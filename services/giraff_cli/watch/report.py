@@ -1,0 +1,104 @@
+"""A live robot at one moment as a JSON object, for scripts. Its field names are kept."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from giraff_cli.telemetry.collector import KeyRate, Seen
+from giraff_cli.telemetry.describe import base_text, limit_text
+from giraff_cli.watch.screen import WatchSight, missing, moving
+
+
+class TopicReport(msgspec.Struct, frozen=True):
+    """How a key flows."""
+
+    hz: float | None
+    """None: it does not."""
+    lost: int
+    """Samples that their makers numbered and that were not heard here."""
+    age: float
+    """s since the newest was heard."""
+
+
+class WatchReport(msgspec.Struct, frozen=True, kw_only=True):
+    """Samples have the fields of `giraff_schemas.messages` and `age`, s since they were heard. None: never heard."""
+
+    robot: str
+    elapsed: float
+    """s since the watch began."""
+    silence: float | None
+    """s since anything was heard of the robot; None: nothing ever was."""
+    waiting: str
+    """What is waited for; empty once the robot was heard."""
+    path: float | None
+    """m."""
+    speed: float | None
+    """m/s; None: nothing tells it now."""
+    turn: float | None
+    """rad/s."""
+    state: str
+    """What base does, in a word or two."""
+    why: str
+    """What limits the robot now, with the way out; empty: nothing does."""
+    missing: list[str]
+    """The robot's own services that are not on the network."""
+    services: dict[str, int]
+    """How many of each are on the network."""
+    odometry: dict[str, Any] | None
+    ranges: dict[str, dict[str, Any] | None]
+    lease: dict[str, Any] | None
+    guard: dict[str, Any] | None
+    base: dict[str, Any] | None
+    estop: dict[str, Any] | None
+    battery: dict[str, Any] | None
+    topics: dict[str, TopicReport]
+    """By key, below the robot's name."""
+    unreadable: tuple[str, ...]
+    """What could not be decoded."""
+
+
+class ReportSight(WatchSight):
+    """Tells itself as a report."""
+
+    def line(self) -> str:
+        return msgspec.json.encode(report(self)).decode()
+
+
+def report(sight: WatchSight) -> WatchReport:
+    snapshot = sight.snapshot
+    path, speed, turn = moving(snapshot)
+    return WatchReport(
+        robot=sight.robot,
+        elapsed=round(sight.elapsed, 3),
+        silence=None if snapshot.silence is None else round(snapshot.silence, 3),
+        waiting=sight.waiting,
+        path=path,
+        speed=speed,
+        turn=turn,
+        state=base_text(snapshot),
+        why=limit_text(snapshot),
+        missing=missing(snapshot),
+        services=snapshot.services,
+        odometry=_sample(snapshot.odometry),
+        ranges={sensor: _sample(seen) for sensor, seen in snapshot.ranges.items()},
+        lease=_sample(snapshot.lease),
+        guard=_sample(snapshot.guard),
+        base=_sample(snapshot.base),
+        estop=_sample(snapshot.estop),
+        battery=_sample(snapshot.battery),
+        topics={key: _topic(rate) for key, rate in snapshot.rates.items()},
+        unreadable=sight.notices,
+    )
+
+
+def _sample(seen: Seen[Any] | None) -> dict[str, Any] | None:
+    if seen is None:
+        return None
+    return {"age": round(seen.age, 3), **msgspec.to_builtins(seen.sample)}
+
+
+def _topic(rate: KeyRate) -> TopicReport:
+    hz = None if rate.hz is None else round(rate.hz, 1)
+    return TopicReport(hz=hz, lost=rate.lost, age=round(rate.age, 3))

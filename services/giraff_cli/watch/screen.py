@@ -1,0 +1,169 @@
+"""A live robot at one moment, on 80 by 24 characters or wider, or in one line."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final, NamedTuple
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from giraff_cli.telemetry import panels as blocks
+from giraff_cli.telemetry.collector import FRESH, Snapshot
+from giraff_cli.telemetry.describe import base_text, estop_text, forward_text, holder_text, limit_text, range_text
+from giraff_cli.telemetry.panels import dim
+from giraff_cli.terminal.layout import (
+    NONE,
+    Standing,
+    beside,
+    block,
+    clock,
+    header,
+    left,
+    notice,
+    right,
+    services,
+    unit,
+    why,
+    words,
+)
+
+ROBOTS_OWN: Final = ("base", "guard", "ranger", "odometry")
+"""Services that every robot has; others are told of while they are there, and after they have gone."""
+
+_TOPIC_COLUMNS: Final = 2
+_NOTICES: Final = 1  # more would not fit 24 lines
+
+
+class Moving(NamedTuple):
+    """What the robot does now. None: nothing tells."""
+
+    path: float | None
+    """m travelled, as odometry last had it."""
+    speed: float | None
+    """m/s."""
+    turn: float | None
+    """rad/s."""
+
+
+def moving(snapshot: Snapshot) -> Moving:
+    """As odometry has it; while that is silent, the wheels tell the speed. An old speed is none."""
+    odometry, wheels = snapshot.odometry, snapshot.wheels
+    path = None if odometry is None else odometry.sample.path
+    if odometry is not None and odometry.fresh:
+        return Moving(path, odometry.sample.linear_x, odometry.sample.angular_z)
+    if wheels is not None and wheels.fresh:
+        return Moving(path, (wheels.sample.left_velocity + wheels.sample.right_velocity) / 2.0, None)
+    return Moving(path, None, None)
+
+
+def missing(snapshot: Snapshot) -> list[str]:
+    """The robot's own services that are not on the network."""
+    return [service for service in ROBOTS_OWN if not snapshot.services.get(service)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class WatchSight:
+    """What is to be seen of a robot."""
+
+    robot: str
+    """Empty: nobody has named one, and none is there."""
+    elapsed: float
+    """s since the watch began."""
+    snapshot: Snapshot
+    waiting: str
+    """What is waited for; empty once the robot was heard."""
+    notices: tuple[str, ...] = ()
+    """What cannot be read, one line each."""
+
+    @property
+    def silence(self) -> float | None:
+        """s, where the robot has fallen silent."""
+        silence = self.snapshot.silence
+        return silence if silence is not None and silence > FRESH else None
+
+    def picture(self) -> RenderableType:
+        if self.waiting:
+            return Group(_header(self), Text(), words(self.waiting, "yellow"))
+        snapshot = self.snapshot
+        return Group(
+            _header(self),
+            services(_standings(snapshot)),
+            beside(
+                _pose(snapshot), blocks.motion(*moving(snapshot), style=dim(snapshot.odometry)), _operator(snapshot)
+            ),
+            Text(),
+            beside(blocks.ranges(snapshot), blocks.base(snapshot, ("e-stop", words(estop_text(snapshot))))),
+            Text(),
+            blocks.guard(snapshot),
+            blocks.topics(snapshot, _TOPIC_COLUMNS, with_age=True),
+            why(limit_text(snapshot)),
+            *map(notice, self.notices[-_NOTICES:]),
+        )
+
+    def line(self) -> str:
+        told = [self.waiting] if self.waiting else [_silent(self)] if self.silence is not None else _told(self.snapshot)
+        return " | ".join([f"{self.elapsed:6.1f} s", *told, *self.notices[-_NOTICES:]])
+
+
+def _told(snapshot: Snapshot) -> list[str]:
+    path, speed, turn = ("-" if value is None else f"{value:z.2f}" for value in moving(snapshot))
+    battery, gone, limit = snapshot.battery, missing(snapshot), limit_text(snapshot)
+    told = [
+        f"path {path:>6} m",
+        f"{speed:>5} m/s {turn:>5} rad/s",
+        "ranges " + " ".join(f"{range_text(seen):>6}" for seen in snapshot.ranges.values()),
+        f"forward {forward_text(snapshot.guard)}",
+        f"holder {holder_text(snapshot) or 'unknown'}",
+        f"base {base_text(snapshot)}",
+    ]
+    told += [] if battery is None else [f"{battery.sample.voltage:.1f} V"]
+    told += [f"not there: {', '.join(gone)}"] if gone else []
+    return [*told, limit] if limit else told
+
+
+def _silent(sight: WatchSight) -> str:
+    return f"{sight.robot} silent since {sight.silence:.0f} s"
+
+
+def _header(sight: WatchSight) -> RenderableType:
+    parts = [(f"giraff watch · {sight.robot or 'any robot'} · ", "bold"), (clock(sight.elapsed), "bold")]
+    if sight.silence is not None:
+        parts.append((f" · silent since {sight.silence:.0f} s", "bold red"))
+    return header(*parts)
+
+
+def _standings(snapshot: Snapshot) -> list[tuple[str, Standing]]:
+    found: list[tuple[str, Standing]] = []
+    for service in dict.fromkeys((*ROBOTS_OWN, *sorted(snapshot.services))):
+        count = snapshot.services.get(service, 0)
+        found.append((service if count < 2 else f"{service} x{count}", "alive" if count else "silent"))
+    return found
+
+
+def _pose(snapshot: Snapshot) -> Table:
+    table = block("POSE", 4, right("", 8), left("", 1))
+    odometry = snapshot.odometry
+    pose = (None, None, None) if odometry is None else (odometry.sample.x, odometry.sample.y, odometry.sample.yaw)
+    x, y, yaw = pose
+    table.add_row("x", NONE if x is None else f"{x:z.3f}", unit("m"), style=dim(odometry))
+    table.add_row("y", NONE if y is None else f"{y:z.3f}", unit("m"), style=dim(odometry))
+    table.add_row("yaw", NONE if yaw is None else f"{math.degrees(yaw):z.1f}", unit("°"), style=dim(odometry))
+    return table
+
+
+def _operator(snapshot: Snapshot) -> Table:
+    """Who drives, why he or nobody does, and how old his command is when it reaches the board."""
+    table = block("OPERATOR", 8, left("", 0))
+    lease, base = snapshot.lease, snapshot.base
+    table.add_row("holder", words(holder_text(snapshot)))
+    table.add_row("lease", words("" if lease is None else lease.sample.reason), style=dim(lease))
+    age: RenderableType = NONE
+    if base is not None and base.fresh and base.sample.round_trip is not None:
+        left_over = base.sample.budget_left
+        age = f"{base.sample.round_trip * 1000.0:.0f} ms old"
+        age += "" if left_over is None else f", {left_over * 1000.0:.0f} ms left"
+    table.add_row("command", age)
+    return table

@@ -1,0 +1,1 @@
+"""`giraff why`: why the robot does not drive."""

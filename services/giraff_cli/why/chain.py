@@ -1,0 +1,109 @@
+"""What the links of the chain are judged by: who is in charge, what he asks for, and who is there at all."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import msgspec
+
+from giraff_cli.why.observation import Evidence, Heard
+from giraff_schemas.messages import DriveCommand, Lease, Tilt, Verdict
+from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, TILT, Topic
+
+Standing = Literal["ok", "limits", "waits", "STOPS", "missing"]
+"""`limits`: the robot drives, but slowly or not everywhere. `waits`: another link is to blame."""
+
+
+class Link(msgspec.Struct, frozen=True, kw_only=True):
+    """One link of the chain from hand to wheel."""
+
+    name: str
+    standing: Standing
+    text: str
+    """What is so, with the way out where something is wrong."""
+    age: float | None = None
+    """s since the sample that tells it was heard."""
+
+    @property
+    def breaks(self) -> bool:
+        return self.standing in ("STOPS", "missing")
+
+
+class Scene:
+    """The newest of everything, and the links that are judged already."""
+
+    def __init__(self, evidence: Evidence) -> None:
+        self.evidence = evidence
+        self.links: dict[str, Link] = {}
+        self.clock = evidence.newest(TICK)
+        self.base = evidence.newest(BASE)
+        self.guard = evidence.newest(GUARD)
+        self.lease = evidence.newest(LEASE)
+        self.estop = next((heard for heard in evidence.of(ESTOP) if heard.sample.engaged), evidence.newest(ESTOP))
+        self.operator = _in_charge(evidence.of(OPERATOR_CMD_VEL), self.lease)
+        self.tilt = self._tilt()
+
+    @property
+    def wants_to_move(self) -> bool:
+        return self.operator is not None and not self.operator.sample.neutral
+
+    @property
+    def blocked(self) -> list[tuple[str, Verdict]]:
+        """The directions that the guard blocks and the hand asks for; of a level hand: both ways along x, or none."""
+        if self.guard is None:
+            return []
+        state = self.guard.sample
+        if self.operator is None or self.operator.sample.neutral:
+            ways = [("forward", state.forward), ("backward", state.backward)]
+            return ways if all(verdict.allowed == 0.0 for _, verdict in ways) else []
+        command = self.operator.sample
+        if command.linear_x != 0.0:
+            asked = ("forward", state.forward) if command.linear_x > 0.0 else ("backward", state.backward)
+        else:
+            asked = ("turn left", state.turn_left) if command.angular_z > 0.0 else ("turn right", state.turn_right)
+        return [asked] if asked[1].allowed == 0.0 else []
+
+    def broken(self, *names: str) -> bool:
+        """Whether any of these links, judged already, stops the robot."""
+        return any(self.links[name].breaks for name in names)
+
+    def process(self, service: str, topic: Topic[Any], how: str) -> Link | None:
+        """What is wrong with a service as a process; None: exactly one of it runs and speaks."""
+        makers = {heard.sample.instance for heard in self.evidence.of(topic)}
+        if len(makers) > 1:
+            return Link(name=service, standing="STOPS", text=several(f"giraff_{service}", makers))
+        if makers:
+            return None
+        if self.evidence.alive.get(service):
+            return self.silent(service, service)
+        return Link(name=service, standing="missing", text=f"giraff_{service} is not running, or hangs; {how}")
+
+    def silent(self, link: str, service: str) -> Link:
+        """Of a service that is there and says nothing."""
+        why = self.evidence.faults(service) or "is on the network and says nothing; it hangs: restart it"
+        return Link(name=link, standing="STOPS", text=f"giraff_{service}: {why}")
+
+    def _tilt(self) -> Heard[Tilt] | None:
+        """The hand behind the operator in charge, where it is one that tilts."""
+        maker = self.operator.sample.instance if self.operator is not None else ""
+        return next((heard for heard in self.evidence.of(TILT) if heard.sample.instance == maker), None)
+
+
+def several(what: str, instances: set[str]) -> str:
+    return f"{len(instances)} {what} run under this name ({', '.join(sorted(instances))}); end all but one"
+
+
+def told(name: str, standing: Standing, heard: Heard[Any], text: str) -> Link:
+    """The link that `heard` tells of."""
+    return Link(name=name, standing=standing, text=text, age=round(heard.age, 3))
+
+
+def _in_charge(commands: list[Heard[DriveCommand]], lease: Heard[Lease] | None) -> Heard[DriveCommand] | None:
+    """The operator whom the lease names; else one who wants to move; else any."""
+    holder = lease.sample.holder if lease is not None else ""
+
+    def rank(heard: Heard[DriveCommand]) -> tuple[bool, bool, bool]:
+        command = heard.sample
+        return command.instance != holder, command.neutral, command.source == "fault"
+
+    return min(commands, key=rank, default=None)

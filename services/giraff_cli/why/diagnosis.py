@@ -1,0 +1,67 @@
+"""Why the robot does not drive: what was heard, made into the chain from hand to wheel and its first broken link."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import msgspec
+
+from giraff_cli.why import checks as links
+from giraff_cli.why.chain import Link, Scene
+from giraff_cli.why.observation import Evidence
+
+LINKS: Final = ("hand", "operator", "lease", "ranger", "guard", "base", "e-stop", "board", "wheels")
+"""From hand to wheel, as they are told."""
+
+_JUDGES: Final = {
+    "operator": links.operator,
+    "hand": links.hand,
+    "e-stop": links.estop,
+    "ranger": links.ranger,
+    "guard": links.guard,
+    "board": links.board,
+    "lease": links.lease,
+    "base": links.base,
+    "wheels": links.wheels,
+}
+"""In the order in which they are judged: a link that only suffers from another one waits for it and is not to blame."""
+
+
+class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
+    """The answer to `giraff why`."""
+
+    robot: str
+    drives: bool
+    """It moves now."""
+    stopped_by: str
+    """The first link that stops it; empty: none does."""
+    conclusion: str
+    """What that is, and what to do."""
+    links: tuple[Link, ...]
+
+
+def diagnose(evidence: Evidence) -> Diagnosis:
+    """The chain, and what to do."""
+    scene = Scene(evidence)
+    for name, judge in _JUDGES.items():
+        scene.links[name] = judge(scene)
+    chain = tuple(scene.links[name] for name in LINKS)
+    broken = [link for link in chain if link.breaks]
+    drives = scene.base is not None and scene.base.sample.driving
+    return Diagnosis(
+        robot=evidence.robot,
+        drives=drives,
+        stopped_by=broken[0].name if broken else "",
+        conclusion=_conclude(chain, broken, drives),
+        links=chain,
+    )
+
+
+def _conclude(chain: tuple[Link, ...], broken: list[Link], drives: bool) -> str:
+    if broken:
+        first, *others = broken
+        return f"{first.name}: {first.text}" + (f" (then: {', '.join(link.name for link in others)})" if others else "")
+    limits = "; ".join(f"{link.name}: {link.text}" for link in chain if link.standing == "limits")
+    if drives:
+        return "the robot drives" + (f", but {limits}" if limits else "")
+    return "nothing stops the robot" + (f", but {limits}" if limits else ": it drives when the hand asks for it")
