@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from importlib.util import find_spec
+from typing import Annotated, Final
 
 import typer
 
@@ -32,3 +33,19 @@ Ending = Annotated[
     float | None,
     typer.Option("--for", metavar="SECONDS", min=0.1, callback=finite, help="End after so long; else with Ctrl-C."),
 ]
+Listen = Annotated[
+    float, typer.Option("--for", metavar="SECONDS", min=0.1, callback=finite, help="How long to listen.")
+]
+Topics = Annotated[
+    list[str] | None,
+    typer.Option(metavar="KEY", help="Only these: odom, range/*; once for each.", show_default=False),
+]
+
+_REFUSED: Final = 2
+
+
+def require_extra(verb: str, library: str, extras: str) -> None:
+    """End with the way out where a verb's library is not installed. `extras`: of the distribution, that bring it."""
+    if find_spec(library) is None:
+        typer.echo(f"giraff {verb}: the library {library} is missing: pip install 'giraff[{extras}]'", err=True)
+        raise typer.Exit(_REFUSED)

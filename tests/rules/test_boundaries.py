@@ -63,6 +63,9 @@ def test_contracts_hold() -> None:
         ("services/giraff_client/robot.py", "import giraff_cli.network.connection"),
         ("services/giraff_cli/main.py", "import giraff_client"),
         ("services/giraff_core/robot.py", "import giraff_node.node"),
+        ("services/giraff_cli/why/explain.py", "import giraff_cli.watch.monitor"),
+        ("services/giraff_cli/network/ports.py", "import giraff_cli.telemetry.rate"),
+        ("services/giraff_cli/terminal/text.py", "import giraff_cli.network.ports"),
         ("services/giraff_sim/hosts/disk.py", "import giraff_sim.hosts.process"),
     ],
 )

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from giraff_cli.options import Connect, Robot
-
-_REFUSED = 2  # exit code: nothing is shown
+from giraff_cli.options import Connect, Robot, require_extra
 
 
 def view(  # noqa: PLR0913, PLR0917  one argument an option
@@ -39,12 +36,9 @@ def view(  # noqa: PLR0913, PLR0917  one argument an option
 
     Exit code: 0 shown; 1 the viewer or the disk failed; 2 nothing to show.
     """
-    if find_spec("rerun") is None:
-        typer.echo("giraff view: the library rerun is missing: pip install 'giraff[viewer,cli]'", err=True)
-        raise typer.Exit(_REFUSED)
-    if recording is not None and find_spec("mcap") is None:
-        typer.echo("giraff view: the library mcap is missing: pip install 'giraff[viewer,cli,record]'", err=True)
-        raise typer.Exit(_REFUSED)
+    require_extra("view", "rerun", "viewer,cli")
+    if recording is not None:
+        require_extra("view", "mcap", "viewer,cli,record")
     from giraff_cli.view.live import show  # noqa: PLC0415
     from giraff_cli.view.output import Options  # noqa: PLC0415
 

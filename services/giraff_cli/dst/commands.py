@@ -1,0 +1,24 @@
+"""The options of `giraff dst`. What it does is imported when it is asked for."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def dst(
+    seeds: Annotated[int, typer.Option(metavar="N", min=1, help="How many; of a single one the story is told.")] = 100,
+    seed: Annotated[int, typer.Option(metavar="K", min=0, help="The first of them.")] = 0,
+    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the totals as JSON.")] = None,
+    jobs: Annotated[int, typer.Option(metavar="J", min=1, help="Processes.")] = os.cpu_count() or 1,
+) -> None:
+    """Deterministic simulation of the command path, 20 s a seed, with faults drawn from the seed.
+
+    Exit code: 0 no invariant is violated; 1 one is: the story of each such seed is told.
+    """
+    from giraff_cli.dst.explore import explore  # noqa: PLC0415
+
+    raise typer.Exit(explore(seeds, seed, jobs, json))

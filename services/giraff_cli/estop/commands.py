@@ -1,0 +1,84 @@
+"""The verbs of `giraff estop`. What they do is imported when it is asked for."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from giraff_cli.options import Connect, Robot, finite
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from giraff_cli.estop.client import Told
+    from giraff_cli.network.connection import Watcher
+
+
+estop = typer.Typer(no_args_is_help=True, help="Stop the robot from any machine, and release it again.")
+
+Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, callback=finite, help="How long to try.")]
+
+
+@estop.command()
+def engage(
+    robot: Robot = None,
+    connect: Connect = None,
+    timeout: Timeout = 5.0,
+    reason: Annotated[str, typer.Option(metavar="TEXT", help="Told to whoever asks why.")] = "stopped by hand",
+) -> None:
+    """Stop the robot now, and keep it stopped, also over restarts.
+
+    Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
+    """
+    from giraff_cli.estop import client as it  # noqa: PLC0415
+    from giraff_cli.estop.fallback import way_to_stop  # noqa: PLC0415
+    from giraff_cli.network.user import who  # noqa: PLC0415
+
+    _tell(
+        robot,
+        connect,
+        timeout,
+        lambda watcher: it.engage(watcher, who(), reason, timeout),
+        lambda: way_to_stop(robot, connect or ()),
+    )
+
+
+@estop.command()
+def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0) -> None:
+    """Clear the latch that is engaged now. It permits motion and never causes it: a level hand must arm the robot.
+
+    Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
+    """
+    from giraff_cli.estop import client as it  # noqa: PLC0415
+    from giraff_cli.network.user import who  # noqa: PLC0415
+
+    _tell(robot, connect, timeout, lambda watcher: it.reset(watcher, who(), timeout))
+
+
+@estop.command()
+def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0) -> None:
+    """Whether the robot's emergency stop is engaged, by whom and why.
+
+    Exit code: 0 released; 1 engaged; 2 unknown.
+    """
+    from giraff_cli.estop import client as it  # noqa: PLC0415
+
+    _tell(robot, connect, timeout, lambda watcher: it.status(watcher, timeout))
+
+
+def _tell(
+    robot: str | None,
+    connect: list[str] | None,
+    timeout: float,
+    act: Callable[[Watcher], Told],
+    lost: Callable[[], str] | None = None,
+) -> None:
+    from giraff_cli.network.command import UNUSABLE, visit  # noqa: PLC0415
+
+    def tell(watcher: Watcher) -> int:
+        code, text = act(watcher)
+        typer.echo(text, err=code >= UNUSABLE)
+        return code
+
+    raise typer.Exit(visit(robot, connect or (), timeout, tell, lost))

@@ -1,0 +1,68 @@
+"""The verbs of `giraff keys`. What they do is imported when it is asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from giraff_cli.options import require_extra
+
+keys = typer.Typer(no_args_is_help=True)
+
+Folder = Annotated[Path, typer.Option(metavar="FOLDER", help="Where the CA and all bundles are kept.")]
+
+
+@keys.callback()
+def needs_cryptography() -> None:
+    """Certificates by which hosts know each other: see docs/keys.md."""
+    require_extra("keys", "cryptography", "cli,keys")
+
+
+@keys.command()
+def init(folder: Folder = Path("keys")) -> None:
+    """Make a certificate authority (CA) of one's own, in a new folder that stays on this machine.
+
+    Exit code: 0 made; 2 not, and nothing is changed.
+    """
+    from giraff_cli.keys import manage as it  # noqa: PLC0415
+
+    raise typer.Exit(it.init(folder, it.now()))
+
+
+@keys.command()
+def host(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="As the access rules call the host.", show_default=False)],
+    addresses: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="ADDRESS",
+            help="IP addresses and DNS names at which others reach it; its loopback is added.",
+            show_default=False,
+        ),
+    ] = None,
+    folder: Folder = Path("keys"),
+    days: Annotated[int, typer.Option(metavar="N", min=1, max=3650, help="How long it is valid.")] = 730,
+    renew: Annotated[bool, typer.Option("--renew", help="New certificate, new key; addresses as before.")] = False,
+) -> None:
+    """Make the bundle of a host: the folder that is copied to it as /etc/giraff/keys.
+
+    Exit code: 0 made; 2 not, and nothing is changed.
+    """
+    from giraff_cli.keys import manage as it  # noqa: PLC0415
+
+    raise typer.Exit(it.host(folder, name, addresses or (), days=days, renew=renew, moment=it.now()))
+
+
+@keys.command("list")
+def list_keys(
+    folder: Folder = Path("keys"), as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False
+) -> None:
+    """The hosts that have keys, until when, and what is wrong with them.
+
+    Exit code: 0 all is well; 1 there is something to do; 2 something cannot be read.
+    """
+    from giraff_cli.keys import manage as it  # noqa: PLC0415
+
+    raise typer.Exit(it.show(folder, it.now(), as_json=as_json))

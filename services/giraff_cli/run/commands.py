@@ -1,0 +1,55 @@
+"""The options of `giraff run`. What it does is imported when it is asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+_REFUSED = 2  # exit code: nothing was started
+
+
+def run(  # noqa: PLR0913, PLR0917  one argument an option
+    seconds: Annotated[
+        float | None, typer.Option("--for", metavar="SECONDS", help="End after so long; else with Ctrl-C.")
+    ] = None,
+    world: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The room; see deploy/worlds.", show_default=False)
+    ] = None,
+    seed: Annotated[int, typer.Option(metavar="N", help="Of everything that is random in the world.")] = 1,
+    truth: Annotated[
+        Literal["exact", "calibrated", "uncalibrated"],
+        typer.Option(help="How far the robot that the seed draws differs from its file."),
+    ] = "calibrated",
+    tilt_script: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="CSV rows t, x, y, z (s, m/s²) instead of the scripted hand.")
+    ] = None,
+    boards: Annotated[
+        Literal["avr", "host"] | None,
+        typer.Option(help="The real firmware on simavr, or the same C compiled for this machine.", show_default=False),
+    ] = None,
+    summary: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the summary as JSON.")] = None,
+    picture: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the last live view as SVG.")] = None,
+    local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
+) -> None:
+    """Drive the simulated robot through the five services, and watch it."""
+    from giraff_cli.run.plan import PlanError, make_plan  # noqa: PLC0415
+    from giraff_cli.run.runner import drive  # noqa: PLC0415
+
+    try:
+        plan = make_plan(
+            seconds=seconds,
+            world=world,
+            seed=seed,
+            truth=truth,
+            tilt_script=tilt_script,
+            boards=boards,
+            summary=summary,
+            picture=picture,
+            local=local,
+        )
+    except PlanError as error:
+        typer.echo(f"giraff run: {error}", err=True)
+        raise typer.Exit(_REFUSED) from None
+    raise typer.Exit(drive(plan))
