@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from giraff_base.config import BaseConfig
-from giraff_base.estop_desk import EStopDesk
+from giraff_base.estop_server import EStopDesk
 from giraff_base.policy import BasePolicy
 from giraff_core.estop import LATCH_FILE, LatchSaver, kept_latch
 from giraff_core.io import IO

@@ -11,8 +11,8 @@ from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.echoes import Echoes, Obstruction
-from giraff_guard.held import Held
 from giraff_guard.motion import Motion
+from giraff_guard.recent_obstacles import Held
 from giraff_guard.sensor import Ping, Sensor
 from giraff_guard.stopping import fastest, stopping_distance
 from giraff_schemas.messages import Freedom, RobotTime, Verdict

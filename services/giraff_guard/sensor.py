@@ -9,9 +9,9 @@ from typing import Final, NamedTuple
 from giraff_core.freshness import age
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_guard.hearing import Hearing
 from giraff_guard.motion import Motion, Place
 from giraff_guard.self_test import SelfTest
+from giraff_guard.silence_trust import Hearing
 from giraff_schemas.messages import Range, RobotTime
 
 _KEPT: Final = 4

@@ -10,10 +10,10 @@ import msgspec
 from giraff_core.lease import LeaseSeeker
 from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickDown, moment_of
-from giraff_joystick.attention import Attention
 from giraff_joystick.clutch import Clutch
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.curves import asked
+from giraff_joystick.hand_detector import Attention
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick, Tilt, TiltStatus
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TickFrame, TiltFrame
 from giraff_schemas.wire import TiltStatus as WireStatus

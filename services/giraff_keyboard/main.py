@@ -6,8 +6,8 @@ import time
 from typing import Final
 
 from giraff_keyboard.config import KeyboardConfig
+from giraff_keyboard.estop_request import Stopping
 from giraff_keyboard.service import Keyboard
-from giraff_keyboard.stopping import Stopping
 from giraff_keyboard.terminal import Terminal
 from giraff_node import Node
 

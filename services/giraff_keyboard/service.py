@@ -10,10 +10,10 @@ from giraff_core.io import IO, Selectable
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Pacer
 from giraff_keyboard.config import KeyboardConfig
+from giraff_keyboard.estop_request import Stopping
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_keyboard.status import Heard
-from giraff_keyboard.stopping import Stopping
 from giraff_schemas.messages import EStopEngage
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, ESTOP_ENGAGE, GUARD, LEASE, OPERATOR_CMD_VEL, TICK
 

@@ -29,7 +29,7 @@ from mcap.records import Channel, Header, Message, Metadata
 from mcap.stream_reader import CRCValidationError, StreamReader
 from zstandard import ZstdError
 
-from giraff_mcap.heard import Count, Tally, start_of
+from giraff_mcap.raw_sample import Count, Tally, start_of
 from giraff_mcap.writing import ABOUT, SUMMARY, below_robot
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample

@@ -15,7 +15,7 @@ import msgspec
 from mcap.writer import CompressionType, Writer
 
 from giraff_mcap.durable import DurableFile
-from giraff_mcap.heard import Count, Heard, Tally, start_of
+from giraff_mcap.raw_sample import Count, Heard, Tally, start_of
 from giraff_mcap.schemas import ENCODING, FOREIGN, name_of, schema_of
 from giraff_schemas.topics import ROOT, topic_of
 

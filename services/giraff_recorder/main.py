@@ -12,9 +12,9 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_mcap.about import about
-from giraff_mcap.ear import Ear, step_back
-from giraff_mcap.heard import Heard
+from giraff_mcap.metadata import about
+from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_subscriber import Ear, step_back
 from giraff_mcap.writing import RecordingWriter
 from giraff_node import Node, Pacer
 from giraff_node.process.state import state_directory

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
 from giraff_recorder.config import RecorderConfig
 from giraff_schemas.messages import BaseState, EStop, Health
 

@@ -12,8 +12,8 @@ from typing import Any
 
 from giraff_core.io import Service
 from giraff_schemas.wire import BoardKind
-from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable
+from giraff_sim.hosts.event_queue import Agenda
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Network
 from giraff_sim.hosts.process import Observer, Process

@@ -21,16 +21,16 @@ from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import Board, BoardError, Implementation
 from giraff_sim.config import SimConfig
-from giraff_sim.control import Control
-from giraff_sim.control_server import ControlServer
-from giraff_sim.demo_hand import DemoHand
-from giraff_sim.hand import Dropped, Hand, LaidDown, ScriptError, Shaken, StillHand, read_script
+from giraff_sim.control.control import Control
+from giraff_sim.control.server import ControlServer
 from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
-from giraff_sim.room import Room, RoomError, read_room
 from giraff_sim.simulation import Simulation, simulation
 from giraff_sim.truth import Level, draw_truth
-from giraff_sim.world import World
+from giraff_sim.world.demo_hand import DemoHand
+from giraff_sim.world.hand import Dropped, Hand, LaidDown, ScriptError, Shaken, StillHand, read_script
+from giraff_sim.world.room import Room, RoomError, read_room
+from giraff_sim.world.world import World
 
 _log = logging.getLogger(__name__)
 

@@ -7,11 +7,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from giraff_schemas.wire import BoardKind, ResetCause, Wiring
-from giraff_sim.bno055 import Bno055
 from giraff_sim.board import BUILD, Board, Implementation, open_board
 from giraff_sim.record import Record
 from giraff_sim.soldering import RIGHT, Soldering
-from giraff_sim.world import World
+from giraff_sim.world.bno055 import Bno055
+from giraff_sim.world.world import World
 
 
 class Simulation:

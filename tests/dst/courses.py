@@ -8,13 +8,13 @@ from random import Random
 import msgspec
 
 from giraff_schemas.wire import BoardKind, ResetCause
-from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.dst.drill import Begin, Course, Drill
 from giraff_sim.dst.hands import Fingers
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.dst.people import typist
 from giraff_sim.record import Verdict
-from giraff_sim.sonar import SonarFault
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.sonar import SonarFault
 
 
 def kill(name: str) -> Begin:

@@ -8,8 +8,8 @@ from typing import Final
 
 from giraff_schemas.messages import DriveCommand, GuardedCommand, Lease, Range, Tick, Wheels
 from giraff_sim.dst.drill import Begin, Course, Drill
-from giraff_sim.hand import LEVEL
 from giraff_sim.record import Verdict
+from giraff_sim.world.hand import LEVEL
 from tests.dst.courses import cut, hold_frames, replay, watch
 from tests.dst.stage import FORWARD, at, driving, stage
 

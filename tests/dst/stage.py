@@ -6,9 +6,9 @@ from random import Random
 from typing import Final
 
 from giraff_sim.dst.drill import Befall, Begin, Kind, Outcome, Scenario, known_settings, play
-from giraff_sim.hand import LEVEL, Hand, ScriptedHand, StillHand
-from giraff_sim.room import Pose, Room
 from giraff_sim.settings import Services
+from giraff_sim.world.hand import LEVEL, Hand, ScriptedHand, StillHand
+from giraff_sim.world.room import Pose, Room
 
 SETTINGS: Final = known_settings()
 FORWARD: Final = (4.0, 0.0, 8.96)

@@ -8,11 +8,11 @@ import pytest
 
 from giraff_schemas.messages import EStopReset
 from giraff_schemas.wire import BoardKind, ResetCause
-from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.dst.drill import Begin, Course, Drill, Outcome
 from giraff_sim.dst.people import double
-from giraff_sim.hand import LEVEL
 from giraff_sim.record import Verdict
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.hand import LEVEL
 from tests.dst.courses import cut, engage, kill, replay, stop, unplug, watch
 from tests.dst.stage import FORWARD, at, driving, level, stage
 

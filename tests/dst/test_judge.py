@@ -11,9 +11,9 @@ from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.freedom import Freedom
 from giraff_sim.dst.judging.pins import Rises
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Stop, Stops
-from giraff_sim.hand import LEVEL
 from giraff_sim.simulation import Simulation
-from giraff_sim.world import World
+from giraff_sim.world.hand import LEVEL
+from giraff_sim.world.world import World
 from tests.dst import sabotage
 from tests.dst.courses import (
     cut,

@@ -13,10 +13,10 @@ from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.explain import Twist
 from giraff_sim.dst.judging.ledger import Heard
 from giraff_sim.dst.judging.obstacles import Obstacles
-from giraff_sim.hand import StillHand
-from giraff_sim.room import Pose, Room
-from giraff_sim.sonar import SonarFault
-from giraff_sim.world import World
+from giraff_sim.world.hand import StillHand
+from giraff_sim.world.room import Pose, Room
+from giraff_sim.world.sonar import SonarFault
+from giraff_sim.world.world import World
 from tests.dst.stage import SETTINGS
 
 SENSOR = SETTINGS.robot.sensors["front_left"]

@@ -7,11 +7,11 @@ from typing import Final, NamedTuple
 import pytest
 
 from giraff_schemas.wire import BoardKind, ResetCause
-from giraff_sim.bno055 import Bno055Fault, Vector
 from giraff_sim.dst.drill import Begin
-from giraff_sim.hand import LEVEL, ScriptedHand
 from giraff_sim.record import Verdict
-from giraff_sim.sonar import SonarFault
+from giraff_sim.world.bno055 import Bno055Fault, Vector
+from giraff_sim.world.hand import LEVEL, ScriptedHand
+from giraff_sim.world.sonar import SonarFault
 from tests.dst.courses import (
     cut_both_ways,
     cut_encoder,

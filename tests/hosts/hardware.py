@@ -10,9 +10,9 @@ from typing import Final
 
 from giraff_cli.run.processes import Children
 from giraff_sim.board import ROOT
-from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN
-from giraff_sim.messages import BoardName
+from giraff_sim.control.client import SimulatorClient
+from giraff_sim.control.messages import BoardName
 from tests.hosts.machine import LabError, let_first
 from tests.support.process_robot import FULL_TILT, PROVING_ROOM
 from tests.support.waiting import wait

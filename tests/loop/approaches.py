@@ -8,10 +8,10 @@ from typing import Final
 
 import pytest
 
-from giraff_sim import sonar
 from giraff_sim.closed_loop import ClosedLoop
-from giraff_sim.room import Room
 from giraff_sim.truth import TrueWheel, Truth
+from giraff_sim.world import sonar
+from giraff_sim.world.room import Room
 from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold
 from tests.sim.robots import empty_room
 

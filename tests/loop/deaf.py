@@ -13,12 +13,12 @@ from typing import Final
 
 import msgspec
 
-from giraff_sim.bno055 import Vector
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import LEVEL
-from giraff_sim.room import Pose, Room
-from giraff_sim.sonar import SonarFault
+from giraff_sim.world.bno055 import Vector
+from giraff_sim.world.hand import LEVEL
+from giraff_sim.world.room import Pose, Room
+from giraff_sim.world.sonar import SonarFault
 from tests.loop.deaf_drives import Act, Drive, drawn_drive
 from tests.loop.loops import arm, closed_loop, drawn
 from tests.loop.reaction import WILD_SHARE, tilted

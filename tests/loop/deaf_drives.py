@@ -9,7 +9,7 @@ from typing import Final, Literal, TypeVar
 
 import msgspec
 
-from giraff_sim.room import Point, Pose, Room
+from giraff_sim.world.room import Point, Pose, Room
 from tests.loop.rooms import cluttered
 from tests.support.robots import ROBOT
 

@@ -11,12 +11,12 @@ from giraff_joystick.config import JoystickConfig
 from giraff_sim.board import Implementation
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import StillHand
-from giraff_sim.room import Room
 from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth, draw_truth
-from giraff_sim.world import STEP_US, World
+from giraff_sim.world.hand import StillHand
+from giraff_sim.world.room import Room
+from giraff_sim.world.world import STEP_US, World
 from tests.sim.robots import EXACT
 from tests.support.robots import ROBOT
 

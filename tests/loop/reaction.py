@@ -13,10 +13,10 @@ import msgspec
 
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import StillHand
-from giraff_sim.room import Pose
-from giraff_sim.sonar import SonarFault
 from giraff_sim.truth import Truth, draw_truth
+from giraff_sim.world.hand import StillHand
+from giraff_sim.world.room import Pose
+from giraff_sim.world.sonar import SonarFault
 from tests.loop.loops import GRAVITY, SETTINGS, arm, closed_loop
 from tests.sim.robots import proving_room
 from tests.support.robots import ROBOT

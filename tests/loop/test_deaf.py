@@ -8,7 +8,7 @@ import pytest
 
 from giraff_guard.obstacles import Limited, Obstacles
 from giraff_schemas.messages import RobotTime
-from giraff_sim.room import Pose, Room
+from giraff_sim.world.room import Pose, Room
 from tests.loop.deaf import run, run_drive, told
 from tests.loop.deaf_drives import Act, Drive
 from tests.loop.touches import Kind

@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 import pytest
 
-from giraff_joystick.attention import DETECTION_S, FALLING, FROZEN, LAID_DOWN, SHAKEN
-from giraff_sim.bno055 import Bno055Fault
+from giraff_joystick.hand_detector import DETECTION_S, FALLING, FROZEN, LAID_DOWN, SHAKEN
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import Dropped, LaidDown, Shaken, StillHand
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.hand import Dropped, LaidDown, Shaken, StillHand
 from tests.loop.loops import FULL_TILT, arm, closed_loop, drawn, hold
 from tests.sim.robots import room_with_wall
 

@@ -11,8 +11,8 @@ from typing import Final, NamedTuple
 import msgspec
 
 from giraff_sim.closed_loop import ClosedLoop
-from giraff_sim.room import Point, Pose
-from giraff_sim.sonar import Sonar
+from giraff_sim.world.room import Point, Pose
+from giraff_sim.world.sonar import Sonar
 from tests.loop.rooms import NEARLY
 from tests.support.robots import ROBOT
 

@@ -18,13 +18,13 @@ from typing import Final
 
 import msgspec
 
-from giraff_sim.bno055 import GRAVITY, Vector
 from giraff_sim.board import ROOT
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
-from giraff_sim.demo_hand import DemoHand
-from giraff_sim.room import Pose, Room, read_room
 from giraff_sim.truth import draw_truth
+from giraff_sim.world.bno055 import GRAVITY, Vector
+from giraff_sim.world.demo_hand import DemoHand
+from giraff_sim.world.room import Pose, Room, read_room
 from tests.loop.loops import arm, closed_loop
 from tests.loop.reaction import quantile, tilted
 from tests.loop.rooms import crossings

@@ -1,10 +1,10 @@
 """The robots and rooms of these tests."""
 
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import StillHand
-from giraff_sim.room import Pose, Room
 from giraff_sim.truth import Truth
-from giraff_sim.world import World
+from giraff_sim.world.hand import StillHand
+from giraff_sim.world.room import Pose, Room
+from giraff_sim.world.world import World
 from tests.support.robots import ROBOT
 
 EXACT = SimConfig(tilt_noise=0.0, battery_sag_volts=0.0, battery_volts=24.0)

@@ -10,8 +10,8 @@ from giraff_schemas.framing import encode
 from giraff_schemas.wire import PROTOCOL_HASH as HASH
 from giraff_schemas.wire import BoardKind, DriveState, HelloFrame, Refusal, ResetCause, WheelsFrame, Wiring
 from giraff_sim.board import Implementation
-from giraff_sim.room import Pose, Room
 from giraff_sim.simulation import Simulation, simulation
+from giraff_sim.world.room import Pose, Room
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room, world_in
 

@@ -5,8 +5,8 @@ from itertools import pairwise
 
 import pytest
 
-from giraff_sim import bno055
-from giraff_sim.bno055 import ADDRESS, Bno055, Bno055Fault, Vector
+from giraff_sim.world import bno055
+from giraff_sim.world.bno055 import ADDRESS, Bno055, Bno055Fault, Vector
 
 MS = 1000
 FLAT: Vector = (0.0, 0.0, 9.80665)

@@ -7,15 +7,15 @@ from typing import Any
 
 import pytest
 
-from giraff_sim import messages
-from giraff_sim.client import SimulatorClient, SimulatorError
-from giraff_sim.control import Control
-from giraff_sim.control_server import ControlServer
-from giraff_sim.hand import Hand, StillHand
+from giraff_sim.control import messages
+from giraff_sim.control.client import SimulatorClient, SimulatorError
+from giraff_sim.control.control import Control
+from giraff_sim.control.server import ControlServer
 from giraff_sim.pacing import WallPacer
 from giraff_sim.simulation import Simulation
-from giraff_sim.sonar import SonarFault
 from giraff_sim.truth import TruthRanges, draw_truth
+from giraff_sim.world.hand import Hand, StillHand
+from giraff_sim.world.sonar import SonarFault
 from tests.sim.robots import room_with_wall, world_in
 
 

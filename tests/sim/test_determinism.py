@@ -7,11 +7,11 @@ from pathlib import Path
 from giraff_schemas.wire import BoardKind, ResetCause, TickFrame
 from giraff_sim.board import Implementation
 from giraff_sim.config import SimConfig
-from giraff_sim.demo_hand import DemoHand
-from giraff_sim.room import read_room
 from giraff_sim.simulation import simulation
-from giraff_sim.sonar import SonarFault
-from giraff_sim.world import World
+from giraff_sim.world.demo_hand import DemoHand
+from giraff_sim.world.room import read_room
+from giraff_sim.world.sonar import SonarFault
+from giraff_sim.world.world import World
 from tests.sim.line import BaseLine, Line
 from tests.support.robots import ROBOT
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from giraff_sim.bno055 import Vector
 from giraff_sim.config import SimConfig
-from giraff_sim.demo_hand import DemoHand
-from giraff_sim.hand import Dropped, Hand, LaidDown, ScriptError, Shaken, StillHand, Tremor, read_script
-from giraff_sim.room import Pose, read_room
+from giraff_sim.world.bno055 import Vector
+from giraff_sim.world.demo_hand import DemoHand
+from giraff_sim.world.hand import Dropped, Hand, LaidDown, ScriptError, Shaken, StillHand, Tremor, read_script
+from giraff_sim.world.room import Pose, read_room
 from tests.sim.robots import EXACT, ORIGIN, empty_room, world_in
 
 LIVING_ROOM = Path(__file__).parents[2] / "deploy" / "worlds" / "living_room.toml"

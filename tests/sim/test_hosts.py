@@ -12,8 +12,8 @@ from giraff_schemas.messages import Tick
 from giraff_schemas.wire import BoardKind, HelloRequestFrame
 from giraff_sim.board import Implementation
 from giraff_sim.dst.network import FaultyNetwork
-from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable, CableEnd
+from giraff_sim.hosts.event_queue import Agenda
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Message, Subscription
 from giraff_sim.simulation import Simulation, simulation

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 import pytest
 
 from giraff_schemas.wire import BoardKind, HelloFrame, ResetCause, TickFrame, TiltFrame, TiltStatus
-from giraff_sim.bno055 import Bno055, Bno055Fault
 from giraff_sim.board import Implementation
-from giraff_sim.hand import LaidDown
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth
+from giraff_sim.world.bno055 import Bno055, Bno055Fault
+from giraff_sim.world.hand import LaidDown
 from tests.sim.line import Line
 from tests.sim.robots import empty_room, world_in
 

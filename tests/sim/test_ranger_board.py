@@ -8,7 +8,7 @@ import pytest
 from giraff_schemas.wire import BoardKind, HelloFrame, RangeFault, RangeFrame, RangeState, ResetCause, TickFrame
 from giraff_sim.board import Board, Implementation
 from giraff_sim.simulation import simulation
-from giraff_sim.sonar import NO_ECHO_US, SILENT_US, STUCK_US, SonarFault
+from giraff_sim.world.sonar import NO_ECHO_US, SILENT_US, STUCK_US, SonarFault
 from tests.sim.line import Line
 from tests.sim.robots import room_with_wall, world_in
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_sim.room import Pose, Room, RoomError, read_room
+from giraff_sim.world.room import Pose, Room, RoomError, read_room
 from tests.sim.robots import ORIGIN, empty_room, room_with_wall
 
 LIVING_ROOM = Path(__file__).parents[2] / "deploy" / "worlds" / "living_room.toml"

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from giraff_core.robot import SensorPose
 from giraff_sim.config import SimConfig
-from giraff_sim.room import Pose, Room
-from giraff_sim.sonar import NO_ECHO_US, SILENT_US, STUCK_US, Sonar, SonarFault, sonars
+from giraff_sim.world.room import Pose, Room
+from giraff_sim.world.sonar import NO_ECHO_US, SILENT_US, STUCK_US, Sonar, SonarFault, sonars
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall
 from tests.support.robots import ROBOT
 

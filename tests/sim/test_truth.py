@@ -8,10 +8,10 @@ import statistics
 import msgspec
 import pytest
 
-from giraff_sim.plant import Plant
-from giraff_sim.room import Room
-from giraff_sim.sonar import Sonar, SonarFault
 from giraff_sim.truth import Level, TrueWheel, Truth, TruthRanges, draw_truth
+from giraff_sim.world.plant import Plant
+from giraff_sim.world.room import Room
+from giraff_sim.world.sonar import Sonar, SonarFault
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall, world_in
 from tests.support.robots import ROBOT
 

@@ -23,8 +23,8 @@ from giraff_node.network.session import session_config
 from giraff_node.process.state import write_latch
 from giraff_schemas.topics import BASE, GUARD
 from giraff_sim.board import ROOT
-from giraff_sim.client import SimulatorClient
 from giraff_sim.config import KNOWN
+from giraff_sim.control.client import SimulatorClient
 from giraff_sim.truth import Level
 from tests.support.cable import Cable
 from tests.support.observer import Observer

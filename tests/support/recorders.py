@@ -15,8 +15,8 @@ import psutil
 import zenoh
 
 from giraff_core.network import NetworkConfig
-from giraff_mcap.ear import Ear
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_subscriber import Ear
 from giraff_mcap.reading import Recorded
 from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import key_below

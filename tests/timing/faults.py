@@ -14,9 +14,9 @@ from typing import Final, Literal
 from giraff_node.network.query_client import Asking
 from giraff_schemas.messages import EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE
-from giraff_sim.bno055 import Bno055Fault
-from giraff_sim.messages import BoardName, Wheel
-from giraff_sim.sonar import SonarFault
+from giraff_sim.control.messages import BoardName, Wheel
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.sonar import SonarFault
 from tests.support.process_robot import FULL_TILT, ProcessRobot
 
 ROBOT_SIDE: Final = 0.35

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_sim.bno055 import Bno055Fault
-from giraff_sim.sonar import SonarFault
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.sonar import SonarFault
 from tests.timing.faults import (
     BACKWARD,
     ESTOP_ENGAGED,

@@ -12,7 +12,7 @@ import pytest
 
 from giraff_schemas.messages import Range
 from giraff_schemas.topics import RANGE
-from giraff_sim.sonar import SonarFault
+from giraff_sim.world.sonar import SonarFault
 from tests.support.process_robot import ARENA, ProcessRobot, process_robot
 from tests.support.report import report
 from tests.timing.faults import FORWARD, Scenario

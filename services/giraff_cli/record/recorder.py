@@ -18,8 +18,8 @@ from giraff_cli.network.command import complain, join
 from giraff_cli.network.connection import Watcher
 from giraff_cli.record.report import Report, told
 from giraff_cli.terminal.signals import Stopping
-from giraff_mcap.about import about
-from giraff_mcap.ear import Ear, step_back
+from giraff_mcap.metadata import about
+from giraff_mcap.raw_subscriber import Ear, step_back
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.network.discovery import NoRobotError, Roster, only_one, unheard
 from giraff_node.network.tcp_options import tune_links

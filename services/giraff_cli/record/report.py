@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from giraff_mcap.heard import Count
+from giraff_mcap.raw_sample import Count
 from giraff_mcap.writing import RecordingWriter
 
 

@@ -19,11 +19,11 @@ from giraff_node.network.discovery import find_way
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.config import KNOWN, SimConfig
-from giraff_sim.hand import ScriptError
 from giraff_sim.main import make_hand
-from giraff_sim.room import RoomError, read_room
 from giraff_sim.truth import Level, draw_truth
-from giraff_sim.world import World
+from giraff_sim.world.hand import ScriptError
+from giraff_sim.world.room import RoomError, read_room
+from giraff_sim.world.world import World
 
 Boards = Literal["avr", "host"]
 

@@ -30,7 +30,7 @@ from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import open_session
 from giraff_node.process.state import write_file_durably
-from giraff_sim.client import SimulatorError
+from giraff_sim.control.client import SimulatorError
 
 _LOOK_EVERY: Final = 0.2  # s
 _SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms

@@ -16,7 +16,7 @@ from giraff_cli.terminal.signals import Stopping
 from giraff_core.estop import RELEASED
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_sim.client import SimulatorClient, SimulatorError
+from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 
 SERVICES: Final = ("joystick", "guard", "base", "ranger", "odometry")

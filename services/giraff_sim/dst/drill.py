@@ -13,7 +13,6 @@ from typing import Any, Final, NamedTuple
 import msgspec
 
 from giraff_node.config.robot_file import load
-from giraff_sim.bno055 import Vector
 from giraff_sim.board import BUILD, ROOT, Implementation
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import KNOWN, SimConfig
@@ -22,15 +21,16 @@ from giraff_sim.dst.judging.stops import Stop, Way
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.dst.people import Button, Caretaker
 from giraff_sim.dst.story import Story
-from giraff_sim.hand import Hand
-from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable
+from giraff_sim.hosts.event_queue import Agenda
 from giraff_sim.hosts.process import Process
-from giraff_sim.room import Room
 from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import Simulation, simulation
 from giraff_sim.truth import EXACT, Truth
-from giraff_sim.world import World
+from giraff_sim.world.bno055 import Vector
+from giraff_sim.world.hand import Hand
+from giraff_sim.world.room import Room
+from giraff_sim.world.world import World
 
 SECONDS: Final = 20.0
 

@@ -7,9 +7,9 @@ import math
 import random
 from typing import Final
 
-from giraff_sim.bno055 import GRAVITY, Vector
-from giraff_sim.hand import Hand
-from giraff_sim.room import Pose
+from giraff_sim.world.bno055 import GRAVITY, Vector
+from giraff_sim.world.hand import Hand
+from giraff_sim.world.room import Pose
 
 _MUSCLE: Final = 0.12  # s, time constant of the wrist
 _PRESSES_FROM: Final = 2.5  # s; the robot drives by then

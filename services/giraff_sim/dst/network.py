@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.event_queue import Agenda
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Member, Message, Network, Subscription
 

@@ -6,7 +6,7 @@ import math
 import random
 from typing import Final
 
-from giraff_sim.room import Pose, Room
+from giraff_sim.world.room import Pose, Room
 
 _TRIES: Final = 200
 _START_CLEARANCE: Final = 0.9  # m, of the robot's centre

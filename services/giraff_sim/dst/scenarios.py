@@ -5,13 +5,15 @@ from __future__ import annotations
 from random import Random
 from typing import Final
 
-from giraff_sim.demo_hand import DemoHand
-from giraff_sim.dst import machine_faults, network_faults, robot_faults
 from giraff_sim.dst.drill import SECONDS, SIM, Befall, Kind, Scenario
+from giraff_sim.dst.faults import machine as machine_faults
+from giraff_sim.dst.faults import network as network_faults
+from giraff_sim.dst.faults import robot as robot_faults
 from giraff_sim.dst.hands import ClutchingHand, RestlessHand
 from giraff_sim.dst.rooms import lay_threshold, random_room
-from giraff_sim.hand import Hand
 from giraff_sim.truth import draw_truth
+from giraff_sim.world.demo_hand import DemoHand
+from giraff_sim.world.hand import Hand
 
 KINDS: Final[tuple[Kind, ...]] = (*network_faults.KINDS, *machine_faults.KINDS, *robot_faults.KINDS)
 

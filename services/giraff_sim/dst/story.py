@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from typing import Final
 
-from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.event_queue import Agenda
 
 _NUMBERS: Final = re.compile(r"[0-9]+(\.[0-9]+)?")
 

@@ -7,7 +7,7 @@ from typing import Final
 
 from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
 from giraff_schemas.wire import BoardKind
-from giraff_sim.hosts.agenda import Action
+from giraff_sim.hosts.event_queue import Action
 from giraff_sim.simulation import Simulation
 
 _KERNEL_BYTES: Final = 65536

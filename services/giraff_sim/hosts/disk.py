@@ -8,7 +8,7 @@ from functools import partial
 from typing import Final
 
 from giraff_core.estop import LATCH_FILE, RELEASED, latch_bytes
-from giraff_sim.hosts.agenda import Action, Agenda
+from giraff_sim.hosts.event_queue import Action, Agenda
 
 _WRITE_US: Final = 8_000  # file, folder and their fsync, on a flash card
 _FOLDER: Final = "/var/lib/giraff"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.disk import Disk
+from giraff_sim.hosts.event_queue import Agenda
 
 _BOOTED_US: Final = 3_600_000_000  # a machine has been up for an hour when the simulation begins
 _YEAR_2026_NS: Final = 1_767_225_600_000_000_000  # since 1970

@@ -31,14 +31,14 @@ from giraff_schemas.topics import (
     Topic,
 )
 from giraff_schemas.wire import BoardKind, Frame
-from giraff_sim.bno055 import Vector
-from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.cable import Cable, CableEnd
 from giraff_sim.hosts.disk import ProcessStore
+from giraff_sim.hosts.event_queue import Agenda
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Message, Network, Subscription
 from giraff_sim.settings import Settings
 from giraff_sim.simulation import Simulation
+from giraff_sim.world.bno055 import Vector
 
 _LONGEST_WAIT_US: Final = 100_000  # a node's loop comes round at least this often
 _NEVER: Final = 1 << 62

@@ -6,7 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from giraff_cli.network.ports import free_port
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
 from tests.support.desk import Desk
 from tests.support.recorders import hearing, require_the_same
 from tests.support.waiting import wait

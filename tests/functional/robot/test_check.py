@@ -13,7 +13,7 @@ import pytest
 from giraff_cli.check.wiring import SIDES
 from giraff_schemas.wire import Wiring
 from giraff_sim.board import ROOT
-from giraff_sim.client import SimulatorClient
+from giraff_sim.control.client import SimulatorClient
 from tests.support.elsewhere import GIRAFF, clean
 from tests.support.process_robot import PATIENCE, PROVING_ROOM, ProcessRobot
 

@@ -13,7 +13,7 @@ import pytest
 from giraff_cli.run.processes import Children
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import HelloFrame
-from giraff_sim.messages import BoardName
+from giraff_sim.control.messages import BoardName
 from tests.support.process_robot import PATIENCE, ProcessRobot, process_robot
 
 BOARDS: tuple[BoardName, ...] = ("base", "joystick", "ranger")

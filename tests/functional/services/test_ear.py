@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
-from giraff_mcap import ear
-from giraff_mcap.ear import Ear
+from giraff_mcap import raw_subscriber as ear
+from giraff_mcap.raw_subscriber import Ear
 from giraff_node.network.session import close_session
 
 

@@ -13,11 +13,11 @@ import pytest
 
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import BoardKind, HelloFrame, HelloRequestFrame, WheelsFrame
-from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.board import Implementation
-from giraff_sim.client import SimulatorClient, SimulatorError
-from giraff_sim.sonar import SonarFault
+from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Level, TruthRanges, draw_truth
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.sonar import SonarFault
 from tests.support.waiting import wait
 
 ROOT = Path(__file__).parents[3]

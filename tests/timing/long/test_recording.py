@@ -16,7 +16,7 @@ import psutil
 import pytest
 from mcap.reader import make_reader
 
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
 from giraff_mcap.reading import Recording
 from giraff_schemas.messages import BaseState
 from giraff_schemas.topics import BASE
@@ -37,7 +37,7 @@ FASTER = 4
 REPLAY = "replay-sim-test"
 LISTENER = """
 import sys, threading, zenoh
-from giraff_mcap.ear import step_back
+from giraff_mcap.raw_subscriber import step_back
 from giraff_node.config.robot_file import load
 from giraff_node.network.session import NetworkConfig, open_session
 from giraff_schemas.topics import key_below

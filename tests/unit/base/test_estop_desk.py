@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 import pytest
 
 from giraff_base.estop import RELEASED, EStopLatch
-from giraff_base.estop_desk import EStopDesk
+from giraff_base.estop_server import EStopDesk
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import EstopFrame, Latch
 from tests.unit.base.rig import Rig, moving

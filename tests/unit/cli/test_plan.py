@@ -12,7 +12,7 @@ import pytest
 from giraff_cli.run.plan import Plan, PlanError, choose_boards, make_plan, simulated_name
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
-from giraff_sim.room import read_room
+from giraff_sim.world.room import read_room
 
 BUILT = {
     "avr": ["lockstep/lockstep.so", "firmware/base.elf", "firmware/joystick.elf", "firmware/ranger.elf"],

@@ -9,8 +9,8 @@ import pytest
 
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_guard.held import Held
 from giraff_guard.motion import Place
+from giraff_guard.recent_obstacles import Held
 from giraff_guard.sensor import Ping, Sensor
 from giraff_guard.stopping import stopping_distance
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, opened

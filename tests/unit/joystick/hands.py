@@ -4,9 +4,9 @@ import math
 import random
 from collections.abc import Callable, Iterator
 
-from giraff_joystick.attention import Counts
-from giraff_sim.bno055 import GRAVITY, Vector
-from giraff_sim.hand import Tremor
+from giraff_joystick.hand_detector import Counts
+from giraff_sim.world.bno055 import GRAVITY, Vector
+from giraff_sim.world.hand import Tremor
 
 PERIOD = 0.02
 NOISE = 0.012

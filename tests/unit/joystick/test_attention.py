@@ -6,8 +6,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_joystick.attention import DETECTION_S, FALLING, FROZEN, LAID_DOWN, SHAKEN, SOUND_READINGS, Attention, Counts
-from giraff_sim.bno055 import GRAVITY, Vector
+from giraff_joystick.hand_detector import (
+    DETECTION_S,
+    FALLING,
+    FROZEN,
+    LAID_DOWN,
+    SHAKEN,
+    SOUND_READINGS,
+    Attention,
+    Counts,
+)
+from giraff_sim.world.bno055 import GRAVITY, Vector
 from tests.unit.joystick.frames import ANGLE
 from tests.unit.joystick.hands import MODAL_TREMOR, NOISE, PERIOD, counts, readings, tilted
 

@@ -1,6 +1,6 @@
 """The space bar's request: repeated until base says that it has stopped."""
 
-from giraff_keyboard.stopping import Stopping
+from giraff_keyboard.estop_request import Stopping
 from giraff_schemas.messages import EStop, EStopAnswer
 
 

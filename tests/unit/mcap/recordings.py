@@ -6,7 +6,7 @@ from pathlib import Path
 
 import msgspec
 
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
 from giraff_mcap.writing import RecordingWriter
 from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.messages import Odometry, RobotTime, Sample

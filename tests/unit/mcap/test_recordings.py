@@ -12,7 +12,7 @@ import msgspec
 import pytest
 from mcap.reader import make_reader
 
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.schemas import schema_of
 from giraff_mcap.writing import RecordingWriter

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
 from giraff_recorder.config import RecorderConfig
 from giraff_recorder.policy import Incident, Incidents, Memory, surplus
 from giraff_schemas.messages import BaseState, BoardState, EStop, Health

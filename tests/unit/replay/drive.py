@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
 from giraff_mcap.reading import Recorded, Recording
 from giraff_mcap.writing import RecordingWriter
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Final
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.touching import Touching
 from giraff_sim.settings import Settings
-from giraff_sim.world import World
+from giraff_sim.world.world import World
 
 if TYPE_CHECKING:
     from giraff_schemas.messages import BaseState

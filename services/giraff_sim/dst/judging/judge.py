@@ -29,8 +29,8 @@ from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import ROBOT_US, Stops
 from giraff_sim.dst.judging.wishes import Wishes
 from giraff_sim.dst.story import Story, kind_of
-from giraff_sim.hosts.agenda import Agenda
 from giraff_sim.hosts.disk import Disk
+from giraff_sim.hosts.event_queue import Agenda
 from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Settings
 from giraff_sim.simulation import Simulation

@@ -19,10 +19,10 @@ from giraff_schemas.messages import (
     Range,
 )
 from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFrame, WheelsFrame
-from giraff_sim.bno055 import Vector
 from giraff_sim.dst.judging.wishes import Wishes
-from giraff_sim.hosts.agenda import Agenda
+from giraff_sim.hosts.event_queue import Agenda
 from giraff_sim.hosts.process import Observer, Process
+from giraff_sim.world.bno055 import Vector
 
 _HEARD_US: Final = 1_000_000  # for so long what base was handed explains what it does, or shows what is wrong with it
 _STEADY_US: Final = 100_000  # between two reports of the base board, which come every 10 ms

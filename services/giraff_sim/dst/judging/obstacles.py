@@ -15,10 +15,10 @@ from typing import Final
 from giraff_schemas.wire import RANGE_SENSORS, RANGE_SLOT_MS
 from giraff_sim.dst.judging.ledger import Heard
 from giraff_sim.dst.judging.sensors import NewPings, looks_along
-from giraff_sim.room import Hit, Pose
 from giraff_sim.settings import Settings
-from giraff_sim.sonar import Sonar, SonarFault
-from giraff_sim.world import World
+from giraff_sim.world.room import Hit, Pose
+from giraff_sim.world.sonar import Sonar, SonarFault
+from giraff_sim.world.world import World
 
 REST: Final = 0.20
 """m that are left of the guard's margin before a wall, whatever the robot's truth is."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from giraff_core.robot import RobotConfig, SensorPose
-from giraff_sim.sonar import Sonar
-from giraff_sim.world import World
+from giraff_sim.world.sonar import Sonar
+from giraff_sim.world.world import World
 
 
 def looks_along(mount: SensorPose, way: float) -> bool:

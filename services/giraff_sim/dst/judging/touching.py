@@ -7,9 +7,9 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_sim.dst.judging.sensors import NewPings, looks_along
-from giraff_sim.room import Pose
 from giraff_sim.settings import Settings
-from giraff_sim.world import World
+from giraff_sim.world.room import Pose
+from giraff_sim.world.world import World
 
 # The guard's bounds, a tenth wider: it measures distance, motion and turns with a small error.
 _EARLIER: Final = 0.9

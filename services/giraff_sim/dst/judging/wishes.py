@@ -11,7 +11,7 @@ from collections import defaultdict, deque
 from typing import Final, NamedTuple
 
 from giraff_joystick.config import JoystickConfig
-from giraff_sim.bno055 import GRAVITY, Vector
+from giraff_sim.world.bno055 import GRAVITY, Vector
 
 _KEPT_US: Final = 2_000_000
 _PRESS_US: Final = 400_000  # that one press asks for

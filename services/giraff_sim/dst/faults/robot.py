@@ -8,12 +8,12 @@ from random import Random
 from typing import Final
 
 from giraff_schemas.wire import BoardKind, ResetCause
-from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.judging.ledger import BASE
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Way
-from giraff_sim.sonar import SonarFault
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.sonar import SonarFault
 
 KINDS: Final[list[Kind]] = []
 

@@ -11,8 +11,8 @@ from typing import Final
 
 from giraff_core.robot import RobotConfig
 from giraff_sim.config import SimConfig
-from giraff_sim.room import Pose, Room
 from giraff_sim.truth import EXACT, TrueWheel, Truth
+from giraff_sim.world.room import Pose, Room
 
 STATES_PER_TICK: Final = 2  # of the encoder's quadrature states: the base board counts both edges of A
 _FULL_DUTY: Final = 255.0

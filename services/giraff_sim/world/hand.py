@@ -13,8 +13,8 @@ import random
 from pathlib import Path
 from typing import Final, Protocol
 
-from giraff_sim.bno055 import GRAVITY, Vector
-from giraff_sim.room import Pose
+from giraff_sim.world.bno055 import GRAVITY, Vector
+from giraff_sim.world.room import Pose
 
 LEVEL: Final[Vector] = (0.0, 0.0, GRAVITY)
 

@@ -7,8 +7,8 @@ import random
 from enum import Enum, auto
 from typing import Final
 
-from giraff_sim.bno055 import GRAVITY, Vector
-from giraff_sim.room import Pose
+from giraff_sim.world.bno055 import GRAVITY, Vector
+from giraff_sim.world.room import Pose
 
 
 class _Mood(Enum):

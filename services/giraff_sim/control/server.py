@@ -11,7 +11,7 @@ from typing import Final
 import msgspec
 
 from giraff_node.process.unix_socket import listen_at
-from giraff_sim import messages
+from giraff_sim.control import messages
 
 _LONGEST_LINE: Final = 65536
 

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_mcap.heard import Heard
+from giraff_mcap.raw_sample import Heard
 
 _MOST_WAITING: Final = 40_000
 """Samples, a minute and a half of a whole robot: the queue while a disk hangs."""

@@ -9,13 +9,13 @@ from typing import Any, Final
 import msgspec
 
 from giraff_schemas.wire import BoardKind, DriveState, Latch, Refusal, ResetCause, WheelsFrame, Wiring
-from giraff_sim import messages
-from giraff_sim.hand import Hand, ScriptError, StillHand
+from giraff_sim.control import messages
 from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
-from giraff_sim.room import Pose, RoomError
 from giraff_sim.simulation import Simulation
 from giraff_sim.soldering import LEFT, RIGHT
+from giraff_sim.world.hand import Hand, ScriptError, StillHand
+from giraff_sim.world.room import Pose, RoomError
 
 _WHEELS: Final[dict[messages.Wheel, int]] = {"left": LEFT, "right": RIGHT}
 

@@ -11,12 +11,12 @@ from typing import Literal, Self
 import msgspec
 
 from giraff_schemas.wire import Wiring
-from giraff_sim import messages
-from giraff_sim.bno055 import Bno055Fault
-from giraff_sim.messages import BoardName, State, Wheel
+from giraff_sim.control import messages
+from giraff_sim.control.messages import BoardName, State, Wheel
 from giraff_sim.record import Verdict
-from giraff_sim.sonar import SonarFault
 from giraff_sim.truth import Truth
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.sonar import SonarFault
 
 
 class SimulatorError(Exception):

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_core.robot import RobotConfig
-from giraff_sim.bno055 import Vector
 from giraff_sim.config import SimConfig
-from giraff_sim.hand import LEVEL, Hand, Tremor
-from giraff_sim.plant import Plant
-from giraff_sim.room import Room, RoomError
-from giraff_sim.sonar import SILENT_US, sonars
 from giraff_sim.truth import EXACT, Truth
+from giraff_sim.world.bno055 import Vector
+from giraff_sim.world.hand import LEVEL, Hand, Tremor
+from giraff_sim.world.plant import Plant
+from giraff_sim.world.room import Room, RoomError
+from giraff_sim.world.sonar import SILENT_US, sonars
 
 STEP_US: Final = 1000
 _HAND_US: Final = 8000  # the accelerometer takes no more samples than one in that time

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 import msgspec
 
 from giraff_schemas.wire import Wiring
-from giraff_sim.bno055 import Bno055Fault
 from giraff_sim.board import RunState
 from giraff_sim.record import Verdict
-from giraff_sim.sonar import SonarFault
 from giraff_sim.truth import Truth
+from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.sonar import SonarFault
 
 BoardName = Literal["base", "joystick", "ranger"]
 Wheel = Literal["left", "right"]

@@ -1,0 +1,1 @@
+"""Faults by kind: of machines, of the network, of the robot."""
