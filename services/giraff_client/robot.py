@@ -26,6 +26,7 @@ from giraff_node.network.session import close_session, open_session
 from giraff_node.network.tcp_options import tune_links
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Odometry, Range, Sample
+from giraff_schemas.services import CLIENT
 from giraff_schemas.topics import (
     BASE,
     ESTOP,
@@ -231,7 +232,7 @@ class Robot:
         """Hear all that a script may ask for, until the robot's clock has come. Raises UnknownRobotError."""
         for topic in _HEARD:
             self._declared.append(session.declare_subscriber(key_of(self.name, topic), self._hearer(topic)))
-        token = alive_key(self.name, "client", self._instance)
+        token = alive_key(self.name, CLIENT.name, self._instance)
         self._declared.append(session.liveliness().declare_token(token))
         if not self._wait_for(lambda: TICK.key in self._newest, self._patience):
             raise UnknownRobotError(unheard(self.name, ()) + others(session, self.name))

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import msgspec
 
+from giraff_schemas.services import OPERATORS
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     OPERATOR_CMD_VEL,
@@ -23,8 +24,6 @@ from giraff_schemas.topics import (
     health_key,
     require_chunk,
 )
-
-_OPERATORS_SERVICES: Final = ("joystick", "keyboard", "client")
 
 _ASKS: Final = ("declare_subscriber", "declare_liveliness_subscriber", "liveliness_query")
 _TELLS: Final = ("put", "delete", "reply", "declare_queryable", "liveliness_token")
@@ -109,7 +108,7 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
                 ("liveliness_token", "declare_queryable", "reply"),
                 *(
                     key
-                    for service in _OPERATORS_SERVICES
+                    for service in (each.name for each in OPERATORS)
                     for key in (
                         alive_key(robot, service),
                         health_key(robot, service),

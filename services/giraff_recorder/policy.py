@@ -9,12 +9,11 @@ from typing import Final, NamedTuple
 from giraff_mcap.raw_sample import Heard
 from giraff_recorder.config import RecorderConfig
 from giraff_schemas.messages import BaseState, EStop, Health
+from giraff_schemas.services import SIMULATED
 
 _OVERHEAD: Final = 300
 """bytes that a sample in memory takes beside its payload."""
 _ARMED_LATELY: Final = 2.0  # s
-_WATCHED: Final = ("base", "guard", "ranger", "odometry", "joystick")
-"""Services whose loss while the robot is armed is an event."""
 
 
 class Memory:
@@ -94,7 +93,7 @@ class Incidents:
 
     def on_gone(self, service: str, now: float) -> None:
         """A service's process has left the network."""
-        if service in _WATCHED and now - self._armed_at <= _ARMED_LATELY:
+        if service in SIMULATED and now - self._armed_at <= _ARMED_LATELY:
             self._tell(now, "gone", f"{service} ended while the robot was armed")
 
     def due(self, now: float) -> Incident | None:

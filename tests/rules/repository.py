@@ -7,21 +7,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from giraff_schemas.services import SERVICES
 from tests.support.tools import finished
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE_ROOTS = ("schemas", "services")
-NOT_SERVICES = {
-    "giraff_schemas",
-    "giraff_health",
-    "giraff_core",
-    "giraff_node",
-    "giraff_mcap",
-    "giraff_viewer",
-    "giraff_sim",
-    "giraff_cli",
-    "giraff_client",
-}
 
 
 @cache
@@ -50,7 +40,8 @@ def packages() -> list[str]:
 
 
 def services() -> list[str]:
-    return [package for package in packages() if package not in NOT_SERVICES]
+    """Packages of the services."""
+    return sorted(service.package for service in SERVICES if service.package)
 
 
 def pyproject() -> dict[str, Any]:

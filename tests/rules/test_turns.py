@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from giraff_sim.settings import MACHINES
+from giraff_schemas.services import SERVICES
 from tests.rules.repository import ROOT, services
 
-SIMULATED = {f"giraff_{service}" for service in MACHINES} | {"giraff_keyboard"}
+SIMULATED = {service.package for service in SERVICES if service.simulated} | {"giraff_keyboard"}
 # What is not in the chain that drives, and no simulation runs, may turn in its main.
 LOOPS_OF_THEIR_OWN = {"giraff_gateway", "giraff_recorder", "giraff_router", "giraff_sentry"}
 

@@ -26,6 +26,7 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import NoRobotError, Way, find_way, only_one, robots_alive, way_of
 from giraff_node.network.link_repair import hosts_of
 from giraff_node.network.session import open_session
+from giraff_schemas.services import BASE
 
 FoundT = TypeVar("FoundT")
 
@@ -95,7 +96,7 @@ def _look(way: Way, machine: Machine, watcher: Watcher | None, problem: str, sec
     strangers = [locators for each, locators in heard.items() if each not in known]
     running = [service for service, count in (robot.services if robot else {}).items() if count]
     based_here = robot is not None and any(
-        each.health.service == "base" and each.health.host == machine.host for each in robot.answers
+        each.health.service == BASE.name and each.health.host == machine.host for each in robot.answers
     )
     return Look(
         machine=msgspec.structs.replace(

@@ -8,6 +8,8 @@ from typing import Final, Literal
 import msgspec
 
 from giraff_cli.doctor.inspection import Answer, Call, Look, Machine, Network, Rate, Robot
+from giraff_cli.telemetry.describe import START_A_HAND
+from giraff_schemas.services import BASE, HANDS, ODOMETRY, ROBOTS_OWN
 
 Severity = Literal["fault", "warning", "note"]
 
@@ -18,14 +20,12 @@ _SLOW: Final = 0.7  # of the rate in the topics table
 _LOSSY: Final = 0.02
 _FEW: Final = 5  # samples that tell nothing about a rate
 
-_NEEDED: Final = {
+NEEDED: Final = {
     "base": ("fault", "nothing moves"),
     "guard": ("fault", "nothing moves: base obeys the guard alone"),
     "ranger": ("fault", "the robot is blind, and guard stops it"),
     "odometry": ("warning", "nobody knows where the robot is"),
 }
-_HANDS: Final = ("joystick", "keyboard")
-_ONE_OF_EACH: Final = ("base", "guard", "ranger", "odometry")
 
 
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
@@ -150,7 +150,7 @@ def _of_network(network: Network) -> Iterator[Finding]:
 
 
 def _of_services(robot: Robot) -> Iterator[Finding]:
-    for service, (severity, so) in _NEEDED.items():
+    for service, (severity, so) in NEEDED.items():
         if not robot.services.get(service):
             yield Finding(
                 severity="fault" if severity == "fault" else "warning",
@@ -158,10 +158,10 @@ def _of_services(robot: Robot) -> Iterator[Finding]:
                 what=f"giraff_{service} is not running, or hangs: {so}",
                 fix=f"start it on the robot's machine: systemctl start giraff-{service}, or docker-compose up",
             )
-    if not any(robot.services.get(hand) for hand in _HANDS):
-        fix = "start giraff_joystick or giraff_keyboard on the operator's machine"
-        yield Finding(severity="warning", about="operator", what="nobody is there who could drive", fix=fix)
-    doubled = [service for service in _ONE_OF_EACH if robot.services.get(service, 0) > 1]
+    if not any(robot.services.get(hand) for hand in HANDS):
+        what = "nobody is there who could drive"
+        yield Finding(severity="warning", about="operator", what=what, fix=START_A_HAND)
+    doubled = [service for service in ROBOTS_OWN if robot.services.get(service, 0) > 1]
     if len(doubled) > 1:
         yield Finding(
             severity="fault",
@@ -193,7 +193,7 @@ def _of_answers(robot: Robot, machine: Machine) -> Iterator[Finding]:
     for answer in robot.answers:
         who = f"{answer.health.service} on {answer.health.host}"
         yield from (_told("fault", who, fault) for fault in answer.health.faults)
-        if answer.health.service not in _HANDS:  # theirs tell why nobody drives, which is giraff why's to tell
+        if answer.health.service not in HANDS:  # theirs tell why nobody drives, which is giraff why's to tell
             yield from (_told("warning", who, notice) for notice in answer.health.notices)
     told = {answer.health.service for answer in robot.answers}
     for service in sorted(service for service, count in robot.services.items() if count and service not in told):
@@ -239,8 +239,8 @@ def _of_versions(answers: tuple[Answer, ...], machine: Machine) -> Iterator[Find
 def _of_rates(robot: Robot) -> Iterator[Finding]:
     """Of services that say they are well: what is wrong with others is told already."""
     unwell = {answer.health.service for answer in robot.answers if not answer.health.ok}
-    if "base" in unwell or not robot.services.get("base"):
-        unwell |= {"odometry"}  # it lives by base's wheels
+    if BASE.name in unwell or not robot.services.get(BASE.name):
+        unwell |= {ODOMETRY.name}  # it lives by base's wheels
     well = {answer.health.service for answer in robot.answers} - unwell
     for rate in robot.rates:
         if rate.maker in well and robot.services.get(rate.maker) == 1:

@@ -22,12 +22,13 @@ from giraff_node.config.robot_file import ConfigError, is_at_hand, load, read_ta
 from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
+from giraff_schemas.services import SERVICES
 from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind
 
-_BOARDS: Final = {
-    "base": (BASE_BAUD, BoardKind.BASE),
-    "ranger": (RANGER_BAUD, BoardKind.RANGER),
-    "joystick": (JOYSTICK_BAUD, BoardKind.JOYSTICK),
+_BAUDS: Final = {
+    BoardKind.BASE: BASE_BAUD,
+    BoardKind.RANGER: RANGER_BAUD,
+    BoardKind.JOYSTICK: JOYSTICK_BAUD,
 }
 _HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
 _TURN: Final = 0.01  # s
@@ -58,12 +59,14 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
     A port that is not there may be another machine's; one that is in use is not touched.
     """
     found = []
-    for service, (baud, kind) in _BOARDS.items():
-        path = str(_tables(environment).get(service, {}).get("port", ""))
-        if service not in running and path and Path(path).exists():
-            problem = _greet(path, baud, kind)
+    for service in SERVICES:
+        if service.board is None or service.name in running:
+            continue
+        path = str(_tables(environment).get(service.table, {}).get("port", ""))
+        if path and Path(path).exists():
+            problem = _greet(path, _BAUDS[service.board], service.board)
             if "in use by another process" not in problem:
-                found.append(Port(service=service, problem=problem))
+                found.append(Port(service=service.name, problem=problem))
     return tuple(found)
 
 

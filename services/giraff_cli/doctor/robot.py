@@ -16,34 +16,16 @@ from giraff_cli.telemetry.collector import Telemetry
 from giraff_node import robot_now_ns
 from giraff_node.network.tcp_options import tune_links
 from giraff_schemas.messages import Health, Sample
-from giraff_schemas.topics import (
-    BASE,
-    CMD_VEL,
-    ESTOP,
-    GUARD,
-    LEASE,
-    ODOM,
-    RANGE,
-    TICK,
-    TILT,
-    WHEELS,
-    Topic,
-    health_key,
-)
+from giraff_schemas.services import SERVICES
+from giraff_schemas.topics import BATTERY, OPERATOR_CMD_VEL, Topic, health_key
 
 MAKERS: Final[dict[Topic[Any], str]] = {
-    TICK: "base",
-    WHEELS: "base",
-    BASE: "base",
-    ESTOP: "base",
-    CMD_VEL: "guard",
-    LEASE: "guard",
-    GUARD: "guard",
-    RANGE: "ranger",
-    ODOM: "odometry",
-    TILT: "joystick",
+    topic: service.name
+    for service in SERVICES
+    for topic in service.publishes
+    if topic.rate_hz and topic not in (BATTERY, OPERATOR_CMD_VEL)
 }
-"""Of what a robot says all the time."""
+"""Of what a robot says all the time; no robot must measure its battery, or have an operator."""
 
 _LOOK_EVERY: Final = 0.02  # s
 _ASK_EVERY: Final = 0.25  # s; the quickest of several answers tells the clock best

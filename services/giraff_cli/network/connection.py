@@ -14,6 +14,7 @@ from giraff_node import robot_now_ns
 from giraff_node.network.session import close_session
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
+from giraff_schemas.services import BASE
 from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
 
 _ASK_AGAIN: Final = 0.1  # s
@@ -50,7 +51,7 @@ class Watcher:
         """The liveliness token of a base that already runs under this robot's name; looks for `patience` s."""
         deadline = time.monotonic() + patience
         while time.monotonic() < deadline:
-            for reply in self.session.liveliness().get(alive_key(self.robot, "base"), timeout=patience):
+            for reply in self.session.liveliness().get(alive_key(self.robot, BASE.name), timeout=patience):
                 if reply.ok is not None:
                     return str(reply.ok.key_expr)
             time.sleep(_ASK_AGAIN)

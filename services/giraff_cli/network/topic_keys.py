@@ -6,28 +6,13 @@ import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from giraff_schemas.topics import (
-    BASE,
-    BATTERY,
-    CMD_VEL,
-    ESTOP,
-    GUARD,
-    LEASE,
-    ODOM,
-    OPERATOR_CMD_VEL,
-    QUERIES,
-    RANGE,
-    ROOT,
-    TICK,
-    TOPICS,
-    WHEELS,
-    Topic,
-    topic_of,
-)
+from giraff_schemas.services import PLAY, ROBOTS_OWN, SERVICES
+from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, QUERIES, ROOT, TOPICS, Topic, topic_of
 
 _COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key)
-_ROBOTS_OWN: Final = tuple(topic.key for topic in (TICK, LEASE, RANGE, WHEELS, ODOM, BASE, BATTERY, GUARD, ESTOP))
-_PLAYER: Final = "play"  # the service of a robot that is only played from a recording
+_ROBOTS_OWN: Final = frozenset(
+    topic.key for service in SERVICES if service.name in ROBOTS_OWN for topic in service.publishes if topic != CMD_VEL
+)
 _NEAR: Final = 0.5
 
 
@@ -65,7 +50,7 @@ def covers(pattern: str, key: str) -> bool:
 
 def is_live(services: Iterable[str]) -> bool:
     """Whether a robot of which these services are on the network is more than a recording that is played."""
-    return any(service != _PLAYER for service in services)
+    return any(service != PLAY.name for service in services)
 
 
 def refusal(topic: Topic[Any], live: Mapping[str, Iterable[str]]) -> str:

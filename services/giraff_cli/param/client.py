@@ -13,18 +13,18 @@ from giraff_cli.network.connection import Watcher
 from giraff_cli.network.user import who
 from giraff_cli.param.format import Shown, as_objects, differing
 from giraff_cli.terminal.page import print_json
-from giraff_node.config.robot_file import TABLES
 from giraff_node.network.discovery import NoRobotError, robots_alive, unheard
 from giraff_node.network.query_client import Asking
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
+from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and then for its services to answer
 _SAVE_PATIENCE: Final = 10.0  # s, for a slow disk
 _SETTLED: Final = 0.5  # s after the first service was found: the others of a network are met within some ten ms
 _TURN: Final = 0.02  # s
-_WITHOUT: Final = ("network", "robot", "router", "sim")
-"""Tables of the robot file that no service on the robot's network answers for."""
+_ANSWERING: Final = frozenset(service.name for service in SERVICES if service.table and service.host != "router")
+"""Services that answer for their parameters on the robot's network."""
 
 _DONE: Final = 0
 _WRONG: Final = 1
@@ -120,7 +120,7 @@ def _services(watcher: Watcher, names: Iterable[str]) -> set[str]:
     while time.monotonic() < deadline:
         replies = watcher.session.liveliness().get(alive_key(watcher.robot), timeout=_PATIENCE)
         there |= {str(reply.ok.key_expr).split("/")[3] for reply in replies if reply.ok is not None}
-        there &= {table for table in TABLES if table not in _WITHOUT}
+        there &= _ANSWERING
         settled = settled or (time.monotonic() + _SETTLED if there else 0.0)
         if wanted and wanted <= there:
             break

@@ -19,12 +19,11 @@ from giraff_cli.play.reader import Reader, Said
 from giraff_cli.terminal.signals import Stopping
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_node.network.discovery import NoRobotError
+from giraff_schemas.services import PLAY
 from giraff_schemas.topics import alive_key, key_below
 
 _MEET_WITHIN: Final = 1.0  # s, to meet who listens, and a robot of this name
 _LOOK_EVERY_NS: Final = 200_000_000
-_SERVICE: Final = "play"
-"""Its name among the services of the robot that it plays: who looks for robots finds that one."""
 
 _DONE: Final = 0
 _STOPPED: Final = 1
@@ -86,7 +85,7 @@ class Presence:
 
     def __init__(self, session: zenoh.Session, robot: str) -> None:
         self._session = session
-        self._own = alive_key(robot, _SERVICE, secrets.token_hex(8))
+        self._own = alive_key(robot, PLAY.name, secrets.token_hex(8))
         self._token: zenoh.LivelinessToken | None = None
         self._tokens: dict[str, bool] = {}
         key = alive_key(robot)

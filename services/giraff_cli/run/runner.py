@@ -20,7 +20,7 @@ from giraff_cli.network.ports import claim, free_port
 from giraff_cli.run.directory import RunDirectory
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.screen import Frame, RunSight
-from giraff_cli.run.simulated_robot import SERVICES, SIMULATOR, SimulatedRobot, StartError
+from giraff_cli.run.simulated_robot import SIMULATOR, START_ORDER, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.terminal.layout import Standing
@@ -144,7 +144,7 @@ class Run:
 
     def _await_services(self, telemetry: RunTelemetry) -> None:
         deadline = time.monotonic() + _SERVICES_WITHIN
-        while missing := set(SERVICES) - telemetry.alive - self._robot.ended.keys():
+        while missing := set(START_ORDER) - telemetry.alive - self._robot.ended.keys():
             if time.monotonic() > deadline:
                 self._failures.append(f"not on the network after {_SERVICES_WITHIN:g} s: {', '.join(sorted(missing))}")
                 return
@@ -196,7 +196,7 @@ class Run:
             seed=self._plan.seed,
             elapsed=0.0 if self._began_ns is None else (now_ns - self._began_ns) * 1e-9,
             seconds=self._plan.seconds,
-            services={service: self._standing(service, telemetry) for service in SERVICES},
+            services={service: self._standing(service, telemetry) for service in START_ORDER},
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )
         return RunSight(telemetry.snapshot(now_ns), frame)

@@ -16,13 +16,14 @@ from giraff_cli.terminal.signals import Stopping
 from giraff_core.estop import RELEASED
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
+from giraff_schemas.services import SERVICES
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 
-SERVICES: Final = ("joystick", "guard", "base", "ranger", "odometry")
+START_ORDER: Final = ("joystick", "guard", "base", "ranger", "odometry")
 SIMULATOR: Final = "simulator"
 
-_BOARDS: Final = ("joystick", "base", "ranger")
+_BOARDS: Final = tuple(service.name for service in SERVICES if service.simulated and service.board is not None)
 _READY_WITHIN: Final = 20.0  # s
 _ASK_AGAIN: Final = 0.02  # s
 _GRACE: Final = 3.0  # s; a service's own end is bounded at about one
@@ -89,7 +90,7 @@ class SimulatedRobot:
         environment |= {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
         environment["STATE_DIRECTORY"] = str(self._directory / "state")
         write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
-        for service in SERVICES:
+        for service in START_ORDER:
             self._children.start(service, f"giraff_{service}", [], environment)
 
     def truth(self) -> Truth:
@@ -123,7 +124,7 @@ class SimulatedRobot:
 
     def stop(self) -> list[str]:
         """End the services, then the simulator. Bounded. Returns what went wrong."""
-        troubles = self._children.stop(SERVICES, _GRACE)
+        troubles = self._children.stop(START_ORDER, _GRACE)
         if self._client is not None:
             self._client.close()
         return troubles + self._children.stop([SIMULATOR], _GRACE)

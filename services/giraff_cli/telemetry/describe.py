@@ -6,7 +6,9 @@ from typing import Final
 
 from giraff_cli.telemetry.collector import Seen, Snapshot
 from giraff_schemas.messages import GuardState, Range, Verdict
+from giraff_schemas.services import HANDS
 
+START_A_HAND: Final = f"start {' or '.join(f'giraff_{hand}' for hand in HANDS)} on the operator's machine"
 DIRECTIONS: Final = ("forward", "backward", "turn left", "turn right")
 
 

@@ -29,9 +29,7 @@ from giraff_cli.terminal.layout import (
     why,
     words,
 )
-
-ROBOTS_OWN: Final = ("base", "guard", "ranger", "odometry")
-"""Services that every robot has; others are told of while they are there, and after they have gone."""
+from giraff_schemas.services import ROBOTS_OWN
 
 _TOPIC_COLUMNS: Final = 2
 _NOTICES: Final = 1  # more would not fit 24 lines

@@ -4,27 +4,26 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_cli.telemetry.describe import verdicts
+from giraff_cli.telemetry.describe import START_A_HAND, verdicts
 from giraff_cli.why.chain import Link, Scene, several, told
 from giraff_cli.why.observation import Heard
 from giraff_core.estop import RESET_COMMAND
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
+from giraff_schemas.services import HANDS
 from giraff_schemas.topics import BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 
 _BUDGET: Final = GuardConfig().operator_budget
-_OPERATORS: Final = ("joystick", "keyboard")
 
 
 def operator(scene: Scene) -> Link:
     """The operator's program and its way to the robot."""
     heard = scene.operator
     if heard is None:
-        there = [name for name in _OPERATORS if scene.evidence.alive.get(name)]
+        there = [name for name in HANDS if scene.evidence.alive.get(name)]
         if there:
             return scene.silent("operator", there[0])
-        how = "start giraff_joystick or giraff_keyboard on the operator's machine"
-        return Link(name="operator", standing="missing", text=f"no operator is heard; {how}")
+        return Link(name="operator", standing="missing", text=f"no operator is heard; {START_A_HAND}")
     command, name = heard.sample, heard.sample.operator
     commands = (each.sample for each in scene.evidence.of(OPERATOR_CMD_VEL))
     same = {each.instance for each in commands if each.operator == name}

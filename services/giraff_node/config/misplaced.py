@@ -15,6 +15,7 @@ import msgspec
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import TABLES, Given, Strange
+from giraff_schemas.services import SERVICES
 
 _NETWORK: Final = {
     **{field: f"{field!r} of [network]" for field in NetworkConfig.__struct_fields__},
@@ -100,8 +101,11 @@ def _config_of(table: str) -> Any:
     """The `Struct` of a table; None: there is no such table."""
     if table == "robot":
         return RobotConfig
-    # Services stand above this package: it knows their names, and asks for one only where something is in doubt.
-    return getattr(import_module(f"giraff_{table}.config"), f"{table.capitalize()}Config") if table else None
+    # Services stand above this package: one is imported only where something is in doubt.
+    for service in SERVICES:
+        if table and service.table == table:
+            return getattr(import_module(f"{service.package}.config"), f"{table.capitalize()}Config")
+    return None
 
 
 def _fields(kind: Any) -> tuple[str, ...]:

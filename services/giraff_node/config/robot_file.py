@@ -18,23 +18,11 @@ from typing import Any, Final, NamedTuple, TypeVar, get_type_hints
 import msgspec
 import msgspec.inspect
 
+from giraff_schemas.services import SERVICES
+
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
-TABLES = (
-    "robot",
-    "network",
-    "joystick",
-    "keyboard",
-    "base",
-    "ranger",
-    "odometry",
-    "guard",
-    "recorder",
-    "sentry",
-    "gateway",
-    "router",
-    "sim",
-)
+TABLES: Final = ("robot", "network", *(service.table for service in SERVICES if service.table), "sim")
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
 _WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
 _DEEPEST: Final = 20

@@ -12,7 +12,7 @@ import pytest
 
 from giraff_cli.network.connection import Watcher
 from giraff_cli.network.ports import free_port
-from giraff_cli.run.simulated_robot import SERVICES
+from giraff_cli.run.simulated_robot import START_ORDER
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session
 from giraff_schemas.topics import alive_key
@@ -75,7 +75,7 @@ def test_a_service_that_dies_is_named_and_the_others_go_on_until_their_world_end
     assert msgspec.convert(told["drawn"], Truth) == draw_truth("calibrated", TruthRanges(), 7)
     [kept] = command.left.iterdir()
     assert f"the logs are in {kept}" in err
-    assert {f"{name}.log" for name in ("simulator", *SERVICES)} <= {file.name for file in kept.iterdir()}
+    assert {f"{name}.log" for name in ("simulator", *START_ORDER)} <= {file.name for file in kept.iterdir()}
     assert not command.pids()
 
 

@@ -14,7 +14,7 @@ from giraff_sim.settings import MACHINES
 KINDS: Final[list[Kind]] = []
 
 _HOUR_NS: Final = 3_600_000_000_000
-_IN_THE_CHAIN: Final = ("joystick", "guard", "base", "ranger")
+IN_THE_CHAIN: Final = ("joystick", "guard", "base", "ranger")
 
 
 _ALONE: Final = 0.5
@@ -32,7 +32,7 @@ _PARAMETERS: Final = (
     ("joystick", "full_tilt_deg", 45.0, 15.0),
 )
 """Service, name, a tighter value and one that is looser than the robot file's."""
-_WITH_A_BOARD: Final = {"operator": ("joystick",), "robot": ("base", "ranger")}
+WITH_A_BOARD: Final = {"operator": ("joystick",), "robot": ("base", "ranger")}
 
 
 def _bound(name: str) -> tuple[int, Way]:
@@ -44,7 +44,7 @@ def _bound(name: str) -> tuple[int, Way]:
 
 @fault(KINDS, weight=4.0, lasts=(0.02, 3.0))
 def kill(drill: Drill, chance: Random) -> Course:
-    name = chance.choice(_IN_THE_CHAIN)
+    name = chance.choice(IN_THE_CHAIN)
     if not drill.claims(name):
         return
     applies = drill.driven_by(name)
@@ -58,7 +58,7 @@ def kill(drill: Drill, chance: Random) -> Course:
 
 @fault(KINDS, weight=4.0, lasts=(0.02, 4.0))
 def pause(drill: Drill, chance: Random) -> Course:
-    name = chance.choice(_IN_THE_CHAIN)
+    name = chance.choice(IN_THE_CHAIN)
     if not drill.claims(name):
         return
     process = drill.loop.processes[name]
@@ -74,7 +74,7 @@ def pause(drill: Drill, chance: Random) -> Course:
 def suspend(drill: Drill, chance: Random) -> Course:
     name = chance.choice(("operator", "robot"))
     host = drill.loop.hosts[name]
-    cables = [drill.cable(service) for service in _WITH_A_BOARD[name]]
+    cables = [drill.cable(service) for service in WITH_A_BOARD[name]]
     if not drill.claims(*cables, *(service for service, on in MACHINES.items() if on == name)):
         return
     host.suspend()

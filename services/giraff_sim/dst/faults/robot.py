@@ -17,7 +17,7 @@ from giraff_sim.world.sonar import SonarFault
 
 KINDS: Final[list[Kind]] = []
 
-_SERVED: Final = {BoardKind.BASE: "base", BoardKind.JOYSTICK: "joystick", BoardKind.RANGER: "ranger"}
+SERVED: Final = {BoardKind.BASE: "base", BoardKind.JOYSTICK: "joystick", BoardKind.RANGER: "ranger"}
 _CUTOFF_US: Final = 5_500_000  # 5 s of reports below the cut-off, and a stop
 _FLAT_VOLTS: Final = 19.0
 _LOW_VOLTS: Final = 21.0
@@ -36,7 +36,7 @@ def _bound(kind: BoardKind) -> tuple[int, Way]:
 @fault(KINDS, weight=3.0, lasts=(0.05, 4.0))
 def full_buffer(drill: Drill, chance: Random) -> Course:
     kind = chance.choice((BoardKind.BASE, BoardKind.BASE, BoardKind.JOYSTICK, BoardKind.RANGER))
-    name = _SERVED[kind]
+    name = SERVED[kind]
     cable = drill.cable(name)
     if not drill.claims(cable):
         return
@@ -50,8 +50,8 @@ def full_buffer(drill: Drill, chance: Random) -> Course:
 
 @fault(KINDS, weight=3.0, lasts=(0.05, 3.0))
 def unplug(drill: Drill, chance: Random) -> Course:
-    kind = chance.choice(tuple(_SERVED))
-    name = _SERVED[kind]
+    kind = chance.choice(tuple(SERVED))
+    name = SERVED[kind]
     cable = drill.cable(name)
     if not drill.claims(cable):
         return
@@ -64,11 +64,11 @@ def unplug(drill: Drill, chance: Random) -> Course:
 
 @fault(KINDS, weight=3.0, lasts=(0.0, 0.6))
 def reset(drill: Drill, chance: Random) -> Course:
-    kind = chance.choice(tuple(_SERVED))
+    kind = chance.choice(tuple(SERVED))
     cause = chance.choice((ResetCause.POWER_ON, ResetCause.WATCHDOG, ResetCause.EXTERNAL))
     drill.loop.simulation.reset(kind, cause)
     drill.judge.on_reset(kind)
-    yield f"the {_SERVED[kind]} board is reset: {cause.name}"
+    yield f"the {SERVED[kind]} board is reset: {cause.name}"
 
 
 @fault(KINDS, weight=3.0, lasts=(0.3, 4.0), calm_after=11.0)

@@ -1,0 +1,139 @@
+"""The table of services: what each is called, where it runs, and what it says, hears and answers."""
+
+from __future__ import annotations
+
+from typing import Any, Final, Literal
+
+import msgspec
+
+from giraff_schemas import topics as t
+from giraff_schemas.topics import Query, Topic
+from giraff_schemas.wire import BoardKind
+
+
+class Service(msgspec.Struct, frozen=True, kw_only=True):
+    """One row of the table."""
+
+    name: str
+    """As in `alive/<name>`, `health/<name>`, `param/<name>`, its compose service and its unit giraff@<name>."""
+    host: Literal["robot", "operator", "any", "router"]
+    """Where it runs."""
+    package: str = ""
+    """`python -m <package>`; empty: a tool that only has a token on the network."""
+    table: str = ""
+    """Of the robot file, read as `<package>.config:<Table>Config`."""
+    publishes: tuple[Topic[Any], ...] = ()
+    subscribes: tuple[Topic[Any], ...] = ()
+    answers: tuple[Query[Any, Any], ...] = ()
+    """Beside those of its parameters and health."""
+    board: BoardKind | None = None
+    """At its serial port."""
+    optional: bool = False
+    """A robot is whole without it."""
+    simulated: bool = False
+    """A part of `giraff run`."""
+
+
+JOYSTICK: Final = Service(
+    name="joystick",
+    host="operator",
+    package="giraff_joystick",
+    table="joystick",
+    publishes=(t.OPERATOR_CMD_VEL, t.TILT),
+    subscribes=(t.TICK, t.LEASE),
+    board=BoardKind.JOYSTICK,
+    simulated=True,
+)
+KEYBOARD: Final = Service(
+    name="keyboard",
+    host="operator",
+    package="giraff_keyboard",
+    table="keyboard",
+    publishes=(t.OPERATOR_CMD_VEL,),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY),
+)
+CLIENT: Final = Service(
+    name="client",
+    host="operator",
+    publishes=(t.OPERATOR_CMD_VEL,),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.GUARD, t.ODOM, t.RANGE),
+)
+"""A script of somebody's own, with `giraff_client`."""
+BASE: Final = Service(
+    name="base",
+    host="robot",
+    package="giraff_base",
+    table="base",
+    publishes=(t.TICK, t.WHEELS, t.BASE, t.ESTOP, t.BATTERY),
+    subscribes=(t.CMD_VEL,),
+    answers=(t.ESTOP_ENGAGE, t.ESTOP_RESET),
+    board=BoardKind.BASE,
+    simulated=True,
+)
+GUARD: Final = Service(
+    name="guard",
+    host="robot",
+    package="giraff_guard",
+    table="guard",
+    publishes=(t.CMD_VEL, t.LEASE, t.GUARD),
+    subscribes=(t.TICK, t.RANGE, t.WHEELS, t.OPERATOR_CMD_VEL),
+    simulated=True,
+)
+RANGER: Final = Service(
+    name="ranger",
+    host="robot",
+    package="giraff_ranger",
+    table="ranger",
+    publishes=(t.RANGE,),
+    subscribes=(t.TICK,),
+    board=BoardKind.RANGER,
+    simulated=True,
+)
+ODOMETRY: Final = Service(
+    name="odometry",
+    host="robot",
+    package="giraff_odometry",
+    table="odometry",
+    publishes=(t.ODOM,),
+    subscribes=(t.WHEELS,),
+    simulated=True,
+)
+RECORDER: Final = Service(name="recorder", host="any", package="giraff_recorder", table="recorder", optional=True)
+"""Hears all that there is."""
+SENTRY: Final = Service(name="sentry", host="robot", package="giraff_sentry", table="sentry", optional=True)
+GATEWAY: Final = Service(
+    name="gateway",
+    host="any",
+    package="giraff_gateway",
+    table="gateway",
+    publishes=(t.SERIAL,),
+    subscribes=(t.SERIAL_WRITE,),
+    optional=True,
+)
+ROUTER: Final = Service(name="router", host="router", package="giraff_router", table="router", optional=True)
+PLAY: Final = Service(name="play", host="any", optional=True)
+"""`giraff play`: a robot that is played from a recording."""
+
+SERVICES: Final = (
+    JOYSTICK,
+    KEYBOARD,
+    CLIENT,
+    BASE,
+    GUARD,
+    RANGER,
+    ODOMETRY,
+    RECORDER,
+    SENTRY,
+    GATEWAY,
+    ROUTER,
+    PLAY,
+)
+
+OPERATORS: Final = tuple(service for service in SERVICES if service.host == "operator")
+"""Who may ask to drive."""
+HANDS: Final = tuple(service.name for service in OPERATORS if service.package)
+"""Names of those that a person has in his hands: a script is none."""
+ROBOTS_OWN: Final = tuple(service.name for service in SERVICES if service.host == "robot" and not service.optional)
+"""Names of those that every robot has."""
+SIMULATED: Final = tuple(service.name for service in SERVICES if service.simulated)
+"""Names of those that `giraff run` starts."""

@@ -1,0 +1,154 @@
+"""Whatever else names the services agrees with their table: sources, deployment, robot file, simulation."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from importlib import import_module
+from typing import Any
+from unittest.mock import MagicMock
+
+import msgspec
+import pytest
+
+from giraff_cli.doctor.findings import NEEDED
+from giraff_cli.run.simulated_robot import START_ORDER
+from giraff_node.config.robot_file import load
+from giraff_schemas import topics
+from giraff_schemas.services import HANDS, ROBOTS_OWN, SERVICES, SIMULATED, Service
+from giraff_schemas.topics import QUERIES, TOPICS, Query, Topic
+from giraff_sim.dst.faults import machine, robot
+from giraff_sim.settings import MACHINES, Services, Settings
+from tests.rules.repository import ROOT, packages
+from tests.support.robots import ROBOT
+
+IN_PACKAGES = [service for service in SERVICES if service.package]
+TURNING = [service for service in IN_PACKAGES if (ROOT / "services" / service.package / "service.py").exists()]
+COMPOSE = (ROOT / "docker-compose.yml").read_text()
+COMPOSED = dict(
+    re.findall(r"^  (\w+):\n((?:    .*\n|\n|  #.*\n)+)", COMPOSE.partition("\nservices:\n")[2], re.MULTILINE)
+)
+"""By name: its lines in the compose file."""
+PROFILES = {"base": "robot", "guard": "robot", "ranger": "robot", "odometry": "robot", "joystick": "laptop"}
+"""Others have one of their own, by which they are added to a host."""
+
+
+def test_each_package_of_a_service_is_in_the_table() -> None:
+    def is_service(package: str) -> bool:
+        return all((ROOT / "services" / package / f"{part}.py").exists() for part in ("config", "policy", "main"))
+
+    assert {service.package for service in IN_PACKAGES} == {package for package in packages() if is_service(package)}
+
+
+def test_no_name_is_there_twice() -> None:
+    names = [service.name for service in SERVICES]
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("service", IN_PACKAGES, ids=lambda service: service.name)
+def test_its_table_is_read_as_its_configuration(service: Service) -> None:
+    config = getattr(import_module(f"{service.package}.config"), f"{service.table.capitalize()}Config")
+    assert issubclass(config, msgspec.Struct)
+
+
+def needed(service: Service) -> dict[str, str]:
+    """What a service cannot do without, as variables."""
+    given = {"guard": {"DECELERATION": "1.5"}}.get(service.name, {})
+    port = {"PORT": "/dev/giraff"} if service.board is not None or service.name == "gateway" else {}
+    return {f"GIRAFF_{service.table.upper()}_{field}": value for field, value in (given | port).items()}
+
+
+@pytest.mark.parametrize("service", IN_PACKAGES, ids=lambda service: service.name)
+def test_the_shipped_robot_file_has_its_table(service: Service) -> None:
+    tables = tomllib.loads((ROOT / "deploy" / "robot.toml").read_text())
+    assert service.table in tables or service.host == "router"
+
+
+@pytest.mark.parametrize("service", IN_PACKAGES, ids=lambda service: service.name)
+def test_compose_starts_it(service: Service) -> None:
+    lines = COMPOSED[service.name]
+    assert f"command: [python, -m, {service.package}]\n" in lines
+    assert f"profiles: [{PROFILES.get(service.name, service.name)}]\n" in lines
+    asks = f"giraff_health/ask.py, {service.name}]"
+    assert (asks in lines) is (service.name != "keyboard")  # which a person looks at
+    assert ("<<: *board" in lines) is (service.board is not None or service.name == "gateway")
+
+
+def test_compose_asks_each_part_of_a_simulated_robot_how_it_is() -> None:
+    asked = re.search(r"for service in ([\w ]+);", COMPOSED["sim"])
+    assert asked is not None
+    assert set(asked[1].split()) == set(SIMULATED)
+
+
+def test_install_starts_the_robots_own_and_the_hand_with_a_board() -> None:
+    install = (ROOT / "scripts" / "install").read_text()
+    roles = {role: set(names.split()) for role, names in re.findall(r"(\w+)\) SERVICES=\(([\w ]+)\)", install)}
+    boards = {service.name for service in SERVICES if service.host == "operator" and service.board is not None}
+    assert roles == {"robot": set(ROBOTS_OWN), "laptop": boards}
+
+
+def test_the_units_file_names_them() -> None:
+    unit = (ROOT / "deploy" / "systemd" / "giraff@.service").read_text().splitlines()[0]
+    robots, laptops = unit.partition(" on the robot")[::2]
+    assert set(re.findall(r"@(\w+)", robots)) == set(ROBOTS_OWN)
+    assert set(re.findall(r"@(\w+)", laptops)) == {"joystick"}
+
+
+def test_the_same_five_run_everywhere() -> None:
+    assert set(MACHINES) == set(Services._fields) == set(START_ORDER) == set(SIMULATED)
+    assert set(Settings.__struct_fields__) == {"robot", *SIMULATED}
+
+
+@pytest.mark.parametrize("service", [service for service in SERVICES if service.simulated], ids=lambda one: one.name)
+def test_each_runs_on_its_machine(service: Service) -> None:
+    assert MACHINES[service.name] == service.host
+
+
+def test_faults_are_drawn_of_services_that_are_there() -> None:
+    boards = {service.name: service.host for service in SERVICES if service.board is not None}
+    assert {name: host for host, names in machine.WITH_A_BOARD.items() for name in names} == boards
+    assert {service.board: service.name for service in SERVICES if service.board is not None} == robot.SERVED
+    assert set(machine.IN_THE_CHAIN) == set(SIMULATED) - {"odometry"}
+
+
+def test_doctor_tells_what_follows_where_one_is_missing() -> None:
+    assert set(NEEDED) == set(ROBOTS_OWN)
+
+
+def test_a_hand_is_what_a_person_drives_by() -> None:
+    assert HANDS == ("joystick", "keyboard")
+
+
+def rows(declared: MagicMock, table: tuple[Any, ...]) -> set[str]:
+    """Keys of the rows that a method of an `IO` was called with."""
+    return {row(call.args[0], table) for call in declared.call_args_list}
+
+
+def row(one: Topic[Any] | Query[Any, Any], table: tuple[Any, ...]) -> str:
+    """The row of the table that it is, or is of: of `range/rear` that is `range/*`."""
+    [key] = [each.key for each in table if re.fullmatch(each.key.replace("*", "[^/]+"), one.key)]
+    return str(key)
+
+
+@pytest.mark.parametrize("service", TURNING, ids=lambda service: service.name)
+def test_it_declares_what_the_table_says(service: Service) -> None:
+    config = getattr(import_module(f"{service.package}.config"), f"{service.table.capitalize()}Config")
+    made = getattr(import_module(f"{service.package}.service"), service.name.capitalize())
+    io = MagicMock(instance="one", hostname="host")
+    io.store.read.side_effect = FileNotFoundError
+    io.token.return_value = 1
+    screen = (MagicMock(),) if service.name == "keyboard" else ()
+    made(io, load(service.table, config, {"GIRAFF_CONFIG": "/dev/null", **needed(service)}), ROBOT, *screen)
+    assert rows(io.publisher, TOPICS) == {topic.key for topic in service.publishes}
+    assert rows(io.inbox, TOPICS) == {topic.key for topic in service.subscribes}
+    assert rows(io.requests, QUERIES) == {query.key for query in service.answers}
+    kinds = [call.args[2] for call in io.board.call_args_list]
+    assert kinds == ([] if service.board is None else [service.board])
+
+
+@pytest.mark.parametrize("service", [each for each in IN_PACKAGES if each not in TURNING], ids=lambda each: each.name)
+def test_so_does_one_with_a_loop_of_its_own(service: Service) -> None:
+    main = (ROOT / "services" / service.package / "main.py").read_text()
+    for method, declared in (("publisher", service.publishes), ("inbox", service.subscribes)):
+        names = set(re.findall(rf"node\.{method}\((\w+)", main))
+        assert {getattr(topics, name).key for name in names} == {topic.key for topic in declared}
