@@ -156,7 +156,7 @@ def _of_services(robot: Robot) -> Iterator[Finding]:
                 severity="fault" if severity == "fault" else "warning",
                 about=service,
                 what=f"giraff_{service} is not running, or hangs: {so}",
-                fix=f"start it on the robot's machine: systemctl start giraff-{service}, or docker-compose up",
+                fix=f"start it on the robot's machine: systemctl start giraff@{service}, or docker-compose up",
             )
     if not any(robot.services.get(hand) for hand in HANDS):
         what = "nobody is there who could drive"

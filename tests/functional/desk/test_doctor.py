@@ -96,7 +96,7 @@ def test_ports_that_are_missing_not_permitted_or_another_board_s(robot: ProcessR
 
 def test_a_service_that_does_not_run(robot: ProcessRobot) -> None:
     robot.kill("guard")
-    becomes(robot, "guard: giraff_guard is not running, or hangs: nothing moves", "systemctl start giraff-guard")
+    becomes(robot, "guard: giraff_guard is not running, or hangs: nothing moves", "systemctl start giraff@guard")
     robot.start("guard")
 
 
