@@ -6,6 +6,7 @@ import json
 import math
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -174,6 +175,18 @@ class ProcessRobot:
         """SIGKILL, and wait until it is gone."""
         self.signal(service, signal.SIGKILL)
         self.wait(f"the end of {service}", lambda: bool(self._children.reap()), PATIENCE)
+
+    def keep_from_rendezvous(self, service: str) -> None:
+        """Start a service anew while another owns the rendezvous, where newcomers find the robot."""
+        host, _, port = self.environment["GIRAFF_NETWORK_RENDEZVOUS"].rpartition(":")
+        self.kill(service)
+
+        def is_owned() -> bool:
+            with socket.socket() as probe:
+                return probe.connect_ex((host, int(port))) == 0
+
+        self.wait("another at the rendezvous", is_owned, PATIENCE)
+        self.start(service)
 
     def log(self, service: str) -> str:
         return self._children.log(service).read_text()
