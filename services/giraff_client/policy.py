@@ -6,12 +6,9 @@ import math
 from typing import Final
 
 from giraff_client.errors import EmergencyStopError, NoRobotError, NotArmedError, RefusedError, RobotError
-from giraff_core.freshness import Clock
-from giraff_core.lease import LeaseSeeker
-from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, RobotTime, Sample, Source, Tick
+from giraff_core.operator import Operator
+from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, Sample, Tick
 
-LINK_SILENCE: Final = 0.5
-"""s without a tick after which the robot counts as lost."""
 _ANSWERS_WITHIN: Final = 0.5
 """s in which the guard answers who asks for the lease: it tells who drives ten times a second."""
 _LEVEL: Final = 0.3
@@ -19,9 +16,6 @@ _LEVEL: Final = 0.3
 _ASKING: Final = (0.0, 0.1)
 """m/s, rad/s. Only a wish for motion takes the lease from a lower priority. What asks for the lease moves nothing."""
 
-_LOST: Final = (
-    f"no tick of the robot for {LINK_SILENCE:g} s; check that base runs and that both machines share a network"
-)
 _END: Final = "the script has ended; start it again"
 
 
@@ -29,12 +23,7 @@ class OperatorPolicy:
     """A script as an operator: it asks, arms and drives. Times are seconds of any one monotonic clock."""
 
     def __init__(self, operator: str, instance: str) -> None:
-        self._operator = operator
-        self._lease = LeaseSeeker(instance)
-        self._holder = ""  # name of whoever drives
-        self._clock = Clock()
-        self._tick: RobotTime | None = None
-        self._heard = -math.inf
+        self._operator = Operator(operator, instance)
         self._base: tuple[BaseState | None, float] = None, -math.inf
         self._estop: EStop | None = None
         self._asked_at: float | None = None
@@ -43,11 +32,10 @@ class OperatorPolicy:
     def take(self, sample: Sample, now: float) -> None:
         """Take what the robot says, as it arrives."""
         match sample:
-            case Tick() if self._clock.advances(sample, now):
-                self._tick, self._heard = sample.time, now
+            case Tick():
+                self._operator.on_tick(sample, now)
             case Lease():
-                self._lease.on_lease(sample)
-                self._holder = sample.operator
+                self._operator.on_lease(sample)
             case BaseState():
                 self._base = sample, now
             case EStop():
@@ -64,56 +52,45 @@ class OperatorPolicy:
         Raises RobotError where it will not come to that.
         """
         self._raise_if_stopped(now)
-        if not self._lease.holds:
+        if not self._operator.holds:
             self._neutral_since = None
-            if self._holder and self._asked_at is not None and now - self._asked_at > _ANSWERS_WITHIN:
-                raise RefusedError(self._holder, self._lease.refusal)
-            return self._made(_ASKING, self._lease.counter(wishes=True))
+            if self._operator.holder and self._asked_at is not None and now - self._asked_at > _ANSWERS_WITHIN:
+                raise RefusedError(self._operator.holder, self._operator.refusal)
+            return self._made(_ASKING, wishes=True)
         if self._neutral_since is None:
             self._neutral_since = now
         state, heard = self._base
         if state is not None and state.armed and heard - self._neutral_since >= _LEVEL:
             return None
-        return self._made((0.0, 0.0), self._lease.counter(wishes=False))
+        return self._made((0.0, 0.0))
 
     def gave_up(self) -> RobotError:
         """Why the robot is not armed although there was time enough."""
         state, _ = self._base
-        if not self._lease.holds:
-            return RefusedError(self._holder, self._lease.refusal)
+        if not self._operator.holds:
+            return RefusedError(self._operator.holder, self._operator.refusal)
         return NotArmedError(state.reason if state is not None else "base is not heard; check that giraff_base runs")
 
     def drive(self, linear_x: float, angular_z: float, now: float) -> DriveCommand:
         """A wish of this moment: m/s and rad/s. Raises RobotError where it can no longer be obeyed."""
         self._raise_if_stopped(now)
-        if not self._lease.holds:
-            raise RefusedError(self._holder, f"{self._lease.refusal}; a script calls robot.arm()")
+        if not self._operator.holds:
+            raise RefusedError(self._operator.holder, f"{self._operator.refusal}; a script calls robot.arm()")
         state, _ = self._base
         if state is None or not state.armed:
             why = state.reason if state is not None else "base is not heard; check that giraff_base runs"
             raise NotArmedError(f"{why}; a script calls robot.arm()")
-        return self._made((linear_x, angular_z), self._lease.counter(wishes=False))
+        return self._made((linear_x, angular_z))
 
     def farewell(self) -> DriveCommand:
         """The last command of a script: base disarms at once, and a second of silence frees the lease."""
-        return self._made((0.0, 0.0), self._lease.counter(wishes=False), "fault", _END)
+        return self._operator.fault(_END, tick=self._operator.tick)
 
     def _raise_if_stopped(self, now: float) -> None:
-        if now - self._heard > LINK_SILENCE:
-            raise NoRobotError(_LOST)
+        if lost := self._operator.link_fault(now):
+            raise NoRobotError(lost)
         if self._estop is not None and self._estop.engaged:
             raise EmergencyStopError(self._estop)
 
-    def _made(
-        self, twist: tuple[float, float], counter: int, source: Source = "hand", reason: str = ""
-    ) -> DriveCommand:
-        linear, angular = twist
-        return DriveCommand(
-            operator=self._operator,
-            lease_counter=counter,
-            linear_x=linear,
-            angular_z=angular,
-            source=source,
-            reason=reason,
-            tick=self._tick,
-        )
+    def _made(self, twist: tuple[float, float], *, wishes: bool = False) -> DriveCommand:
+        return self._operator.command(*twist, tick=self._operator.tick, wishes=wishes)

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
-import msgspec
-
-from giraff_core.lease import LeaseSeeker
+from giraff_core.operator import LINK_SILENCE, Operator
 from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickDown, moment_of
 from giraff_joystick.clutch import Clutch
@@ -20,8 +18,6 @@ from giraff_schemas.wire import TiltStatus as WireStatus
 
 BOARD_SILENCE: Final = 0.2
 """s without a frame after which the board counts as lost; ten of its frames."""
-LINK_SILENCE: Final = 0.5
-"""s without a new tick in the frames after which the robot counts as lost."""
 
 _STATUSES: Final[dict[int, TiltStatus]] = {
     WireStatus.RUNNING: "running",
@@ -57,13 +53,33 @@ _OLD_TICK: Final = (
 )
 
 
+class _Asks(NamedTuple):
+    """What a reading asks for."""
+
+    linear: float
+    """m/s."""
+    angular: float
+    """rad/s."""
+    source: Source = "hand"
+    reason: str = ""
+
+    @property
+    def moves(self) -> bool:
+        return self.linear != 0.0 or self.angular != 0.0
+
+
+def _fault(reason: str) -> _Asks:
+    """Stop, because the operator's side has lost the hand."""
+    return _Asks(0.0, 0.0, "fault", reason)
+
+
 class JoystickPolicy:
     """Turns the board's frames into samples. Times are seconds of any one monotonic clock."""
 
     def __init__(self, config: JoystickConfig, robot: RobotConfig, instance: str) -> None:
         self._config = config
         self._robot = robot
-        self._lease = LeaseSeeker(instance)
+        self._operator = Operator(config.operator, instance)
         self._attention = Attention(config.stillness)
         self._clutch = Clutch()
         self.sensor_fault = ""
@@ -74,7 +90,7 @@ class JoystickPolicy:
         self._silence = (
             f"no frame from the joystick board on {config.port} for {BOARD_SILENCE:g} s; check its cable and power"
         )
-        self._command = self._fault(self._silence)
+        self._asks = _fault(self._silence)
         self._tick_down = TickDown()
 
     def reconfigure(self, config: JoystickConfig) -> None:
@@ -85,7 +101,7 @@ class JoystickPolicy:
     @property
     def refusal(self) -> str:
         """Why the robot does not obey this joystick; empty when it does."""
-        return self._lease.refusal
+        return self._operator.refusal
 
     def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock as it goes down to the board, which puts the last one into each frame."""
@@ -93,7 +109,7 @@ class JoystickPolicy:
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""
-        self._lease.on_lease(lease)
+        self._operator.on_lease(lease)
 
     def on_frame(self, frame: TiltFrame, now: float) -> Tilt:
         """The reading in `frame`. It is what `command` stands on until the next one."""
@@ -106,15 +122,22 @@ class JoystickPolicy:
         self._heard, self._tick = now, tilt.tick
         self.sensor_fault = "" if tilt.status == "running" else _REASONS[tilt.status].format(frame=frame)
         if self.sensor_fault:
-            self._command = self._fault(self.sensor_fault)
+            self._asks = _fault(self.sensor_fault)
         else:
-            self._command = self._wish(tilt, frame, now)
+            self._asks = self._wish(tilt, frame, now)
         return tilt
 
     def command(self, now: float) -> DriveCommand:
         """What the newest frame asks, with that frame's tick however often it is repeated."""
-        command = self._fault(self._silence) if self._silent(now) else self._command
-        return self._under_the_lease(command, wishes=self._clutch.engaged or not command.neutral)
+        asks = _fault(self._silence) if self._silent(now) else self._asks
+        return self._operator.command(
+            asks.linear,
+            asks.angular,
+            tick=self._tick,
+            wishes=self._clutch.engaged or asks.moves,
+            source=asks.source,
+            reason=asks.reason,
+        )
 
     def lost(self, now: float) -> Tilt | None:
         """What stands for a reading while the board is silent; None while it is not."""
@@ -122,13 +145,9 @@ class JoystickPolicy:
 
     def farewell(self) -> DriveCommand:
         """The last command of a service that ends: the robot need not wait for silence to stop."""
-        return self._under_the_lease(self._fault("the joystick service has ended; start it again"), wishes=False)
+        return self._operator.fault("the joystick service has ended; start it again", tick=self._tick)
 
-    def _under_the_lease(self, command: DriveCommand, *, wishes: bool) -> DriveCommand:
-        counter = self._lease.counter(wishes=wishes and command.source == "hand")
-        return msgspec.structs.replace(command, lease_counter=counter)
-
-    def _wish(self, tilt: Tilt, frame: TiltFrame, now: float) -> DriveCommand:
+    def _wish(self, tilt: Tilt, frame: TiltFrame, now: float) -> _Asks:
         """What a reading of a running sensor asks for, if a hand is behind it."""
         vector = (tilt.x, tilt.y, tilt.z)
         self._clutch.take(vector, pressed=bool(frame.button))
@@ -143,27 +162,12 @@ class JoystickPolicy:
             or self._link_fault(now)
             or self._clutch.refusal
         )
-        return self._fault(reason) if reason else self._made(linear, angular, "hand", "")
+        return _fault(reason) if reason else _Asks(linear, angular)
 
     def _link_fault(self, now: float) -> str:
         if self._tick is None:
             return _NO_TICK
         return _OLD_TICK if now - self._tick_came > LINK_SILENCE else ""
-
-    def _fault(self, reason: str) -> DriveCommand:
-        """Stop, because the operator's side has lost the hand."""
-        return self._made(0.0, 0.0, "fault", reason)
-
-    def _made(self, linear: float, angular: float, source: Source, reason: str) -> DriveCommand:
-        return DriveCommand(
-            operator=self._config.operator,
-            lease_counter=0,
-            linear_x=linear,
-            angular_z=angular,
-            source=source,
-            reason=reason,
-            tick=self._tick,
-        )
 
     def _silent(self, now: float) -> bool:
         return now - self._heard > BOARD_SILENCE

@@ -6,11 +6,11 @@ import math
 from enum import Enum, auto
 from typing import Final
 
-from giraff_core.freshness import Clock, age
-from giraff_core.lease import LeaseSeeker
+from giraff_core.freshness import age
+from giraff_core.operator import Operator
 from giraff_core.robot import RobotConfig
 from giraff_keyboard.config import KeyboardConfig
-from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick
+from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick
 
 
 class Key(Enum):
@@ -30,16 +30,9 @@ class Key(Enum):
 
 KEY_LASTS: Final = 0.4
 """s that one press asks for. A held key repeats, and each repeat is a press of its own."""
-LINK_SILENCE: Final = 0.5
-"""s without a tick after which the robot counts as lost."""
-ASKS_NOTHING: Final = -1
-"""Counter of a command that neither asks for the lease nor is given under one: real ones are never negative."""
 
 _DIRECTIONS: Final = {Key.FORWARD: (1.0, 0.0), Key.BACKWARD: (-1.0, 0.0), Key.LEFT: (0.0, 1.0), Key.RIGHT: (0.0, -1.0)}
 
-_LOST: Final = (
-    f"no tick of the robot for {LINK_SILENCE:g} s; check that base runs and that both machines share a network"
-)
 _STOPPING: Final = "the space bar was pressed, and base has not yet confirmed the emergency stop"
 
 
@@ -51,12 +44,8 @@ class KeyboardPolicy:
         """Of `config.steps`."""
         self._config = config
         self._robot = robot
-        self._lease = LeaseSeeker(instance)
-        self.driver = ""
-        """Name of the operator that holds the lease; empty: none."""
-        self._clock = Clock()
-        self._tick: RobotTime | None = None
-        self._heard = -math.inf
+        # Nobody takes the robot by starting a program: without the lease it is asked for by a press alone.
+        self._operator = Operator(config.operator, instance, asks_from_start=False)
         self._stopping = False
         # The press in force: what it asks, since when, and the robot's time at that moment, never renewed.
         self._asks = (0.0, 0.0)
@@ -64,9 +53,14 @@ class KeyboardPolicy:
         self._pressed_tick: RobotTime | None = None
 
     @property
+    def driver(self) -> str:
+        """Name of the operator that holds the lease; empty: none."""
+        return self._operator.holder
+
+    @property
     def refusal(self) -> str:
         """Why the robot does not obey this keyboard; empty when it does."""
-        return self._lease.refusal
+        return self._operator.refusal
 
     @property
     def speed(self) -> tuple[float, float]:
@@ -78,14 +72,11 @@ class KeyboardPolicy:
 
     def on_tick(self, tick: Tick, now: float) -> None:
         """Take the robot's clock as it arrives."""
-        if self._clock.advances(tick, now):
-            self._tick = tick.time
-            self._heard = now
+        self._operator.on_tick(tick, now)
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""
-        self._lease.on_lease(lease)
-        self.driver = lease.operator
+        self._operator.on_lease(lease)
 
     def on_key(self, key: Key, now: float) -> None:
         """Take a press at its moment. Whatever it is, the one before it no longer counts."""
@@ -101,7 +92,7 @@ class KeyboardPolicy:
             forward, left = _DIRECTIONS.get(key, (0.0, 0.0))
             linear, angular = self.speed
             self._asks = (0.0 + forward * linear, 0.0 + left * angular)  # 0.0 + makes a plain zero of a negative one
-            self._pressed, self._pressed_tick = now, self._tick
+            self._pressed, self._pressed_tick = now, self._operator.tick
 
     def on_stopped(self) -> None:
         """Base has confirmed the emergency stop: from here on its latch holds."""
@@ -109,41 +100,24 @@ class KeyboardPolicy:
 
     def command(self, now: float) -> DriveCommand:
         """What the keys ask now: after KEY_LASTS without a press nothing, which is a hand's neutral."""
+        operator = self._operator
         if fault := self._fault(now):
-            return self._made((0.0, 0.0), "fault", fault, self._tick, wishes=False)
+            return operator.fault(fault, tick=operator.tick)
         if not self._wishes(now):
-            return self._made((0.0, 0.0), "hand", "", self._tick, wishes=False)
-        tick = self._tick if self._asks == (0.0, 0.0) else self._pressed_tick
-        return self._made(self._asks, "hand", "", tick, wishes=True)
+            return operator.command(0.0, 0.0, tick=operator.tick, wishes=False)
+        tick = operator.tick if self._asks == (0.0, 0.0) else self._pressed_tick
+        return operator.command(*self._asks, tick=tick, wishes=True)
 
     def farewell(self) -> DriveCommand:
         """The last command of a service that ends: the robot need not wait for silence to stop."""
-        reason = "the keyboard service has ended; start it again"
-        return self._made((0.0, 0.0), "fault", reason, self._tick, wishes=False)
+        return self._operator.fault("the keyboard service has ended; start it again", tick=self._operator.tick)
 
     def _fault(self, now: float) -> str:
-        if self._stopping:
-            return _STOPPING
-        return _LOST if now - self._heard > LINK_SILENCE else ""
+        return _STOPPING if self._stopping else self._operator.link_fault(now)
 
     def _wishes(self, now: float) -> bool:
         """A press is in force, by this machine's clock and by the robot's."""
-        if now - self._pressed > KEY_LASTS or self._tick is None:
+        newest = self._operator.tick
+        if now - self._pressed > KEY_LASTS or newest is None:
             return False
-        return age(self._pressed_tick, self._tick) <= KEY_LASTS
-
-    def _made(
-        self, twist: tuple[float, float], source: Source, reason: str, tick: RobotTime | None, *, wishes: bool
-    ) -> DriveCommand:
-        # Nobody takes the robot by starting a program: without the lease it is asked for by a press alone.
-        asks = wishes or self._lease.holds
-        linear, angular = twist
-        return DriveCommand(
-            operator=self._config.operator,
-            lease_counter=self._lease.counter(wishes=wishes) if asks else ASKS_NOTHING,
-            linear_x=linear,
-            angular_z=angular,
-            source=source,
-            reason=reason,
-            tick=tick,
-        )
+        return age(self._pressed_tick, newest) <= KEY_LASTS

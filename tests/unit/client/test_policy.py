@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from giraff_client import EmergencyStopError, NoRobotError, NotArmedError, RefusedError
-from giraff_client.policy import LINK_SILENCE, OperatorPolicy
+from giraff_client.policy import OperatorPolicy
+from giraff_core.operator import LINK_SILENCE
 from giraff_schemas.messages import DriveCommand, Lease, Tick
 from tests.unit.cli import samples
 

@@ -4,8 +4,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_core.operator import ASKS_NOTHING, LINK_SILENCE
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.policy import ASKS_NOTHING, KEY_LASTS, LINK_SILENCE, Key
+from giraff_keyboard.policy import KEY_LASTS, Key
 from giraff_schemas.messages import DriveCommand, RobotTime, Tick
 from tests.support.robots import ROBOT
 from tests.unit.keyboard.keyboards import EPOCH, Person, person
