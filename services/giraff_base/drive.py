@@ -12,12 +12,12 @@ _LONGEST_STEP = 0.02  # s, two reports of the board: a ramp does not jump after 
 def wheel_levels(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple[int, int]:
     """PWM levels (left, right) for a twist (m/s, rad/s), scaled as one so that no wheel exceeds the largest level.
 
-    Curvature is kept: both wheels are scaled alike. Differential drive: v = linear_x ∓ angular_z · track_width / 2.
+    Curvature is kept: both wheels are scaled alike.
     """
-    linear, angular = robot.within_wheels(linear_x, angular_z)
-    half_turn = angular * robot.track_width / 2
+    drive = robot.drive
+    left, right = drive.wheel_speeds(*drive.within_limits(linear_x, angular_z))
     per_speed = robot.max_level / robot.max_wheel_speed
-    return round((linear - half_turn) * per_speed), round((linear + half_turn) * per_speed)
+    return round(left * per_speed), round(right * per_speed)
 
 
 def ramped(now_at: float, target: float, largest_step: float) -> float:

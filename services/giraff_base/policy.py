@@ -213,7 +213,7 @@ class BasePolicy:
     def _drive_frame(self, report: WheelsFrame, now: RobotTime) -> DriveFrame:
         linear, angular, self._reason = self._authority.wanted(now)
         # Within the wheels first: a ramp up to what is scaled down later would leap where the other part ends.
-        self._ramp.follow(*self._robot.within_wheels(linear, angular), now.robot_ns)
+        self._ramp.follow(*self._robot.drive.within_limits(linear, angular), now.robot_ns)
         if report.drive_state != DriveState.ACTIVE:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
             self._stand_still(self._reason or f"the base board is in state {word(DriveState, report.drive_state)}")

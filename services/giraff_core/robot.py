@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar
 import msgspec
 
 from giraff_core.bounds import Within, require_plausible
+from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.tuning import Live
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS, Wiring
@@ -74,17 +75,9 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             raise ValueError(f"sensors share an index: {sorted(indices)}")
 
     @property
-    def fastest_spin(self) -> float:
-        """rad/s with both wheels at full speed, against each other."""
-        return 2.0 * self.max_wheel_speed / self.track_width
-
-    def within_wheels(self, linear: float, angular: float) -> tuple[float, float]:
-        """The same curve (m/s, rad/s), slowed until its faster wheel keeps to `max_wheel_speed`."""
-        faster_wheel = abs(linear) + abs(angular) * self.track_width / 2.0
-        if faster_wheel <= self.max_wheel_speed:
-            return linear, angular
-        scale = self.max_wheel_speed / faster_wheel
-        return linear * scale, angular * scale
+    def drive(self) -> DifferentialDrive:
+        """How its wheels move it."""
+        return DifferentialDrive(self.track_width, self.max_wheel_speed)
 
     @property
     def wiring_checked(self) -> bool:

@@ -8,9 +8,9 @@ from typing import Final, NamedTuple
 
 import msgspec
 
+from giraff_core.kinematics.pose import Pose
 from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import Point, View, until_touch
-from giraff_guard.motion import Place
 from giraff_guard.sensor import Ping, Sensor
 
 _MOST: Final = 64
@@ -20,7 +20,7 @@ _SURE: Final = 3
 
 
 class _Echo(msgspec.Struct):
-    """A surface, as a point in the frame of `Place`."""
+    """A surface, as a point in the frame of `Pose`."""
 
     x: float
     y: float
@@ -97,7 +97,7 @@ class Echoes:
             and travel - echo.travel <= self._config.memory_travel
         ]
 
-    def in_the_way(self, place: Place, sign: float, robot_ns: int, curvature: float = 0.0) -> Iterator[Obstruction]:
+    def in_the_way(self, place: Pose, sign: float, robot_ns: int, curvature: float = 0.0) -> Iterator[Obstruction]:
         """What a footprint driving forward (1) or backward (-1) meets.
 
         `curvature`: angular_z / linear_x, 1/m: the arc's centre lies 1/curvature to the left, whichever way it goes.
@@ -111,7 +111,7 @@ class Echoes:
                 is_old = (robot_ns - echo.robot_ns) * 1e-9 > self._config.memory_block
                 yield Obstruction(distance, echo.sensor, math.atan2(y, x), is_old)
 
-    def touching(self, place: Place) -> str:
+    def touching(self, place: Pose) -> str:
         """The sensor whose echo lies within the footprint and its margin; empty where none does."""
         for echo in self._echoes:
             if echo.seen >= _SURE and math.hypot(*place.sees(echo.x, echo.y)) < self._reach:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_core.counters import signed32
 from giraff_core.freshness import age
+from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import RobotTime, Wheels
@@ -17,33 +17,9 @@ _SLACK: Final = 0.02
 """m added to what a wheel may travel between two reports: counts come whole, and the board's time is not exact."""
 
 
-class Place(NamedTuple):
-    """A pose in a frame of the guard's own, which drifts as odometry does: m, m, rad."""
-
-    x: float
-    y: float
-    yaw: float
-
-    def moved(self, distance: float, turn: float) -> Place:
-        """After an arc of `distance` m that turns by `turn` rad."""
-        middle = self.yaw + turn / 2.0
-        return Place(self.x + distance * math.cos(middle), self.y + distance * math.sin(middle), self.yaw + turn)
-
-    def ahead(self, other: Place, axis: float) -> float:
-        """m that `other` lies ahead of here, along a direction that is `axis` rad off this heading."""
-        direction = self.yaw + axis
-        return (other.x - self.x) * math.cos(direction) + (other.y - self.y) * math.sin(direction)
-
-    def sees(self, x: float, y: float) -> tuple[float, float]:
-        """A point of the frame, as m ahead of here and m to the left."""
-        cos, sin = math.cos(self.yaw), math.sin(self.yaw)
-        x, y = x - self.x, y - self.y
-        return cos * x + sin * y, cos * y - sin * x
-
-
 class _Moment(NamedTuple):
     robot_ns: int
-    place: Place
+    place: Pose
 
 
 class Motion:
@@ -52,13 +28,14 @@ class Motion:
     def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
         self._config = config
         self._robot = robot
+        self._drive = robot.drive
         self._wheels: Wheels | None = None
         self._moments: deque[_Moment] = deque()
         self._passed: deque[tuple[int, float, float]] = deque()  # (robot_ns, m/s, rad/s), newest last
         self.heard = False
         """Whether the wheels say where the robot is."""
-        self.place = Place(0.0, 0.0, 0.0)
-        """Now."""
+        self.place = Pose(0.0, 0.0, 0.0)
+        """Now, in a frame of the guard's own, which drifts as odometry does."""
         self._measured = self.place  # at the newest report
         self.travel = 0.0
         """m the centre has made since the beginning, backwards counted too."""
@@ -85,7 +62,7 @@ class Motion:
                 self.breaks += 1
                 self._measured = self.place
             else:
-                distance, turn = (left + right) / 2.0, (right - left) / self._robot.track_width
+                distance, turn = self._drive.twist(left, right)
         self._measured = self._measured.moved(distance, turn)  # not from where it was reckoned meanwhile
         self._reach(wheels.tick.robot_ns, self._measured, abs(distance), abs(turn))
 
@@ -103,15 +80,14 @@ class Motion:
             self._moments.append(_Moment(now.robot_ns, self.place))
         seconds = (now.robot_ns - self._moments[-1].robot_ns) * 1e-9
         if self.heard and wheels is not None:
-            turning = (wheels.right_velocity - wheels.left_velocity) / self._robot.track_width
-            driving = (wheels.left_velocity + wheels.right_velocity) / 2.0
+            driving, turning = self._drive.twist(wheels.left_velocity, wheels.right_velocity)
             self.place = self._moments[-1].place.moved(driving * seconds, turning * seconds)
             return
         _, driving, turning = self._passed[-1] if self._passed else (0, 0.0, 0.0)
         self.place = self._moments[-1].place.moved(driving * seconds, turning * seconds)
         self._reach(now.robot_ns, self.place, abs(driving * seconds), abs(turning * seconds))
 
-    def place_at(self, robot_ns: int) -> Place:
+    def place_at(self, robot_ns: int) -> Pose:
         """Where the robot was; the oldest place that is known for what lies before it."""
         later: _Moment | None = None
         for moment in reversed(self._moments):
@@ -120,7 +96,7 @@ class Motion:
                     return moment.place
                 share = (robot_ns - moment.robot_ns) / (later.robot_ns - moment.robot_ns)
                 here, there = moment.place, later.place
-                return Place(*(a + (b - a) * share for a, b in zip(here, there, strict=True)))
+                return Pose(*(a + (b - a) * share for a, b in zip(here, there, strict=True)))
             later = moment
         return later.place if later else self.place
 
@@ -132,11 +108,12 @@ class Motion:
         """
         passed = [max(0.0, sign * linear) for _, linear, _ in self._passed]
         if self.heard and self._wheels is not None:
-            measured = sign * (self._wheels.left_velocity + self._wheels.right_velocity) / 2.0
+            driving, _ = self._drive.twist(self._wheels.left_velocity, self._wheels.right_velocity)
+            measured = sign * driving
             return max(measured, min(passed, default=0.0))
         return max(passed, default=0.0)
 
-    def _reach(self, robot_ns: int, place: Place, distance: float, turn: float) -> None:
+    def _reach(self, robot_ns: int, place: Pose, distance: float, turn: float) -> None:
         self.place = place
         self.travel += distance
         self.turned += turn

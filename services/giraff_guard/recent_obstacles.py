@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Final, NamedTuple
 
+from giraff_core.kinematics.pose import Pose
 from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import Point, View, until_touch
-from giraff_guard.motion import Place
 from giraff_guard.sensor import Ping, Sensor
 
 _MOST: Final = 128
@@ -15,7 +15,7 @@ _MOST: Final = 128
 
 
 class _Spot(NamedTuple):
-    """Where an echo came from, in the frame of `Place`."""
+    """Where an echo came from, in the frame of `Pose`."""
 
     points: tuple[Point, ...]
     """Ahead of the sensor, and at either edge of its cone: a slanted wall answers from there."""
@@ -65,11 +65,11 @@ class Held:
         oldest_ns = robot_ns - round(self._config.held_time * 1e9)
         self._spots = [spot for spot in self._spots if spot.robot_ns >= oldest_ns]
 
-    def ahead(self, place: Place, sign: float) -> Heard | None:
+    def ahead(self, place: Pose, sign: float) -> Heard | None:
         """What a footprint that drives straight forward (1) or backward (-1) meets first."""
         return self._first(self._spots, place, sign, self._config.held_radius, 0.0)
 
-    def beside(self, place: Place, sign: float) -> Heard | None:
+    def beside(self, place: Pose, sign: float) -> Heard | None:
         """What it comes to, or is, close beside: the surface goes on there, and one driven along may be grazed.
 
         Only what is sure: a slanted wall that answers now and then, far beside the way, would slow at every turn.
@@ -77,7 +77,7 @@ class Held:
         sure = [spot for spot in self._spots if spot.is_sure]
         return self._first(sure, place, sign, self._config.held_beside, self._footprint_radius)
 
-    def _first(self, spots: list[_Spot], place: Place, sign: float, margin: float, behind: float) -> Heard | None:
+    def _first(self, spots: list[_Spot], place: Pose, sign: float, margin: float, behind: float) -> Heard | None:
         """What the footprint and `margin` m around it meet first, or cover from `behind` m behind its middle on."""
         reach = self._footprint_radius + margin
         found: Heard | None = None

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import deque
 from typing import Final
 
+from giraff_core.kinematics.pose import Pose
 from giraff_guard.config import GuardConfig
-from giraff_guard.motion import Place
 
 _SAME_US: Final = 8
 """µs, 1.4 mm: two pulses that differ by no more are the same; the board times edges to 4 µs."""
@@ -23,7 +23,7 @@ class SelfTest:
 
     def __init__(self, config: GuardConfig) -> None:
         self._config = config
-        self._held: tuple[int, Place] | None = None
+        self._held: tuple[int, Pose] | None = None
         self._readings_held = 0
         self._jumps: deque[bool] = deque(maxlen=_PAIRS)
         self.frozen = False
@@ -35,7 +35,7 @@ class SelfTest:
         """Judge by this from now on."""
         self._config = config
 
-    def on_reading(self, echo_us: int | None, place: Place, axis: float, jumped: bool) -> None:
+    def on_reading(self, echo_us: int | None, place: Pose, axis: float, jumped: bool) -> None:
         """`echo_us`: None where nothing answered. `jumped`: it does not follow from the reading before."""
         self._jumps.append(jumped)
         count = sum(self._jumps)

@@ -7,9 +7,10 @@ from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_core.freshness import age
+from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_guard.motion import Motion, Place
+from giraff_guard.motion import Motion
 from giraff_guard.self_test import SelfTest
 from giraff_guard.silence_trust import Hearing
 from giraff_schemas.messages import Range, RobotTime
@@ -25,7 +26,7 @@ class Ping(NamedTuple):
     distance: float
     """m from the sensor; its reach where nothing answered."""
     echo: bool
-    place: Place
+    place: Pose
 
 
 class Sensor:
@@ -42,7 +43,7 @@ class Sensor:
         """The last echo that follows from one of those kept before it: both are of one surface."""
         self.surest: Ping | None = None
         """The last one that follows from an echo just before it."""
-        self._lost: tuple[Place, float] | None = None  # where the robot was when a touching echo was lost, m
+        self._lost: tuple[Pose, float] | None = None  # where the robot was when a touching echo was lost, m
         self._self_test = SelfTest(config)
 
     def reconfigure(self, config: GuardConfig) -> None:

@@ -16,10 +16,10 @@ SOURCE_FULL: Final = 9.5  # m/s²
 def asked(vector: tuple[float, float, float], config: JoystickConfig, robot: RobotConfig) -> tuple[float, float]:
     """Speed (m/s) and turn (rad/s) that an acceleration (m/s²) relative to the zero asks for."""
     forward, left = _deflection(vector, config)
-    fastest_turn = robot.fastest_spin
+    fastest_turn = robot.drive.fastest_spin
     if config.curve == "angle":
         fastest_turn = min(fastest_turn, robot.max_angular_speed)
-    return robot.within_wheels(forward * robot.max_wheel_speed, left * fastest_turn)
+    return robot.drive.within_limits(forward * robot.max_wheel_speed, left * fastest_turn)
 
 
 def _deflection(vector: tuple[float, float, float], config: JoystickConfig) -> tuple[float, float]:

@@ -16,6 +16,8 @@ import math
 
 import msgspec
 
+from giraff_core.kinematics.differential_drive import DifferentialDrive
+
 Covariance = tuple[float, float, float, float, float, float]
 """Of (x, y, yaw): xx, xy, xyaw, yy, yyaw, yawyaw."""
 
@@ -32,10 +34,9 @@ class Estimate(msgspec.Struct, frozen=True, kw_only=True):
     """m along the arcs of the centre, backwards counted too."""
 
 
-def advance(start: Estimate, left: float, right: float, track_width: float, wheel_noise: float) -> Estimate:
+def advance(start: Estimate, left: float, right: float, drive: DifferentialDrive, wheel_noise: float) -> Estimate:
     """`start` after the wheels have travelled `left` and `right` m; `wheel_noise`: m² of variance per metre."""
-    distance = (left + right) / 2.0
-    turn = (right - left) / track_width
+    distance, turn = drive.twist(left, right)
     ratio, ratio_slope = _chord_ratio(turn)
     middle = start.yaw + turn / 2.0
     cos, sin = math.cos(middle), math.sin(middle)
@@ -56,9 +57,9 @@ def advance(start: Estimate, left: float, right: float, track_width: float, whee
     # G Q G^T, one column of G (dx, dy, dyaw per metre of that wheel) at a time.
     for travel, side in ((left, -1.0), (right, 1.0)):
         variance = wheel_noise * abs(travel)
-        gx = forward_x / 2.0 + side * turning_x / track_width
-        gy = forward_y / 2.0 + side * turning_y / track_width
-        gt = side / track_width
+        gx = forward_x / 2.0 + side * turning_x / drive.track_width
+        gy = forward_y / 2.0 + side * turning_y / drive.track_width
+        gt = side / drive.track_width
         xx += variance * gx * gx
         xy += variance * gx * gy
         xt += variance * gx * gt

@@ -40,7 +40,7 @@ class OdometryPolicy:
 
     def __init__(self, config: OdometryConfig, robot: RobotConfig) -> None:
         self._config = config
-        self._robot = robot
+        self._robot, self._drive = robot, robot.drive
         self._last: Wheels | None = None
         self.estimate = Estimate()
         self.breaks = 0
@@ -77,11 +77,11 @@ class OdometryPolicy:
         if farther > self._config.max_wheel_speed * elapsed + _SLACK_TICKS / scale:
             return self._rebase(wheels, _LEAP)
         self._last = wheels
-        self.estimate = advance(self.estimate, left, right, self._robot.track_width, self._config.wheel_noise)
+        self.estimate = advance(self.estimate, left, right, self._drive, self._config.wheel_noise)
         if elapsed > self._config.max_gap:
             self._lose_certainty(farther / 2.0, 0.0, _GAP)
-        turn = (right - left) / self._robot.track_width
-        return self._odometry(wheels, (left + right) / 2.0 / elapsed, turn / elapsed)
+        distance, turn = self._drive.twist(left, right)
+        return self._odometry(wheels, distance / elapsed, turn / elapsed)
 
     def _rebase(self, wheels: Wheels, notice: str) -> Odometry:
         self._last = wheels

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from giraff_cli.run.odometry_error import Pose
 from giraff_cli.run.telemetry import RunSnapshot
 from giraff_cli.telemetry.describe import base_text, forward_text, range_text
+from giraff_core.kinematics.pose import Pose
 
 
 def line(snapshot: RunSnapshot, elapsed: float) -> str:

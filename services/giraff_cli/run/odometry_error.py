@@ -7,32 +7,13 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
+from giraff_core.kinematics.pose import Pose
 from giraff_schemas.messages import Odometry
 
 _KEPT: Final = 200  # odometry samples: two seconds, more than lie between two looks at the truth
 
 
 _REST: Final = 1e-3  # m/s, rad/s
-
-
-class Pose(NamedTuple):
-    """m, m, rad."""
-
-    x: float
-    y: float
-    yaw: float
-
-    def seen_from(self, origin: Pose) -> Pose:
-        """This pose in the frame whose origin is `origin`."""
-        x, y = self.x - origin.x, self.y - origin.y
-        cos, sin = math.cos(origin.yaw), math.sin(origin.yaw)
-        return Pose(x * cos + y * sin, y * cos - x * sin, math.remainder(self.yaw - origin.yaw, math.tau))
-
-    def placed_in(self, frame: Pose) -> Pose:
-        """The inverse of `seen_from`: this pose, given in `frame`, where `frame` itself is given."""
-        cos, sin = math.cos(frame.yaw), math.sin(frame.yaw)
-        x, y = self.x * cos - self.y * sin, self.x * sin + self.y * cos
-        return Pose(frame.x + x, frame.y + y, math.remainder(self.yaw + frame.yaw, math.tau))
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,11 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_cli.run.line import line
-from giraff_cli.run.odometry_error import Pose
 from giraff_cli.run.telemetry import RunSnapshot
 from giraff_cli.telemetry import panels as blocks
 from giraff_cli.telemetry.panels import dim
 from giraff_cli.terminal.layout import NONE, Standing, beside, block, clock, header, notice, right, services
+from giraff_core.kinematics.pose import Pose
 
 _TOPIC_COLUMNS: Final = 3
 

@@ -9,11 +9,12 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.run.odometry_error import Pose, Truth
+from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.processes import Children, Ended
 from giraff_cli.terminal.signals import Stopping
 from giraff_core.estop import RELEASED
+from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
 from giraff_schemas.services import SERVICES

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from giraff_cli.network.age_histogram import Ages
-from giraff_cli.run.odometry_error import Apart, Comparison, Pose, Truth
+from giraff_cli.run.odometry_error import Apart, Comparison, Truth
 from giraff_cli.telemetry.collector import Snapshot, Telemetry
+from giraff_core.kinematics.pose import Pose
 from giraff_schemas.messages import GuardedCommand, Odometry, Sample
 from giraff_schemas.topics import ODOM, RANGE, TICK, TILT, WHEELS, Topic
 

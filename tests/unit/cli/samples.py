@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from giraff_cli.run.odometry_error import Pose, Truth
+from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.telemetry.collector import Telemetry
+from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import (

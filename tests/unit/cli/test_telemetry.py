@@ -7,9 +7,10 @@ import math
 import pytest
 
 from giraff_cli.network.age_histogram import Ages
-from giraff_cli.run.odometry_error import Comparison, Pose
+from giraff_cli.run.odometry_error import Comparison
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.telemetry.rate import Flow
+from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Tick

@@ -9,12 +9,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_guard.directions import Direction
 from giraff_guard.echoes import Echoes, Obstruction
 from giraff_guard.geometry import until_touch
-from giraff_guard.motion import Motion, Place
+from giraff_guard.motion import Motion
 from giraff_guard.sensor import Ping, Sensor
 from giraff_schemas.messages import RobotTime
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, opened
@@ -35,7 +36,7 @@ def passed_by(forward: float = 0.45, seconds: float = 2.0, config: GuardConfig =
     return senses
 
 
-def first(echoes: Echoes, place: Place, sign: float = 1.0, curvature: float = 0.0) -> Obstruction | None:
+def first(echoes: Echoes, place: Pose, sign: float = 1.0, curvature: float = 0.0) -> Obstruction | None:
     """What is met first."""
     return min(echoes.in_the_way(place, sign, 0, curvature), key=lambda each: each.distance, default=None)
 
@@ -137,13 +138,13 @@ def test_what_is_old_does_not_hide_what_is_new() -> None:
     echoes = Echoes(CONFIG, ROBOT.footprint_radius)
     hear(echoes, 0.8)
     motion = Motion(CONFIG, ROBOT)
-    motion.place = Place(0.4, 0.0, 0.0)
+    motion.place = Pose(0.4, 0.0, 0.0)
     now = RobotTime(epoch=EPOCH, robot_ns=round((CONFIG.memory_block + 1.0) * 1e9))
     forward = Direction("forward", CONFIG, ROBOT, [])
     assert forward.judge(motion, echoes, now).allowed == CONFIG.creep_linear  # no sensor of its own
     other = Sensor("other", SensorPose(index=1, x=0.0, y=0.0, yaw=0.0), CONFIG)
     for _ in range(3):
-        echoes.take(other, Ping(now.robot_ns, 0.85, True, Place(0.0, 0.05, 0.0)), 0.4)
+        echoes.take(other, Ping(now.robot_ns, 0.85, True, Pose(0.0, 0.05, 0.0)), 0.4)
     judged = forward.judge(motion, echoes, now)
     assert (judged.freedom, judged.sensor) == ("blocked", "other")
 
@@ -260,7 +261,7 @@ def test_a_curve_backward_sweeps_the_side_it_turns_to() -> None:
     assert senses.passes(-0.6, -1.2) == (-0.6, -1.2)
 
 
-PLACES = st.builds(Place, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.floats(-3.1, 3.1))
+PLACES = st.builds(Pose, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st.floats(-3.1, 3.1))
 
 
 @settings(max_examples=100, deadline=None)
@@ -278,8 +279,8 @@ PLACES = st.builds(Place, x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), yaw=st
 def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
     pose: SensorPose,
     distance: float,
-    heard_from: Place,
-    place: Place,
+    heard_from: Pose,
+    place: Pose,
     sign: float,
     curvature: float,
     radius: float,
@@ -316,7 +317,7 @@ def hear(echoes: Echoes, distance: float, *, name: str = "only", y: float = 0.0)
     """Three times the same, ahead of the robot's middle, from `y` m beside the beginning."""
     sensor = Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
     for robot_ns in range(3):
-        echoes.take(sensor, Ping(robot_ns, distance, True, Place(0.0, y, 0.0)), 0.0)
+        echoes.take(sensor, Ping(robot_ns, distance, True, Pose(0.0, y, 0.0)), 0.0)
 
 
 @pytest.mark.parametrize("distances", [(0.6, 1.0), (1.0, 0.6)])
@@ -324,7 +325,7 @@ def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -
     echoes = Echoes(CONFIG, 0.3)
     for name, distance, y in zip(("one", "other"), distances, (0.0, 0.2), strict=True):
         hear(echoes, distance, name=name, y=y)
-    found = first(echoes, Place(0.0, 0.0, 0.0))
+    found = first(echoes, Pose(0.0, 0.0, 0.0))
     assert found is not None
     assert found.sensor == ("one" if distances[0] < distances[1] else "other")
     assert found.distance < 0.35
@@ -334,19 +335,19 @@ def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
     echoes = Echoes(CONFIG, 0.3)
     for number in range(4):
         sensor = Sensor(f"sensor {number % 2}", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
-        echoes.take(sensor, Ping(number, 0.6, True, Place(0.0, 0.0, 0.0)), 0.0)
-    assert first(echoes, Place(0.0, 0.0, 0.0)) is None
+        echoes.take(sensor, Ping(number, 0.6, True, Pose(0.0, 0.0, 0.0)), 0.0)
+    assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
 
 
 def test_what_is_far_from_the_sensor_is_not_remembered() -> None:
     echoes = Echoes(CONFIG, 0.3)
     hear(echoes, CONFIG.memory_range + 0.01)
-    assert first(echoes, Place(0.0, 0.0, 0.0)) is None
+    assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
 
 
 def test_of_too_many_echoes_the_newest_are_kept() -> None:
     echoes = Echoes(CONFIG, 0.3)
     for number in range(100):
         hear(echoes, 1.0, y=float(number))
-    assert first(echoes, Place(0.0, 99.0, 0.0)) is not None
-    assert first(echoes, Place(0.0, 0.0, 0.0)) is None
+    assert first(echoes, Pose(0.0, 99.0, 0.0)) is not None
+    assert first(echoes, Pose(0.0, 0.0, 0.0)) is None

@@ -7,9 +7,9 @@ import math
 import msgspec
 import pytest
 
+from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_guard.motion import Place
 from giraff_guard.recent_obstacles import Held
 from giraff_guard.sensor import Ping, Sensor
 from giraff_guard.stopping import stopping_distance
@@ -235,14 +235,14 @@ EDGE_X, EDGE_Y = math.cos(CONFIG.half_cone), math.sin(CONFIG.half_cone)
 BESIDE = ROBOT.footprint_radius + CONFIG.held_beside
 
 
-def place_after(x: float, y: float, yaw: float) -> Place:
-    return Place(0.0, 0.0, 0.0)._replace(x=x, y=y, yaw=yaw)
+def place_after(x: float, y: float, yaw: float) -> Pose:
+    return Pose(0.0, 0.0, 0.0)._replace(x=x, y=y, yaw=yaw)
 
 
 def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True) -> Held:
     """One thing that was heard, there."""
     held = Held(CONFIG, ROBOT.footprint_radius)
-    held.take(named("one"), Ping(0, x, True, Place(0.0, y, 0.0)), is_sure=is_sure)
+    held.take(named("one"), Ping(0, x, True, Pose(0.0, y, 0.0)), is_sure=is_sure)
     return held
 
 
@@ -322,18 +322,18 @@ def test_along_a_wall_that_was_heard_the_robot_is_slow() -> None:
 
 def test_what_was_heard_now_and_then_counts_ahead_and_not_beside() -> None:
     held = spot(is_sure=False)
-    assert held.ahead(Place(0.0, 0.0, 0.0), 1.0) is not None
-    assert held.beside(Place(0.0, 0.0, 0.0), 1.0) is None
+    assert held.ahead(Pose(0.0, 0.0, 0.0), 1.0) is not None
+    assert held.beside(Pose(0.0, 0.0, 0.0), 1.0) is None
 
 
 @pytest.mark.parametrize("is_sure", [True, False])
 def test_what_was_sure_stays_so_when_it_is_heard_now_and_then(is_sure: bool) -> None:
     held = spot(is_sure=is_sure)
-    held.take(named("one"), Ping(10**9, 1.0, True, Place(0.0, 0.0, 0.0)), is_sure=False)
-    assert (held.beside(Place(0.0, 0.0, 0.0), 1.0) is not None) is is_sure
+    held.take(named("one"), Ping(10**9, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=False)
+    assert (held.beside(Pose(0.0, 0.0, 0.0), 1.0) is not None) is is_sure
     held.forget(round((CONFIG.held_time + 0.5) * 1e9))
-    assert held.beside(Place(0.0, 0.0, 0.0), 1.0) is None
-    assert held.ahead(Place(0.0, 0.0, 0.0), 1.0) is not None
+    assert held.beside(Pose(0.0, 0.0, 0.0), 1.0) is None
+    assert held.ahead(Pose(0.0, 0.0, 0.0), 1.0) is not None
 
 
 def test_beside_what_was_heard_now_and_then_the_way_is_free() -> None:
@@ -347,8 +347,8 @@ def test_beside_what_was_heard_now_and_then_the_way_is_free() -> None:
 def test_of_two_the_nearer_is_met_first() -> None:
     held = spot(1.0)
     for x in (0.8, 1.4):
-        held.take(named("two"), Ping(0, x, True, Place(0.0, 0.0, 0.0)), is_sure=True)
-    found = held.ahead(Place(0.0, 0.0, 0.0), 1.0)
+        held.take(named("two"), Ping(0, x, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
+    found = held.ahead(Pose(0.0, 0.0, 0.0), 1.0)
     assert found is not None
     assert found.sensor == "two"
     assert found.distance == pytest.approx(0.4)
@@ -358,9 +358,9 @@ def test_the_oldest_of_too_many_go_and_one_that_is_heard_again_stays() -> None:
     held = spot(1.0)
     sensor = named("one")
     for number in range(1000):
-        held.take(sensor, Ping(number, 1.0, True, Place(float(number), 0.0, math.pi / 2.0)), is_sure=True)
-        held.take(sensor, Ping(number, 1.0, True, Place(0.0, 0.0, 0.0)), is_sure=True)
+        held.take(sensor, Ping(number, 1.0, True, Pose(float(number), 0.0, math.pi / 2.0)), is_sure=True)
+        held.take(sensor, Ping(number, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
     assert len(held._spots) == 128
-    assert held.ahead(Place(0.0, 0.0, 0.0), 1.0) is not None
-    assert held.ahead(Place(999.0, 0.0, math.pi / 2.0), 1.0) is not None
-    assert held.ahead(Place(5.0, 0.0, math.pi / 2.0), 1.0) is None
+    assert held.ahead(Pose(0.0, 0.0, 0.0), 1.0) is not None
+    assert held.ahead(Pose(999.0, 0.0, math.pi / 2.0), 1.0) is not None
+    assert held.ahead(Pose(5.0, 0.0, math.pi / 2.0), 1.0) is None

@@ -8,8 +8,8 @@ import random
 import msgspec
 import pytest
 
+from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
-from giraff_guard.motion import Place
 from giraff_guard.sensor import Ping, Sensor
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
 
@@ -254,9 +254,9 @@ def test_the_place_at_a_reading_is_found_between_two_reports() -> None:
 @pytest.mark.parametrize("heading", [0.0, 1.0, -2.5])
 @pytest.mark.parametrize("axis", [0.0, 0.5, -2.0, math.pi])
 def test_ahead_is_the_part_of_the_way_along_an_axis(heading: float, axis: float) -> None:
-    here = Place(0.3, -0.2, heading)
+    here = Pose(0.3, -0.2, heading)
     assert here.ahead(here.moved(0.5, 0.0), axis) == pytest.approx(0.5 * math.cos(axis))
-    beside = Place(here.x - 0.5 * math.sin(heading), here.y + 0.5 * math.cos(heading), heading)
+    beside = Pose(here.x - 0.5 * math.sin(heading), here.y + 0.5 * math.cos(heading), heading)
     assert here.ahead(beside, axis) == pytest.approx(0.5 * math.sin(axis))
 
 
@@ -310,10 +310,10 @@ def test_what_is_remembered_has_an_end() -> None:
 def test_a_reading_follows_from_the_one_before_along_its_sensors_axis(yaw: float) -> None:
     """The robot has driven 0.5 m forward: towards what is ahead, and away from what is behind."""
     sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=yaw), CONFIG)
-    before = Ping(0, 1.5, True, Place(0.0, 0.0, 0.0))
+    before = Ping(0, 1.5, True, Pose(0.0, 0.0, 0.0))
     expected = 1.0 if yaw == 0.0 else 2.0
     compared = [
-        sensor._compare(before, Ping(1, expected + more, True, Place(0.5, 0.0, 0.0))) for more in (-0.2, 0.0, 0.2)
+        sensor._compare(before, Ping(1, expected + more, True, Pose(0.5, 0.0, 0.0))) for more in (-0.2, 0.0, 0.2)
     ]
     assert compared == [-1, 0, 1]
 
@@ -321,10 +321,10 @@ def test_a_reading_follows_from_the_one_before_along_its_sensors_axis(yaw: float
 @pytest.mark.parametrize("turned", [0.2, -0.2])
 def test_a_slanted_wall_may_come_nearer_or_go_while_the_robot_turns(turned: float) -> None:
     sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
-    before = Ping(0, 2.0, True, Place(0.0, 0.0, 0.0))
+    before = Ping(0, 2.0, True, Pose(0.0, 0.0, 0.0))
     for distance, nearer_or_farther in ((1.7, -1), (2.3, 1)):
-        assert sensor._compare(before, Ping(1, distance, True, Place(0.0, 0.0, 0.0))) == nearer_or_farther
-        assert sensor._compare(before, Ping(1, distance, True, Place(0.0, 0.0, turned))) == 0
+        assert sensor._compare(before, Ping(1, distance, True, Pose(0.0, 0.0, 0.0))) == nearer_or_farther
+        assert sensor._compare(before, Ping(1, distance, True, Pose(0.0, 0.0, turned))) == 0
 
 
 def test_the_newest_echo_before_the_loss_tells_whether_it_nearly_touched() -> None:

@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_odometry.dead_reckoning import Covariance, Estimate, advance
 
 TRACK = 0.47
+DRIVE = DifferentialDrive(TRACK, max_wheel_speed=0.6)
 NOISE = 1e-5
 travel = st.floats(-2.0, 2.0)
 starts = st.builds(Estimate, x=st.floats(-5.0, 5.0), y=st.floats(-5.0, 5.0), yaw=st.floats(-3.14, 3.14))
@@ -18,7 +20,7 @@ steps = st.lists(st.tuples(travel, travel), max_size=20)
 
 
 def moved(start: Estimate, left: float, right: float) -> Estimate:
-    return advance(start, left, right, TRACK, NOISE)
+    return advance(start, left, right, DRIVE, NOISE)
 
 
 def place(estimate: Estimate) -> tuple[float, float]:
@@ -140,7 +142,7 @@ def test_doubt_is_what_wheels_with_that_noise_really_do() -> None:
     noise, rng = 1e-4, random.Random(1)
     estimate = Estimate()
     for left, right in way:
-        estimate = advance(estimate, left, right, TRACK, noise)
+        estimate = advance(estimate, left, right, DRIVE, noise)
     ends: list[tuple[float, float, float]] = []
     for _ in range(3000):
         x = y = yaw = 0.0

@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy, advance
 from giraff_schemas.messages import Wheels
@@ -56,9 +57,10 @@ def travels(session: str, run: int) -> Iterator[tuple[float, float]]:
 
 def integrated(session: str, run: int) -> Estimate:
     track_width, _ = geometry(session)
+    drive = DifferentialDrive(track_width, max_wheel_speed=1.0)
     estimate = Estimate()
     for left, right in travels(session, run):
-        estimate = advance(estimate, left, right, track_width, CONFIG.wheel_noise)
+        estimate = advance(estimate, left, right, drive, CONFIG.wheel_noise)
     return estimate
 
 

@@ -1,0 +1,1 @@
+"""What wheels do to a robot: its drive, and where it is."""
