@@ -44,7 +44,7 @@ def _declared(struct: type[msgspec.Struct]) -> dict[str, Field]:
 
 
 def _plain(annotation: ast.expr) -> ast.expr:
-    """The type alone: of `Annotated[float, Live.UP]` the first."""
+    """The type alone: of `Annotated[float, Tuning.RAISE_ONLY]` the first."""
     match annotation:
         case ast.Subscript(value=ast.Name(id="Annotated"), slice=ast.Tuple(elts=[plain, *_])):
             return plain

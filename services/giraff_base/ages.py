@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from giraff_base.config import BaseConfig
-from giraff_core.freshness import age, fade
+from giraff_core.freshness import age, derate
 from giraff_schemas.messages import GuardedCommand, RobotTime
 
 
@@ -27,7 +27,7 @@ class Ages(NamedTuple):
 
     def share(self, config: BaseConfig) -> tuple[float, str]:
         """Share of the speed that is left, and whose lateness takes the rest. A range counts whole or not at all."""
-        by_operator, by_guard = fade(self.operator, config.operator_budget), fade(self.guard, config.guard_budget)
+        by_operator, by_guard = derate(self.operator, config.operator_budget), derate(self.guard, config.guard_budget)
         if by_guard < by_operator:
             return by_guard, "the guard's commands come late; relieve this machine"
         return by_operator, "the operator's commands come late; check its link"

@@ -8,25 +8,17 @@ no clock here: what became of a write comes in as an outcome.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final, Protocol, TypeVar
+from typing import Final, Protocol
 
 from giraff_base.estop import EStopLatch
 from giraff_base.policy import BasePolicy
+from giraff_core.io import PendingQuery
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
 
 _PATIENCE_NS: Final = 1_000_000_000  # for the disk, before the answer is no; a reset is then given up
 _RETRY_NS: Final = 100_000_000  # a stop that is not on disk is lost with the power
 
-RequestT_co = TypeVar("RequestT_co", covariant=True)
-
-
-class Asked(Protocol[RequestT_co]):
-    """One request of somebody, waiting for its answer."""
-
-    @property
-    def request(self) -> RequestT_co: ...
-
-    def answer(self, answer: EStopAnswer, /) -> None: ...
+Asked = PendingQuery[EStopEngage, EStopAnswer] | PendingQuery[EStopReset, EStopAnswer]
 
 
 class Saver(Protocol):
@@ -38,13 +30,13 @@ class Saver(Protocol):
         """What was written, and why it is not on disk, empty when it is; None: no news."""
 
 
-class EStopDesk:
+class EStopServer:
     """Stands between those who ask, the policy and the disk. Each turn of the loop: `take`, the frames, `turn`."""
 
     def __init__(self, policy: BasePolicy, saver: Saver) -> None:
         self._policy = policy
         self._saver = saver
-        self._waiting: list[Asked[EStopEngage] | Asked[EStopReset]] = []  # all for the same
+        self._waiting: list[Asked] = []  # all for the same
         self._waiting_ns = 0  # since when the first of them has
         self._reset: tuple[EStopReset, RobotTime] | None = None  # what they wait for; None: for the latch in force
         self._on_disk: EStopLatch | None = None  # None: nobody knows, and it is written anew
@@ -55,14 +47,19 @@ class EStopDesk:
         self.fault = ""
         """Why the latch in force is not on disk, with the way out; empty when it is, or is about to be."""
 
-    def take(self, engages: Iterable[Asked[EStopEngage]], resets: Iterable[Asked[EStopReset]], now: RobotTime) -> None:
+    def take(
+        self,
+        engages: Iterable[PendingQuery[EStopEngage, EStopAnswer]],
+        resets: Iterable[PendingQuery[EStopReset, EStopAnswer]],
+        now: RobotTime,
+    ) -> None:
         """Take what is asked. Nothing here waits for the disk."""
         for reset in resets:
             self.reset(reset, now)
         for engage in engages:  # after the resets: of two who ask at once, who stops wins
             self.engage(engage, now)
 
-    def engage(self, asked: Asked[EStopEngage], now: RobotTime) -> None:
+    def engage(self, asked: PendingQuery[EStopEngage, EStopAnswer], now: RobotTime) -> None:
         """Stop, then write: what is confirmed was written since it was asked, whoever else wrote meanwhile."""
         self._policy.on_engage(asked.request, now)
         self._on_disk = None
@@ -70,7 +67,7 @@ class EStopDesk:
             self._refuse("the emergency stop was engaged anew meanwhile")
         self._wait(asked, now)
 
-    def reset(self, asked: Asked[EStopReset], now: RobotTime) -> None:
+    def reset(self, asked: PendingQuery[EStopReset, EStopAnswer], now: RobotTime) -> None:
         """Write, then permit."""
         if self._policy.reset_refusal(asked.request, now) or not self._policy.latch.engaged:
             asked.answer(self._policy.on_reset(asked.request, now))
@@ -99,7 +96,7 @@ class EStopDesk:
         """What belongs on disk: the latch in force, or what the reset under way would make of it."""
         return self._policy.latch if self._reset is None else self._policy.released(self._reset[0])
 
-    def _wait(self, asked: Asked[EStopEngage] | Asked[EStopReset], now: RobotTime) -> None:
+    def _wait(self, asked: Asked, now: RobotTime) -> None:
         if not self._waiting:
             self._waiting_ns = self._retry_ns = now.robot_ns
         self._waiting.append(asked)

@@ -10,7 +10,7 @@ from giraff_base.config import BaseConfig
 from giraff_base.drive import Ramp, wheel_levels
 from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.wheels import WheelReports
-from giraff_core.base_commands import BaseFrames
+from giraff_core.base_commands import BaseCommands
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import (
     BaseState,
@@ -57,7 +57,7 @@ class BasePolicy:
         self._releasing = False  # a reset has not reached the board yet
         self._link_fault = ""
         self._session = 0
-        self._frames = BaseFrames()
+        self._frames = BaseCommands()
         self._next_configure_ns = 0
         self._reason = _NO_REPORT
 

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from giraff_base.config import BaseConfig
-from giraff_base.estop_server import EStopDesk
+from giraff_base.estop_server import EStopServer
 from giraff_base.policy import BasePolicy
-from giraff_core.estop import LATCH_FILE, LatchSaver, kept_latch
+from giraff_core.estop import LATCH_FILE, LatchSaver, load_latch
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, WHEELS
 from giraff_schemas.wire import BASE_BAUD, BoardKind
@@ -23,21 +23,21 @@ class Base:
     def __init__(self, io: IO, config: BaseConfig, robot: RobotConfig, policy: type[BasePolicy] = BasePolicy) -> None:
         self._io = io
         self._epoch = io.token()
-        self._policy = policy(config, robot, kept_latch(io.store, io.token()))
+        self._policy = policy(config, robot, load_latch(io.store, io.token()))
         io.on_reconfigured = self._policy.reconfigure
-        self._desk = EStopDesk(self._policy, LatchSaver(io.store.writer(LATCH_FILE)))
+        self._server = EStopServer(self._policy, LatchSaver(io.store.writer(LATCH_FILE)))
         self.link = io.board(config.port, BASE_BAUD, BoardKind.BASE)
         self._opened = 0
         self._commands = io.inbox(CMD_VEL)
         self._engages, self._resets = io.requests(ESTOP_ENGAGE), io.requests(ESTOP_RESET)
         self._ticks, self._wheels = io.publisher(TICK), io.publisher(WHEELS)
         self._states = _States(io, self._policy)
-        self._tick_pace = Pacer(TICK.rate_hz)
-        self.pacers = (self._tick_pace,)
+        self._tick_timer = Timer(TICK.rate_hz)
+        self.timers = (self._tick_timer,)
 
     def turn(self, now: float) -> None:
         policy, link = self._policy, self.link
-        if self._tick_pace.due(now):
+        if self._tick_timer.due(now):
             self._ticks.put(Tick(epoch=self._epoch, robot_ns=self._io.robot_ns()))
         frames = link.poll(now)
         if link.opened != self._opened:
@@ -50,12 +50,12 @@ class Base:
             policy.on_command(command, robot_time)
         for sample in policy.on_frames(frames, robot_time):
             self._wheels.put(sample)
-        self._desk.take(self._engages.take(), self._resets.take(), robot_time)
+        self._server.take(self._engages.take(), self._resets.take(), robot_time)
         if (frame := policy.next_frame(robot_time)) is not None:
             link.send(frame)
-        self._desk.turn(robot_time)
+        self._server.turn(robot_time)
         self._io.set_fault("board", link.fault)
-        self._io.set_fault("estop", self._desk.fault)
+        self._io.set_fault("estop", self._server.fault)
         for name, message in policy.faults.items():  # of the robot, and of a second guard
             self._io.set_notice(name, message)
         self._states.put(now)
@@ -70,7 +70,9 @@ class _States:
     def __init__(self, io: IO, policy: BasePolicy) -> None:
         self._policy = policy
         self._base, self._estop, self._battery = io.publisher(BASE), io.publisher(ESTOP), io.publisher(BATTERY)
-        self._base_pace, self._estop_pace, self._battery_pace = (Pacer(row.rate_hz) for row in (BASE, ESTOP, BATTERY))
+        self._base_timer, self._estop_timer, self._battery_timer = (
+            Timer(row.rate_hz) for row in (BASE, ESTOP, BATTERY)
+        )
         self._reason = ""
         self._latch = policy.latch
 
@@ -78,11 +80,11 @@ class _States:
         """`now`: monotonic, s."""
         policy = self._policy
         state = policy.state()
-        if self._base_pace.due(now) or state.reason != self._reason:
+        if self._base_timer.due(now) or state.reason != self._reason:
             self._reason = state.reason
             self._base.put(state)
-        if self._estop_pace.due(now) or policy.latch != self._latch:
+        if self._estop_timer.due(now) or policy.latch != self._latch:
             self._latch = policy.latch
             self._estop.put(policy.estop())
-        if self._battery_pace.due(now) and (battery := policy.battery()) is not None:
+        if self._battery_timer.due(now) and (battery := policy.battery()) is not None:
             self._battery.put(battery)

@@ -82,7 +82,7 @@ class OperatorPolicy:
             raise NotArmedError(f"{why}; a script calls robot.arm()")
         return self._made((linear_x, angular_z))
 
-    def farewell(self) -> DriveCommand:
+    def final_command(self) -> DriveCommand:
         """The last command of a script: base disarms at once, and a second of silence frees the lease."""
         return self._operator.fault(_END, tick=self._operator.tick)
 

@@ -17,13 +17,13 @@ import zenoh
 
 from giraff_client.errors import NoRobotError, RobotError, SilentError
 from giraff_client.policy import OperatorPolicy
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_node import Publisher
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import CORRECT_IT, find_way, only_robot, others, unheard
+from giraff_node.network.discovery import CORRECT_IT, find_only_robot, not_found_text, others, resolve_target
 from giraff_node.network.discovery import NoRobotError as UnknownRobotError
 from giraff_node.network.session import close_session, open_session
-from giraff_node.network.tcp_options import tune_links
+from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Odometry, Range, Sample
 from giraff_schemas.services import CLIENT
@@ -80,7 +80,7 @@ class Robot:
         self._session: zenoh.Session | None = None
         self._commands: Publisher[DriveCommand] | None = None
         self._has_armed = False
-        self._tuning = Pacer(_TUNE_HZ)
+        self._tuning = Timer(_TUNE_HZ)
 
     def __enter__(self) -> Self:
         """Raises NoRobotError."""
@@ -96,7 +96,7 @@ class Robot:
     ) -> None:
         """Stop, and let others drive."""
         if self._commands is not None:
-            self._commands.put(self._policy.farewell())
+            self._commands.put(self._policy.final_command())
         self._close()
 
     def odom(self) -> Odometry:
@@ -182,7 +182,7 @@ class Robot:
     def _open(self) -> None:
         """Join the robot's network, and hear it. Raises NoRobotError."""
         try:
-            way = find_way(self.name or None, self._connect)
+            way = resolve_target(self.name or None, self._connect)
         except UnknownRobotError as error:
             raise NoRobotError(str(error)) from error
         except ConfigError as error:
@@ -191,7 +191,7 @@ class Robot:
             if way.warning:
                 logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)
             self._session = open_session(way.network, way.robot or "*", visiting=True)
-            self.name = way.robot or only_robot(self._session, self._patience)
+            self.name = way.robot or find_only_robot(self._session, self._patience)
             self._listen(self._session)
         except (UnknownRobotError, ConfigError) as error:
             raise NoRobotError(str(error)) from error
@@ -208,7 +208,7 @@ class Robot:
             topic = OPERATOR_CMD_VEL.at(self._operator)
             self._commands = Publisher(self._session, self.name, topic, self._instance)
         if self._tuning.due(time.monotonic()):
-            tune_links()
+            set_tcp_options()
         self._commands.put(command)
         time.sleep(_PERIOD)
 
@@ -235,7 +235,7 @@ class Robot:
         token = alive_key(self.name, CLIENT.name, self._instance)
         self._declared.append(session.liveliness().declare_token(token))
         if not self._wait_for(lambda: TICK.key in self._newest, self._patience):
-            raise UnknownRobotError(unheard(self.name, ()) + others(session, self.name))
+            raise UnknownRobotError(not_found_text(self.name, ()) + others(session, self.name))
 
     def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
         prefix = key_of(self.name, TICK).removesuffix(TICK.key)

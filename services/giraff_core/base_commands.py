@@ -5,7 +5,7 @@ from __future__ import annotations
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, DriveFrame, EstopFrame, WheelsFrame, Wiring
 
 
-class BaseFrames:
+class BaseCommands:
     """Numbers the frames of one host."""
 
     def __init__(self) -> None:

@@ -30,8 +30,8 @@ _ANGLES: Final = {-math.tau: "-2π", math.pi / 6: "π/6", math.pi / 4: "π/4", m
 
 
 @dataclass(frozen=True)
-class Within:
-    """`track_width: Annotated[float, Within(0.05, 2.0, "m")]`; None, where the type has it, is no number."""
+class Bounds:
+    """`track_width: Annotated[float, Bounds(0.05, 2.0, "m")]`; None, where the type has it, is no number."""
 
     low: float
     high: float
@@ -48,19 +48,19 @@ class Within:
         raise ValueError(f"{name} is {value:.10g}: it must be within {bounds}{cause and f'; {cause}'}")
 
 
-def require_plausible(config: msgspec.Struct) -> None:
+def check_bounds(config: msgspec.Struct) -> None:
     """ValueError unless each field is within the range that stands beside it."""
-    for name, within in ranges(type(config)).items():
+    for name, within in bounds_of(type(config)).items():
         value = getattr(config, name)
         if value is not None:
             within.require(name, value)
 
 
 @functools.cache
-def ranges(config: type[msgspec.Struct]) -> dict[str, Within]:
+def bounds_of(config: type[msgspec.Struct]) -> dict[str, Bounds]:
     """By field."""
     hints = get_type_hints(config, include_extras=True)
-    told = {name: [each for each in get_args(hint) if isinstance(each, Within)] for name, hint in hints.items()}
+    told = {name: [each for each in get_args(hint) if isinstance(each, Bounds)] for name, hint in hints.items()}
     return {name: found[0] for name, found in told.items() if found}
 
 

@@ -27,7 +27,7 @@ class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Why it is engaged, with the way out; empty when it is not."""
 
 
-def stops_for_good(answer: EStopAnswer) -> bool:
+def is_confirmed_stop(answer: EStopAnswer) -> bool:
     """Whether base has stopped and will stay so, after a restart, too."""
     return answer.done and answer.engaged
 
@@ -40,7 +40,7 @@ def latch_bytes(latch: EStopLatch) -> bytes:
     return msgspec.json.encode(latch) + b"\n"
 
 
-def kept_latch(store: Store, lost_id: int) -> EStopLatch:
+def load_latch(store: Store, lost_id: int) -> EStopLatch:
     """The latch that was kept; where none can be read an engaged one, `lost_id`."""
     path = store.path(LATCH_FILE)
     try:

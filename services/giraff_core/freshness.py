@@ -22,7 +22,7 @@ def age(tick: RobotTime | None, now: RobotTime) -> float:
     return (now.robot_ns - tick.robot_ns) * 1e-9
 
 
-class Clock:
+class TickFilter:
     """Base's ticks as a host receives them: late, twice, overtaken, or once again.
 
     What stands on a later measurement must never carry an older tick than what came before it. Else it would be
@@ -32,7 +32,7 @@ class Clock:
     def __init__(self) -> None:
         self._newest: dict[int, tuple[int, float]] = {}  # robot_ns, and when it came, by epoch: one for each base
 
-    def advances(self, tick: Tick, now: float) -> bool:
+    def is_newer(self, tick: Tick, now: float) -> bool:
         """Whether this tick is newer than those of its epoch that came just before; only then does it count.
 
         `now`: s of any one monotonic clock.
@@ -47,6 +47,6 @@ class Clock:
         return not old
 
 
-def fade(age_s: float, budget: float) -> float:
+def derate(age_s: float, budget: float) -> float:
     """Share of the speed that a sample of this age still earns: 1 up to half its budget, then falling to 0 at it."""
     return min(1.0, max(0.0, 2.0 - 2.0 * age_s / budget))

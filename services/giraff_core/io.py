@@ -12,8 +12,8 @@ from typing import Any, Protocol, TypeVar
 import msgspec
 
 from giraff_core.inbox import Inbox
-from giraff_core.retry import Repeated
-from giraff_core.timer import Pacer
+from giraff_core.retry import RetriedRequest
+from giraff_core.timer import Timer
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic
@@ -38,7 +38,7 @@ class Publisher(Protocol[SampleT_contra]):
         ...
 
 
-class Asked(Protocol[RequestT_co, AnswerT_contra]):
+class PendingQuery(Protocol[RequestT_co, AnswerT_contra]):
     """One request of somebody, waiting for its answer."""
 
     @property
@@ -114,13 +114,13 @@ class IO(Protocol):
 
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]: ...
 
-    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
+    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[PendingQuery[RequestT, AnswerT]]:
         """What is asked of this service; its arrival makes a turn due."""
         ...
 
     def ask(
         self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
-    ) -> Repeated[AnswerT]:
+    ) -> RetriedRequest[AnswerT]:
         """Ask another service until it gives an answer that settles the matter."""
         ...
 
@@ -159,7 +159,7 @@ class Service(Protocol):
     """What a process does. Made of its `IO`, its configuration and the robot's."""
 
     @property
-    def pacers(self) -> Sequence[Pacer]:
+    def timers(self) -> Sequence[Timer]:
         """Whose pace makes a turn due."""
         ...
 

@@ -13,7 +13,7 @@ _LATE: Final = 50
 a single false one must not make this operator deaf for good."""
 
 
-class LeaseSeeker:
+class LeaseClient:
     """What one operator process knows of the lease.
 
     A service asks from its start until it is given the lease once. A lease that was lost is asked for again by each

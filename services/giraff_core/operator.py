@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from giraff_core.freshness import Clock
-from giraff_core.lease import LeaseSeeker
+from giraff_core.freshness import TickFilter
+from giraff_core.lease import LeaseClient
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick
 
 LINK_SILENCE: Final = 0.5
@@ -25,8 +25,8 @@ class Operator:
         """`name`: as in `cmd_vel/<name>`; `asks_from_start`: for the lease, not only once a human wishes to drive."""
         self._name = name
         self._asks_from_start = asks_from_start
-        self._lease = LeaseSeeker(instance)
-        self._clock = Clock()
+        self._lease = LeaseClient(instance)
+        self._clock = TickFilter()
         self._heard = -math.inf
         self.tick: RobotTime | None = None
         """The newest that was heard."""
@@ -45,7 +45,7 @@ class Operator:
 
     def on_tick(self, tick: Tick, now: float) -> None:
         """Take the robot's clock as it arrives."""
-        if self._clock.advances(tick, now):
+        if self._clock.is_newer(tick, now):
             self.tick, self._heard = tick.time, now
 
     def on_lease(self, lease: Lease) -> None:

@@ -12,7 +12,7 @@ from giraff_schemas.topics import AnswerT
 _PERIOD: Final = 0.2  # s between two attempts
 
 
-class Repeated(ABC, Generic[AnswerT]):
+class RetriedRequest(ABC, Generic[AnswerT]):
     """Call `poll` each turn until it is answered.
 
     An answer of which `settles` is false is kept as `refusal`, and asking goes on.

@@ -7,9 +7,9 @@ from typing import Annotated, ClassVar
 
 import msgspec
 
-from giraff_core.bounds import Within, require_plausible
+from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.differential_drive import DifferentialDrive
-from giraff_core.tuning import Live
+from giraff_core.tuning import Tuning
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS, Wiring
 
@@ -19,35 +19,35 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     index: int
     """Number of the sensor on the ranger board."""
-    x: Annotated[float, Within(-2.0, 2.0, "m")]
-    y: Annotated[float, Within(-2.0, 2.0, "m")]
-    yaw: Annotated[float, Within(-math.tau, math.tau, "rad")]
+    x: Annotated[float, Bounds(-2.0, 2.0, "m")]
+    y: Annotated[float, Bounds(-2.0, 2.0, "m")]
+    yaw: Annotated[float, Bounds(-math.tau, math.tau, "rad")]
 
     def __post_init__(self) -> None:
-        require_plausible(self)
+        check_bounds(self)
 
 
 class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Geometry, limits and wiring of one robot. SI units unless the name says otherwise."""
 
-    LIVE: ClassVar = Live.FIXED
+    LIVE: ClassVar = Tuning.READ_ONLY
 
     name: str
-    track_width: Annotated[float, Within(0.05, 2.0, "m")]
+    track_width: Annotated[float, Bounds(0.05, 2.0, "m")]
     """m between the wheels' contact points."""
-    ticks_per_metre: Annotated[float, Within(50.0, 200_000.0, "1/m", "are these counts per millimetre?")]
+    ticks_per_metre: Annotated[float, Bounds(50.0, 200_000.0, "1/m", "are these counts per millimetre?")]
     """Encoder counts of the base board (both edges of A) per metre of wheel travel."""
-    max_wheel_speed: Annotated[float, Within(0.02, 5.0, "m/s")]
+    max_wheel_speed: Annotated[float, Bounds(0.02, 5.0, "m/s")]
     """m/s of one wheel at `max_level`."""
-    max_level: Annotated[int, Within(1, 255)]
+    max_level: Annotated[int, Bounds(1, 255)]
     """Largest PWM level asked of a motor, of 255."""
-    max_angular_speed: Annotated[float, Within(0.05, 20.0, "rad/s")]
+    max_angular_speed: Annotated[float, Bounds(0.05, 20.0, "rad/s")]
     """rad/s."""
-    footprint_radius: Annotated[float, Within(0.03, 2.0, "m")]
+    footprint_radius: Annotated[float, Bounds(0.03, 2.0, "m")]
     """m: a disc about `base_link` that holds the whole robot."""
-    battery_volts_per_count: Annotated[float, Within(0.0, 0.5, "V")]
+    battery_volts_per_count: Annotated[float, Bounds(0.0, 0.5, "V")]
     """V per ADC count of the base board; 0 = not calibrated, no battery is published."""
-    stall_level: Annotated[int, Within(1, 255)] = 25
+    stall_level: Annotated[int, Bounds(1, 255)] = 25
     """Level from which a wheel that does not turn is stuck: one at which each wheel turns for certain, of 255."""
     # How motors and encoders are soldered. None: nobody has checked, and base does not arm.
     swap_motors: bool | None = None
@@ -60,7 +60,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     def __post_init__(self) -> None:
         require_chunk(self.name)
-        require_plausible(self)
+        check_bounds(self)
         if self.stall_level > self.max_level:
             raise ValueError(
                 f"stall_level is {self.stall_level} and max_level {self.max_level}: "

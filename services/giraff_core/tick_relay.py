@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from giraff_core.freshness import Clock
+from giraff_core.freshness import TickFilter
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.wire import TickFrame
 
@@ -18,24 +18,24 @@ class _Carrier(Protocol):
     def tick_robot_ns(self) -> int: ...
 
 
-class TickDown:
+class TickRelay:
     """Numbers the ticks that go down to one board."""
 
     def __init__(self) -> None:
         self._seq = 0
-        self._clock = Clock()
+        self._clock = TickFilter()
 
     def frame(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock for the board, which puts the last one into each of its frames; None for an old tick.
 
         `now`: s of any one monotonic clock.
         """
-        if not self._clock.advances(tick, now):
+        if not self._clock.is_newer(tick, now):
             return None
         self._seq = (self._seq + 1) & 0xFFFF
         return TickFrame(seq=self._seq, epoch=tick.epoch, robot_ns=tick.robot_ns)
 
 
-def moment_of(frame: _Carrier) -> RobotTime | None:
+def tick_of(frame: _Carrier) -> RobotTime | None:
     """The tick in a board's frame; None while the board holds none."""
     return RobotTime(epoch=frame.tick_epoch, robot_ns=frame.tick_robot_ns) if frame.tick_epoch else None

@@ -1,7 +1,7 @@
 """Fixed rates without bursts."""
 
 
-class Pacer:
+class Timer:
     """Tells when the next turn of a fixed rate is due. Turns that were missed are skipped, never made up for."""
 
     def __init__(self, rate_hz: float) -> None:

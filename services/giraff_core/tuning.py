@@ -8,31 +8,34 @@ from typing import Any, get_type_hints
 import msgspec
 
 
-class Live(Enum):
-    """`margin: Annotated[float, Live.UP] = 0.25`. For a table of which all fields are alike: `LIVE = Live.FIXED`."""
+class Tuning(Enum):
+    """`margin: Annotated[float, Tuning.RAISE_ONLY] = 0.25`.
 
-    UP = "up"
+    For a table of which all fields are alike: `LIVE: ClassVar = Tuning.READ_ONLY`.
+    """
+
+    RAISE_ONLY = "up"
     """It bears on safety, and a larger value is the tighter one: while the service runs it may only be raised."""
-    DOWN = "down"
+    LOWER_ONLY = "down"
     """It bears on safety, and a smaller value is the tighter one; None is tighter than any."""
     FREE = "free"
     """It bears on no safety: any valid value, at once."""
-    FIXED = "fixed"
+    READ_ONLY = "fixed"
     """It takes the robot file and a restart."""
 
 
-def live_fields(config: type[msgspec.Struct]) -> dict[str, Live | None]:
+def live_fields(config: type[msgspec.Struct]) -> dict[str, Tuning | None]:
     """By field, in order; None: nobody has said so, and it counts as fixed."""
     hints = get_type_hints(config, include_extras=True)
     of_all = getattr(config, "LIVE", None)
     return {
-        name: next((said for said in getattr(hints[name], "__metadata__", ()) if isinstance(said, Live)), of_all)
+        name: next((said for said in getattr(hints[name], "__metadata__", ()) if isinstance(said, Tuning)), of_all)
         for name in config.__struct_fields__
     }
 
 
-def loosens(live: Live, before: Any, after: Any) -> bool:
+def loosens(live: Tuning, before: Any, after: Any) -> bool:
     """Whether a safety value that changes so protects less, or may do so."""
     if before is None or after is None:
         return after is not None
-    return not (after >= before if live is Live.UP else after <= before)
+    return not (after >= before if live is Tuning.RAISE_ONLY else after <= before)

@@ -6,14 +6,14 @@ from typing import ClassVar
 
 import msgspec
 
-from giraff_core.tuning import Live
+from giraff_core.tuning import Tuning
 from giraff_schemas.topics import require_chunk
 
 
 class GatewayConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the board is, and how its lines are told apart."""
 
-    LIVE: ClassVar = Live.FIXED
+    LIVE: ClassVar = Tuning.READ_ONLY
 
     port: str = "/dev/ttyACM0"
     """Path of the board's serial port; one below /dev/serial/by-id names the same board wherever it is plugged in."""

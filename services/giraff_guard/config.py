@@ -7,91 +7,91 @@ from typing import Annotated
 
 import msgspec
 
-from giraff_core.bounds import Within, require_plausible
-from giraff_core.tuning import Live
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.tuning import Tuning
 
 
 class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    margin: Annotated[float, Live.UP, Within(0.01, 2.0, "m")] = 0.25
+    margin: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 2.0, "m")] = 0.25
     """m kept between the robot's footprint and an obstacle."""
-    release: Annotated[float, Live.UP, Within(0.001, 1.0, "m")] = 0.05
+    release: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 1.0, "m")] = 0.05
     """m beyond `margin` before a blocked direction is opened again."""
-    reaction_time: Annotated[float, Live.UP, Within(0.01, 2.0, "s")] = 0.10
+    reaction_time: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 2.0, "s")] = 0.10
     """s from an echo at the sensor to the wheels slowing down, without the reading's age."""
-    deceleration: Annotated[float | None, Live.DOWN, Within(0.05, 10.0, "m/s²")] = None
+    deceleration: Annotated[float | None, Tuning.LOWER_ONLY, Bounds(0.05, 10.0, "m/s²")] = None
     """m/s² that the stopping distance counts on; the robot's real one must be larger. None: it has not been measured,
     and the robot creeps."""
-    range_budget: Annotated[float, Live.DOWN, Within(0.05, 2.0, "s")] = 0.40
+    range_budget: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.05, 2.0, "s")] = 0.40
     """s; an older reading does not count: its directions are blind."""
-    operator_budget: Annotated[float, Live.DOWN, Within(0.05, 2.0, "s")] = 0.4
+    operator_budget: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.05, 2.0, "s")] = 0.4
     """s; an older command does not count."""
-    operator_release: Annotated[float, Live.DOWN, Within(0.1, 60.0, "s")] = 1.0
+    operator_release: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 60.0, "s")] = 1.0
     """s without a fresh command of its holder after which the lease ends."""
-    fault_release: Annotated[float, Live.DOWN, Within(0.1, 600.0, "s")] = 2.0
+    fault_release: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 600.0, "s")] = 2.0
     """s of its holder's fault after which the lease ends."""
-    idle_release: Annotated[float, Live.DOWN, Within(0.1, 86_400.0, "s")] = 30.0
+    idle_release: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 86_400.0, "s")] = 30.0
     """s of its holder's neutral hand after which the lease ends."""
-    maker_silence: Annotated[float, Live.FIXED, Within(0.1, 10.0, "s")] = 0.5
+    maker_silence: Annotated[float, Tuning.READ_ONLY, Bounds(0.1, 10.0, "s")] = 0.5
     """s of silence after which another base or ranger may take the place of the one that is listened to."""
-    priorities: Annotated[dict[str, int], Live.FIXED] = {}
+    priorities: Annotated[dict[str, int], Tuning.READ_ONLY] = {}
     """By operator name: who may take the lease from whom. A larger one may; an operator not named here has 0."""
-    creep_linear: Annotated[float, Live.DOWN, Within(0.005, 0.5, "m/s")] = 0.10
+    creep_linear: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = 0.10
     """m/s where no sensor looks."""
-    creep_angular: Annotated[float, Live.DOWN, Within(0.01, 5.0, "rad/s")] = 0.35
+    creep_angular: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.01, 5.0, "rad/s")] = 0.35
     """rad/s while the way ahead is blocked."""
-    slowest: Annotated[float, Live.UP, Within(0.001, 0.5, "m/s")] = 0.03
+    slowest: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 0.5, "m/s")] = 0.03
     """m/s; less is a stop."""
-    reach: Annotated[float, Live.DOWN, Within(0.1, 10.0, "m")] = 4.0
+    reach: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 10.0, "m")] = 4.0
     """m; what `clear` counts for."""
-    half_cone: Annotated[float, Live.FIXED, Within(0.001, math.pi / 4, "rad")] = math.radians(7.5)
+    half_cone: Annotated[float, Tuning.READ_ONLY, Bounds(0.001, math.pi / 4, "rad")] = math.radians(7.5)
     """rad; an echo may come from anywhere this far off the sensor's axis."""
-    incidence: Annotated[float, Live.FIXED, Within(0.001, math.pi / 2, "rad")] = math.radians(25.0)
+    incidence: Annotated[float, Tuning.READ_ONLY, Bounds(0.001, math.pi / 2, "rad")] = math.radians(25.0)
     """rad between a surface's normal and the sensor's axis, up to which an HC-SR04 reads reliably."""
-    proof_time: Annotated[float, Live.DOWN, Within(0.5, 60.0, "s")] = 10.0
+    proof_time: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.5, 60.0, "s")] = 10.0
     """s after a sensor's last plausible echo, up to which its `clear` counts in full."""
-    proof_travel: Annotated[float, Live.DOWN, Within(0.1, 5.0, "m")] = 1.2
+    proof_travel: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 5.0, "m")] = 1.2
     """m of way after it, up to which its `clear` counts in full."""
-    proof_turn: Annotated[float, Live.UP, Within(0.05, 10.0, "m/rad")] = 0.5
+    proof_turn: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.05, 10.0, "m/rad")] = 0.5
     """m of way that a turn counts as, by rad."""
-    fade_time: Annotated[float, Live.DOWN, Within(0.5, 120.0, "s")] = 20.0
+    fade_time: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.5, 120.0, "s")] = 20.0
     """s after it, from which on its `clear` is worth `unproved_linear`."""
-    fade_travel: Annotated[float, Live.DOWN, Within(0.1, 10.0, "m")] = 2.0
+    fade_travel: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 10.0, "m")] = 2.0
     """m of way after it, from which on its `clear` is worth that."""
-    unproved_linear: Annotated[float, Live.DOWN, Within(0.005, 0.5, "m/s")] = 0.145
+    unproved_linear: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = 0.145
     """m/s towards what only a silent sensor looks at, and to where something was heard until lately."""
-    held_range: Annotated[float, Live.UP, Within(0.1, 10.0, "m")] = 2.2
+    held_range: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.1, 10.0, "m")] = 2.2
     """m from the sensor; a plausible echo within it counts on when its way's sensors fall silent."""
-    held_time: Annotated[float, Live.UP, Within(0.5, 120.0, "s")] = 20.0
+    held_time: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.5, 120.0, "s")] = 20.0
     """s for which it does."""
-    held_radius: Annotated[float, Live.UP, Within(0.01, 1.0, "m")] = 0.10
+    held_radius: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 1.0, "m")] = 0.10
     """m around the spot in which what gave it may stand."""
-    held_beside: Annotated[float, Live.UP, Within(0.01, 2.0, "m")] = 0.45
+    held_beside: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 2.0, "m")] = 0.45
     """m between the footprint and such a spot beside it, within which the robot is slowed too."""
-    held_block: Annotated[float, Live.UP, Within(0.01, 60.0, "s")] = 1.0
+    held_block: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 60.0, "s")] = 1.0
     """s of silence for which it may block a way; then it slows it to `unproved_linear`."""
-    near: Annotated[float, Live.UP, Within(0.01, 1.0, "m")] = 0.10
+    near: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 1.0, "m")] = 0.10
     """m; an echo lost below it blocks its direction until the robot has moved or turned away."""
-    regain: Annotated[float, Live.DOWN, Within(0.001, 5.0, "m/s")] = 0.12
+    regain: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.001, 5.0, "m/s")] = 0.12
     """m/s that each further reading of the sensor that blocked a way adds to creeping."""
-    agreement: Annotated[float, Live.FIXED, Within(0.001, 1.0, "m")] = 0.10
+    agreement: Annotated[float, Tuning.READ_ONLY, Bounds(0.001, 1.0, "m")] = 0.10
     """m by which two readings of one surface may differ, besides motion."""
-    person_speed: Annotated[float, Live.FIXED, Within(0.01, 10.0, "m/s")] = 1.0
+    person_speed: Annotated[float, Tuning.READ_ONLY, Bounds(0.01, 10.0, "m/s")] = 1.0
     """m/s at which what a sensor sees may move."""
-    frozen_travel: Annotated[float, Live.DOWN, Within(0.01, 10.0, "m")] = 0.20
+    frozen_travel: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.01, 10.0, "m")] = 0.20
     """m along a sensor's axis after which a reading that has not changed at all is frozen."""
-    memory_range: Annotated[float, Live.UP, Within(0.01, 10.0, "m")] = 1.6
+    memory_range: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 10.0, "m")] = 1.6
     """m from the sensor; echoes farther away are not remembered."""
-    memory_time: Annotated[float, Live.UP, Within(0.1, 600.0, "s")] = 20.0
+    memory_time: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.1, 600.0, "s")] = 20.0
     """s after which a remembered echo is forgotten."""
-    memory_travel: Annotated[float, Live.UP, Within(0.01, 100.0, "m")] = 2.0
+    memory_travel: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.01, 100.0, "m")] = 2.0
     """m of travel after which it is forgotten."""
-    memory_block: Annotated[float, Live.UP, Within(0.1, 600.0, "s")] = 8.0
+    memory_block: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.1, 600.0, "s")] = 8.0
     """s for which a remembered echo may block a way; then it slows it to `unproved_linear`."""
-    memory_margin: Annotated[float, Live.UP, Within(0.001, 1.0, "m")] = 0.05
+    memory_margin: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 1.0, "m")] = 0.05
     """m kept between the footprint and remembered echoes."""
 
     def __post_init__(self) -> None:
-        require_plausible(self)
+        check_bounds(self)
         if self.proof_time >= self.fade_time or self.proof_travel >= self.fade_travel:
             raise ValueError(
                 "a sensor's trust ends before it fades: proof_time < fade_time, proof_travel < fade_travel; to lower"

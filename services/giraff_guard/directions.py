@@ -12,7 +12,7 @@ from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.echoes import Echoes, Obstruction
 from giraff_guard.motion import Motion
-from giraff_guard.recent_obstacles import Held
+from giraff_guard.recent_obstacles import RecentObstacles
 from giraff_guard.sensor import Ping, Sensor
 from giraff_guard.stopping import fastest, stopping_distance
 from giraff_schemas.messages import Freedom, RobotTime, Verdict
@@ -39,7 +39,7 @@ class Direction:
         self._config = config
         self._robot = robot
         self.sensors = [sensor for sensor in sensors if self.sign * math.cos(sensor.pose.yaw) > 0.7]
-        self._held = Held(config, robot.footprint_radius)
+        self._held = RecentObstacles(config, robot.footprint_radius)
         self._blocked = True
         self._blocker = ""
         """The sensor that blocked this way last."""

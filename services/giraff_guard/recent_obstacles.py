@@ -33,7 +33,7 @@ class Heard(NamedTuple):
     """Which has heard it."""
 
 
-class Held:
+class RecentObstacles:
     """Spots where something was heard, for `held_time`.
 
     Nothing else ends one. What is heard elsewhere does not say that it has gone, and neither does a farther echo from

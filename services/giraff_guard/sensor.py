@@ -12,7 +12,7 @@ from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_guard.motion import Motion
 from giraff_guard.self_test import SelfTest
-from giraff_guard.silence_trust import Hearing
+from giraff_guard.silence_trust import SilenceTrust
 from giraff_schemas.messages import Range, RobotTime
 
 _KEPT: Final = 4
@@ -38,7 +38,7 @@ class Sensor:
         self._config = config
         self._pings: deque[Ping] = deque(maxlen=_KEPT)
         self._reading: Range | None = None
-        self._hearing = Hearing(config)
+        self._trust = SilenceTrust(config)
         self.heard: Ping | None = None
         """The last echo that follows from one of those kept before it: both are of one surface."""
         self.surest: Ping | None = None
@@ -50,7 +50,7 @@ class Sensor:
         """Judge by this from now on."""
         self._config = config
         self._self_test.reconfigure(config)
-        self._hearing.reconfigure(config)
+        self._trust.reconfigure(config)
 
     @property
     def tick(self) -> RobotTime | None:
@@ -87,7 +87,7 @@ class Sensor:
             self._self_test.on_reading(pulse, ping.place, self.pose.yaw, both_echoes and not follows)
         *earlier, _ = self._pings
         if ping.echo and any(each.echo and self._follows(each, ping) for each in earlier):
-            self._hearing.prove(ping.robot_ns, motion)
+            self._trust.prove(ping.robot_ns, motion)
             self.heard = ping
         if both_echoes and follows:
             self.surest = ping
@@ -113,7 +113,7 @@ class Sensor:
         """Why its silence is worth less than an echo; empty when it is not."""
         if self._self_test.wild:
             return f"{self.name} jumps as no surface does; face a wall squarely, else check the sensor"
-        if self._hearing.doubt(motion, now) > 0.0:
+        if self._trust.doubt(motion, now) > 0.0:
             return f"{self.name} has not proved lately that it hears; face a wall within {self._config.reach:g} m"
         return ""
 
@@ -122,7 +122,7 @@ class Sensor:
         if self._self_test.wild:
             return self._config.creep_linear
         least = min(most, self._config.unproved_linear)
-        return most - self._hearing.doubt(motion, now) * (most - least)
+        return most - self._trust.doubt(motion, now) * (most - least)
 
     @property
     def is_silent(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
 from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, RANGE, TICK, WHEELS
@@ -25,12 +25,12 @@ class Guard:
         self._ticks, self._ranges = io.inbox(TICK), io.inbox(RANGE)
         self._wheels, self._commands = io.inbox(WHEELS), io.inbox(OPERATOR_CMD_VEL)
         self._guarded, self._states, self._leases = io.publisher(CMD_VEL), io.publisher(GUARD), io.publisher(LEASE)
-        self._pace, self._state_pace, self._lease_pace = (Pacer(topic.rate_hz) for topic in (CMD_VEL, GUARD, LEASE))
-        self.pacers = (self._pace,)
+        self._timer, self._state_timer, self._lease_timer = (Timer(topic.rate_hz) for topic in (CMD_VEL, GUARD, LEASE))
+        self.timers = (self._timer,)
         self._reason, self._counter = "", 0
 
     def turn(self, now: float) -> None:
-        if not self._pace.due(now):
+        if not self._timer.due(now):
             return
         policy, clock = self._policy, self._io.robot_ns
         for tick in self._ticks.take():
@@ -44,10 +44,10 @@ class Guard:
         passed, state, lease = policy.decide(clock())
         self._guarded.put(passed)
         self._io.set_notice("identity", policy.fault)
-        if lease.counter != self._counter or self._lease_pace.due(now):
+        if lease.counter != self._counter or self._lease_timer.due(now):
             self._counter = lease.counter
             self._leases.put(lease)
-        if state.reason != self._reason or self._state_pace.due(now):
+        if state.reason != self._reason or self._state_timer.due(now):
             self._reason = state.reason
             self._states.put(state)
 

@@ -15,7 +15,7 @@ class _Proof(NamedTuple):
     turned: float
 
 
-class Hearing:
+class SilenceTrust:
     """Of one sensor."""
 
     def __init__(self, config: GuardConfig) -> None:

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from giraff_core.bounds import Within, require_plausible
-from giraff_core.tuning import Live
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.tuning import Tuning
 from giraff_schemas.topics import require_chunk
 
 Curve = Literal["angle", "source"]
@@ -16,20 +16,20 @@ Curve = Literal["angle", "source"]
 class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the joystick board is, and what a tilt means."""
 
-    port: Annotated[str, Live.FIXED] = "/dev/giraff-joystick"
+    port: Annotated[str, Tuning.READ_ONLY] = "/dev/giraff-joystick"
     """Path of the board's serial port."""
-    operator: Annotated[str, Live.FIXED] = "joystick"
+    operator: Annotated[str, Tuning.READ_ONLY] = "joystick"
     """Name under which this operator's commands are published: `cmd_vel/<operator>`."""
-    curve: Annotated[Curve, Live.FIXED] = "angle"
+    curve: Annotated[Curve, Tuning.READ_ONLY] = "angle"
     """`angle`: speed grows with the angle between `dead_zone_deg` and `full_tilt_deg`; yaw is capped at the
     robot's `max_angular_speed`. `source`: asks for the published curve, exactly: speed grows with the acceleration from
     4.5 to 9.5 m/s², which is 27 to 76 degrees; yaw is limited by the wheels alone. The robot drives it exactly up to
     its `max_angular_speed`: guard slows what turns faster, in the same curve, whoever asks."""
-    dead_zone_deg: Annotated[float, Live.UP] = 8.0
+    dead_zone_deg: Annotated[float, Tuning.RAISE_ONLY] = 8.0
     """Degrees from the zero within which nothing moves; of the curve `angle`."""
-    full_tilt_deg: Annotated[float, Live.UP] = 35.0
+    full_tilt_deg: Annotated[float, Tuning.RAISE_ONLY] = 35.0
     """Degrees from the zero at which full speed is reached; of the curve `angle`."""
-    stillness: Annotated[float, Live.UP, Within(0.001, 2.0, "m/s²")] = 0.045
+    stillness: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 2.0, "m/s²")] = 0.045
     """m/s², rms over 1 s: what moves less while it asks to drive has been laid down. Twice the sensor's own noise
     (0.021), and below the tremor of most hands (0.07). A steadier hand needs less."""
 
@@ -37,7 +37,7 @@ class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         if not self.port:
             raise ValueError("port is empty: give the path of the joystick board's serial port")
         require_chunk(self.operator)
-        require_plausible(self)
+        check_bounds(self)
         if not 0.0 < self.dead_zone_deg < self.full_tilt_deg <= 90.0:
             raise ValueError(
                 f"dead_zone_deg is {self.dead_zone_deg} and full_tilt_deg {self.full_tilt_deg}: "

@@ -47,7 +47,7 @@ LAID_DOWN: Final = (
 )
 
 
-class Attention:
+class HandDetector:
     """Feed it each reading of a running sensor; `forget` when there was none."""
 
     def __init__(self, stillness: float) -> None:

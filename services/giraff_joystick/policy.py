@@ -7,11 +7,11 @@ from typing import Final, NamedTuple
 
 from giraff_core.operator import LINK_SILENCE, Operator
 from giraff_core.robot import RobotConfig
-from giraff_core.tick_relay import TickDown, moment_of
+from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_joystick.clutch import Clutch
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.curves import asked
-from giraff_joystick.hand_detector import Attention
+from giraff_joystick.hand_detector import HandDetector
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick, Tilt, TiltStatus
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TickFrame, TiltFrame
 from giraff_schemas.wire import TiltStatus as WireStatus
@@ -80,7 +80,7 @@ class JoystickPolicy:
         self._config = config
         self._robot = robot
         self._operator = Operator(config.operator, instance)
-        self._attention = Attention(config.stillness)
+        self._hand = HandDetector(config.stillness)
         self._clutch = Clutch()
         self.sensor_fault = ""
         """What is wrong with the tilt sensor, by the newest frame, and the way out."""
@@ -91,12 +91,12 @@ class JoystickPolicy:
             f"no frame from the joystick board on {config.port} for {BOARD_SILENCE:g} s; check its cable and power"
         )
         self._asks = _fault(self._silence)
-        self._tick_down = TickDown()
+        self._tick_down = TickRelay()
 
     def reconfigure(self, config: JoystickConfig) -> None:
         """Judge by this from now on."""
         self._config = config
-        self._attention.require(config.stillness)
+        self._hand.require(config.stillness)
 
     @property
     def refusal(self) -> str:
@@ -115,7 +115,7 @@ class JoystickPolicy:
         """The reading in `frame`. It is what `command` stands on until the next one."""
         tilt = reading(frame)
         if self._silent(now) or tilt.status != "running":
-            self._attention.forget()
+            self._hand.forget()
             self._clutch.forget()
         if tilt.tick != self._tick:
             self._tick_came = now
@@ -143,7 +143,7 @@ class JoystickPolicy:
         """What stands for a reading while the board is silent; None while it is not."""
         return Tilt(x=0.0, y=0.0, z=0.0, status="no_board", tick=self._tick) if self._silent(now) else None
 
-    def farewell(self) -> DriveCommand:
+    def final_command(self) -> DriveCommand:
         """The last command of a service that ends: the robot need not wait for silence to stop."""
         return self._operator.fault("the joystick service has ended; start it again", tick=self._tick)
 
@@ -158,7 +158,7 @@ class JoystickPolicy:
         if not deflected:
             self._clutch.dismiss_refusal()
         reason = (
-            self._attention.judge((frame.x, frame.y, frame.z), deflected=deflected)
+            self._hand.judge((frame.x, frame.y, frame.z), deflected=deflected)
             or self._link_fault(now)
             or self._clutch.refusal
         )
@@ -181,4 +181,4 @@ def reading(frame: TiltFrame) -> Tilt:
     if status == "running" and not (finite and any(raw)):
         status = "bus_fault"
     x, y, z = (value / TILT_LSB_PER_M_S2 if finite else 0.0 for value in raw)
-    return Tilt(x=x, y=y, z=z, status=status, tick=moment_of(frame))
+    return Tilt(x=x, y=y, z=z, status=status, tick=tick_of(frame))

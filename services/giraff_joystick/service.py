@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, TILT
@@ -24,8 +24,8 @@ class Joystick:
         self._clock, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)
         self._tilts = io.publisher(TILT)
         self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
-        self._pace = Pacer(OPERATOR_CMD_VEL.rate_hz)
-        self.pacers = (self._pace,)
+        self._timer = Timer(OPERATOR_CMD_VEL.rate_hz)
+        self.timers = (self._timer,)
 
     def turn(self, now: float) -> None:
         policy, link = self._policy, self.link
@@ -37,7 +37,7 @@ class Joystick:
         for tick in self._clock.take():
             if (down := policy.on_tick(tick, now)) is not None:
                 link.send(down)
-        if self._pace.due(now):
+        if self._timer.due(now):
             command = policy.command(now)
             self._commands.put(command)
             if (lost := policy.lost(now)) is not None:
@@ -49,4 +49,4 @@ class Joystick:
 
     def end(self) -> None:
         """Let go of the robot."""
-        self._commands.put(self._policy.farewell())
+        self._commands.put(self._policy.final_command())

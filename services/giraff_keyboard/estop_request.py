@@ -20,7 +20,7 @@ class Request(Protocol):
     def poll(self, now: float) -> EStopAnswer | None: ...
 
 
-class Stopping:
+class EStopRequest:
     """Asks base until it says that it has stopped and will stay so. Times are monotonic, s."""
 
     def __init__(self, ask: Callable[[], Request]) -> None:

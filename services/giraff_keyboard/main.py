@@ -6,7 +6,7 @@ import time
 from typing import Final
 
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.estop_request import Stopping
+from giraff_keyboard.estop_request import EStopRequest
 from giraff_keyboard.service import Keyboard
 from giraff_keyboard.terminal import Terminal
 from giraff_node import Node
@@ -36,7 +36,7 @@ def main() -> int:
     return 0
 
 
-def _go_on_asking(stopping: Stopping) -> None:
+def _go_on_asking(stopping: EStopRequest) -> None:
     """A stop that was asked for and is not confirmed yet outlives the screen."""
     until = time.monotonic() + _LAST_REQUESTS
     while stopping.asked and (now := time.monotonic()) < until:

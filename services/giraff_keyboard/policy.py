@@ -108,7 +108,7 @@ class KeyboardPolicy:
         tick = operator.tick if self._asks == (0.0, 0.0) else self._pressed_tick
         return operator.command(*self._asks, tick=tick, wishes=True)
 
-    def farewell(self) -> DriveCommand:
+    def final_command(self) -> DriveCommand:
         """The last command of a service that ends: the robot need not wait for silence to stop."""
         return self._operator.fault("the keyboard service has ended; start it again", tick=self._operator.tick)
 

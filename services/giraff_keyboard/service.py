@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from typing import Any, Final, Protocol
 
-from giraff_core.estop import stops_for_good
+from giraff_core.estop import is_confirmed_stop
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO, Selectable
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.estop_request import Stopping
+from giraff_keyboard.estop_request import EStopRequest
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
-from giraff_keyboard.status import Heard
+from giraff_keyboard.status import StatusView
 from giraff_schemas.messages import EStopEngage
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, ESTOP_ENGAGE, GUARD, LEASE, OPERATOR_CMD_VEL, TICK
 
@@ -40,14 +40,14 @@ class Keyboard:
         self.link = screen
         self._screen = screen
         self._policy = KeyboardPolicy(config, robot, io.instance)
-        self._keys, self._heard = KeyReader(), Heard()
+        self._keys, self._heard = KeyReader(), StatusView()
         engage = EStopEngage(by=f"{config.operator}@{io.hostname}", reason="space bar")
-        self.stopping = Stopping(lambda: io.ask(ESTOP_ENGAGE, engage, stops_for_good))
+        self.stopping = EStopRequest(lambda: io.ask(ESTOP_ENGAGE, engage, is_confirmed_stop))
         self._ticks, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=10) for topic in (BASE, GUARD, ESTOP, BATTERY)]
         self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
-        self._pace, self._status_pace = Pacer(OPERATOR_CMD_VEL.rate_hz), Pacer(_STATUS_HZ)
-        self.pacers = (self._pace,)
+        self._timer, self._status_timer = Timer(OPERATOR_CMD_VEL.rate_hz), Timer(_STATUS_HZ)
+        self.timers = (self._timer,)
 
     def turn(self, now: float) -> None:
         policy = self._policy
@@ -69,14 +69,14 @@ class Keyboard:
             self.stopping.on_sample(sample)
         if self.stopping.poll(now):
             policy.on_stopped()
-        if self._pace.due(now) or pressed:
+        if self._timer.due(now) or pressed:
             command = policy.command(now)
             self._commands.put(command)
             self._io.set_notice("keys", command.reason)
             self._io.set_notice("lease", policy.refusal)
-        if self._status_pace.due(now) or pressed:
+        if self._status_timer.due(now) or pressed:
             self._screen.show(self._heard.lines(policy, self.stopping.text, now))
 
     def end(self) -> None:
         """Let go of the robot."""
-        self._commands.put(self._policy.farewell())
+        self._commands.put(self._policy.final_command())

@@ -13,7 +13,7 @@ STALE: Final = 1.5
 HELP: Final = "arrows or WASD drive   SPACE emergency stop   c take the robot, neutral   + - speed   Ctrl-C end"
 
 
-class Heard:
+class StatusView:
     """The newest of each kind, as long as it is new."""
 
     def __init__(self) -> None:

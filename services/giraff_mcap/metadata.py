@@ -14,7 +14,7 @@ from giraff_node.config.robot_file import ConfigError, read_tables
 _SECRETS = "network"  # where keys lie and who may do what is nobody's business who is given a recording
 
 
-def about(robot: str) -> dict[str, str]:
+def metadata_of(robot: str) -> dict[str, str]:
     """Of a recording that begins now on this machine. `tables`: the robot file with this host's overrides, as JSON."""
     told = {
         "robot": robot,

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 
-class Heard(NamedTuple):
+class RawSample(NamedTuple):
     """A sample with what it takes to say it again."""
 
     at_ns: int
@@ -46,7 +46,7 @@ class _Flow:
 
 
 @dataclass
-class Tally:
+class LossCounter:
     """Counts the samples of one key, and by their numbers those that are missing.
 
     `giraff_cli.network.statistics` tells the late ones from the doubles, too, and rates and ages; it takes several

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 
 _MOST_WAITING: Final = 40_000
 """Samples, a minute and a half of a whole robot: the queue while a disk hangs."""
@@ -35,7 +35,7 @@ _MOST_ATTACHED: Final = 32  # threads; there is one but for moments, when a link
 _MOST_DECLARED: Final = 200  # keys; a robot has some twenty
 
 
-def step_back() -> None:
+def lower_priority() -> None:
     """Let everything else of this machine go first, and wake up but once a sample.
 
     Before the session is opened, whose threads are then such ones.
@@ -45,7 +45,7 @@ def step_back() -> None:
         os.nice(_NICE)
 
 
-class Ear:
+class RawSubscriber:
     """Listens from the beginning of its life; `take` from one thread only."""
 
     def __init__(self, session: zenoh.Session, keys: Iterable[str]) -> None:
@@ -67,7 +67,7 @@ class Ear:
         """Samples that came and could not wait any longer."""
         return max(0, self._came - self._taken - len(self._waiting))
 
-    def take(self) -> list[Heard]:
+    def take(self) -> list[RawSample]:
         """What has come since the last call."""
         came = [self._waiting.popleft() for _ in range(len(self._waiting))]
         self._taken += len(came)
@@ -75,7 +75,7 @@ class Ear:
             # Of a key that it knows Zenoh keeps to whom it goes, and looks for that no more with each sample.
             self._declared.append(self._session.declare_keyexpr(key))
         # A deletion has no payload, nor is what has none a message.
-        return [Heard(at_ns, str(key), payload, self._encodings[key]) for at_ns, key, payload in came if payload]
+        return [RawSample(at_ns, str(key), payload, self._encodings[key]) for at_ns, key, payload in came if payload]
 
     def close(self) -> None:
         """Listen no longer."""

@@ -29,7 +29,7 @@ from mcap.records import Channel, Header, Message, Metadata
 from mcap.stream_reader import CRCValidationError, StreamReader
 from zstandard import ZstdError
 
-from giraff_mcap.raw_sample import Count, Tally, start_of
+from giraff_mcap.raw_sample import Count, LossCounter, start_of
 from giraff_mcap.writing import ABOUT, SUMMARY, below_robot
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
@@ -108,9 +108,9 @@ class Recording:
     @cached_property
     def counts(self) -> dict[str, Count]:
         """By key, counted now."""
-        tallies: dict[str, Tally] = {}
+        tallies: dict[str, LossCounter] = {}
         for sample in self.samples():
-            tallies.setdefault(sample.key, Tally()).add(start_of(sample.content()))
+            tallies.setdefault(sample.key, LossCounter()).add(start_of(sample.content()))
         return {key: Count(tally.count, tally.lost) for key, tally in sorted(tallies.items())}
 
     @cached_property

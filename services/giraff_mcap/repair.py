@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.writing import RecordingWriter
 
@@ -16,12 +16,12 @@ def repair(path: Path, into: Path) -> RecordingWriter:
     """The new file, closed. Raises RecordingError where nothing can be saved, OSError where it cannot be written."""
     recording = Recording(path)
     with RecordingWriter(into, recording.about, to_wall_ns=0) as writer:
-        batch: list[Heard] = []
+        batch: list[RawSample] = []
         damage = ""
         try:
             for sample in recording.samples():
                 batch.append(
-                    Heard(
+                    RawSample(
                         at_ns=sample.heard_ns,
                         key=sample.topic,
                         payload=sample.payload(),

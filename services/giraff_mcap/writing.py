@@ -15,7 +15,7 @@ import msgspec
 from mcap.writer import CompressionType, Writer
 
 from giraff_mcap.durable import DurableFile
-from giraff_mcap.raw_sample import Count, Heard, Tally, start_of
+from giraff_mcap.raw_sample import Count, LossCounter, RawSample, start_of
 from giraff_mcap.schemas import ENCODING, FOREIGN, name_of, schema_of
 from giraff_schemas.topics import ROOT, topic_of
 
@@ -36,18 +36,18 @@ class RecordingWriter:
     def __init__(self, path: Path, about: Mapping[str, str], to_wall_ns: int | None = None) -> None:
         """Makes the file, which must not be there yet.
 
-        `about`: what whoever reads it should know. `to_wall_ns`: what makes a wall clock's time of `Heard.at_ns`;
+        `about`: what whoever reads it should know. `to_wall_ns`: what makes a wall clock's time of `RawSample.at_ns`;
         None: what does so now.
         """
         self.path = path
-        self.counts: dict[str, Tally] = {}
+        self.counts: dict[str, LossCounter] = {}
         """By key below the robot's name."""
         self.unreadable: dict[str, str] = {}
         """By key: why its newest payload that is not in the file could not be read."""
         self._file = DurableFile(path)
         self._writer = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, chunk_size=1 << 22)
         self._schemas: dict[str, int] = {}
-        self._channels: dict[str, tuple[int, Tally]] = {}
+        self._channels: dict[str, tuple[int, LossCounter]] = {}
         self._chunks = self._largest = 0
         # The wall clock as of the beginning, gone on by the monotonic one: it stays even when somebody sets the clock.
         self._to_wall_ns = time.time_ns() - time.monotonic_ns() if to_wall_ns is None else to_wall_ns
@@ -77,7 +77,7 @@ class RecordingWriter:
         """s from the first sample to the last."""
         return 0.0 if self.first_ns is None or self.last_ns is None else (self.last_ns - self.first_ns) * 1e-9
 
-    def add(self, samples: Iterable[Heard]) -> None:
+    def add(self, samples: Iterable[RawSample]) -> None:
         """Take samples, in any order of keys."""
         for sample in sorted(samples):
             self._add(sample)
@@ -104,7 +104,7 @@ class RecordingWriter:
         """By key."""
         return {key: Count(tally.count, tally.lost) for key, tally in sorted(self.counts.items())}
 
-    def _add(self, sample: Heard) -> None:
+    def _add(self, sample: RawSample) -> None:
         try:
             content: Any = msgspec.msgpack.decode(sample.payload)
             data = msgspec.json.encode(content)
@@ -128,7 +128,7 @@ class RecordingWriter:
             sequence=start.seq & 0xFFFFFFFF if start else 0,
         )
 
-    def _channel(self, sample: Heard) -> tuple[int, Tally]:
+    def _channel(self, sample: RawSample) -> tuple[int, LossCounter]:
         below = below_robot(sample.key)
         topic = topic_of(below)
         name = FOREIGN if topic is None else name_of(topic.schema)
@@ -137,7 +137,7 @@ class RecordingWriter:
             self._schemas[name] = self._writer.register_schema(name, ENCODING, schema)
         how = {"encoding": sample.encoding}
         channel = self._writer.register_channel(sample.key, "json", self._schemas[name], how)
-        self._channels[sample.key] = channel, self.counts.setdefault(below, Tally())
+        self._channels[sample.key] = channel, self.counts.setdefault(below, LossCounter())
         return self._channels[sample.key]
 
 

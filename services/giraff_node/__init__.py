@@ -7,11 +7,11 @@ import os
 os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 
 from giraff_core.inbox import Inbox
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_node.node import Node, Publisher
 from giraff_node.process import malloc
 from giraff_node.process.clock import robot_now_ns
 
-malloc.keep_little()
+malloc.limit_heaps()
 
-__all__ = ["Inbox", "Node", "Pacer", "Publisher", "robot_now_ns"]
+__all__ = ["Inbox", "Node", "Publisher", "Timer", "robot_now_ns"]

@@ -21,19 +21,19 @@ import msgspec
 import zenoh
 
 from giraff_core.inbox import MOST_REQUESTS, Inbox
-from giraff_core.io import Asked, Selectable, Service
+from giraff_core.io import PendingQuery, Selectable, Service
 from giraff_core.network import NetworkConfig
-from giraff_core.parameters.server import ParamDesk
-from giraff_core.parameters.table import ConfigT, Params
+from giraff_core.parameters.server import ParameterServer
+from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_node.boards.board_link import BoardLink
 from giraff_node.config.robot_file import ConfigError, load
-from giraff_node.network.decode_errors import BadKeys
+from giraff_node.network.decode_errors import DecodeErrors
 from giraff_node.network.host_addresses import AddressWatch, host_addresses
 from giraff_node.network.key_bundle import ExpiryWatch
-from giraff_node.network.link_repair import Reunion
-from giraff_node.network.query_client import Asking
+from giraff_node.network.link_repair import LinkRepair
+from giraff_node.network.query_client import QueryClient
 from giraff_node.network.router_link import RouterLink
 from giraff_node.network.session import open_session
 from giraff_node.process.clock import robot_now_ns
@@ -117,17 +117,17 @@ class Node(Generic[ConfigT]):
         except zenoh.ZError as error:
             self.log.error("no Zenoh session: %s; check the table [network] of the robot file", error)
             sys.exit(2)
-        self._params = Params(service, filed, self.robot)
+        self._params = Parameters(service, filed, self.robot)
         self.store = Folder(state_directory(self.robot.name), self._process.wake)
-        self._desk = ParamDesk(service, self.instance, self.hostname, self._params, self.store, self.log.info)
-        self.set_fault("params", self._desk.fault)
+        self._server = ParameterServer(service, self.instance, self.hostname, self._params, self.store, self.log.info)
+        self.set_fault("params", self._server.fault)
         self.on_reconfigured: Callable[[Any], None] | None = None
         secured = network.mode == "secured" and not network.session_file
         self._keys = ExpiryWatch(Path(network.keys)) if secured else None
         routed = network.router and not network.local and not network.session_file
         self._router = RouterLink(network.router, network.site, self._sees_router) if routed else None
         own = network.local or network.session_file
-        self._reunion = None if own else Reunion(self.session, network, self.robot.name, visits=not steady)
+        self._link_repair = None if own else LinkRepair(self.session, network, self.robot.name, visits=not steady)
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
     @property
@@ -172,7 +172,7 @@ class Node(Generic[ConfigT]):
     def subscribe(self, topic: Topic[SampleT], callback: Callable[[SampleT], None]) -> None:
         """Call `callback` with each sample, in Zenoh's thread: it must be quick. If it raises, the process ends."""
         pattern = key_of(self.robot.name, topic)
-        bad_keys = BadKeys(pattern, self.set_notice)
+        bad_keys = DecodeErrors(pattern, self.set_notice)
 
         def on_sample(received: zenoh.Sample) -> None:
             key = str(received.key_expr)
@@ -190,9 +190,9 @@ class Node(Generic[ConfigT]):
         self._process.condition.subscribes.append(topic.key)
         self._declared.append(self.session.declare_subscriber(pattern, on_sample))
 
-    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
+    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[PendingQuery[RequestT, AnswerT]]:
         """What is asked of this service, for its loop to answer; its arrival wakes the loop."""
-        inbox: Inbox[Asked[RequestT, AnswerT]] = Inbox(MOST_REQUESTS)
+        inbox: Inbox[PendingQuery[RequestT, AnswerT]] = Inbox(MOST_REQUESTS)
         decoder = msgspec.msgpack.Decoder(query.request)
 
         def on_query(asked: zenoh.Query) -> None:
@@ -222,8 +222,8 @@ class Node(Generic[ConfigT]):
 
     def ask(
         self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
-    ) -> Asking[RequestT, AnswerT]:
-        return Asking(self.session, self.robot.name, query, request, settles)
+    ) -> QueryClient[RequestT, AnswerT]:
+        return QueryClient(self.session, self.robot.name, query, request, settles)
 
     def board(self, path: str, baud: int, kind: BoardKind) -> BoardLink:
         return BoardLink(path, baud, kind)
@@ -242,16 +242,16 @@ class Node(Generic[ConfigT]):
 
     def run(self, service: Service) -> None:
         """Turn until SIGTERM or SIGINT; raises what a callback raised."""
-        for now in self.turns(*service.pacers, link=service.link):
+        for now in self.turns(*service.timers, link=service.link):
             service.turn(now)
         service.end()
 
-    def turns(self, *pacers: Pacer, link: Selectable | None = None) -> Iterator[float]:
+    def turns(self, *timers: Timer, link: Selectable | None = None) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a pacer may be due, the link is readable or an inbox was filled.
 
         Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
-        return self._process.turns(*pacers, link=link, look=self._look)
+        return self._process.turns(*timers, link=link, look=self._look)
 
     def set_fault(self, name: str, message: str) -> None:
         """State what is wrong with `name` of this service itself, or with "" that nothing is.
@@ -269,13 +269,13 @@ class Node(Generic[ConfigT]):
         self._process.fail(error)
 
     def _look(self, now: float) -> None:
-        self._desk.turn(self._describes, self._sets, self._saves, self.on_reconfigured)
+        self._server.turn(self._describes, self._sets, self._saves, self.on_reconfigured)
         if self._keys is not None:
             self.set_notice("keys", self._keys.warning(datetime.now(UTC)))
         if self._router is not None:
             self.set_notice("router", self._router.problem(now))
-        if self._reunion is not None:
-            self._reunion.look(now)
+        if self._link_repair is not None:
+            self._link_repair.look(now)
         # Zenoh learns this host's addresses at the start of a process, so a new address takes a new process.
         if self._addresses is not None and self._addresses.due(now):
             addresses = host_addresses()

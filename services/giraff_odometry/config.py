@@ -7,23 +7,23 @@ from typing import Annotated
 
 import msgspec
 
-from giraff_core.bounds import Within, require_plausible
-from giraff_core.tuning import Live
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.tuning import Tuning
 
 
 class OdometryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What the wheels can do, and how far they are trusted."""
 
-    max_wheel_speed: Annotated[float, Live.FREE, Within(0.05, 20.0, "m/s")] = 1.5
+    max_wheel_speed: Annotated[float, Tuning.FREE, Bounds(0.05, 20.0, "m/s")] = 1.5
     """m/s beyond which a wheel's travel between two samples is not believed: above anything the motors can do."""
-    max_gap: Annotated[float, Live.FREE, Within(0.02, 10.0, "s")] = 0.5
+    max_gap: Annotated[float, Tuning.FREE, Bounds(0.02, 10.0, "s")] = 0.5
     """s of the board's time between two samples above which the way between them is a guess."""
-    wheel_noise: Annotated[float, Live.FREE, Within(0.0, 0.1, "m")] = 1e-5
+    wheel_noise: Annotated[float, Tuning.FREE, Bounds(0.0, 0.1, "m")] = 1e-5
     """m: variance (m²) of a wheel's travel per metre of it. 1e-5 is 3 mm after one metre, 10 mm after ten."""
-    lost_position: Annotated[float, Live.FREE, Within(0.0, 10.0, "m")] = 0.2
+    lost_position: Annotated[float, Tuning.FREE, Bounds(0.0, 10.0, "m")] = 0.2
     """m: standard deviation, on either axis, of what was missed when the counters could not be followed."""
-    lost_yaw: Annotated[float, Live.FREE, Within(0.0, math.tau, "rad")] = 0.35
+    lost_yaw: Annotated[float, Tuning.FREE, Bounds(0.0, math.tau, "rad")] = 0.35
     """rad: the same of the heading."""
 
     def __post_init__(self) -> None:
-        require_plausible(self)
+        check_bounds(self)

@@ -20,7 +20,7 @@ SETTLED: Final = 1.0
 class Odometry:
     """Reads `wheels`; writes `odom`, and answers where the robot is in it."""
 
-    pacers = ()
+    timers = ()
     link = None
 
     def __init__(

@@ -6,13 +6,13 @@ from typing import ClassVar
 
 import msgspec
 
-from giraff_core.tuning import Live
+from giraff_core.tuning import Tuning
 
 
 class RangerConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the ranger board is."""
 
-    LIVE: ClassVar = Live.FIXED
+    LIVE: ClassVar = Tuning.READ_ONLY
 
     port: str = "/dev/giraff-ranger"
     """Path of the board's serial port."""

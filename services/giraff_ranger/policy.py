@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_core.robot import RobotConfig
-from giraff_core.tick_relay import TickDown, moment_of
+from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_schemas.frames import BASE_FRAME, Transform, range_frame
 from giraff_schemas.messages import Range, RangeState, Tick
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
@@ -31,7 +31,7 @@ class RangerPolicy:
     def __init__(self, robot: RobotConfig) -> None:
         self._sensors = robot.sensors
         self._names = {pose.index: name for name, pose in robot.sensors.items()}
-        self._tick_down = TickDown()
+        self._tick_down = TickRelay()
         self.faults: dict[str, str] = {}
         """What the newest frame of each sensor complains of; empty when it does not."""
 
@@ -71,7 +71,7 @@ def reading(name: str, frame: RangeFrame) -> Range:
         range=frame.echo_us / ECHO_US_PER_M if state == "echo" else None,
         echo_us=frame.echo_us,
         reason=reason,
-        tick=moment_of(frame),
+        tick=tick_of(frame),
     )
 
 

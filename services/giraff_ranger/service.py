@@ -16,7 +16,7 @@ class Ranger:
     While the board is silent so is this service: what that means for the robot is the guard's to judge.
     """
 
-    pacers = ()
+    timers = ()
 
     def __init__(
         self, io: IO, config: RangerConfig, robot: RobotConfig, policy: type[RangerPolicy] = RangerPolicy

@@ -12,14 +12,14 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_mcap.metadata import about
-from giraff_mcap.raw_sample import Heard
-from giraff_mcap.raw_subscriber import Ear, step_back
+from giraff_mcap.metadata import metadata_of
+from giraff_mcap.raw_sample import RawSample
+from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
-from giraff_node import Node, Pacer
+from giraff_node import Node, Timer
 from giraff_node.process.state import state_directory
 from giraff_recorder.config import RecorderConfig
-from giraff_recorder.policy import Incident, Incidents, Memory, surplus
+from giraff_recorder.policy import Incident, IncidentDetector, Memory, surplus
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import BASE, ESTOP, alive_key, health_key, key_below, key_of
@@ -31,30 +31,30 @@ _FOLDER: Final = "incidents"
 
 
 def main() -> None:
-    step_back()
-    with Node("recorder", RecorderConfig) as node, listening(node) as ear:
-        incidents, memory = Incidents(node.config), Memory(node.config)
+    lower_priority()
+    with Node("recorder", RecorderConfig) as node, listening(node) as subscriber:
+        incidents, memory = IncidentDetector(node.config), Memory(node.config)
         others = Others(node)
         folder = state_directory(node.robot.name) / _FOLDER
-        pace, health_pace = Pacer(_LOOK_HZ), Pacer(1.0 / node.config.health_period)
+        pace, health_timer = Timer(_LOOK_HZ), Timer(1.0 / node.config.health_period)
         writing: Iterator[None] | None = None
         for now in node.turns(pace):
             if not pace.due(now):
                 continue
-            heard = ear.take()
+            heard = subscriber.take()
             memory.add(heard)
             for sample in heard:
                 tell_of(sample, node.robot.name, incidents)
-            others.tell(incidents, now, ask=health_pace.due(now))
+            others.tell(incidents, now, ask=health_timer.due(now))
             if writing is None and (incident := incidents.due(now)) is not None:
                 writing = write(node, folder, incident, memory.since(incident.since_ns))
             if writing is not None:
                 writing = advanced(node, writing)
 
 
-def listening(node: Node[RecorderConfig]) -> closing[Ear]:
+def listening(node: Node[RecorderConfig]) -> closing[RawSubscriber]:
     """To all that the robot says; no longer once Python ends, which Zenoh's thread must not enter then."""
-    return closing(Ear(node.session, [key_below(node.robot.name, "**")]))
+    return closing(RawSubscriber(node.session, [key_below(node.robot.name, "**")]))
 
 
 class Others:
@@ -67,7 +67,7 @@ class Others:
         key = alive_key(node.robot.name)
         self._tokens = node.session.liveliness().declare_subscriber(key, self._on_token)
 
-    def tell(self, incidents: Incidents, now: float, *, ask: bool) -> None:
+    def tell(self, incidents: IncidentDetector, now: float, *, ask: bool) -> None:
         """Pass on what has come."""
         for _ in range(len(self._gone)):
             incidents.on_gone(self._gone.popleft(), now)
@@ -86,7 +86,7 @@ class Others:
                 self._healths.append(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health))
 
 
-def tell_of(sample: Heard, robot: str, incidents: Incidents) -> None:
+def tell_of(sample: RawSample, robot: str, incidents: IncidentDetector) -> None:
     """Let `incidents` know of a sample that may be one."""
     at = sample.at_ns * 1e-9
     with suppress(DecodeError):  # of somebody else; base's own next word comes in a moment
@@ -96,12 +96,12 @@ def tell_of(sample: Heard, robot: str, incidents: Incidents) -> None:
             incidents.on_base(decode(BASE, sample.key, sample.payload), at)
 
 
-def write(node: Node[RecorderConfig], folder: Path, incident: Incident, samples: Sequence[Heard]) -> Iterator[None]:
+def write(node: Node[RecorderConfig], folder: Path, incident: Incident, samples: Sequence[RawSample]) -> Iterator[None]:
     """Write a file, a part with each step. Raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{datetime.now(UTC):%Y%m%d-%H%M%S}-{incident.kind}.mcap"
     node.log.warning("%s: writing %s", incident.text, path)
-    with RecordingWriter(path, about(node.robot.name) | {"incident": incident.text}) as writer:
+    with RecordingWriter(path, metadata_of(node.robot.name) | {"incident": incident.text}) as writer:
         for begin in range(0, len(samples), _AT_ONCE):
             writer.add(samples[begin : begin + _AT_ONCE])
             writer.sync()

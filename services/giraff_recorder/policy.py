@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterable, Sequence
 from typing import Final, NamedTuple
 
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 from giraff_recorder.config import RecorderConfig
 from giraff_schemas.messages import BaseState, EStop, Health
 from giraff_schemas.services import SIMULATED
@@ -22,10 +22,10 @@ class Memory:
     def __init__(self, config: RecorderConfig) -> None:
         self._span_ns = round((config.before + config.after) * 1e9)
         self._most = config.memory
-        self._samples: deque[Heard] = deque()
+        self._samples: deque[RawSample] = deque()
         self._bytes = 0
 
-    def add(self, samples: Iterable[Heard]) -> None:
+    def add(self, samples: Iterable[RawSample]) -> None:
         """Remember these, and forget what is too old or too much."""
         for sample in samples:
             self._samples.append(sample)
@@ -35,7 +35,7 @@ class Memory:
         ):
             self._bytes -= _size(self._samples.popleft())
 
-    def since(self, at_ns: int) -> list[Heard]:
+    def since(self, at_ns: int) -> list[RawSample]:
         """Those that came after `at_ns` (time.monotonic_ns)."""
         return [sample for sample in self._samples if sample.at_ns > at_ns]
 
@@ -50,7 +50,7 @@ class Incident(NamedTuple):
     """Whatever was heard after that belongs to it."""
 
 
-class Incidents:
+class IncidentDetector:
     """From what the robot says to what is worth a file.
 
     Each second of an incident that goes on, or comes again and again, is in one file: the next begins where the last
@@ -123,5 +123,5 @@ def surplus(files: Sequence[tuple[str, int]], config: RecorderConfig) -> list[st
     return gone
 
 
-def _size(sample: Heard) -> int:
+def _size(sample: RawSample) -> int:
     return len(sample.payload) + _OVERHEAD

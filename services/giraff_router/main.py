@@ -12,11 +12,11 @@ from typing import Any
 
 import zenoh
 
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_node.network.key_bundle import ExpiryWatch
 from giraff_node.network.session import certificates, settings
-from giraff_node.network.tcp_options import tune_links
+from giraff_node.network.tcp_options import set_tcp_options
 from giraff_node.process.lifecycle import Process
 from giraff_router.config import RouterConfig
 from giraff_router.policy import Visitors, gateway, rules
@@ -58,13 +58,13 @@ def main() -> None:
     )
     visitors = Visitors(router.robots)
     keys = ExpiryWatch(Path(router.keys)) if router.mode == "secured" else None
-    pace = Pacer(_LOOK_HZ)
+    pace = Timer(_LOOK_HZ)
     with ExitStack() as ending:
         ending.push(lambda *raised: process.end(session, *raised))
         for now in process.turns(pace):
             if not pace.due(now):
                 continue
-            tune_links()
+            set_tcp_options()
             links = [(link.auth_identifier or "somebody", link.dst) for link in session.info.links()]
             for news in visitors.look(links):
                 process.log.info("%s", news)

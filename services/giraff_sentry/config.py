@@ -6,15 +6,15 @@ from typing import Annotated
 
 import msgspec
 
-from giraff_core.bounds import Within, require_plausible
-from giraff_core.tuning import Live
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.tuning import Tuning
 
 
 class SentryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """How often the same refusal is told."""
 
-    again: Annotated[float, Live.FREE, Within(0.01, 86_400.0, "s")] = 10.0
+    again: Annotated[float, Tuning.FREE, Bounds(0.01, 86_400.0, "s")] = 10.0
     """s until a refusal that goes on is told again, with its count."""
 
     def __post_init__(self) -> None:
-        require_plausible(self)
+        check_bounds(self)

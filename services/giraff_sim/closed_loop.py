@@ -13,7 +13,7 @@ from typing import Any
 from giraff_core.io import Service
 from giraff_schemas.wire import BoardKind
 from giraff_sim.hosts.cable import Cable
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Network
 from giraff_sim.hosts.process import Observer, Process
@@ -31,14 +31,14 @@ class ClosedLoop:
         services: Services | None = None,
         network: Network | None = None,
         observer: Observer | None = None,
-        agenda: Agenda | None = None,
+        agenda: EventQueue | None = None,
     ) -> None:
         self.simulation = simulation
         self.settings = settings
         self.services = services or Services()
         self.network = network or Network()
         self.observer = observer or Observer()
-        self.agenda = agenda or Agenda()
+        self.agenda = agenda or EventQueue()
         self.hosts = {name: Host(name, self.agenda) for name in ("robot", "operator")}
         self.cables = {
             port: Cable(kind, simulation)

@@ -12,13 +12,13 @@ from typing import Annotated, Final, Literal
 
 import msgspec
 
-from giraff_core.bounds import Within, require_plausible
+from giraff_core.bounds import Bounds, check_bounds
 from giraff_schemas.wire import RANGE_SENSORS
 
 Level = Literal["exact", "calibrated", "uncalibrated"]
 """How far a robot differs from its file: not at all, as one does after its calibration, or as one may before it."""
 
-_SHARE: Final = Within(0.0, 0.3)
+_SHARE: Final = Bounds(0.0, 0.3)
 
 
 class TrueWheel(msgspec.Struct, frozen=True, kw_only=True):
@@ -69,17 +69,17 @@ class TruthRanges(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Share by which either motor may be weaker than the file says."""
     turn_slip: Annotated[float, _SHARE] = 0.01
     """Largest share of a turn that is lost: an estimate, for castors that scrub."""
-    threshold_slip: Annotated[float, Within(0.0, 0.1, "m")] = 0.02
+    threshold_slip: Annotated[float, Bounds(0.0, 0.1, "m")] = 0.02
     """m that a wheel turns in vain on a threshold, at most: an estimate."""
-    accelerometer_offset: Annotated[float, Within(0.0, 2.0, "m/s²")] = 0.3
+    accelerometer_offset: Annotated[float, Bounds(0.0, 2.0, "m/s²")] = 0.3
     """m/s², either way, of each axis."""
-    sonar_noise: Annotated[float, Within(0.0, 0.5, "m")] = 0.01
+    sonar_noise: Annotated[float, Bounds(0.0, 0.5, "m")] = 0.01
     """m, standard deviation of a range: the same of every drawn robot."""
-    sensor_yaw: Annotated[float, Within(0.0, math.pi / 6, "rad")] = math.radians(3.0)
+    sensor_yaw: Annotated[float, Bounds(0.0, math.pi / 6, "rad")] = math.radians(3.0)
     """rad, to either side, of each sensor's axis."""
 
     def __post_init__(self) -> None:
-        require_plausible(self)
+        check_bounds(self)
         for name, largest in (
             ("calibrated_wheel_scale", self.wheel_scale),
             ("calibrated_track_scale", self.track_scale),

@@ -72,7 +72,7 @@ class Scene:
             rows.append((line.path, rr.SeriesLines(colors=[line.colour], names=[line.name], widths=[1.5])))
         return rows
 
-    def hear(self, topic: Topic[Any], sample: Sample, at_ns: int) -> list[Row]:
+    def on_sample(self, topic: Topic[Any], sample: Sample, at_ns: int) -> list[Row]:
         """What a sample changes."""
         values = self._values.of(sample)
         rows = [(path, rr.Scalars([value])) for path, value in values if self._due(path, _PLOT_EVERY, at_ns)]
@@ -88,13 +88,13 @@ class Scene:
                 for each in self._cones.values():
                     each.judge(sample)
                 rows += self._draw_cones(at_ns)
-        lines = self._story.hear(sample)
+        lines = self._story.on_sample(sample)
         if isinstance(sample, Range):
             level = "INFO" if sample.state != "fault" else "WARN"
             lines += self._story.tell(topic.key.replace("*", sample.sensor), (level, sample.reason or "well"))
         return rows + self._say(lines)
 
-    def announce(self, service: str, instance: str, *, present: bool) -> list[Row]:
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> list[Row]:
         """A service has come or gone."""
         there = ("INFO", f"is there, {instance}") if present else ("WARN", f"is gone, {instance}")
         return self._say(self._story.tell(f"service {service}", there))

@@ -73,14 +73,14 @@ class Show:
         self._begin()
         return f"http://{host}:{port}/?url=rerun%2Bhttp://{host}:{data_port}/proxy"
 
-    def hear(self, topic: Topic[Any], sample: Sample, at_ns: int) -> None:
+    def on_sample(self, topic: Topic[Any], sample: Sample, at_ns: int) -> None:
         """Draw what a sample changes."""
         self.heard += 1
-        self._log(self._scene.hear(topic, sample, at_ns), at_ns)
+        self._log(self._scene.on_sample(topic, sample, at_ns), at_ns)
 
-    def announce(self, service: str, instance: str, at_ns: int, *, present: bool) -> None:
+    def on_liveliness(self, service: str, instance: str, at_ns: int, *, present: bool) -> None:
         """Tell that a service has come or gone."""
-        self._log(self._scene.announce(service, instance, present=present), at_ns)
+        self._log(self._scene.on_liveliness(service, instance, present=present), at_ns)
 
     def look(self, now_ns: int) -> None:
         """Draw what the time that passes changes; to be called often."""

@@ -24,7 +24,7 @@ class Story:
         self._lease: Lease | None = None
         self._told: dict[str, Line] = {}
 
-    def hear(self, sample: Sample) -> list[Line]:
+    def on_sample(self, sample: Sample) -> list[Line]:
         """What has changed with it."""
         match sample:
             case GuardState():

@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.run.processes import Children
+from giraff_cli.run.processes import ProcessGroup
 from giraff_sim.board import ROOT
 from giraff_sim.config import KNOWN
 from giraff_sim.control.client import SimulatorClient
@@ -34,7 +34,7 @@ class Hardware:
     """Runs on no machine of the lab: whatever happens to those, the boards go on, and their record is the judge."""
 
     def __init__(self, directory: Path) -> None:
-        self._children = Children(directory)
+        self._processes = ProcessGroup(directory)
         shutil.rmtree(PORTS, ignore_errors=True)  # of a lab that was killed
         world = directory / "world.toml"
         world.write_text(PROVING_ROOM)
@@ -42,12 +42,12 @@ class Hardware:
         arguments = ["--ports", str(PORTS), "--control", str(control), "--world", str(world)]
         arguments += ["--seed", "1", "--boards", "host", "--hand", "still"]
         environment = os.environ | ROBOT | {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")}
-        self._children.start("simulator", "giraff_sim", arguments, environment)
-        let_first(self._children.pid("simulator"))
+        self._processes.start("simulator", "giraff_sim", arguments, environment)
+        let_first(self._processes.pid("simulator"))
         deadline = time.monotonic() + _READY_WITHIN
-        while b"\n" not in self._children.output("simulator").read_bytes():
-            if self._children.reap() or time.monotonic() > deadline:
-                raise LabError(f"no simulator: {self._children.log('simulator').read_text()}")
+        while b"\n" not in self._processes.output("simulator").read_bytes():
+            if self._processes.reap() or time.monotonic() > deadline:
+                raise LabError(f"no simulator: {self._processes.log('simulator').read_text()}")
             time.sleep(0.01)
         self.simulator = SimulatorClient(control)
         for board in BOARDS:
@@ -95,7 +95,7 @@ class Hardware:
 
     def close(self) -> None:
         self.simulator.close()
-        troubles = self._children.stop_all(grace=5.0)
+        troubles = self._processes.stop_all(grace=5.0)
         shutil.rmtree(PORTS, ignore_errors=True)
         assert not troubles, troubles
 

@@ -19,7 +19,7 @@ import zenoh
 
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session
-from giraff_node.network.tcp_options import tune_links
+from giraff_node.network.tcp_options import set_tcp_options
 
 
 def main(robot: str, key: str, network: str) -> None:
@@ -32,7 +32,7 @@ def main(robot: str, key: str, network: str) -> None:
     session = open_session(msgspec.json.decode(network, type=NetworkConfig), robot, visiting=True)
     with session, session.declare_subscriber(f"giraff/{robot}/{key}", on_sample):
         while not threading.Event().wait(0.5):
-            tune_links()
+            set_tcp_options()
 
 
 if __name__ == "__main__":

@@ -15,9 +15,9 @@ import pytest
 from giraff_base.config import BaseConfig
 from giraff_base.policy import BasePolicy
 from giraff_core.estop import RELEASED
-from giraff_core.parameters.table import ParamError, Params
+from giraff_core.parameters.table import ParamError, Parameters
 from giraff_core.robot import RobotConfig
-from giraff_core.tuning import Live, live_fields, loosens
+from giraff_core.tuning import Tuning, live_fields, loosens
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
 from giraff_joystick.config import JoystickConfig
@@ -51,7 +51,7 @@ LIVE = [
     (service, name, live)
     for service, config in CONFIGS.items()
     for name, live in live_fields(config).items()
-    if live not in (Live.FIXED, None)
+    if live not in (Tuning.READ_ONLY, None)
 ]
 
 
@@ -70,22 +70,22 @@ def test_a_field_that_nobody_has_classified_shows() -> None:
 
 
 @pytest.mark.parametrize(("service", "name", "live"), LIVE)
-def test_no_live_value_is_taken_that_is_no_number(service: str, name: str, live: Live) -> None:
-    params = Params(service, example(service), ROBOT)
+def test_no_live_value_is_taken_that_is_no_number(service: str, name: str, live: Tuning) -> None:
+    params = Parameters(service, example(service), ROBOT)
     no_numbers: tuple[Any, ...] = (math.nan, math.inf, -math.inf, "nan", "a lot", [], {})
     for bad in no_numbers:
         before = params.config
         with pytest.raises(ParamError):
             params.set(name, bad)
         assert params.config is before
-    assert live is not Live.FIXED
+    assert live is not Tuning.READ_ONLY
 
 
-@pytest.mark.parametrize(("service", "name", "live"), [row for row in LIVE if row[2] is not Live.FREE])
-def test_safety_only_tightens(service: str, name: str, live: Live) -> None:
-    params = Params(service, example(service), ROBOT)
+@pytest.mark.parametrize(("service", "name", "live"), [row for row in LIVE if row[2] is not Tuning.FREE])
+def test_safety_only_tightens(service: str, name: str, live: Tuning) -> None:
+    params = Parameters(service, example(service), ROBOT)
     filed = getattr(params.config, name)
-    tighter, looser = (filed * 1.02, filed * 0.98) if live is Live.UP else (filed * 0.98, filed * 1.02)
+    tighter, looser = (filed * 1.02, filed * 0.98) if live is Tuning.RAISE_ONLY else (filed * 0.98, filed * 1.02)
     params.set(name, tighter)
     assert getattr(params.config, name) == tighter
     with pytest.raises(ParamError, match=r"is looser than .*: loosening takes the robot file, standstill"):
@@ -95,10 +95,10 @@ def test_safety_only_tightens(service: str, name: str, live: Live) -> None:
 
 
 def test_what_is_not_measured_is_tighter_than_any_value() -> None:
-    assert loosens(Live.DOWN, None, 1.5)
-    assert not loosens(Live.DOWN, 1.5, None)
-    assert not loosens(Live.DOWN, None, None)
-    assert loosens(Live.UP, 1.0, math.nan)
+    assert loosens(Tuning.LOWER_ONLY, None, 1.5)
+    assert not loosens(Tuning.LOWER_ONLY, 1.5, None)
+    assert not loosens(Tuning.LOWER_ONLY, None, None)
+    assert loosens(Tuning.RAISE_ONLY, 1.0, math.nan)
 
 
 POLICIES: list[tuple[Any, Callable[[Any], Any]]] = [
@@ -117,7 +117,7 @@ def test_no_part_of_a_policy_goes_by_an_old_configuration(config: Any, make: Cal
         **{
             name: getattr(config, name) * 1.25
             for name, live in live_fields(type(config)).items()
-            if live is not Live.FIXED and getattr(config, name) is not None
+            if live is not Tuning.READ_ONLY and getattr(config, name) is not None
         },
     )
     policy = make(config)

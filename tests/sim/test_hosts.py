@@ -13,7 +13,7 @@ from giraff_schemas.wire import BoardKind, HelloRequestFrame
 from giraff_sim.board import Implementation
 from giraff_sim.dst.network import FaultyNetwork
 from giraff_sim.hosts.cable import Cable, CableEnd
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Message, Subscription
 from giraff_sim.simulation import Simulation, simulation
@@ -21,12 +21,12 @@ from tests.loop.loops import arm, closed_loop
 from tests.sim.robots import empty_room, world_in
 
 
-def at(agenda: Agenda, seconds: float) -> None:
+def at(agenda: EventQueue, seconds: float) -> None:
     agenda.run_until(round(seconds * 1e6))
 
 
 def test_things_happen_in_the_order_of_their_times_then_of_their_planning() -> None:
-    agenda = Agenda()
+    agenda = EventQueue()
     done: list[str] = []
     for name, us in (("late", 30), ("first", 10), ("second", 10)):
         agenda.at(us, partial(done.append, name))
@@ -38,7 +38,7 @@ def test_things_happen_in_the_order_of_their_times_then_of_their_planning() -> N
 
 
 def test_a_suspended_machine_knows_by_boottime_only() -> None:
-    agenda = Agenda()
+    agenda = EventQueue()
     host = Host("robot", agenda)
     monotonic, boottime = host.monotonic(), host.boottime_ns()
     at(agenda, 2.0)
@@ -52,7 +52,7 @@ def test_a_suspended_machine_knows_by_boottime_only() -> None:
 
 
 def test_a_wall_clock_is_as_wrong_as_it_is_set() -> None:
-    agenda = Agenda()
+    agenda = EventQueue()
     right, wrong = Host("right", agenda), Host("wrong", agenda)
     wrong.wall_ahead_ns, wrong.wall_drift = -3_600_000_000_000, 1e-3
     at(agenda, 10.0)
@@ -125,7 +125,7 @@ def test_a_paused_process_hears_all_of_it_afterwards() -> None:
 
 
 def test_two_machines_are_apart_and_one_is_not() -> None:
-    agenda = Agenda()
+    agenda = EventQueue()
     heard: list[tuple[str, int]] = []
 
     class Taker:

@@ -9,7 +9,7 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_node.network.query_client import Asking
+from giraff_node.network.query_client import QueryClient
 from giraff_schemas.codec import encoding_of
 from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime
 from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet
@@ -71,7 +71,7 @@ class Parameters:
         return self._ask(PARAM_DESCRIBE.at(service), ParamDescribe()).params
 
     def _ask(self, query: Query[Any, ParamAnswer], request: msgspec.Struct) -> ParamAnswer:
-        asking = Asking(self._robot.observer.session, "sim-test", query, request)
+        asking = QueryClient(self._robot.observer.session, "sim-test", query, request)
         self._robot.wait(f"an answer on {query.key}", lambda: asking.poll(time.monotonic()) is not None, PATIENCE)
         answer = asking.poll(time.monotonic())
         assert answer is not None

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from giraff_cli.network.ports import free_port
-from giraff_cli.run.processes import Children
+from giraff_cli.run.processes import ProcessGroup
 from giraff_core.estop import RELEASED
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import load
@@ -97,7 +97,7 @@ class ProcessRobot:
             "STATE_DIRECTORY": str(self.state),
             **{f"GIRAFF_{name.upper()}_PORT": str(self.ports / name) for name in ("joystick", "base", "ranger")},
         }
-        self._children = Children(directory)
+        self._processes = ProcessGroup(directory)
         with ExitStack() as end:
             if apart:
                 self._set_apart(end)
@@ -115,12 +115,12 @@ class ProcessRobot:
         environment = dict(self.environment)
         if service in self._session_files:
             environment["GIRAFF_NETWORK_SESSION_FILE"] = str(self._session_files[service])
-        self._children.start(service, f"giraff_{service}", (), environment)
+        self._processes.start(service, f"giraff_{service}", (), environment)
 
     def start_second(self, service: str, **changes: str) -> None:
         """Another process of a service beside the first, "second SERVICE", that has joined the network."""
         name = f"second {service}"
-        self._children.start(name, f"giraff_{service}", (), self.environment | changes)
+        self._processes.start(name, f"giraff_{service}", (), self.environment | changes)
         self.wait(f"a {name}", lambda: "robot sim-test" in self.log(name), PATIENCE)
 
     def start_second_hand(self) -> SimulatorClient:
@@ -136,18 +136,18 @@ class ProcessRobot:
         directory.mkdir(exist_ok=True)
         control = directory / "control"
         words = ["--ports", str(directory / "ports"), "--control", str(control), *words, "--hand", "still"]
-        self._children.start(name, "giraff_sim", words, self.environment)
+        self._processes.start(name, "giraff_sim", words, self.environment)
 
         def is_ready() -> bool:
             self.require_all()
-            return b"\n" in self._children.output(name).read_bytes()
+            return b"\n" in self._processes.output(name).read_bytes()
 
         self.wait(f"the {name}", is_ready, PATIENCE)
         return SimulatorClient(control, timeout=PATIENCE)
 
     def require_all(self) -> None:
         """None of the processes has ended by itself."""
-        ended = self._children.reap()
+        ended = self._processes.reap()
         assert not ended, "\n".join(map(str, ended))
 
     def giraff(self, *words: str) -> int:
@@ -162,11 +162,11 @@ class ProcessRobot:
 
     def stop(self, service: str) -> None:
         """SIGTERM, and wait until it has ended well."""
-        troubles = self._children.stop([service], grace=PATIENCE)
+        troubles = self._processes.stop([service], grace=PATIENCE)
         assert not troubles, troubles
 
     def pid(self, service: str) -> int:
-        return self._children.pid(service)
+        return self._processes.pid(service)
 
     def signal(self, service: str, number: int) -> None:
         os.kill(self.pid(service), number)
@@ -174,7 +174,7 @@ class ProcessRobot:
     def kill(self, service: str) -> None:
         """SIGKILL, and wait until it is gone."""
         self.signal(service, signal.SIGKILL)
-        self.wait(f"the end of {service}", lambda: bool(self._children.reap()), PATIENCE)
+        self.wait(f"the end of {service}", lambda: bool(self._processes.reap()), PATIENCE)
 
     def keep_from_rendezvous(self, service: str) -> None:
         """Start a service anew while another owns the rendezvous, where newcomers find the robot."""
@@ -189,7 +189,7 @@ class ProcessRobot:
         self.start(service)
 
     def log(self, service: str) -> str:
-        return self._children.log(service).read_text()
+        return self._processes.log(service).read_text()
 
     def messages(self, service: str) -> list[str]:
         """What a service has logged."""
@@ -307,7 +307,7 @@ class ProcessRobot:
         self._end.close()
 
     def _stop_all(self) -> None:
-        troubles = self._children.stop_all(grace=PATIENCE)
+        troubles = self._processes.stop_all(grace=PATIENCE)
         assert not troubles, troubles
 
     def _last_words(self) -> str:

@@ -15,8 +15,8 @@ import psutil
 import zenoh
 
 from giraff_core.network import NetworkConfig
-from giraff_mcap.raw_sample import Heard
-from giraff_mcap.raw_subscriber import Ear
+from giraff_mcap.raw_sample import RawSample
+from giraff_mcap.raw_subscriber import RawSubscriber
 from giraff_mcap.reading import Recorded
 from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import key_below
@@ -65,31 +65,31 @@ def killed_recording(robot: ProcessRobot, name: str) -> tuple[Path, int]:
 
 
 @contextmanager
-def hearing(rendezvous: str, robot: str) -> Iterator[Ear]:
+def hearing(rendezvous: str, robot: str) -> Iterator[RawSubscriber]:
     """To all that comes of a robot, as long as the block lasts, on a loopback whose rendezvous nobody else owns."""
     network = NetworkConfig(local=True, rendezvous=rendezvous)
     session = zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network, robot))))
-    ear = Ear(session, [key_below(robot, "**")])
+    subscriber = RawSubscriber(session, [key_below(robot, "**")])
     try:
-        yield ear
+        yield subscriber
     finally:
-        ear.close()
+        subscriber.close()
         close_session(session)
 
 
-def all_of(ear: Ear, count: int) -> list[Heard]:
+def all_of(subscriber: RawSubscriber, count: int) -> list[RawSample]:
     """As many samples as were recorded, in the order in which they came."""
-    heard: list[Heard] = []
+    heard: list[RawSample] = []
 
     def all_came() -> bool:
-        heard.extend(ear.take())
+        heard.extend(subscriber.take())
         return len(heard) >= count
 
     wait(all_came, 60.0, what="the last sample")
     return heard
 
 
-def require_the_same(heard: Iterable[Heard], recorded: Iterable[Recorded], robot: str) -> None:
+def require_the_same(heard: Iterable[RawSample], recorded: Iterable[Recorded], robot: str) -> None:
     """What `robot` said again is what sim-test had said, byte for byte and in its order."""
     for again, sample in zip(heard, recorded, strict=True):
         said = (sample.topic.replace("sim-test", robot), sample.payload(), sample.encoding)

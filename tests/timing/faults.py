@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from giraff_node.network.query_client import Asking
+from giraff_node.network.query_client import QueryClient
 from giraff_schemas.messages import EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE
 from giraff_sim.control.messages import BoardName, Wheel
@@ -212,7 +212,7 @@ def _engage(robot: ProcessRobot) -> int:
     at_us = robot.simulator.now()
     name = robot.environment["GIRAFF_ROBOT_NAME"]
     request = EStopEngage(by="test", reason="a scenario")
-    asking = Asking(robot.observer.session, name, ESTOP_ENGAGE, request, lambda answer: answer.engaged)
+    asking = QueryClient(robot.observer.session, name, ESTOP_ENGAGE, request, lambda answer: answer.engaged)
     robot.wait("the answer of base", lambda: asking.poll(time.monotonic()) is not None, 5.0)
     return at_us
 

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from giraff_cli.estop.client import engage
-from giraff_cli.network.connection import Watcher
+from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import free_port
-from giraff_cli.run.processes import Children
+from giraff_cli.run.processes import ProcessGroup
 from giraff_core.network import NetworkConfig
 from giraff_health.ask import TIMEOUT
 from giraff_node.network.session import close_session, open_session
@@ -66,7 +66,7 @@ def test_a_service_that_hangs_is_told_in_time(tmp_path: Path, parts: tuple[bytes
 
 def test_one_that_ignores_sigterm_is_killed_in_bounded_time(tmp_path: Path) -> None:
     (tmp_path / "stubborn.py").write_text(STUBBORN)
-    children = Children(tmp_path)
+    children = ProcessGroup(tmp_path)
     start(children, tmp_path, "stubborn")
     wait(lambda: is_up(children, "stubborn"), 60.0)
     began = time.monotonic()
@@ -78,7 +78,7 @@ def test_one_that_ignores_sigterm_is_killed_in_bounded_time(tmp_path: Path) -> N
 def test_a_base_that_hangs_holds_back_no_confirmation_of_another() -> None:
     network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
     staying = open_session(network, ROBOT)
-    watcher = Watcher(ROBOT, open_session(network, ROBOT, visiting=True))
+    connection = RobotConnection(ROBOT, open_session(network, ROBOT, visiting=True))
     release = threading.Event()
 
     def hang(_: Any) -> None:
@@ -86,11 +86,11 @@ def test_a_base_that_hangs_holds_back_no_confirmation_of_another() -> None:
 
     with base(network, hang, instance="a") as hanging, base(network):
         while not hanging.asked:  # until both are met
-            assert engage(watcher, "me", "", 60.0).code == 0
+            assert engage(connection, "me", "", 60.0).code == 0
         began = time.monotonic()
         with by_the_wall():
-            assert engage(watcher, "me", "", 60.0).code == 0
+            assert engage(connection, "me", "", 60.0).code == 0
             assert time.monotonic() - began < 1.5, "held back until the slower one's time-out"
         release.set()
-    assert watcher.close()
+    assert connection.close()
     assert close_session(staying)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 from giraff_cli.check.wiring import Counted
-from giraff_core.base_commands import BaseFrames
+from giraff_core.base_commands import BaseCommands
 from giraff_core.counters import signed32
 from giraff_core.estop import RESET_COMMAND
 from giraff_node.boards.board_link import BoardLink
@@ -55,7 +55,7 @@ class WheelBench:
         self._link = BoardLink(port, BASE_BAUD, BoardKind.BASE)
         self._report: WheelsFrame | None = None
         self._session = 0
-        self._frames = BaseFrames()
+        self._frames = BaseCommands()
 
     def open(self) -> None:
         """Take the port, and hear the board. BenchError when there is none, or it is latched by somebody."""

@@ -12,18 +12,18 @@ import msgspec
 import zenoh
 
 from giraff_cli.doctor.findings import Finding, as_document, findings
-from giraff_cli.doctor.inspection import Look, Machine, Network, Robot
+from giraff_cli.doctor.inspection import Inspection, Machine, Network, Robot
 from giraff_cli.doctor.interfaces import is_own
 from giraff_cli.doctor.machine import look_at_boards, look_at_machine, wiring_checked
 from giraff_cli.doctor.probe import call_all, scout
 from giraff_cli.doctor.robot import listen
-from giraff_cli.network.command import complain
-from giraff_cli.network.connection import Watcher
-from giraff_cli.terminal.output import written
+from giraff_cli.network.command import print_error
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.text import counted, printable
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import NoRobotError, Way, find_way, only_one, robots_alive, way_of
+from giraff_node.network.discovery import NoRobotError, Target, list_robots, only_one, resolve_target, target_of
 from giraff_node.network.link_repair import hosts_of
 from giraff_node.network.session import open_session
 from giraff_schemas.services import BASE
@@ -42,20 +42,20 @@ _NOT_ASKED: Final = "nobody was asked, because the robot file, or a variable, ma
 
 def examine(robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
     """The whole of it; the exit code."""
-    watcher: Watcher | None = None
+    connection: RobotConnection | None = None
     try:
         way, wrong = _find_way(robot, connect)
         machine = look_at_machine(way.robot, way.network, wrong)
-        watcher, problem = (None, _NOT_ASKED) if wrong else _join(way)
-        look = _look(way, machine, watcher, problem, seconds)
+        connection, problem = (None, _NOT_ASKED) if wrong else _join(way)
+        look = _look(way, machine, connection, problem, seconds)
     except NoRobotError as error:
-        code = complain(str(error))
+        code = print_error(str(error))
     else:
         found = findings(look)
         verdict = _FAULT if any(each.severity == "fault" for each in found) else _NO_FAULT
-        code = written(lambda: _tell(as_document(look, found) if as_json else _page(look, found), verdict))
+        code = guard_stdout(lambda: _tell(as_document(look, found) if as_json else _page(look, found), verdict))
     # Nothing waits to be printed any more: Zenoh's close can hang, and its threads would hold the process.
-    if watcher is not None and not watcher.close(_CLOSE_WITHIN):
+    if connection is not None and not connection.close(_CLOSE_WITHIN):
         os._exit(code)
     return code
 
@@ -65,40 +65,42 @@ def _tell(text: str, code: int) -> int:
     return code
 
 
-def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Way, str]:
+def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Target, str]:
     """With what is wrong with robot file or environment: then the way is the command line's alone."""
     try:
-        return find_way(robot, connect), ""
+        return resolve_target(robot, connect), ""
     except ConfigError as error:
-        return way_of(robot, connect, NetworkConfig()), str(error)
+        return target_of(robot, connect, NetworkConfig()), str(error)
 
 
-def _join(way: Way) -> tuple[Watcher | None, str]:
+def _join(way: Target) -> tuple[RobotConnection | None, str]:
     """A watcher of the network, or why there is none."""
     try:
-        return Watcher(way.robot, open_session(way.network, way.robot or "*", visiting=True)), ""
+        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", visiting=True)), ""
     except ConfigError as error:
         return None, str(error)
     except zenoh.ZError as error:
         return None, f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect"
 
 
-def _look(way: Way, machine: Machine, watcher: Watcher | None, problem: str, seconds: float) -> Look:
+def _look(
+    way: Target, machine: Machine, connection: RobotConnection | None, problem: str, seconds: float
+) -> Inspection:
     """Raises NoRobotError where several are there and none is named."""
-    by_multicast = watcher is not None and way.network.mode == "lan"
+    by_multicast = connection is not None and way.network.mode == "lan"
     by_multicast = by_multicast and not way.network.local and not way.network.session_file
     calls = _Beside(lambda: call_all(way.network, machine.interfaces))
     scouts = _Beside(lambda: scout(_SCOUT_FOR) if by_multicast else {})
-    robot = None if watcher is None else _meet(watcher, seconds)
+    robot = None if connection is None else _meet(connection, seconds)
     heard = scouts.result()
-    known = set() if watcher is None else {str(watcher.session.info.zid()), *_peers(watcher.session)}
-    linked = set() if watcher is None else _elsewhere(watcher.session, machine)
+    known = set() if connection is None else {str(connection.session.info.zid()), *_peers(connection.session)}
+    linked = set() if connection is None else _elsewhere(connection.session, machine)
     strangers = [locators for each, locators in heard.items() if each not in known]
     running = [service for service, count in (robot.services if robot else {}).items() if count]
     based_here = robot is not None and any(
         each.health.service == BASE.name and each.health.host == machine.host for each in robot.answers
     )
-    return Look(
+    return Inspection(
         machine=msgspec.structs.replace(
             machine,
             ports=() if robot is None else look_at_boards(running),
@@ -114,24 +116,24 @@ def _look(way: Way, machine: Machine, watcher: Watcher | None, problem: str, sec
             strangers=len(strangers),
             protocols=tuple(sorted({each.partition("/")[0] for locators in strangers for each in locators})),
             protocol="tls" if way.network.mode == "secured" else "tcp",
-            robots=() if watcher is None else tuple(robots_alive(watcher.session)),
+            robots=() if connection is None else tuple(list_robots(connection.session)),
         ),
         robot=robot,
         wanted=way.robot,
     )
 
 
-def _meet(watcher: Watcher, seconds: float) -> Robot | None:
+def _meet(connection: RobotConnection, seconds: float) -> Robot | None:
     """Find the robot that is meant, and listen to it."""
-    if not watcher.robot:
+    if not connection.robot:
         deadline = time.monotonic() + _FIND_WITHIN
-        while not (found := robots_alive(watcher.session)):
+        while not (found := list_robots(connection.session)):
             if time.monotonic() > deadline:
                 return None
             time.sleep(_ASK_AGAIN)
         time.sleep(_SETTLED)
-        watcher.robot = only_one(sorted({*found, *robots_alive(watcher.session)}))
-    return listen(watcher, seconds)
+        connection.robot = only_one(sorted({*found, *list_robots(connection.session)}))
+    return listen(connection, seconds)
 
 
 def _peers(session: zenoh.Session) -> set[str]:
@@ -158,7 +160,7 @@ class _Beside(Generic[FoundT]):
         return self._found[0]
 
 
-def _page(look: Look, found: list[Finding]) -> str:
+def _page(look: Inspection, found: list[Finding]) -> str:
     """For people."""
     lines = []
     for each in found:
@@ -169,7 +171,7 @@ def _page(look: Look, found: list[Finding]) -> str:
     return "\n".join(printable(line) for line in lines)
 
 
-def _subject(look: Look) -> str:
+def _subject(look: Inspection) -> str:
     """What was looked at."""
     machine = f"{look.machine.host}, giraff {look.machine.version}"
     if look.robot is None:

@@ -7,7 +7,7 @@ from typing import Final, Literal
 
 import msgspec
 
-from giraff_cli.doctor.inspection import Answer, Call, Look, Machine, Network, Rate, Robot
+from giraff_cli.doctor.inspection import HealthReply, Inspection, Machine, Network, Probe, Rate, Robot
 from giraff_cli.telemetry.describe import START_A_HAND
 from giraff_schemas.services import BASE, HANDS, ODOMETRY, ROBOTS_OWN
 
@@ -37,7 +37,7 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
     fix: str
 
 
-def findings(look: Look) -> list[Finding]:
+def findings(look: Inspection) -> list[Finding]:
     """All of them, the gravest first."""
     found = [*_of_machine(look.machine)]
     if look.robot is None:
@@ -73,7 +73,7 @@ def _of_machine(machine: Machine) -> Iterator[Finding]:
         )
 
 
-def _of_silence(look: Look) -> Iterator[Finding]:
+def _of_silence(look: Inspection) -> Iterator[Finding]:
     """Why no robot is heard: the first cause that explains it."""
     network, found = look.network, False
     whom = f"no robot called {look.wanted} is heard" if look.wanted else "no robot is heard"
@@ -91,7 +91,7 @@ def _of_silence(look: Look) -> Iterator[Finding]:
         )
 
 
-def _causes(look: Look) -> Iterator[tuple[str, str, str]]:
+def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
     machine, network = look.machine, look.network
     if network.problem:
         what, fix = _split(network.problem)
@@ -115,7 +115,7 @@ def _causes(look: Look) -> Iterator[tuple[str, str, str]]:
         yield "network", what, f"ip link set {deaf[0]} multicast on; or give --connect ADDRESS"
 
 
-def _of_call(call: Call, machine: Machine) -> tuple[str, str, str] | None:
+def _of_call(call: Probe, machine: Machine) -> tuple[str, str, str] | None:
     where = ", ".join(f"{each.name} {each.address}" for each in machine.interfaces) or "no interface is up"
     match call.outcome:
         case "untrusted":
@@ -207,8 +207,8 @@ def _of_answers(robot: Robot, machine: Machine) -> Iterator[Finding]:
     yield from _of_versions(robot.answers, machine)
 
 
-def _of_clocks(answers: tuple[Answer, ...], machine: Machine) -> Iterator[Finding]:
-    worst: dict[str, Answer] = {}
+def _of_clocks(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[Finding]:
+    worst: dict[str, HealthReply] = {}
     for answer in answers:
         before = worst.get(answer.health.host)
         if answer.ahead is not None and (before is None or abs(answer.ahead) > abs(before.ahead or 0.0)):
@@ -225,7 +225,7 @@ def _of_clocks(answers: tuple[Answer, ...], machine: Machine) -> Iterator[Findin
             )
 
 
-def _of_versions(answers: tuple[Answer, ...], machine: Machine) -> Iterator[Finding]:
+def _of_versions(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator[Finding]:
     by_version = {machine.version: {f"{machine.host} (this command)"}}
     for answer in answers:
         running = answer.health.version or "an older one"
@@ -283,7 +283,7 @@ def _split(text: str) -> tuple[str, str]:
     return what, fix or "see its log"
 
 
-def as_document(look: Look, found: list[Finding]) -> str:
+def as_document(look: Inspection, found: list[Finding]) -> str:
     """For programs."""
     told = {
         "robot": look.robot.name if look.robot else None,

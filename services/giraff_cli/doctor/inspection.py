@@ -54,7 +54,7 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     wiring_checked: bool = True
 
 
-class Call(msgspec.Struct, frozen=True, kw_only=True):
+class Probe(msgspec.Struct, frozen=True, kw_only=True):
     """An address that the robot file or the command line names, called once."""
 
     address: str
@@ -71,7 +71,7 @@ class Network(msgspec.Struct, frozen=True, kw_only=True):
     """It keeps to the loopback."""
     problem: str = ""
     """Why there is no session."""
-    calls: tuple[Call, ...] = ()
+    calls: tuple[Probe, ...] = ()
     linked: int = 0
     """Processes of other machines that it is linked with."""
     scouted: bool = False
@@ -87,7 +87,7 @@ class Network(msgspec.Struct, frozen=True, kw_only=True):
     robots: tuple[str, ...] = ()
 
 
-class Answer(msgspec.Struct, frozen=True, kw_only=True):
+class HealthReply(msgspec.Struct, frozen=True, kw_only=True):
     """A service that has told how it is."""
 
     health: Health
@@ -117,13 +117,13 @@ class Robot(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float
     services: dict[str, int]
     """By service, how many of it are on the network."""
-    answers: tuple[Answer, ...]
+    answers: tuple[HealthReply, ...]
     rates: tuple[Rate, ...]
     base: BaseState | None = None
     estop: EStop | None = None
 
 
-class Look(msgspec.Struct, frozen=True, kw_only=True):
+class Inspection(msgspec.Struct, frozen=True, kw_only=True):
     """All of it."""
 
     machine: Machine

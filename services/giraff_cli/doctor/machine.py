@@ -18,7 +18,7 @@ from giraff_cli.doctor.inspection import Disk, Machine, Port
 from giraff_cli.doctor.interfaces import interfaces
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import ConfigError, is_at_hand, load, read_tables
+from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read_tables
 from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
@@ -129,7 +129,7 @@ def _keys(network: NetworkConfig) -> tuple[str, bool]:
 
 
 def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
-    if not wrong and is_at_hand(environment):
+    if not wrong and expects_robot_file(environment):
         try:
             load("robot", RobotConfig, environment)
             load("network", NetworkConfig, environment)
@@ -140,5 +140,5 @@ def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
 
 def _tables(environment: Mapping[str, str]) -> dict[str, dict[str, Any]]:
     with contextlib.suppress(ConfigError, msgspec.MsgspecError):
-        return read_tables(environment, with_file=is_at_hand(environment))
+        return read_tables(environment, with_file=expects_robot_file(environment))
     return {}

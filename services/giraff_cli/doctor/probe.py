@@ -15,7 +15,7 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_cli.doctor.inspection import Call, Interface, Outcome
+from giraff_cli.doctor.inspection import Interface, Outcome, Probe
 from giraff_cli.doctor.interfaces import on_link
 from giraff_core.network import NetworkConfig, with_port
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
@@ -25,7 +25,7 @@ _ALERT_WITHIN: Final = 0.3  # s; with TLS 1.3 the other end judges our certifica
 _UNREACHABLE: Final = (errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAVAIL, errno.EACCES, errno.EPERM)
 
 
-def call_all(network: NetworkConfig, own: tuple[Interface, ...]) -> tuple[Call, ...]:
+def call_all(network: NetworkConfig, own: tuple[Interface, ...]) -> tuple[Probe, ...]:
     """Each address that is named, all at once: one that is silent takes a second."""
     named = (*network.connect, *filter(None, [network.router]))
     secured = network.mode == "secured"
@@ -34,11 +34,11 @@ def call_all(network: NetworkConfig, own: tuple[Interface, ...]) -> tuple[Call, 
     return _at_once([partial(call, with_port(each), network, own) for each in dict.fromkeys(named)])
 
 
-def call(address: str, network: NetworkConfig, own: tuple[Interface, ...]) -> Call:
+def call(address: str, network: NetworkConfig, own: tuple[Interface, ...]) -> Probe:
     """What comes back from HOST:PORT."""
     host, _, port = address.rpartition(":")
     outcome, detail = _outcome(host.strip("[]"), int(port), network)
-    return Call(address=address, outcome=outcome, detail=detail, on_link=on_link(host.strip("[]"), own))
+    return Probe(address=address, outcome=outcome, detail=detail, on_link=on_link(host.strip("[]"), own))
 
 
 def scout(seconds: float) -> dict[str, list[str]]:
@@ -93,10 +93,10 @@ def _words(error: Any) -> str:
     return re.sub(r"[_ ]+", " ", str(reason)).lower()
 
 
-def _at_once(works: Sequence[Callable[[], Call]]) -> tuple[Call, ...]:
-    done: dict[int, Call] = {}
+def _at_once(works: Sequence[Callable[[], Probe]]) -> tuple[Probe, ...]:
+    done: dict[int, Probe] = {}
 
-    def run(number: int, work: Callable[[], Call]) -> None:
+    def run(number: int, work: Callable[[], Probe]) -> None:
         done[number] = work()
 
     threads = [threading.Thread(target=run, args=each, daemon=True) for each in enumerate(works)]

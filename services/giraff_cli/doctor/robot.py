@@ -10,11 +10,11 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.doctor.inspection import Answer, Rate, Robot
-from giraff_cli.network.connection import Watcher
+from giraff_cli.doctor.inspection import HealthReply, Rate, Robot
+from giraff_cli.network.connection import RobotConnection
 from giraff_cli.telemetry.collector import Telemetry
 from giraff_node import robot_now_ns
-from giraff_node.network.tcp_options import tune_links
+from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.messages import Health, Sample
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import BATTERY, OPERATOR_CMD_VEL, Topic, health_key
@@ -32,28 +32,28 @@ _ASK_EVERY: Final = 0.25  # s; the quickest of several answers tells the clock b
 _HEAR_FIRST: Final = 3.0  # s
 
 
-class _Ear:
+class _Listener:
     """Of the watcher: everything goes to the telemetry, and is counted."""
 
     def __init__(self) -> None:
         self.telemetry = Telemetry()
         self.heard: dict[str, int] = {}
 
-    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        self.telemetry.hear(topic, key, sample, at_ns)
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        self.telemetry.on_sample(topic, key, sample, at_ns)
         self.heard[key] = self.heard.get(key, 0) + 1
 
-    def announce(self, service: str, instance: str, *, present: bool) -> None:
-        self.telemetry.announce(service, instance, present=present)
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
+        self.telemetry.on_liveliness(service, instance, present=present)
 
 
-class Asked:
+class HealthClient:
     """Answers about health, each with what it tells of its host's clock."""
 
     def __init__(self, session: zenoh.Session, robot: str) -> None:
         self._session = session
         self._key = health_key(robot)
-        self._best: dict[str, Answer] = {}
+        self._best: dict[str, HealthReply] = {}
 
     def ask(self, within: float) -> None:
         """Ask all; whoever answers within so many seconds is heard."""
@@ -74,7 +74,7 @@ class Asked:
         )
 
     @property
-    def answers(self) -> tuple[Answer, ...]:
+    def answers(self) -> tuple[HealthReply, ...]:
         """One a process."""
         return tuple(sorted(self._best.values(), key=lambda each: (each.health.service, each.health.instance)))
 
@@ -83,58 +83,58 @@ class Asked:
         ahead = (health.stamp_ns - asked_ns) * 1e-9 - half if health.stamp_ns else None
         before = self._best.get(health.instance)
         if before is None or half <= before.uncertainty:
-            self._best[health.instance] = Answer(health=health, ahead=ahead, uncertainty=half)
+            self._best[health.instance] = HealthReply(health=health, ahead=ahead, uncertainty=half)
 
 
-def listen(watcher: Watcher, seconds: float) -> Robot | None:
+def listen(connection: RobotConnection, seconds: float) -> Robot | None:
     """What is heard within `seconds` of the first word; None: not a word."""
-    ear, asked = _Ear(), Asked(watcher.session, watcher.robot)
-    watcher.listen()
-    if not _first_word(watcher, ear):
+    listener, health = _Listener(), HealthClient(connection.session, connection.robot)
+    connection.subscribe_all()
+    if not _first_word(connection, listener):
         return None
     began = time.monotonic()
     next_question = 0.0
     while (elapsed := time.monotonic() - began) < seconds:
-        tune_links()
-        watcher.pass_on(ear)
+        set_tcp_options()
+        connection.dispatch(listener)
         if elapsed >= next_question:
             next_question = elapsed + _ASK_EVERY
-            asked.ask(max(0.1, seconds - elapsed))
+            health.ask(max(0.1, seconds - elapsed))
         time.sleep(_LOOK_EVERY)
-    watcher.pass_on(ear)
-    now = ear.telemetry.snapshot(robot_now_ns())
+    connection.dispatch(listener)
+    now = listener.telemetry.snapshot(robot_now_ns())
     return Robot(
-        name=watcher.robot,
+        name=connection.robot,
         seconds=seconds,
         services=dict(sorted(now.services.items())),
-        answers=asked.answers,
-        rates=tuple(_rates(ear)),
+        answers=health.answers,
+        rates=tuple(_rates(listener)),
         base=now.base.sample if now.base and now.base.fresh else None,
         estop=now.estop.sample if now.estop and now.estop.fresh else None,
     )
 
 
-def _first_word(watcher: Watcher, ear: _Ear) -> bool:
+def _first_word(connection: RobotConnection, listener: _Listener) -> bool:
     deadline = time.monotonic() + _HEAR_FIRST
     while time.monotonic() < deadline:
-        watcher.pass_on(ear)
-        if ear.heard or ear.telemetry.alive:
+        connection.dispatch(listener)
+        if listener.heard or listener.telemetry.alive:
             return True
         time.sleep(_LOOK_EVERY)
     return False
 
 
-def _rates(ear: _Ear) -> Iterable[Rate]:
+def _rates(listener: _Listener) -> Iterable[Rate]:
     """Of each key that was heard, or should have been."""
-    hz, lost = ear.telemetry.rates_hz, ear.telemetry.lost
+    hz, lost = listener.telemetry.rates_hz, listener.telemetry.lost
     for topic, maker in MAKERS.items():
-        for key in [key for key in ear.heard if _belongs(key, topic)] or [topic.key]:
+        for key in [key for key in listener.heard if _belongs(key, topic)] or [topic.key]:
             yield Rate(
                 key=key,
                 maker=maker,
                 wanted_hz=topic.rate_hz,
                 hz=hz.get(key),
-                heard=ear.heard.get(key, 0),
+                heard=listener.heard.get(key, 0),
                 lost=lost.get(key, 0),
             )
 

@@ -11,8 +11,8 @@ from giraff_cli.options import Connect, Robot, finite
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from giraff_cli.estop.client import Told
-    from giraff_cli.network.connection import Watcher
+    from giraff_cli.estop.client import Result
+    from giraff_cli.network.connection import RobotConnection
 
 
 estop = typer.Typer(no_args_is_help=True, help="Stop the robot from any machine, and release it again.")
@@ -33,13 +33,13 @@ def engage(
     """
     from giraff_cli.estop import client as it  # noqa: PLC0415
     from giraff_cli.estop.fallback import way_to_stop  # noqa: PLC0415
-    from giraff_cli.network.user import who  # noqa: PLC0415
+    from giraff_cli.network.user import user_at_host  # noqa: PLC0415
 
     _tell(
         robot,
         connect,
         timeout,
-        lambda watcher: it.engage(watcher, who(), reason, timeout),
+        lambda connection: it.engage(connection, user_at_host(), reason, timeout),
         lambda: way_to_stop(robot, connect or ()),
     )
 
@@ -51,9 +51,9 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0) 
     Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
     """
     from giraff_cli.estop import client as it  # noqa: PLC0415
-    from giraff_cli.network.user import who  # noqa: PLC0415
+    from giraff_cli.network.user import user_at_host  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda watcher: it.reset(watcher, who(), timeout))
+    _tell(robot, connect, timeout, lambda connection: it.reset(connection, user_at_host(), timeout))
 
 
 @estop.command()
@@ -64,21 +64,21 @@ def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0)
     """
     from giraff_cli.estop import client as it  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda watcher: it.status(watcher, timeout))
+    _tell(robot, connect, timeout, lambda connection: it.status(connection, timeout))
 
 
 def _tell(
     robot: str | None,
     connect: list[str] | None,
     timeout: float,
-    act: Callable[[Watcher], Told],
+    act: Callable[[RobotConnection], Result],
     lost: Callable[[], str] | None = None,
 ) -> None:
-    from giraff_cli.network.command import UNUSABLE, visit  # noqa: PLC0415
+    from giraff_cli.network.command import UNUSABLE, run_with_robot  # noqa: PLC0415
 
-    def tell(watcher: Watcher) -> int:
-        code, text = act(watcher)
+    def tell(connection: RobotConnection) -> int:
+        code, text = act(connection)
         typer.echo(text, err=code >= UNUSABLE)
         return code
 
-    raise typer.Exit(visit(robot, connect or (), timeout, tell, lost))
+    raise typer.Exit(run_with_robot(robot, connect or (), timeout, tell, lost))

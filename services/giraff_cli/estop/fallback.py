@@ -15,8 +15,8 @@ import msgspec
 import tomlkit
 
 from giraff_core.network import NetworkConfig
-from giraff_node.config.misplaced import doubts
-from giraff_node.config.robot_file import NO_FILE, ConfigError, Given, is_at_hand, read
+from giraff_node.config.misplaced import find_misplaced
+from giraff_node.config.robot_file import NO_FILE, ConfigError, RawSettings, expects_robot_file, read
 from giraff_node.network.discovery import name_of
 from giraff_node.network.session import CERTIFICATES
 
@@ -35,7 +35,7 @@ def way_to_stop(robot: str | None, connect: Sequence[str], environment: Mapping[
     The command is told all that can still be read of the network: it is to reach the robot, and no other.
     """
     given, is_lost = _given(environment)
-    doubted = doubts(given, environment, is_named=bool(robot))
+    doubted = find_misplaced(given, environment, is_named=bool(robot))
     is_lost = is_lost or bool(doubted)
     values = given.tables.get("network", {})
     network = _sound(values)
@@ -43,10 +43,12 @@ def way_to_stop(robot: str | None, connect: Sequence[str], environment: Mapping[
     keys = Path(network.get("keys", NetworkConfig().keys))
     if in_doubt and "mode" not in network and (_seems_secured(values, keys) or "secur" in str(doubted).lower()):
         network = {"access": {"robot": [_HOST]}, **network, "mode": "secured"}
-        is_far = is_lost or not is_at_hand(environment)  # else the file has what it takes, if only on the robot's host
+        is_far = is_lost or not expects_robot_file(
+            environment
+        )  # else the file has what it takes, if only on the robot's host
         if is_far and not (connect or network.get("connect") or network.get("router")):
             connect = (_ADDRESS,)
-    is_name_doubted = len(doubted) > len(doubts(given, environment, is_named=True))
+    is_name_doubted = len(doubted) > len(find_misplaced(given, environment, is_named=True))
     name = robot or (_NAME if is_name_doubted else _name(given, is_lost=is_lost))
     settings = {f"GIRAFF_NETWORK_{field.upper()}": _text(value) for field, value in network.items()}
     wrong = {each.variable for each in (*given.strange, *doubted) if each.variable}
@@ -67,10 +69,10 @@ def way_to_stop(robot: str | None, connect: Sequence[str], environment: Mapping[
     return "; ".join(told)
 
 
-def _given(environment: Mapping[str, str]) -> tuple[Given, bool]:
+def _given(environment: Mapping[str, str]) -> tuple[RawSettings, bool]:
     """What can be read, and whether the robot file cannot."""
     try:
-        return read(environment, with_file=is_at_hand(environment)), False
+        return read(environment, with_file=expects_robot_file(environment)), False
     except ConfigError:
         return read(environment, with_file=False), True
 
@@ -100,7 +102,7 @@ def _has_bundle(keys: Path) -> bool:
     return False
 
 
-def _name(given: Given, *, is_lost: bool) -> str:
+def _name(given: RawSettings, *, is_lost: bool) -> str:
     """The robot's; empty: nobody has named one."""
     try:
         return name_of(given) or (_NAME if is_lost else "")

@@ -14,12 +14,12 @@ import zenoh
 from rich.text import Text
 from rich.tree import Tree
 
-from giraff_cli.network.command import complain, visit
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.robot_graph import Surveyor
+from giraff_cli.network.command import print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.robot_graph import GraphMonitor
 from giraff_cli.terminal.graphviz import quoted
 from giraff_cli.terminal.page import Page, print_json
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import printable
 from giraff_schemas.frames import Transform
 from giraff_schemas.topics import frame_key
@@ -43,11 +43,13 @@ class Frames(msgspec.Struct, frozen=True, kw_only=True):
 def frames(robot: str | None, connect: Sequence[str], *, as_dot: bool, as_json: bool) -> int:
     """Draw the tree; the exit code."""
 
-    def act(watcher: Watcher) -> int:
-        told = _ask(watcher, stopping)
+    def act(connection: RobotConnection) -> int:
+        told = _ask(connection, stopping)
         if not told:
-            return complain(f"nobody tells where the frames of {watcher.robot} are; ranger and odometry do, start them")
-        found = Frames(robot=watcher.robot, frames=told, faults=faults_of(told))
+            return print_error(
+                f"nobody tells where the frames of {connection.robot} are; ranger and odometry do, start them"
+            )
+        found = Frames(robot=connection.robot, frames=told, faults=faults_of(told))
         if as_json:
             print_json(found)
         elif as_dot:
@@ -56,8 +58,8 @@ def frames(robot: str | None, connect: Sequence[str], *, as_dot: bool, as_json: 
             _show(found)
         return _ILL if found.faults else _WELL
 
-    with Stopping() as stopping:
-        return visit(robot, connect, _PATIENCE, act)
+    with StopSignal() as stopping:
+        return run_with_robot(robot, connect, _PATIENCE, act)
 
 
 def faults_of(told: Sequence[Transform]) -> list[str]:
@@ -94,9 +96,9 @@ def dot(found: Frames) -> str:
     return "\n".join([*lines, "}"])
 
 
-def _ask(watcher: Watcher, stopping: Stopping) -> list[Transform]:
+def _ask(connection: RobotConnection, stopping: StopSignal) -> list[Transform]:
     """What is told, each frame once for each parent; by name. Raises NoRobotError."""
-    Surveyor(watcher).meet(stopping)
+    GraphMonitor(connection).wait_for_robot(stopping)
     answers: deque[Transform] = deque()
 
     def on_reply(reply: zenoh.Reply) -> None:
@@ -106,8 +108,8 @@ def _ask(watcher: Watcher, stopping: Stopping) -> list[Transform]:
 
     deadline = time.monotonic() + _SETTLED + _ASK_EVERY
     while time.monotonic() < deadline and not stopping.asked:
-        watcher.session.get(
-            frame_key(watcher.robot),
+        connection.session.get(
+            frame_key(connection.robot),
             on_reply,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,
@@ -124,7 +126,7 @@ def _show(found: Frames) -> None:
         _grow(tree, root, found.frames, {root})
         page.print(tree)
     for fault in found.faults:
-        complain(fault)
+        print_error(fault)
 
 
 def _grow(tree: Tree, parent: str, told: Sequence[Transform], above: set[str]) -> None:

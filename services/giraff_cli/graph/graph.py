@@ -7,12 +7,12 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.network.command import visit
-from giraff_cli.network.header_subscriber import Meter
-from giraff_cli.network.robot_graph import Maker, Survey, Surveyor
+from giraff_cli.network.command import run_with_robot
+from giraff_cli.network.header_subscriber import HeaderSubscriber
+from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
 from giraff_cli.terminal.graphviz import quoted
 from giraff_cli.terminal.page import print_json, print_table
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 
@@ -31,7 +31,7 @@ class Graph(msgspec.Struct, frozen=True, kw_only=True):
     """Who is there and who hears whom."""
 
     robot: str
-    nodes: dict[str, Maker]
+    nodes: dict[str, NodeId]
     """By name: the service, and its instance where several are there."""
     edges: list[Edge]
 
@@ -39,8 +39,8 @@ class Graph(msgspec.Struct, frozen=True, kw_only=True):
 def graph(robot: str | None, connect: Sequence[str], seconds: float, *, as_dot: bool, as_json: bool) -> int:
     """Draw the services of a robot; the exit code."""
 
-    def tell(survey: Survey) -> int:
-        drawn = graph_of(survey)
+    def tell(robot_graph: RobotGraph) -> int:
+        drawn = graph_of(robot_graph)
         if as_json:
             print_json(drawn)
         elif as_dot:
@@ -49,18 +49,22 @@ def graph(robot: str | None, connect: Sequence[str], seconds: float, *, as_dot: 
             _show(drawn)
         return 0
 
-    with Stopping() as stopping:
-        return visit(
+    with StopSignal() as stopping:
+        return run_with_robot(
             robot,
             connect,
             _PATIENCE,
-            lambda watcher: tell(Surveyor(watcher, [Meter(watcher.session, watcher.robot)]).go(seconds, stopping)),
+            lambda connection: tell(
+                GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot)]).run(
+                    seconds, stopping
+                )
+            ),
         )
 
 
-def graph_of(survey: Survey) -> Graph:
+def graph_of(robot_graph: RobotGraph) -> Graph:
     """Of what is known."""
-    makers = {*survey.services, *(maker for key in survey.keys for maker in survey.publishers(key))}
+    makers = {*robot_graph.services, *(maker for key in robot_graph.keys for maker in robot_graph.publishers(key))}
     names = [maker.name for maker in makers]
     nodes = {
         (maker.name if names.count(maker.name) == 1 else f"{maker.name} {maker.instance}"): maker
@@ -69,11 +73,11 @@ def graph_of(survey: Survey) -> Graph:
     name_of = {maker: name for name, maker in nodes.items()}
     edges = [
         Edge(name_of[source], key, target)
-        for key in survey.keys
-        for source in survey.publishers(key)
-        for target in [name_of[maker] for maker in survey.subscribers(key)] or [""]
+        for key in robot_graph.keys
+        for source in robot_graph.publishers(key)
+        for target in [name_of[maker] for maker in robot_graph.subscribers(key)] or [""]
     ]
-    return Graph(robot=survey.robot, nodes=nodes, edges=edges)
+    return Graph(robot=robot_graph.robot, nodes=nodes, edges=edges)
 
 
 def dot(drawn: Graph) -> str:

@@ -8,7 +8,7 @@ from typing import Final
 _AGE_STEP_MS: Final = 0.1
 
 
-class Ages:
+class AgeHistogram:
     """A distribution of ages in ms, as steps of 0.1 ms: it does not grow with a long run."""
 
     def __init__(self) -> None:
@@ -17,7 +17,7 @@ class Ages:
     def add(self, milliseconds: float) -> None:
         self._counts[round(milliseconds / _AGE_STEP_MS)] += 1
 
-    def share(self, share: float) -> float | None:
+    def quantile(self, share: float) -> float | None:
         """The age that `share` (0..1) of all do not exceed; None: there are none."""
         wanted, seen = share * self._counts.total(), 0
         for step, count in sorted(self._counts.items()):

@@ -1,4 +1,4 @@
-"""A short visit to the network: find the robot, ask, tell, leave."""
+"""Run a command on the network: find the robot, open Zenoh, act, close."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Final
 
 import zenoh
 
-from giraff_cli.network.connection import Watcher
-from giraff_cli.terminal.output import written
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.terminal.output import guard_stdout
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import CORRECT_IT, NoRobotError, find_way, only_robot
+from giraff_node.network.discovery import CORRECT_IT, NoRobotError, find_only_robot, resolve_target
 from giraff_node.network.session import open_session
-from giraff_node.process.lifecycle import start_anew
+from giraff_node.process.lifecycle import restart_program
 
 UNUSABLE: Final = 2
 
@@ -25,11 +25,11 @@ class MovedError(Exception):
     """This host is to be found at other addresses than when the visit began."""
 
 
-def visit(
+def run_with_robot(
     robot: str | None,
     connect: Sequence[str],
     patience: float,
-    act: Callable[[Watcher], int],
+    act: Callable[[RobotConnection], int],
     lost: Callable[[], str] | None = None,
 ) -> int:
     """The exit code of `act`, or UNUSABLE where there is no robot to act on. `patience`: s, to look for one.
@@ -37,48 +37,48 @@ def visit(
     `lost`: the way out where robot file or environment cannot tell which robot it is, or on which network.
     """
 
-    def find_and_act(watcher: Watcher) -> int:
-        watcher.robot = watcher.robot or only_robot(watcher.session, patience)
-        return act(watcher)
+    def find_and_act(connection: RobotConnection) -> int:
+        connection.robot = connection.robot or find_only_robot(connection.session, patience)
+        return act(connection)
 
-    return join(robot, connect, find_and_act, lost)
+    return run_on_network(robot, connect, find_and_act, lost)
 
 
-def join(
+def run_on_network(
     robot: str | None,
     connect: Sequence[str],
-    act: Callable[[Watcher], int],
+    act: Callable[[RobotConnection], int],
     lost: Callable[[], str] | None = None,
 ) -> int:
     """The exit code of `act` on the network, whose watcher has no robot where nobody has named one; or UNUSABLE."""
     try:
-        way = find_way(robot, connect)
+        way = resolve_target(robot, connect)
     except NoRobotError as error:
-        return complain(str(error))
+        return print_error(str(error))
     except ConfigError as error:
-        return complain(f"{error}; {lost() if lost else CORRECT_IT}")
+        return print_error(f"{error}; {lost() if lost else CORRECT_IT}")
     if way.warning:
-        complain(f"not everything of robot file and environment counts: {way.warning}")
+        print_error(f"not everything of robot file and environment counts: {way.warning}")
     try:
         session = open_session(way.network, way.robot or "*", visiting=True)
     except ConfigError as error:
-        return complain(str(error))
+        return print_error(str(error))
     except zenoh.ZError as error:
-        return complain(f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect")
-    watcher = Watcher(way.robot, session)
+        return print_error(f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect")
+    connection = RobotConnection(way.robot, session)
     try:
-        code = written(lambda: act(watcher))
+        code = guard_stdout(lambda: act(connection))
     except MovedError:
-        watcher.close(_CLOSE_WITHIN)
-        start_anew()
+        connection.close(_CLOSE_WITHIN)
+        restart_program()
     except NoRobotError as error:
-        code = complain(str(error))
-    if not watcher.close(_CLOSE_WITHIN):  # Zenoh would hold the process, and nothing is left to do
+        code = print_error(str(error))
+    if not connection.close(_CLOSE_WITHIN):  # Zenoh would hold the process, and nothing is left to do
         os._exit(code)
     return code
 
 
-def complain(text: str) -> int:
+def print_error(text: str) -> int:
     """Tell what is wrong; UNUSABLE."""
     print(f"giraff: {text}", file=sys.stderr, flush=True)
     return UNUSABLE

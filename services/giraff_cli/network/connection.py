@@ -24,10 +24,10 @@ _MOST_WAITING: Final = 20_000  # reports, 40 s of them; a listener that stands s
 class Listener(Protocol):
     """Whoever is told of what a watcher hears."""
 
-    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """A sample of `key` (below the robot's name), which `topic` is or stands for, heard at `at_ns`."""
 
-    def announce(self, service: str, instance: str, *, present: bool) -> None:
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         """A service's token on the network has come or gone."""
 
 
@@ -35,11 +35,11 @@ Report = Callable[[Listener], None]
 """Tells a listener of one thing that was heard."""
 
 
-class Watcher:
+class RobotConnection:
     """What Zenoh's threads hear waits in a queue, so that the listener has one thread."""
 
     def __init__(self, robot: str, session: zenoh.Session) -> None:
-        """`session`: of this watcher alone, which closes it."""
+        """`session`: of this connection alone, which closes it."""
         self.robot = robot
         self.session = session
         self._heard: deque[Report] = deque(maxlen=_MOST_WAITING)
@@ -47,7 +47,7 @@ class Watcher:
         self._complaints: dict[str, tuple[int, str]] = {}
         """Of each key: when (robot's clock), what."""
 
-    def namesake(self, patience: float) -> str | None:
+    def find_duplicate(self, patience: float) -> str | None:
         """The liveliness token of a base that already runs under this robot's name; looks for `patience` s."""
         deadline = time.monotonic() + patience
         while time.monotonic() < deadline:
@@ -57,30 +57,30 @@ class Watcher:
             time.sleep(_ASK_AGAIN)
         return None
 
-    def listen(self, topics: Iterable[Topic[Any]] = TOPICS) -> None:
+    def subscribe_all(self, topics: Iterable[Topic[Any]] = TOPICS) -> None:
         """Hear these topics of the robot, and its services come and go."""
         for topic in topics:
-            self.follow(topic)
+            self.subscribe(topic)
         tokens = alive_key(self.robot)
         self._declared[tokens] = self.session.liveliness().declare_subscriber(tokens, self._on_token, history=True)
 
-    def follow(self, topic: Topic[Any]) -> None:
+    def subscribe(self, topic: Topic[Any]) -> None:
         """Hear this topic of the robot, too."""
         key = key_of(self.robot, topic)
         self._declared[key] = self.session.declare_subscriber(key, self._hearer(topic))
 
-    def leave(self, topic: Topic[Any]) -> None:
+    def unsubscribe(self, topic: Topic[Any]) -> None:
         """Hear it no longer."""
         self._declared.pop(key_of(self.robot, topic)).undeclare()
 
-    def pass_on(self, listener: Listener) -> None:
+    def dispatch(self, listener: Listener) -> None:
         """Tell `listener` what was heard since the last call."""
         with contextlib.suppress(IndexError):  # Zenoh's threads fill it: emptiness cannot be asked first
             while True:
                 self._heard.popleft()(listener)
 
     @property
-    def complaints(self) -> list[str]:
+    def decode_errors(self) -> list[str]:
         """What could not be decoded, the newest of each key."""
         return self.complaints_since(0)
 
@@ -102,11 +102,11 @@ class Watcher:
                 self._complaints[key] = now_ns, str(error)
                 return
             below = key.removeprefix(f"{ROOT}/{self.robot}/")
-            self._heard.append(lambda listener: listener.hear(topic, below, sample, now_ns))
+            self._heard.append(lambda listener: listener.on_sample(topic, below, sample, now_ns))
 
         return on_sample
 
     def _on_token(self, received: zenoh.Sample) -> None:
         *_, service, instance = str(received.key_expr).split("/")
         present = received.kind == zenoh.SampleKind.PUT
-        self._heard.append(lambda listener: listener.announce(service, instance, present=present))
+        self._heard.append(lambda listener: listener.on_liveliness(service, instance, present=present))

@@ -10,14 +10,14 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.statistics import Arrival, Head
+from giraff_cli.network.statistics import Arrival, Header
 from giraff_schemas.topics import ROOT, Topic, key_of
 
 _MOST_WAITING: Final = 200_000
-_heads: Final = msgspec.msgpack.Decoder(Head)
+_heads: Final = msgspec.msgpack.Decoder(Header)
 
 
-class Meter:
+class HeaderSubscriber:
     """From its making on; `take` from one thread only."""
 
     def __init__(self, session: zenoh.Session, robot: str, topic: Topic[Any] | None = None) -> None:
@@ -39,7 +39,7 @@ class Meter:
         self._came.append(Arrival(key, len(payload), _head(payload), at, wall_ns))
 
 
-def _head(payload: bytes) -> Head | None:
+def _head(payload: bytes) -> Header | None:
     try:
         head = _heads.decode(payload)
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):

@@ -1,4 +1,4 @@
-"""Who is there of one robot, what they say of themselves, and how their samples travel."""
+"""The graph of one robot: its processes, their health, and the traffic on each key."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.header_subscriber import Meter
-from giraff_cli.network.statistics import Arrival, Tally
-from giraff_cli.network.topic_keys import covers
-from giraff_cli.terminal.signals import Stopping
-from giraff_node.network.discovery import NoRobotError, robots_alive, unheard
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.header_subscriber import HeaderSubscriber
+from giraff_cli.network.statistics import Arrival, TopicStatistics
+from giraff_cli.network.topic_keys import intersects
+from giraff_cli.terminal.signals import StopSignal
+from giraff_node.network.discovery import NoRobotError, list_robots, not_found_text
 from giraff_schemas.messages import Health, Sample
 from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
 
@@ -29,7 +29,7 @@ _MOST_WAITING: Final = 20_000  # samples
 _ORDER: Final = {topic.key: number for number, topic in enumerate(TOPICS)}
 
 
-class Maker(msgspec.Struct, frozen=True, order=True):
+class NodeId(msgspec.Struct, frozen=True, order=True):
     """A process of the robot."""
 
     service: str
@@ -41,7 +41,7 @@ class Maker(msgspec.Struct, frozen=True, order=True):
         return self.service or f"instance {self.instance}"
 
 
-class Survey:
+class RobotGraph:
     """What is known. No clock, no network: both come in."""
 
     def __init__(self, robot: str) -> None:
@@ -50,17 +50,17 @@ class Survey:
         """Instance -> service."""
         self.healths: dict[str, Health] = {}
         """By instance, the newest answer."""
-        self.tallies: dict[str, Tally] = {}
+        self.tallies: dict[str, TopicStatistics] = {}
         """By key."""
         self.heard: deque[tuple[str, Sample, int]] = deque(maxlen=_MOST_WAITING)
         """Samples of topics that the watcher follows: key, sample, when (robot's clock, ns); for whoever takes them."""
 
-    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """A sample of a topic that the watcher follows."""
         del topic
         self.heard.append((key, sample, at_ns))
 
-    def announce(self, service: str, instance: str, *, present: bool) -> None:
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         """A service's token on the network has come or gone."""
         if present:
             self.alive[instance] = service
@@ -71,17 +71,17 @@ class Survey:
     def count(self, arrival: Arrival) -> None:
         """A sample has come."""
         if arrival.key not in self.tallies:
-            self.tallies[arrival.key] = Tally(arrival.key)
-        self.tallies[arrival.key].hear(arrival)
+            self.tallies[arrival.key] = TopicStatistics(arrival.key)
+        self.tallies[arrival.key].on_sample(arrival)
 
     @property
     def empty(self) -> bool:
         return not self.alive and not self.tallies and not self.heard
 
     @property
-    def services(self) -> list[Maker]:
+    def services(self) -> list[NodeId]:
         """Every process that is there."""
-        return sorted(Maker(service, instance) for instance, service in self.alive.items())
+        return sorted(NodeId(service, instance) for instance, service in self.alive.items())
 
     @property
     def answered(self) -> bool:
@@ -110,91 +110,91 @@ class Survey:
         told = (key for health in self.healths.values() for key in health.publishes)
         return sorted({*told, *self.tallies}, key=_place)
 
-    def publishers(self, key: str) -> list[Maker]:
+    def publishers(self, key: str) -> list[NodeId]:
         """Those who say that they publish it, and those of whom it is heard."""
         told = (instance for instance, health in self.healths.items() if key in health.publishes)
         heard = self.tallies[key].counts if key in self.tallies else ()
         return sorted(self.maker(instance) for instance in {*told, *heard})
 
-    def publishers_of(self, pattern: str) -> list[Maker]:
+    def publishers_of(self, pattern: str) -> list[NodeId]:
         """Those of all keys that a `*` covers."""
-        return sorted({maker for key in self.keys if covers(pattern, key) for maker in self.publishers(key)})
+        return sorted({maker for key in self.keys if intersects(pattern, key) for maker in self.publishers(key)})
 
-    def subscribers(self, key: str) -> list[Maker]:
+    def subscribers(self, key: str) -> list[NodeId]:
         """Those who say that they listen to it."""
         return sorted(
             self.maker(instance)
             for instance, health in self.healths.items()
-            if any(covers(pattern, key) for pattern in health.subscribes)
+            if any(intersects(pattern, key) for pattern in health.subscribes)
         )
 
-    def maker(self, instance: str) -> Maker:
+    def maker(self, instance: str) -> NodeId:
         """Of a sample."""
-        return Maker(self.alive.get(instance, ""), instance)
+        return NodeId(self.alive.get(instance, ""), instance)
 
     def instead(self, topic: Topic[Any]) -> str:
         """What to say of a topic that nobody publishes and that is not heard; empty: somebody does, or it is."""
-        if any(covers(topic.key, key) for key in self.keys):
+        if any(intersects(topic.key, key) for key in self.keys):
             return ""
         there = ", ".join(self.keys) or "nothing"
         return f"nobody publishes {topic.key} on {self.robot}; published there: {there}"
 
 
-class Surveyor:
+class GraphMonitor:
     """Makes a survey; from its making on it listens."""
 
-    def __init__(self, watcher: Watcher, meters: Iterable[Meter] = ()) -> None:
-        self.survey = Survey(watcher.robot)
-        self._watcher = watcher
+    def __init__(self, connection: RobotConnection, meters: Iterable[HeaderSubscriber] = ()) -> None:
+        self.robot_graph = RobotGraph(connection.robot)
+        self._connection = connection
         self._meters = list(meters)
         self._answers: deque[Health] = deque()
         self._next_question = 0.0
-        watcher.listen(())
+        connection.subscribe_all(())
 
     def look(self, now: float, *, again: bool = False) -> None:
         """Take in what has come; ask those who have not told of their health, or with `again` everybody."""
-        self._watcher.pass_on(self.survey)
+        self._connection.dispatch(self.robot_graph)
         for meter in self._meters:
-            meter.take(self.survey.count)
+            meter.take(self.robot_graph.count)
         for _ in range(len(self._answers)):
             health = self._answers.popleft()
-            if health.instance in self.survey.alive:
-                self.survey.healths[health.instance] = health
-        if now >= self._next_question and (again or not self.survey.answered):
+            if health.instance in self.robot_graph.alive:
+                self.robot_graph.healths[health.instance] = health
+        if now >= self._next_question and (again or not self.robot_graph.answered):
             self._next_question = now + _ASK_EVERY
             self._ask()
 
-    def go(self, seconds: float, stopping: Stopping) -> Survey:
+    def run(self, seconds: float, stopping: StopSignal) -> RobotGraph:
         """Look for `seconds` from the first word on, and for those who are met late. Raises NoRobotError."""
-        self.meet(stopping)
+        self.wait_for_robot(stopping)
         self._until(time.monotonic() + seconds, stopping)
         self._until(time.monotonic() + _ANSWER_WITHIN, stopping, complete=True)
-        return self.survey
+        return self.robot_graph
 
-    def inquire(self, stopping: Stopping) -> Survey:
+    def collect_health(self, stopping: StopSignal) -> RobotGraph:
         """Look until all have told of their health, or do not."""
-        self.meet(stopping)
+        self.wait_for_robot(stopping)
         now = time.monotonic()
         self._until(now + _SETTLED, stopping)
         self._until(now + _ANSWER_WITHIN, stopping, complete=True)
-        return self.survey
+        return self.robot_graph
 
-    def wait(self, seconds: float, stopping: Stopping) -> None:
+    def wait(self, seconds: float, stopping: StopSignal) -> None:
         """Look for `seconds`, whether or not there is a robot."""
         self._until(time.monotonic() + seconds, stopping)
 
-    def meet(self, stopping: Stopping) -> None:
+    def wait_for_robot(self, stopping: StopSignal) -> None:
         """Wait for the first word of the robot. Raises NoRobotError."""
         deadline = time.monotonic() + FIRST_WITHIN
-        while self.survey.empty:
+        while self.robot_graph.empty:
             self.look(now := time.monotonic())
             if now > deadline or stopping.wait(_LOOK_EVERY):
-                raise NoRobotError(unheard(self.survey.robot, robots_alive(self._watcher.session)))
+                raise NoRobotError(not_found_text(self.robot_graph.robot, list_robots(self._connection.session)))
 
-    def _until(self, deadline: float, stopping: Stopping, *, complete: bool = False) -> None:
+    def _until(self, deadline: float, stopping: StopSignal, *, complete: bool = False) -> None:
         while True:
             self.look(now := time.monotonic())
-            if stopping.asked or (complete and self.survey.complete):
+            if stopping.asked or (complete and self.robot_graph.complete):
                 return
             if now >= deadline or stopping.wait(min(_LOOK_EVERY, deadline - now)):
                 return
@@ -205,8 +205,8 @@ class Surveyor:
                 with suppress(msgspec.MsgspecError):  # of another version
                     self._answers.append(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health))
 
-        self._watcher.session.get(
-            health_key(self.survey.robot),
+        self._connection.session.get(
+            health_key(self.robot_graph.robot),
             on_reply,
             # Two processes of one service answer to one key, and none of them waits for another.
             target=zenoh.QueryTarget.ALL,

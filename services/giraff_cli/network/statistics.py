@@ -8,7 +8,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.network.age_histogram import Ages
+from giraff_cli.network.age_histogram import AgeHistogram
 
 _RECALLED: Final = 10_000
 """Samples back that a late one is known to be late, and not lost or a double."""
@@ -16,7 +16,7 @@ _KEPT_NS: Final = 10_000_000_000  # of marks, by which the rate of now is told
 _ENOUGH: Final = 0.25  # s of a maker's stamps that tell a rate
 
 
-class Head(msgspec.Struct, frozen=True):
+class Header(msgspec.Struct, frozen=True):
     """What every sample starts with; the rest of it is not looked at."""
 
     seq: int
@@ -31,7 +31,7 @@ class Arrival:
     key: str
     size: int
     """Bytes."""
-    head: Head | None
+    head: Header | None
     """None: it cannot be read."""
     at: float
     """Monotonic, s."""
@@ -39,20 +39,20 @@ class Arrival:
     """By this host's wall clock."""
 
 
-class Count:
+class PublisherStatistics:
     """The samples of one maker on one key, from the first that was heard."""
 
-    def __init__(self, first: Arrival, head: Head) -> None:
+    def __init__(self, first: Arrival, head: Header) -> None:
         self.reordered = self.duplicated = 0
-        self.ages = Ages()
+        self.ages = AgeHistogram()
         """By the two hosts' wall clocks, ms."""
         self.newest = first
         self._first = self._last = head
         self._heard = 0
         self._missing: set[int] = set()
-        self._marks: deque[Head] = deque()
+        self._marks: deque[Header] = deque()
 
-    def add(self, arrival: Arrival, head: Head) -> None:
+    def add(self, arrival: Arrival, head: Header) -> None:
         """Another sample, or the first."""
         self.ages.add((arrival.wall_ns - head.stamp_ns) * 1e-6)
         self.newest = arrival
@@ -101,19 +101,19 @@ class Count:
         if len(self._missing) > _RECALLED:
             self._missing = {seq for seq in self._missing if seq >= forget}
 
-    def _mark(self, head: Head) -> None:
+    def _mark(self, head: Header) -> None:
         if not self._marks or head.stamp_ns - self._marks[-1].stamp_ns >= _ENOUGH * 1e9:
             self._marks.append(head)
             while self._marks[0].stamp_ns < head.stamp_ns - _KEPT_NS:
                 self._marks.popleft()
 
 
-class Tally:
+class TopicStatistics:
     """All that comes on one key."""
 
     def __init__(self, key: str) -> None:
         self.key = key
-        self.counts: dict[str, Count] = {}
+        self.counts: dict[str, PublisherStatistics] = {}
         """By maker's instance."""
         self.unreadable = 0
         self.samples = 0
@@ -122,7 +122,7 @@ class Tally:
         self._first_at = self._last_at = 0.0
         self._first_size = 0
 
-    def hear(self, arrival: Arrival) -> None:
+    def on_sample(self, arrival: Arrival) -> None:
         """A sample."""
         if self.samples == 0:
             self._first_at, self._first_size = arrival.at, arrival.size
@@ -136,7 +136,7 @@ class Tally:
             self.unreadable += 1
             return
         if head.instance not in self.counts:
-            self.counts[head.instance] = Count(arrival, head)
+            self.counts[head.instance] = PublisherStatistics(arrival, head)
         self.counts[head.instance].add(arrival, head)
 
     @property
@@ -146,6 +146,6 @@ class Tally:
         return (self.bytes - self._first_size) / took if took > 0.0 else None
 
 
-def _rate(first: Head, last: Head) -> float | None:
+def _rate(first: Header, last: Header) -> float | None:
     took = (last.stamp_ns - first.stamp_ns) * 1e-9
     return (last.seq - first.seq) / took if took >= _ENOUGH else None

@@ -42,7 +42,7 @@ def no_such_key(key: str, there: Iterable[str]) -> str:
     return f"there is no key {key!r}; {hint}there are: {', '.join(known)}"
 
 
-def covers(pattern: str, key: str) -> bool:
+def intersects(pattern: str, key: str) -> bool:
     """Whether what is said on `key` is heard by who listens to `pattern`; both may have a `*`."""
     ours, theirs = pattern.split("/"), key.split("/")
     return len(ours) == len(theirs) and all("*" in (a, b) or a == b for a, b in zip(ours, theirs, strict=True))
@@ -53,7 +53,7 @@ def is_live(services: Iterable[str]) -> bool:
     return any(service != PLAY.name for service in services)
 
 
-def refusal(topic: Topic[Any], live: Mapping[str, Iterable[str]]) -> str:
+def publish_refusal(topic: Topic[Any], live: Mapping[str, Iterable[str]]) -> str:
     """Why a tool may not publish a topic in the name of a robot; empty: it may.
 
     `live`: by service that is on the network, the keys that it publishes. What moves a robot, what it decides by and
@@ -68,7 +68,7 @@ def refusal(topic: Topic[Any], live: Mapping[str, Iterable[str]]) -> str:
             f"{topic.key} drives, and the robot is there ({there}): only an operator may; "
             "a program of yours is one with giraff_client"
         )
-    speakers = sorted(service for service, keys in live.items() if any(covers(key, topic.key) for key in keys))
+    speakers = sorted(service for service, keys in live.items() if any(intersects(key, topic.key) for key in keys))
     if speakers or row.key in _ROBOTS_OWN:
         says = f"is said by {', '.join(speakers)}" if speakers else "is the robot's own word"
         return f"{topic.key} {says}, and the robot is there ({there}): publish it under another name, --robot NAME"

@@ -7,7 +7,7 @@ import os
 import socket
 
 
-def who() -> str:
+def user_at_host() -> str:
     """Whom to name to those who ask who it was."""
     try:
         user = getpass.getuser()

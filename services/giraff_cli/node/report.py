@@ -8,11 +8,11 @@ from typing import Final
 import msgspec
 from rich.text import Text
 
-from giraff_cli.network.command import complain, visit
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.robot_graph import Maker, Survey, Surveyor
+from giraff_cli.network.command import print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
 from giraff_cli.terminal.page import Page, print_json, print_table
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import printable
 from giraff_schemas.messages import Health
 
@@ -38,43 +38,45 @@ class NodeRow(msgspec.Struct, frozen=True, kw_only=True):
 def list_nodes(robot: str | None, connect: Sequence[str], *, as_json: bool) -> int:
     """Print the services of a robot; the exit code."""
 
-    def tell(survey: Survey) -> int:
-        rows = rows_of(survey)
+    def tell(robot_graph: RobotGraph) -> int:
+        rows = rows_of(robot_graph)
         if as_json:
             print_json(rows)
         else:
             _show_rows(rows)
         return _WELL if all(row.well for row in rows) else _ILL
 
-    with Stopping() as stopping:
-        return visit(robot, connect, _PATIENCE, lambda watcher: tell(Surveyor(watcher).inquire(stopping)))
+    with StopSignal() as stopping:
+        return run_with_robot(
+            robot, connect, _PATIENCE, lambda connection: tell(GraphMonitor(connection).collect_health(stopping))
+        )
 
 
 def info(service: str, robot: str | None, connect: Sequence[str], *, as_json: bool) -> int:
     """Print all that one service tells of itself; the exit code."""
 
-    def act(watcher: Watcher) -> int:
-        survey = Surveyor(watcher).inquire(stopping)
-        rows = [row for row in rows_of(survey) if service in (row.service, row.instance)]
+    def act(connection: RobotConnection) -> int:
+        robot_graph = GraphMonitor(connection).collect_health(stopping)
+        rows = [row for row in rows_of(robot_graph) if service in (row.service, row.instance)]
         if not rows:
-            there = ", ".join(dict.fromkeys(maker.service for maker in survey.services)) or "none"
-            return complain(f"{watcher.robot} has no service {service!r} on the network; there are: {there}")
+            there = ", ".join(dict.fromkeys(maker.service for maker in robot_graph.services)) or "none"
+            return print_error(f"{connection.robot} has no service {service!r} on the network; there are: {there}")
         if as_json:
             print_json(rows)
         else:
             for row in rows:
-                _show(row, survey)
+                _show(row, robot_graph)
         return _WELL if all(row.well for row in rows) else _ILL
 
-    with Stopping() as stopping:
-        return visit(robot, connect, _PATIENCE, act)
+    with StopSignal() as stopping:
+        return run_with_robot(robot, connect, _PATIENCE, act)
 
 
-def rows_of(survey: Survey) -> list[NodeRow]:
+def rows_of(robot_graph: RobotGraph) -> list[NodeRow]:
     """Every process that is there."""
     return [
-        NodeRow(service=maker.service, instance=maker.instance, health=survey.healths.get(maker.instance))
-        for maker in survey.services
+        NodeRow(service=maker.service, instance=maker.instance, health=robot_graph.healths.get(maker.instance))
+        for maker in robot_graph.services
     ]
 
 
@@ -104,7 +106,7 @@ def _show_rows(rows: Sequence[NodeRow]) -> None:
     )
 
 
-def _show(row: NodeRow, survey: Survey) -> None:
+def _show(row: NodeRow, robot_graph: RobotGraph) -> None:
     page, health = Page(), row.health
 
     def line(name: str, text: str) -> None:
@@ -122,12 +124,12 @@ def _show(row: NodeRow, survey: Survey) -> None:
         for text in told:
             line(kind, text)
     for key in health.publishes:
-        line("publishes", f"{key} -> {_names(survey.subscribers(key)) or 'nobody that says so'}")
+        line("publishes", f"{key} -> {_names(robot_graph.subscribers(key)) or 'nobody that says so'}")
     for pattern in health.subscribes:
-        line("listens to", f"{pattern} <- {_names(survey.publishers_of(pattern)) or 'nobody'}")
+        line("listens to", f"{pattern} <- {_names(robot_graph.publishers_of(pattern)) or 'nobody'}")
     for key in health.answers:
         line("answers", key)
 
 
-def _names(makers: Sequence[Maker]) -> str:
+def _names(makers: Sequence[NodeId]) -> str:
     return ", ".join(dict.fromkeys(maker.name for maker in makers))

@@ -8,13 +8,13 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.network.command import UNUSABLE, complain, visit
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.user import who
+from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.user import user_at_host
 from giraff_cli.param.format import Shown, as_objects, differing
 from giraff_cli.terminal.page import print_json
-from giraff_node.network.discovery import NoRobotError, robots_alive, unheard
-from giraff_node.network.query_client import Asking
+from giraff_node.network.discovery import NoRobotError, list_robots, not_found_text
+from giraff_node.network.query_client import QueryClient
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
@@ -43,65 +43,67 @@ def show(
 ) -> int:
     """Tell of the parameters `names`, which are fields or whole services; the exit code."""
 
-    def tell(watcher: Watcher) -> int:
-        services = _services(watcher, names)
-        answers = _ask(watcher, PARAM_DESCRIBE, dict.fromkeys(services, ParamDescribe()), _PATIENCE)
+    def tell(connection: RobotConnection) -> int:
+        services = _services(connection, names)
+        answers = _ask(connection, PARAM_DESCRIBE, dict.fromkeys(services, ParamDescribe()), _PATIENCE)
         shown = [Shown(answer.service, answer.host, param) for answer in answers.values() for param in answer.params]
         wanted = [one for one in shown if not names or any(one.is_meant(name) for name in names)]
         if unknown := [name for name in names if not any(one.is_meant(name) for one in shown)]:
             if missing := services - answers.keys():
-                return complain(_silent(missing))
-            return complain(_unknown(unknown[0], shown))
+                return print_error(_silent(missing))
+            return print_error(_unknown(unknown[0], shown))
         for service in sorted(services - answers.keys()):
-            complain(_silent({service}))
+            print_error(_silent({service}))
         for words in (differences := differing(wanted)):
-            complain(words)
+            print_error(words)
         if as_json:
             print_json(as_objects(wanted))
         else:
             print(view(wanted))
         return _WRONG if differences or len(answers) < len(services) else _DONE
 
-    return visit(robot, connect, _PATIENCE, tell)
+    return run_with_robot(robot, connect, _PATIENCE, tell)
 
 
 def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, as_json: bool) -> int:
     """Set `SERVICE.FIELD`; the exit code."""
     service, dot, field = name.partition(".")
     if not dot:
-        return complain(f"{name}: name service and field, like guard.margin; `giraff param list {name}` has them")
-    request = ParamSet(name=field, value=_value(text), by=who())
+        return print_error(f"{name}: name service and field, like guard.margin; `giraff param list {name}` has them")
+    request = ParamSet(name=field, value=_value(text), by=user_at_host())
 
-    def tell(watcher: Watcher) -> int:
-        services = _services(watcher, (service,))
-        return _told(_ask(watcher, PARAM_SET, dict.fromkeys(services, request), _PATIENCE), services, as_json=as_json)
+    def tell(connection: RobotConnection) -> int:
+        services = _services(connection, (service,))
+        return _told(
+            _ask(connection, PARAM_SET, dict.fromkeys(services, request), _PATIENCE), services, as_json=as_json
+        )
 
-    return visit(robot, connect, _PATIENCE, tell)
+    return run_with_robot(robot, connect, _PATIENCE, tell)
 
 
 def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *, as_json: bool) -> int:
     """Save `names`, which are fields or whole services, or everything; the exit code."""
 
-    def tell(watcher: Watcher) -> int:
-        services = _services(watcher, names)
+    def tell(connection: RobotConnection) -> int:
+        services = _services(connection, names)
         fields: dict[str, tuple[str, ...]] = dict.fromkeys(services, ())
         for service, dot, field in (name.partition(".") for name in names):
             if dot and service not in names:
                 fields[service] += (field,)
-        by = who()
+        by = user_at_host()
         requests = {service: ParamSave(names=few, by=by) for service, few in fields.items()}
-        return _told(_ask(watcher, PARAM_SAVE, requests, _SAVE_PATIENCE), services, as_json=as_json)
+        return _told(_ask(connection, PARAM_SAVE, requests, _SAVE_PATIENCE), services, as_json=as_json)
 
-    return visit(robot, connect, _PATIENCE, tell)
+    return run_with_robot(robot, connect, _PATIENCE, tell)
 
 
 def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:
     """Say what became of a request; the exit code."""
     for service in sorted(services - answers.keys()):
-        complain(f"NOT CONFIRMED: {_silent({service})}")
+        print_error(f"NOT CONFIRMED: {_silent({service})}")
     for answer in answers.values():
         if not answer.done:
-            complain(answer.reason)
+            print_error(answer.reason)
     done = [Shown(answer.service, answer.host, param) for answer in answers.values() for param in answer.params]
     if as_json:
         print_json([answer for _, answer in sorted(answers.items())])
@@ -112,13 +114,13 @@ def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:
     return _DONE if all(answer.done for answer in answers.values()) else _WRONG
 
 
-def _services(watcher: Watcher, names: Iterable[str]) -> set[str]:
+def _services(connection: RobotConnection, names: Iterable[str]) -> set[str]:
     """Those that `names` are of and that are there, all where none is named. Raises NoRobotError."""
     wanted = {name.partition(".")[0] for name in names} - {"robot"}
     there: set[str] = set()
     deadline, settled = time.monotonic() + _PATIENCE, 0.0
     while time.monotonic() < deadline:
-        replies = watcher.session.liveliness().get(alive_key(watcher.robot), timeout=_PATIENCE)
+        replies = connection.session.liveliness().get(alive_key(connection.robot), timeout=_PATIENCE)
         there |= {str(reply.ok.key_expr).split("/")[3] for reply in replies if reply.ok is not None}
         there &= _ANSWERING
         settled = settled or (time.monotonic() + _SETTLED if there else 0.0)
@@ -128,18 +130,20 @@ def _services(watcher: Watcher, names: Iterable[str]) -> set[str]:
             break
         time.sleep(_TURN)
     if not there:
-        raise NoRobotError(unheard(watcher.robot, robots_alive(watcher.session)))
+        raise NoRobotError(not_found_text(connection.robot, list_robots(connection.session)))
     if away := sorted(wanted - there):
         raise NoRobotError(
-            f"{away[0]}: no such service is heard of {watcher.robot}; there are {', '.join(sorted(there))}"
+            f"{away[0]}: no such service is heard of {connection.robot}; there are {', '.join(sorted(there))}"
         )
     return wanted or there
 
 
-def _ask(watcher: Watcher, query: Query[Any, ParamAnswer], requests: dict[str, Any], patience: float) -> Answers:
+def _ask(
+    connection: RobotConnection, query: Query[Any, ParamAnswer], requests: dict[str, Any], patience: float
+) -> Answers:
     """The answers of those who answered within `patience`, s. Each is asked again until it does."""
     waiting = {
-        service: Asking(watcher.session, watcher.robot, query.at(require_chunk(service)), request)
+        service: QueryClient(connection.session, connection.robot, query.at(require_chunk(service)), request)
         for service, request in sorted(requests.items())
     }
     answers: Answers = {}

@@ -12,11 +12,11 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.command import complain, join
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, refusal
-from giraff_cli.play.reader import Reader, Said
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.network.command import print_error, run_on_network
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, publish_refusal
+from giraff_cli.play.reader import Reader, RecordedSample
+from giraff_cli.terminal.signals import StopSignal
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_node.network.discovery import NoRobotError
 from giraff_schemas.services import PLAY
@@ -56,15 +56,15 @@ def play(
         recording = Recording(path)
         keys = keys_played(recording, topics)
     except RecordingError as error:
-        return complain(str(error))
+        return print_error(str(error))
     name = robot or f"replay-{recording.robot}"
-    with Stopping() as stopping:
+    with StopSignal() as stopping:
         reader = Reader(recording, topics, loop=loop)
-        return join(
+        return run_on_network(
             name,
             connect,
-            lambda watcher: _play(
-                watcher, stopping, reader, Played(file=str(path), robot=name), keys, rate, as_json=as_json
+            lambda connection: _play(
+                connection, stopping, reader, Played(file=str(path), robot=name), keys, rate, as_json=as_json
             ),
         )
 
@@ -107,8 +107,8 @@ class Presence:
 
 
 def _play(
-    watcher: Watcher,
-    stopping: Stopping,
+    connection: RobotConnection,
+    stopping: StopSignal,
     reader: Reader,
     played: Played,
     keys: set[str],
@@ -116,13 +116,13 @@ def _play(
     *,
     as_json: bool,
 ) -> int:
-    presence = Presence(watcher.session, played.robot)
+    presence = Presence(connection.session, played.robot)
     reader.start()
     stopping.wait(_MEET_WITHIN)
     if why := _refusal(keys, presence.services):
         raise NoRobotError(why)
     presence.declare()
-    publishers = Publishers(watcher.session, played.robot)
+    publishers = Publishers(connection.session, played.robot)
     trouble = ""
     began_ns = time.monotonic_ns()
     looked_ns = began_ns
@@ -144,7 +144,7 @@ def _play(
     played.ended_by = trouble or played.ended_by
     sys.stdout.write(_told(played, as_json=as_json))
     if trouble:
-        complain(trouble)
+        print_error(trouble)
         return _STOPPED
     return _DONE
 
@@ -160,7 +160,7 @@ class Publishers:
         self._robot = robot
         self._publishers: dict[str, zenoh.Publisher] = {}
 
-    def put(self, said: Said) -> None:
+    def put(self, said: RecordedSample) -> None:
         publisher = self._publishers.get(said.key)
         if publisher is None:
             publisher = self._publishers[said.key] = self._session.declare_publisher(
@@ -178,7 +178,7 @@ def _refusal(keys: Iterable[str], services: Sequence[str]) -> str:
     live: dict[str, tuple[str, ...]] = dict.fromkeys(services, ())
     for key in sorted(keys) if live else ():
         try:
-            why = refusal(find_topic(key), live)
+            why = publish_refusal(find_topic(key), live)
         except UnknownKeyError as error:
             why = str(error)
         if why:

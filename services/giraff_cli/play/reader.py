@@ -19,7 +19,7 @@ _SWITCH: Final = 1e-4  # s for which the reading thread may keep the interpreter
 _BETWEEN_ROUNDS_NS: Final = 20_000_000
 
 
-class Said(NamedTuple):
+class RecordedSample(NamedTuple):
     """A sample that waits for its time."""
 
     at_ns: int
@@ -36,7 +36,7 @@ class Reader:
         self._recording = recording
         self._topics = topics
         self._loop = loop
-        self._read: deque[Said] = deque()
+        self._read: deque[RecordedSample] = deque()
         self._ended = False
         self.trouble = ""
         """Why the rest cannot be read."""
@@ -46,7 +46,7 @@ class Reader:
         sys.setswitchinterval(_SWITCH)
         self._thread.start()
 
-    def next(self) -> Said | None:
+    def next(self) -> RecordedSample | None:
         """The next sample; None: that was all."""
         while not self._read:
             if self._ended and not self._read:
@@ -65,7 +65,7 @@ class Reader:
         finally:
             self._ended = True
 
-    def _rounds(self) -> Iterator[Said]:
+    def _rounds(self) -> Iterator[RecordedSample]:
         begins_ns, number = 0, 1
         while True:
             first_ns: int | None = None
@@ -73,7 +73,7 @@ class Reader:
             for sample in self._recording.samples(self._topics):
                 first_ns = sample.heard_ns if first_ns is None else first_ns
                 ends_ns = begins_ns + sample.heard_ns - first_ns
-                yield Said(ends_ns, sample.key, _payload(sample, number), sample.encoding)
+                yield RecordedSample(ends_ns, sample.key, _payload(sample, number), sample.encoding)
             if not self._loop or first_ns is None:
                 return
             begins_ns, number = ends_ns + _BETWEEN_ROUNDS_NS, number + 1

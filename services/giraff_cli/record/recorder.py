@@ -14,15 +14,15 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.command import complain, join
-from giraff_cli.network.connection import Watcher
+from giraff_cli.network.command import print_error, run_on_network
+from giraff_cli.network.connection import RobotConnection
 from giraff_cli.record.report import Report, told
-from giraff_cli.terminal.signals import Stopping
-from giraff_mcap.metadata import about
-from giraff_mcap.raw_subscriber import Ear, step_back
+from giraff_cli.terminal.signals import StopSignal
+from giraff_mcap.metadata import metadata_of
+from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
-from giraff_node.network.discovery import NoRobotError, Roster, only_one, unheard
-from giraff_node.network.tcp_options import tune_links
+from giraff_node.network.discovery import NoRobotError, RobotMonitor, not_found_text, only_one
+from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.topics import TOPICS, key_below
 
 _LOOK_EVERY: Final = 0.2  # s
@@ -53,14 +53,16 @@ def record(
     as_json: bool,
 ) -> int:
     """Until Ctrl-C or a limit; the exit code."""
-    step_back()
+    lower_priority()
     gc.freeze()  # what is imported stays, and need not be looked through again and again
-    with Stopping() as stopping:
+    with StopSignal() as stopping:
         try:
             wanted = tuple(wanted_topics(topics))
         except NoRobotError as error:
-            return complain(str(error))
-        return join(robot, connect, lambda watcher: _record(watcher, stopping, path, wanted, limits, as_json=as_json))
+            return print_error(str(error))
+        return run_on_network(
+            robot, connect, lambda connection: _record(connection, stopping, path, wanted, limits, as_json=as_json)
+        )
 
 
 def wanted_topics(patterns: Sequence[str]) -> list[str]:
@@ -76,31 +78,31 @@ def wanted_topics(patterns: Sequence[str]) -> list[str]:
 
 
 def _record(
-    watcher: Watcher,
-    stopping: Stopping,
+    connection: RobotConnection,
+    stopping: StopSignal,
     path: Path | None,
     topics: Sequence[str],
     limits: Limits,
     *,
     as_json: bool,
 ) -> int:
-    roster = Roster(watcher.session)
-    robot = watcher.robot or _wait_for_one(roster, stopping, limits.seconds)
+    monitor = RobotMonitor(connection.session)
+    robot = connection.robot or _wait_for_one(monitor, stopping, limits.seconds)
     if not robot:
-        return complain("ended before a robot came: nothing was recorded")
+        return print_error("ended before a robot came: nothing was recorded")
     path = path or Path(f"{robot}-{datetime.now(UTC):%Y%m%d-%H%M%S}.mcap")
     try:
-        writer = RecordingWriter(path, about(robot))
+        writer = RecordingWriter(path, metadata_of(robot))
     except FileExistsError:
-        return complain(f"{path} is there already: name another, or move it away; nothing is ever written over")
+        return print_error(f"{path} is there already: name another, or move it away; nothing is ever written over")
     except OSError as error:
-        return complain(f"{path}: cannot be written: {error.strerror}")
+        return print_error(f"{path}: cannot be written: {error.strerror}")
     keys = [key_below(robot, topic) for topic in topics or ("**",)]
-    with writer, closing(Ear(watcher.session, keys)) as ear:
+    with writer, closing(RawSubscriber(connection.session, keys)) as subscriber:
         tell(f"recording {robot} into {path}; Ctrl-C ends it")
         trouble = ended_by = ""
         try:
-            ended_by = _follow(robot, roster, writer, ear, stopping, limits)
+            ended_by = _follow(robot, monitor, writer, subscriber, stopping, limits)
             if writer.first_ns is not None:
                 writer.close(ended_by)
         except OSError as error:
@@ -108,13 +110,13 @@ def _record(
                 f"{path}: cannot be written any more: {error.strerror}; what was recorded until then is kept: make "
                 f"room, then giraff record --repair {path}"
             )
-        report = Report.of(writer, ended_by or trouble, ear.overrun)
+        report = Report.of(writer, ended_by or trouble, subscriber.overrun)
     if not report.samples and not trouble:
         path.unlink()
-        return complain(f"{unheard(robot, roster.names)}; nothing was recorded ({ended_by})")
+        return print_error(f"{not_found_text(robot, monitor.names)}; nothing was recorded ({ended_by})")
     sys.stdout.write(told(report, as_json=as_json))
     if trouble:
-        complain(trouble)
+        print_error(trouble)
         return _CUT_SHORT
     return _DONE
 
@@ -124,31 +126,38 @@ def tell(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _wait_for_one(roster: Roster, stopping: Stopping, seconds: float | None) -> str:
+def _wait_for_one(monitor: RobotMonitor, stopping: StopSignal, seconds: float | None) -> str:
     """The only robot, once there is one; empty: the end came before. NoRobotError: there are several."""
     waiting = False
     began = time.monotonic()
-    while not (found := roster.settled):
+    while not (found := monitor.settled):
         if not waiting and time.monotonic() - began > _SILENT_AFTER:
             waiting = True
-            tell(f"giraff: {unheard('', ())}; waiting for one")
+            tell(f"giraff: {not_found_text('', ())}; waiting for one")
         if stopping.wait(_LOOK_EVERY) or (seconds is not None and time.monotonic() - began >= seconds):
             return ""
     return only_one(found)
 
 
-def _follow(robot: str, roster: Roster, writer: RecordingWriter, ear: Ear, stopping: Stopping, limits: Limits) -> str:
+def _follow(
+    robot: str,
+    monitor: RobotMonitor,
+    writer: RecordingWriter,
+    subscriber: RawSubscriber,
+    stopping: StopSignal,
+    limits: Limits,
+) -> str:
     """Write what is heard, until the end; why it came. Raises OSError."""
     began = time.monotonic()
     warned, waited, tune_at = False, began, began
     while True:
         ended = stopping.wait(_SYNC_EVERY)
-        writer.add(ear.take())
+        writer.add(subscriber.take())
         writer.sync()
         now = time.monotonic()
         if now >= tune_at:
             tune_at = now + _TUNE_EVERY
-            tune_links()
+            set_tcp_options()
         if ended:
             return "Ctrl-C or a signal"
         if writer.first_ns is None:
@@ -159,4 +168,4 @@ def _follow(robot: str, roster: Roster, writer: RecordingWriter, ear: Ear, stopp
             return "--max-size"
         if not warned and writer.first_ns is None and now - began > _SILENT_AFTER:
             warned = True
-            tell(f"giraff: {unheard(robot, roster.names)}; waiting for it")
+            tell(f"giraff: {not_found_text(robot, monitor.names)}; waiting for it")

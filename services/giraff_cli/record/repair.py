@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from giraff_cli.network.command import complain
+from giraff_cli.network.command import print_error
 from giraff_cli.record.report import Report, told
 from giraff_mcap.reading import RecordingError
 from giraff_mcap.repair import repair as repair_into
@@ -17,10 +17,10 @@ def repair(path: Path, output: Path | None, *, as_json: bool) -> int:
     try:
         writer = repair_into(path, into)
     except RecordingError as error:
-        return complain(str(error))
+        return print_error(str(error))
     except FileExistsError:
-        return complain(f"{into} is there already: name another with -o; nothing is ever written over")
+        return print_error(f"{into} is there already: name another with -o; nothing is ever written over")
     except OSError as error:
-        return complain(f"{into}: cannot be written: {error.strerror}")
+        return print_error(f"{into}: cannot be written: {error.strerror}")
     sys.stdout.write(told(Report.of(writer, f"the repair of {path}", 0), as_json=as_json))
     return 0

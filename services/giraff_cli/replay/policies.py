@@ -41,7 +41,7 @@ _SPEED: Final = 0.01
 """m/s, rad/s: what a limit may differ by. It depends on the moment of the guard's turn, known to a millisecond."""
 
 
-class Said:
+class RecordedSamples:
     """What a recording holds, by type."""
 
     def __init__(self) -> None:
@@ -57,7 +57,7 @@ class Said:
         return samples
 
 
-def replay_odometry(said: Said, config: OdometryConfig, robot: RobotConfig) -> Agreement:
+def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotConfig) -> Agreement:
     """Wheels to odom, to the last bit."""
     found = Agreement(service="odometry", key=ODOM.key)
     recorded = {(sample.boot_id, sample.board_us): sample for sample in said.of(Odometry)}
@@ -81,7 +81,7 @@ def replay_odometry(said: Said, config: OdometryConfig, robot: RobotConfig) -> A
     return found
 
 
-def replay_guard(said: Said, config: GuardConfig, robot: RobotConfig) -> list[Agreement]:
+def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig) -> list[Agreement]:
     """All that the guard hears to all that it says, turn by turn."""
     found = {key: Agreement(service="guard", key=key) for key in (CMD_VEL.key, GUARD.key, LEASE.key)}
     turns, ticks = said.of(GuardedCommand), said.of(Tick)
@@ -119,7 +119,7 @@ def replay_guard(said: Said, config: GuardConfig, robot: RobotConfig) -> list[Ag
 class _Inputs:
     """What the guard had heard by each of its turns: where its own words tell it by them, and else by the stamps."""
 
-    def __init__(self, said: Said) -> None:
+    def __init__(self, said: RecordedSamples) -> None:
         self._waiting: dict[type[Sample], list[Any]] = {
             type_: said.of(type_)[::-1] for type_ in (Tick, Range, Wheels, DriveCommand)
         }

@@ -12,9 +12,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.network.command import complain
+from giraff_cli.network.command import print_error
 from giraff_cli.replay.agreement import Agreement
-from giraff_cli.replay.policies import Said, replay_guard, replay_odometry
+from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odometry
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.reading import Recording, RecordingError
@@ -35,12 +35,14 @@ def replay(path: Path, least: float, *, as_json: bool) -> int:
     try:
         found = agreements(Recording(path), unread)
     except (RecordingError, ConfigError) as error:
-        return complain(str(error))
+        return print_error(str(error))
     for why in unread.values():
-        complain(f"{path}: not of this version: {why}")
+        print_error(f"{path}: not of this version: {why}")
     compared = [agreement for agreement in found if agreement.compared]
     if not compared:
-        return complain(f"{path}: nothing in it can be compared: it takes wheels and odom, or all that the guard hears")
+        return print_error(
+            f"{path}: nothing in it can be compared: it takes wheels and odom, or all that the guard hears"
+        )
     sys.stdout.write(_told(found, as_json=as_json))
     agrees = all(agreement.share >= least for agreement in compared)
     return _AGREES if agrees and not unread else _DIFFERS
@@ -51,7 +53,7 @@ def agreements(recording: Recording, unread: dict[str, str]) -> list[Agreement]:
 
     `unread`: takes, by key, why a sample of it cannot be decoded by this version, and so is not compared.
     """
-    said = Said()
+    said = RecordedSamples()
     for sample in recording.samples():
         if topic_of(sample.key) is None:
             continue

@@ -40,7 +40,7 @@ class Truth:
         return abs(self.speed) < _REST and abs(self.turn) < _REST
 
 
-class Apart(NamedTuple):
+class OdometryError(NamedTuple):
     """Odometry's error at one moment."""
 
     distance: float
@@ -57,13 +57,13 @@ class Comparison:
     """
 
     def __init__(self) -> None:
-        self.apart: Apart | None = None
+        self.apart: OdometryError | None = None
         """At the newest truth that odometry reaches up to; None: at none of late."""
         self._samples: deque[Odometry] = deque(maxlen=_KEPT)
         self._waiting: Truth | None = None
         self._origins: tuple[Pose, Pose] | None = None
 
-    def hear(self, sample: Odometry) -> None:
+    def on_sample(self, sample: Odometry) -> None:
         if self._samples and self._samples[-1].instance != sample.instance:
             # A restarted odometry begins anew wherever the robot then is.
             self._samples.clear()
@@ -83,11 +83,11 @@ class Comparison:
         odometry, origin = self._origins
         return truth.seen_from(origin).placed_in(odometry)
 
-    def _compare(self, odometry: Pose, truth: Pose) -> Apart:
+    def _compare(self, odometry: Pose, truth: Pose) -> OdometryError:
         if self._origins is None:
             self._origins = odometry, truth
         off = odometry.seen_from(self.in_odom(truth) or odometry)
-        return Apart(math.hypot(off.x, off.y), abs(off.yaw))
+        return OdometryError(math.hypot(off.x, off.y), abs(off.yaw))
 
     def _at(self, robot_ns: int) -> Pose | None:
         later: Odometry | None = None

@@ -15,7 +15,7 @@ from typing import Final, Literal
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
-from giraff_node.network.discovery import find_way
+from giraff_node.network.discovery import resolve_target
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.config import KNOWN, SimConfig
@@ -78,7 +78,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     try:
         environment = _environment(os.environ, local=local)
         robot = load("robot", RobotConfig, environment)
-        network = find_way(None, (), environment).network
+        network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
     except ConfigError as error:
         raise PlanError(str(error)) from error

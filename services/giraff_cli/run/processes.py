@@ -32,7 +32,7 @@ class Ended:
         return f"{self.name} ended by itself ({self.how}){', its log ends:' if said else ''}{said}"
 
 
-class Children:
+class ProcessGroup:
     """Starts, watches and ends processes. To be used from the main thread: they live as long as it does."""
 
     def __init__(self, directory: Path) -> None:

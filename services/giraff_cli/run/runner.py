@@ -15,17 +15,17 @@ from typing import Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.connection import Watcher
+from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import claim, free_port
 from giraff_cli.run.directory import RunDirectory
 from giraff_cli.run.plan import Plan
-from giraff_cli.run.screen import Frame, RunSight
+from giraff_cli.run.screen import Frame, RunView
 from giraff_cli.run.simulated_robot import SIMULATOR, START_ORDER, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.terminal.layout import Standing
-from giraff_cli.terminal.screen import Nobody, Screen, as_svg, open_screen, say
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.screen import NullScreen, Screen, as_svg, open_screen, say
+from giraff_cli.terminal.signals import StopSignal
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import open_session
@@ -49,24 +49,24 @@ def drive(plan: Plan) -> int:
     """Do the run; the exit code."""
     network = msgspec.structs.replace(plan.network, rendezvous=f"127.0.0.1:{free_port()}")
     robot = plan.robot.name
-    with Stopping() as stopping:
+    with StopSignal() as stopping:
         held = None if network.local else claim(robot)
         if held is None and not network.local:
             return _refuse(f"a run of {robot} is going on on this host{_WAY_OUT}")
         try:
-            watcher = Watcher(robot, open_session(network, robot))
+            connection = RobotConnection(robot, open_session(network, robot))
         except ConfigError as error:
             return _refuse(str(error))
         except zenoh.ZError as error:
             return _refuse(f"no Zenoh session: {error}; check the table [network] of the robot file")
         try:
-            token = None if network.local else watcher.namesake(_SEEK_NAMESAKE)
+            token = None if network.local else connection.find_duplicate(_SEEK_NAMESAKE)
             if token is not None:
                 code = _refuse(f"a robot called {robot} is on the network already ({token}){_WAY_OUT}")
             else:
-                code = _with_directory(plan, network.rendezvous, watcher, stopping)
+                code = _with_directory(plan, network.rendezvous, connection, stopping)
         finally:
-            is_closed = watcher.close()
+            is_closed = connection.close()
         if held is not None:
             held.close()
         if not is_closed:  # Zenoh would hold the process, and nothing is left to do
@@ -80,13 +80,13 @@ def _refuse(why: str) -> int:
     return _REFUSED
 
 
-def _with_directory(plan: Plan, rendezvous: str, watcher: Watcher, stopping: Stopping) -> int:
+def _with_directory(plan: Plan, rendezvous: str, connection: RobotConnection, stopping: StopSignal) -> int:
     say(f"starting {plan.robot.name} with {plan.boards} boards" + (f": {plan.why_boards}" if plan.why_boards else ""))
     say(f"meanwhile, in another terminal: giraff why --robot {plan.robot.name} --connect tcp/{rendezvous}")
     directory = RunDirectory()
     code = _FAILED
     try:
-        code = Run(plan, SimulatedRobot(plan, rendezvous, directory.path), watcher, stopping).go()
+        code = Run(plan, SimulatedRobot(plan, rendezvous, directory.path), connection, stopping).run()
     finally:
         if code == _DONE:
             directory.remove()
@@ -99,17 +99,17 @@ def _with_directory(plan: Plan, rendezvous: str, watcher: Watcher, stopping: Sto
 class Run:
     """From the first process to the summary."""
 
-    def __init__(self, plan: Plan, robot: SimulatedRobot, watcher: Watcher, stopping: Stopping) -> None:
+    def __init__(self, plan: Plan, robot: SimulatedRobot, connection: RobotConnection, stopping: StopSignal) -> None:
         self._plan = plan
         self._robot = robot
-        self._watcher = watcher
+        self._connection = connection
         self._stopping = stopping
-        self._screen: Screen = Nobody()
+        self._screen: Screen = NullScreen()
         self._failures: list[str] = []
         self._began_ns: int | None = None
         """Robot's clock when all services were there."""
 
-    def go(self) -> int:
+    def run(self) -> int:
         """The whole of it; the exit code."""
         telemetry: RunTelemetry | None = None
         try:
@@ -121,7 +121,7 @@ class Run:
             self._failures.append(str(error))
         finally:
             self._failures += self._robot.stop()
-        self._failures += self._watcher.complaints
+        self._failures += self._connection.decode_errors
         for failure in self._failures:
             print(f"giraff run: {failure}", file=sys.stderr)
         if telemetry is not None:
@@ -129,7 +129,7 @@ class Run:
         return _FAILED if self._failures else _DONE
 
     def _watch(self, telemetry: RunTelemetry) -> None:
-        self._watcher.listen()
+        self._connection.subscribe_all()
         self._screen = open_screen()
         try:
             self._await_services(telemetry)
@@ -137,7 +137,7 @@ class Run:
             telemetry.begin()
             self._drive(telemetry)
             if self._plan.picture is not None:
-                write_file_durably(self._plan.picture, as_svg(self._sight(telemetry).picture()).encode())
+                write_file_durably(self._plan.picture, as_svg(self._view(telemetry).render()).encode())
             self._come_to_rest(telemetry)
         finally:
             self._screen.close()
@@ -176,19 +176,19 @@ class Run:
         self._note_ended()
         if SIMULATOR in self._robot.ended:
             return False
-        self._watcher.pass_on(telemetry)
+        self._connection.dispatch(telemetry)
         telemetry.see(self._robot.truth())
         try:
-            self._screen.show(self._sight(telemetry))
+            self._screen.show(self._view(telemetry))
         except OSError:  # whoever watched has gone
-            self._screen = Nobody()
+            self._screen = NullScreen()
             self._stopping.ask()
         return True
 
     def _note_ended(self) -> None:
         self._failures += [str(ended) for ended in self._robot.reap()]
 
-    def _sight(self, telemetry: RunTelemetry) -> RunSight:
+    def _view(self, telemetry: RunTelemetry) -> RunView:
         now_ns = robot_now_ns()
         frame = Frame(
             robot=self._plan.robot.name,
@@ -199,7 +199,7 @@ class Run:
             services={service: self._standing(service, telemetry) for service in START_ORDER},
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )
-        return RunSight(telemetry.snapshot(now_ns), frame)
+        return RunView(telemetry.snapshot(now_ns), frame)
 
     def _standing(self, service: str, telemetry: RunTelemetry) -> Standing:
         if service in self._robot.ended:

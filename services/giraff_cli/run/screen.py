@@ -37,7 +37,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class RunSight:
+class RunView:
     """A run at one moment, for any screen."""
 
     snapshot: RunSnapshot
@@ -48,7 +48,7 @@ class RunSight:
         """s since the run began."""
         return self.frame.elapsed
 
-    def picture(self) -> RenderableType:
+    def render(self) -> RenderableType:
         return view(self.snapshot, self.frame)
 
     def line(self) -> str:

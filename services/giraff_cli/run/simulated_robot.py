@@ -11,8 +11,8 @@ import msgspec
 
 from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.plan import Plan
-from giraff_cli.run.processes import Children, Ended
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.run.processes import Ended, ProcessGroup
+from giraff_cli.terminal.signals import StopSignal
 from giraff_core.estop import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
@@ -51,12 +51,12 @@ class SimulatedRobot:
         self._rendezvous = rendezvous
         self._directory = directory
         self._control = directory / "control"
-        self._children = Children(directory)
+        self._processes = ProcessGroup(directory)
         self._client: SimulatorClient | None = None
         self.drawn: Drawn | None = None
         """How this robot differs from its file; None before it is there."""
 
-    def start_simulator(self, stopping: Stopping) -> bool:
+    def start_simulator(self, stopping: StopSignal) -> bool:
         """Start boards and world; False when the end was asked for meanwhile. Raises StartError."""
         if len(os.fsencode(self._control)) > _LONGEST_SOCKET_PATH:
             raise StartError(f"{self._control}: too long for a socket's path; set TMPDIR to a shorter one")
@@ -71,13 +71,13 @@ class SimulatedRobot:
             "--hand": plan.hand,
         }
         flat = [str(part) for pair in arguments.items() for part in pair]
-        self._children.start(SIMULATOR, "giraff_sim", flat, plan.environment)
+        self._processes.start(SIMULATOR, "giraff_sim", flat, plan.environment)
         deadline = time.monotonic() + _READY_WITHIN
         while (ready := self._ready()) is None:
-            for ended in self._children.reap():
+            for ended in self._processes.reap():
                 raise StartError(str(ended))
             if time.monotonic() > deadline:
-                said = "\n    ".join(self._children.last_words(SIMULATOR))
+                said = "\n    ".join(self._processes.last_words(SIMULATOR))
                 raise StartError(f"the simulator is not ready after {_READY_WITHIN:g} s; its log ends:\n    {said}")
             if stopping.wait(_ASK_AGAIN):
                 return False
@@ -92,7 +92,7 @@ class SimulatedRobot:
         environment["STATE_DIRECTORY"] = str(self._directory / "state")
         write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
         for service in START_ORDER:
-            self._children.start(service, f"giraff_{service}", [], environment)
+            self._processes.start(service, f"giraff_{service}", [], environment)
 
     def truth(self) -> Truth:
         """The robot as the world has it now. Raises SimulatorError."""
@@ -116,22 +116,22 @@ class SimulatedRobot:
 
     def reap(self) -> list[Ended]:
         """The processes that have ended by themselves since the last call."""
-        return self._children.reap()
+        return self._processes.reap()
 
     @property
     def ended(self) -> dict[str, Ended]:
         """All that have, by name."""
-        return self._children.ended
+        return self._processes.ended
 
     def stop(self) -> list[str]:
         """End the services, then the simulator. Bounded. Returns what went wrong."""
-        troubles = self._children.stop(START_ORDER, _GRACE)
+        troubles = self._processes.stop(START_ORDER, _GRACE)
         if self._client is not None:
             self._client.close()
-        return troubles + self._children.stop([SIMULATOR], _GRACE)
+        return troubles + self._processes.stop([SIMULATOR], _GRACE)
 
     def _ready(self) -> _Ready | None:
-        line, end, _ = self._children.output(SIMULATOR).read_bytes().partition(b"\n")
+        line, end, _ = self._processes.output(SIMULATOR).read_bytes().partition(b"\n")
         if not end:
             return None
         try:

@@ -7,9 +7,9 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.run.odometry_error import Apart
+from giraff_cli.run.odometry_error import OdometryError
 from giraff_cli.run.telemetry import AgeSummary, RunTelemetry
-from giraff_cli.telemetry.collector import Seen
+from giraff_cli.telemetry.collector import Latest
 from giraff_cli.terminal.text import counted
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, ODOM
@@ -123,12 +123,12 @@ def to_text(summary: Summary) -> str:
     return "\n".join(f"{label:>{_LABEL}}  {value}" for label, value in rows)
 
 
-def _sigma(odometry: Seen[Odometry] | None) -> Apart | None:
+def _sigma(odometry: Latest[Odometry] | None) -> OdometryError | None:
     """Standard deviations by the covariance of a sample: of the distance and of the heading."""
     if odometry is None:
         return None
     xx, _, _, yy, _, tt = odometry.sample.covariance
-    return Apart(math.sqrt(xx + yy), math.sqrt(tt))
+    return OdometryError(math.sqrt(xx + yy), math.sqrt(tt))
 
 
 def _claim(summary: Summary) -> str:

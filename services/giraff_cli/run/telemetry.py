@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final
 
-from giraff_cli.network.age_histogram import Ages
-from giraff_cli.run.odometry_error import Apart, Comparison, Truth
+from giraff_cli.network.age_histogram import AgeHistogram
+from giraff_cli.run.odometry_error import Comparison, OdometryError, Truth
 from giraff_cli.telemetry.collector import Snapshot, Telemetry
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.messages import GuardedCommand, Odometry, Sample
@@ -32,7 +32,7 @@ class RunSnapshot(Snapshot):
     truth: Truth
     true_pose: Pose | None
     """The truth in the frame of odometry."""
-    apart: Apart | None
+    apart: OdometryError | None
     age_ms: AgeSummary | None
 
 
@@ -45,12 +45,12 @@ class RunTelemetry(Telemetry):
         self.truth = truth
         self._first_truth = truth
         self._comparison = Comparison()
-        self._ages = Ages()
+        self._ages = AgeHistogram()
 
-    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        super().hear(topic, key, sample, at_ns)
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        super().on_sample(topic, key, sample, at_ns)
         if isinstance(sample, Odometry):
-            self._comparison.hear(sample)
+            self._comparison.on_sample(sample)
         elif isinstance(sample, GuardedCommand):
             self._note_age(sample, at_ns)
 
@@ -65,7 +65,7 @@ class RunTelemetry(Telemetry):
         self._comparison.see(truth)
 
     @property
-    def apart(self) -> Apart | None:
+    def apart(self) -> OdometryError | None:
         """Odometry's error now."""
         return self._comparison.apart
 
@@ -77,7 +77,7 @@ class RunTelemetry(Telemetry):
 
     @property
     def age_ms(self) -> AgeSummary | None:
-        p50, p99, most = self._ages.share(0.5), self._ages.share(0.99), self._ages.share(1.0)
+        p50, p99, most = self._ages.quantile(0.5), self._ages.quantile(0.99), self._ages.quantile(1.0)
         return None if p50 is None or p99 is None or most is None else AgeSummary(p50, p99, most)
 
     def snapshot(self, now_ns: int) -> RunSnapshot:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final, Generic, TypeVar
 
-from giraff_cli.telemetry.rate import Flow, Totals
+from giraff_cli.telemetry.rate import RateEstimator, Totals
 from giraff_schemas.messages import (
     BaseState,
     Battery,
@@ -41,7 +41,7 @@ _ORDER: Final = {topic.key: number for number, topic in enumerate(TOPICS)}
 
 
 @dataclass(frozen=True)
-class Seen(Generic[SampleT]):
+class Latest(Generic[SampleT]):
     """The newest sample of a key."""
 
     sample: SampleT
@@ -78,16 +78,16 @@ class Snapshot:
 
     silence: float | None
     """s since anything was heard; None: nothing ever was."""
-    odometry: Seen[Odometry] | None
-    wheels: Seen[Wheels] | None
-    tilt: Seen[Tilt] | None
-    command: Seen[GuardedCommand] | None
-    guard: Seen[GuardState] | None
-    base: Seen[BaseState] | None
-    battery: Seen[Battery] | None
-    estop: Seen[EStop] | None
-    lease: Seen[Lease] | None
-    ranges: dict[str, Seen[Range] | None]
+    odometry: Latest[Odometry] | None
+    wheels: Latest[Wheels] | None
+    tilt: Latest[Tilt] | None
+    command: Latest[GuardedCommand] | None
+    guard: Latest[GuardState] | None
+    base: Latest[BaseState] | None
+    battery: Latest[Battery] | None
+    estop: Latest[EStop] | None
+    lease: Latest[Lease] | None
+    ranges: dict[str, Latest[Range] | None]
     """By sensor: first those that the guard knows of, in the order of the robot file."""
     rates: dict[str, KeyRate]
     """By key, in the order of the topics table."""
@@ -100,17 +100,17 @@ class _Key:
 
     def __init__(self, topic: Topic[Any]) -> None:
         self.topic = topic
-        self.flows: dict[str, Flow] = {}
+        self.flows: dict[str, RateEstimator] = {}
         self.sample: Any = None
         self.heard_ns = 0
         self._gone = Totals()
 
-    def hear(self, sample: Sample, seconds: float, at_ns: int) -> None:
+    def on_sample(self, sample: Sample, seconds: float, at_ns: int) -> None:
         flow = self.flows.get(sample.instance)
         if flow is None:
             self._retire(seconds)
-            flow = self.flows[sample.instance] = Flow(sample.seq, seconds)
-        flow.hear(sample.seq, seconds)
+            flow = self.flows[sample.instance] = RateEstimator(sample.seq, seconds)
+        flow.on_sample(sample.seq, seconds)
         self.sample, self.heard_ns = sample, at_ns
 
     @property
@@ -155,11 +155,11 @@ class Telemetry:
         self._alive: dict[str, set[str]] = {}
         self._heard_ns: int | None = None
 
-    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """A sample of `key` (below the robot's name), which `topic` is or stands for, heard at `at_ns`."""
         if key not in self._keys:
             self._keys[key] = _Key(topic)
-        self._keys[key].hear(sample, self._clock(topic, at_ns), at_ns)
+        self._keys[key].on_sample(sample, self._clock(topic, at_ns), at_ns)
         self._heard_ns = at_ns
 
     def forget(self, topic: Topic[Any]) -> None:
@@ -171,7 +171,7 @@ class Telemetry:
         for key in self._keys.values():
             key.begin()
 
-    def announce(self, service: str, instance: str, *, present: bool) -> None:
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         """A service's token on the network has come or gone."""
         instances = self._alive.setdefault(service, set())
         if present:
@@ -194,7 +194,7 @@ class Telemetry:
         """By key, over the whole time."""
         return {name: rate for name in self._names() if (rate := self._keys[name].rate) is not None}
 
-    def newest(self, topic: Topic[SampleT], now_ns: int) -> Seen[SampleT] | None:
+    def newest(self, topic: Topic[SampleT], now_ns: int) -> Latest[SampleT] | None:
         """The newest sample of a topic without `*`."""
         return self._seen(topic.key, now_ns)
 
@@ -217,11 +217,11 @@ class Telemetry:
             services={service: len(instances) for service, instances in self._alive.items()},
         )
 
-    def _seen(self, name: str, now_ns: int) -> Seen[Any] | None:
+    def _seen(self, name: str, now_ns: int) -> Latest[Any] | None:
         key = self._keys.get(name)
-        return None if key is None else Seen(key.sample, _since(key.heard_ns, now_ns))
+        return None if key is None else Latest(key.sample, _since(key.heard_ns, now_ns))
 
-    def _all_sensors(self, guard: Seen[GuardState] | None) -> dict[str, None]:
+    def _all_sensors(self, guard: Latest[GuardState] | None) -> dict[str, None]:
         """Names, each once."""
         guarded = () if guard is None else guard.sample.sensors
         heard = (name.partition("/")[2] for name in self._names() if self._keys[name].topic.key == RANGE.key)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_cli.telemetry.collector import Seen, Snapshot
+from giraff_cli.telemetry.collector import Latest, Snapshot
 from giraff_schemas.messages import GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
 
@@ -12,7 +12,7 @@ START_A_HAND: Final = f"start {' or '.join(f'giraff_{hand}' for hand in HANDS)} 
 DIRECTIONS: Final = ("forward", "backward", "turn left", "turn right")
 
 
-def range_text(seen: Seen[Range] | None) -> str:
+def range_text(seen: Latest[Range] | None) -> str:
     """A range in a word."""
     if seen is None or not seen.fresh:
         return "silent"
@@ -33,7 +33,7 @@ def base_text(snapshot: Snapshot) -> str:
     return "driving" if base.sample.driving else "armed, at rest"
 
 
-def forward_text(seen: Seen[GuardState] | None) -> str:
+def forward_text(seen: Latest[GuardState] | None) -> str:
     """What the guard allows forward."""
     if seen is None or not seen.fresh:
         return "unknown"

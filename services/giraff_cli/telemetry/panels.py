@@ -10,9 +10,9 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.telemetry.collector import KeyRate, Seen, Snapshot, range_key
+from giraff_cli.telemetry.collector import KeyRate, Latest, Snapshot, range_key
 from giraff_cli.telemetry.describe import DIRECTIONS, base_reason, base_text, holder_text, range_text, verdicts
-from giraff_cli.terminal.layout import HEADING, NONE, block, left, right, unit, words
+from giraff_cli.terminal.layout import HEADING, NONE, block, left, right, text_or_dash, unit
 from giraff_cli.terminal.text import printable
 from giraff_schemas.messages import Range
 
@@ -37,7 +37,7 @@ def ranges(snapshot: Snapshot) -> Table:
     table = block("RANGES", min(longest, _LONGEST_SENSOR) + 1, right("", 6), left("", _BAR), right("Hz", 4))
     for sensor, seen in snapshot.ranges.items():
         rate = snapshot.rates.get(range_key(sensor))
-        table.add_row(words(sensor.replace("_", " ")), range_text(seen), _bar(seen), _hz(rate))
+        table.add_row(text_or_dash(sensor.replace("_", " ")), range_text(seen), _bar(seen), _hz(rate))
     return table
 
 
@@ -49,7 +49,7 @@ def base(snapshot: Snapshot, *rows: tuple[str, RenderableType]) -> Table:
     if snapshot.battery is not None:
         state.append(f"  {snapshot.battery.sample.voltage:.1f} V", style=f"default {dim(snapshot.battery)}")
     table.add_row("state", state)
-    table.add_row("reason", words(base_reason(snapshot), "yellow"))
+    table.add_row("reason", text_or_dash(base_reason(snapshot), "yellow"))
     for row in rows:
         table.add_row(*row)
     return table
@@ -104,7 +104,7 @@ def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table
     return table
 
 
-def dim(seen: Seen[Any] | None) -> str:
+def dim(seen: Latest[Any] | None) -> str:
     """The style of what may be over."""
     return "" if seen is not None and seen.fresh else "dim"
 
@@ -112,7 +112,7 @@ def dim(seen: Seen[Any] | None) -> str:
 def _cells(rates: Sequence[tuple[str, KeyRate]], *, with_age: bool) -> list[RenderableType]:
     cells: list[RenderableType] = []
     for key, rate in rates:
-        cells += [words(key), _hz(rate)]
+        cells += [text_or_dash(key), _hz(rate)]
         if with_age:
             cells.append(Text(f"{rate.age:.2f}" if rate.fresh else f"{rate.age:.0f}", "" if rate.fresh else "red"))
     return cells
@@ -122,7 +122,7 @@ def _speed_unit(direction: str) -> Text:
     return unit("rad/s" if direction.startswith("turn") else "m/s")
 
 
-def _bar(seen: Seen[Range] | None) -> Text:
+def _bar(seen: Latest[Range] | None) -> Text:
     if seen is None or not seen.fresh or seen.sample.range is None:
         return Text("·" * _BAR, style="dim")
     distance = seen.sample.range

@@ -24,7 +24,7 @@ class Totals:
         return Totals(self.lost + other.lost, self.made + other.made, self.took + other.took)
 
 
-class Flow:
+class RateEstimator:
     """The samples of one maker on one key. Counts by sequence number, so that a loss does not lower the rate."""
 
     def __init__(self, seq: int, seconds: float) -> None:
@@ -35,7 +35,7 @@ class Flow:
         self._marks: deque[tuple[float, int, int]] = deque()
         """Now and then: s, the newest number, lost before it."""
 
-    def hear(self, seq: int, seconds: float) -> None:
+    def on_sample(self, seq: int, seconds: float) -> None:
         """A sample."""
         lost_before = self.lost
         self.lost += max(0, seq - self._last_seq - 1)

@@ -71,7 +71,7 @@ def services(standings: Sequence[tuple[str, Standing]]) -> Text:
 def why(text: str) -> Text:
     """What limits, as far as two rows of a narrow terminal take it; empty: nothing does."""
     short = text if len(text) <= _LONGEST_WHY else f"{text[:_LONGEST_WHY]}…"
-    return Text.assemble(("WHY  ", HEADING), words(short, "yellow"))
+    return Text.assemble(("WHY  ", HEADING), text_or_dash(short, "yellow"))
 
 
 def notice(text: str) -> Text:
@@ -83,7 +83,7 @@ def unit(text: str) -> Text:
     return Text(text, style="dim")
 
 
-def words(text: str, style: str = "") -> Text:
+def text_or_dash(text: str, style: str = "") -> Text:
     """Text of the network, or a dash for none."""
     return Text(printable(text), style=style) if text else NONE
 

@@ -13,7 +13,7 @@ UNWRITABLE: Final = 1
 _READER_GONE: Final = (errno.EPIPE, errno.EIO)  # a pipe's, a terminal's
 
 
-def written(act: Callable[[], int]) -> int:
+def guard_stdout(act: Callable[[], int]) -> int:
     """The exit code of `act`, which prints: DONE if it has lost its reader, which is no fault.
 
     UNWRITABLE, and a word, if standard output takes nothing for another reason.
@@ -25,14 +25,14 @@ def written(act: Callable[[], int]) -> int:
     except OSError as error:
         if error.filename is not None:
             raise
-        drop_output()
+        discard_stdout()
         if error.errno not in _READER_GONE:
             print(f"giraff: cannot write to standard output: {error.strerror}", file=sys.stderr, flush=True)
             return UNWRITABLE
     return code
 
 
-def drop_output() -> None:
+def discard_stdout() -> None:
     """Nobody takes standard output any more: forget what waits there, or Python complains of it at its exit."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())

@@ -13,14 +13,14 @@ from typing import Final, Protocol
 from rich.console import Console, RenderableType
 from rich.live import Live
 
-from giraff_cli.terminal.output import drop_output
+from giraff_cli.terminal.output import discard_stdout
 from giraff_cli.terminal.text import printable
 
 _PICTURE_COLUMNS: Final = 100
 _WEB_FONTS: Final = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)
 
 
-class Sight(Protocol):
+class View(Protocol):
     """What is to be seen at one moment."""
 
     @property
@@ -28,7 +28,7 @@ class Sight(Protocol):
         """s since it began."""
         ...
 
-    def picture(self) -> RenderableType: ...
+    def render(self) -> RenderableType: ...
 
     def line(self) -> str: ...
 
@@ -36,7 +36,7 @@ class Sight(Protocol):
 class Screen(Protocol):
     """Raises OSError from `show` when nobody can see it any more."""
 
-    def show(self, sight: Sight) -> None: ...
+    def show(self, view: View) -> None: ...
 
     def close(self) -> None: ...
 
@@ -48,34 +48,34 @@ class Terminal:
         self._live = Live(console=Console(highlight=False), screen=True, auto_refresh=False)
         self._live.start()
 
-    def show(self, sight: Sight) -> None:
+    def show(self, view: View) -> None:
         if _takes_more():
-            self._live.update(sight.picture(), refresh=True)
+            self._live.update(view.render(), refresh=True)
 
     def close(self) -> None:
         with contextlib.suppress(OSError):  # the terminal may be gone
             self._live.stop()
 
 
-class Lines:
+class LineScreen:
     """A line in each second."""
 
     def __init__(self) -> None:
         self._next = 0.0
 
-    def show(self, sight: Sight) -> None:
-        if sight.elapsed >= self._next and _takes_more():
-            self._next = int(sight.elapsed) + 1.0
-            print(printable(sight.line()), flush=True)
+    def show(self, view: View) -> None:
+        if view.elapsed >= self._next and _takes_more():
+            self._next = int(view.elapsed) + 1.0
+            print(printable(view.line()), flush=True)
 
     def close(self) -> None:
         """Nothing is left to restore."""
 
 
-class Nobody:
+class NullScreen:
     """Nobody watches."""
 
-    def show(self, sight: Sight) -> None:
+    def show(self, view: View) -> None:
         """Nothing to do."""
 
     def close(self) -> None:
@@ -86,7 +86,7 @@ def open_screen() -> Screen:
     """What standard output is good for."""
     if sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb":
         return Terminal()
-    return Lines()
+    return LineScreen()
 
 
 def say(text: str) -> None:
@@ -94,7 +94,7 @@ def say(text: str) -> None:
     try:
         print(text, flush=True)
     except OSError:
-        drop_output()
+        discard_stdout()
 
 
 def as_svg(picture: RenderableType) -> str:

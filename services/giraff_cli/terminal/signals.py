@@ -12,7 +12,7 @@ from typing import Any, Final, Self
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
-class Stopping:
+class StopSignal:
     """In its block Ctrl-C, SIGTERM and a closed terminal raise nothing: they are counted, and end every `wait`."""
 
     def __init__(self) -> None:

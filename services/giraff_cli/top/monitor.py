@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from contextlib import closing
 from typing import Final
 
-from giraff_cli.network.command import visit
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.header_subscriber import Meter
-from giraff_cli.network.robot_graph import Surveyor
+from giraff_cli.network.command import run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.header_subscriber import HeaderSubscriber
+from giraff_cli.network.robot_graph import GraphMonitor
 from giraff_cli.terminal.page import print_json, print_trimmed
-from giraff_cli.terminal.screen import Lines, Terminal, open_screen
-from giraff_cli.terminal.signals import Stopping
-from giraff_cli.top.report import Loads, TopSight, report_of
+from giraff_cli.terminal.screen import LineScreen, Terminal, open_screen
+from giraff_cli.terminal.signals import StopSignal
+from giraff_cli.top.report import Loads, TopView, report_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _TURN: Final = 0.05  # s
@@ -25,45 +25,47 @@ _ONCE: Final = 2.5  # s in which every rate and every load shows
 
 def top(robot: str | None, connect: Sequence[str], seconds: float | None, *, once: bool, as_json: bool) -> int:
     """Until Ctrl-C, for `seconds` or once; the exit code."""
-    with Stopping() as stopping:
-        return visit(
+    with StopSignal() as stopping:
+        return run_with_robot(
             robot,
             connect,
             _PATIENCE,
-            lambda watcher: Top(watcher, stopping, as_json=as_json).go(math.inf if seconds is None else seconds, once),
+            lambda connection: Top(connection, stopping, as_json=as_json).run(
+                math.inf if seconds is None else seconds, once
+            ),
         )
 
 
 class Top:
     """Looks and shows."""
 
-    def __init__(self, watcher: Watcher, stopping: Stopping, *, as_json: bool) -> None:
+    def __init__(self, connection: RobotConnection, stopping: StopSignal, *, as_json: bool) -> None:
         self._stopping = stopping
         self._as_json = as_json
-        self._surveyor = Surveyor(watcher, [Meter(watcher.session, watcher.robot)])
+        self._monitor = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot)])
         self._loads = Loads()
         self._began = time.monotonic()
 
-    def go(self, seconds: float, once: bool) -> int:
+    def run(self, seconds: float, once: bool) -> int:
         """The whole of it; the exit code. Raises NoRobotError."""
-        self._surveyor.meet(self._stopping)
+        self._monitor.wait_for_robot(self._stopping)
         self._began = time.monotonic()
         if once:
             return self._once()
-        with closing(Lines() if self._as_json else open_screen()) as screen:
+        with closing(LineScreen() if self._as_json else open_screen()) as screen:
             every = _SHOW_EVERY if isinstance(screen, Terminal) else _SHOW_EVERY / 5.0  # lines pace themselves
             while True:
-                sight = self._sight()
-                screen.show(sight)
-                if self._listen(min(every, seconds - sight.elapsed)):
+                view = self._view()
+                screen.show(view)
+                if self._listen(min(every, seconds - view.elapsed)):
                     return 0
 
     def _once(self) -> int:
         self._listen(_ONCE)
         if self._as_json:
-            print_json(self._sight().report)
+            print_json(self._view().report)
         else:
-            print_trimmed(self._sight().picture())
+            print_trimmed(self._view().render())
         return 0
 
     def _listen(self, seconds: float) -> bool:
@@ -72,13 +74,13 @@ class Top:
             return True
         until = time.monotonic() + seconds
         while (now := time.monotonic()) < until:
-            self._surveyor.look(now, again=True)
-            self._loads.take(self._surveyor.survey)
+            self._monitor.look(now, again=True)
+            self._loads.take(self._monitor.robot_graph)
             if self._stopping.wait(min(_TURN, max(0.0, until - now))):
                 return True
         return False
 
-    def _sight(self) -> TopSight:
+    def _view(self) -> TopView:
         now = time.monotonic()
-        report = report_of(self._surveyor.survey, self._loads, now - self._began, now)
-        return TopSight(report, self._as_json)
+        report = report_of(self._monitor.robot_graph, self._loads, now - self._began, now)
+        return TopView(report, self._as_json)

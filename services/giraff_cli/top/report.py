@@ -10,8 +10,8 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.network.robot_graph import Survey
-from giraff_cli.network.statistics import Count, Tally
+from giraff_cli.network.robot_graph import RobotGraph
+from giraff_cli.network.statistics import PublisherStatistics, TopicStatistics
 from giraff_cli.terminal.page import shown, table_of
 from giraff_cli.terminal.text import printable
 from giraff_schemas.messages import Health
@@ -75,10 +75,10 @@ class Loads:
     def __init__(self) -> None:
         self._told: dict[str, deque[Health]] = {}
 
-    def take(self, survey: Survey) -> None:
+    def take(self, robot_graph: RobotGraph) -> None:
         """The newest answers."""
-        self._told = {instance: told for instance, told in self._told.items() if instance in survey.alive}
-        for instance, health in survey.healths.items():
+        self._told = {instance: told for instance, told in self._told.items() if instance in robot_graph.alive}
+        for instance, health in robot_graph.healths.items():
             told = self._told.setdefault(instance, deque())
             if not told or health.uptime > told[-1].uptime:
                 told.append(health)
@@ -93,7 +93,7 @@ class Loads:
         return (told[-1].cpu_time - told[0].cpu_time) / (told[-1].uptime - told[0].uptime)
 
 
-class TopSight(msgspec.Struct, frozen=True):
+class TopView(msgspec.Struct, frozen=True):
     """What is to be seen."""
 
     report: TopReport
@@ -113,7 +113,7 @@ class TopSight(msgspec.Struct, frozen=True):
         slow = [f"{stream.key} {shown(stream.hz)} Hz" for stream in report.topics if _is_slow(stream)]
         return f"{report.elapsed:6.1f} s | {work or 'nobody there'} | lost {lost} | slow: {', '.join(slow) or 'none'}"
 
-    def picture(self) -> RenderableType:
+    def render(self) -> RenderableType:
         """For people."""
         report = self.report
         hosts = ", ".join(f"{host} {_percent(cpu)} {_megabytes(rss)}" for host, (cpu, rss) in report.hosts.items())
@@ -121,7 +121,7 @@ class TopSight(msgspec.Struct, frozen=True):
         return Group(title, Text(), _services(report), Text(), _topics(report))
 
 
-def report_of(survey: Survey, loads: Loads, elapsed: float, now: float) -> TopReport:
+def report_of(robot_graph: RobotGraph, loads: Loads, elapsed: float, now: float) -> TopReport:
     """`now`: monotonic, s."""
     services = [
         Work(
@@ -134,8 +134,8 @@ def report_of(survey: Survey, loads: Loads, elapsed: float, now: float) -> TopRe
             ok=health is not None and health.ok,
             told=("does not answer",) if health is None else (*health.faults, *health.notices),
         )
-        for maker in survey.services
-        for health in [survey.healths.get(maker.instance)]
+        for maker in robot_graph.services
+        for health in [robot_graph.healths.get(maker.instance)]
     ]
     hosts: dict[str, tuple[float, int]] = {}
     for work in services:
@@ -143,12 +143,12 @@ def report_of(survey: Survey, loads: Loads, elapsed: float, now: float) -> TopRe
         if work.host:
             hosts[work.host] = cpu + (work.cpu or 0.0), rss + work.rss_bytes
     streams = [
-        _stream(tally, survey.maker(instance).name, count, now)
-        for tally in (survey.tallies[key] for key in survey.keys if key in survey.tallies)
+        _stream(tally, robot_graph.maker(instance).name, count, now)
+        for tally in (robot_graph.tallies[key] for key in robot_graph.keys if key in robot_graph.tallies)
         for instance, count in tally.counts.items()
     ]
     return TopReport(
-        robot=survey.robot,
+        robot=robot_graph.robot,
         elapsed=round(elapsed, 3),
         services=services,
         hosts=dict(sorted(hosts.items())),
@@ -156,12 +156,12 @@ def report_of(survey: Survey, loads: Loads, elapsed: float, now: float) -> TopRe
     )
 
 
-def _stream(tally: Tally, by: str, count: Count, now: float) -> Stream:
+def _stream(tally: TopicStatistics, by: str, count: PublisherStatistics, now: float) -> Stream:
     row = topic_of(tally.key)
     nominal = 0.0 if row is None else row.rate_hz
     silence = now - count.newest.at
     silent = silence > max(_LEAST, _PERIODS / nominal if nominal else 0.0)
-    median = count.ages.share(0.5)
+    median = count.ages.quantile(0.5)
     return Stream(
         key=tally.key,
         by=by,

@@ -10,11 +10,11 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.network.command import complain, visit
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.robot_graph import Surveyor
+from giraff_cli.network.command import print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.robot_graph import GraphMonitor
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import printable
 from giraff_node import robot_now_ns
 from giraff_schemas.messages import Sample
@@ -45,21 +45,21 @@ def echo(
         for field in fields:
             require_field(topic, field)
     except (UnknownKeyError, FieldError) as error:
-        return complain(str(error))
-    with Stopping() as stopping:
-        return visit(
+        return print_error(str(error))
+    with StopSignal() as stopping:
+        return run_with_robot(
             robot,
             connect,
             _PATIENCE,
-            lambda watcher: _echo(Echo(watcher, stopping, topic, fields, as_json=as_json), count, seconds),
+            lambda connection: _echo(Echo(connection, stopping, topic, fields, as_json=as_json), count, seconds),
         )
 
 
 def _echo(it: Echo, count: int | None, seconds: float | None) -> int:
     try:
-        return it.go(math.inf if count is None else count, math.inf if seconds is None else seconds)
+        return it.run(math.inf if count is None else count, math.inf if seconds is None else seconds)
     except FieldError as error:
-        return complain(str(error))
+        return print_error(str(error))
 
 
 def require_field(topic: Topic[Any], field: str) -> None:
@@ -81,24 +81,30 @@ class Echo:
     """Prints what it hears."""
 
     def __init__(
-        self, watcher: Watcher, stopping: Stopping, topic: Topic[Any], fields: Sequence[str], *, as_json: bool
+        self,
+        connection: RobotConnection,
+        stopping: StopSignal,
+        topic: Topic[Any],
+        fields: Sequence[str],
+        *,
+        as_json: bool,
     ) -> None:
-        self._watcher = watcher
+        self._connection = connection
         self._stopping = stopping
         self._topic = topic
         self._fields = fields
         self._as_json = as_json
-        self._surveyor = Surveyor(watcher)
+        self._monitor = GraphMonitor(connection)
         self._complained: set[str] = set()
 
-    def go(self, count: float, seconds: float) -> int:
+    def run(self, count: float, seconds: float) -> int:
         """Until so many, or so long; the exit code. Raises NoRobotError and FieldError."""
-        self._watcher.follow(self._topic)
-        self._surveyor.meet(self._stopping)
-        heard = self._surveyor.survey.heard
+        self._connection.subscribe(self._topic)
+        self._monitor.wait_for_robot(self._stopping)
+        heard = self._monitor.robot_graph.heard
         began, told, doubtful = time.monotonic(), 0, True
         while not self._stopping.asked:
-            self._surveyor.look(now := time.monotonic())
+            self._monitor.look(now := time.monotonic())
             while heard and told < count:
                 self._tell(*heard.popleft())
                 told += 1
@@ -107,10 +113,10 @@ class Echo:
                 break
             if doubtful and not told and now - began > _SILENT_AFTER:
                 doubtful = False
-                if missing := self._surveyor.inquire(self._stopping).instead(self._topic):
-                    return complain(missing)
+                if missing := self._monitor.collect_health(self._stopping).instead(self._topic):
+                    return print_error(missing)
             self._stopping.wait(min(_LOOK_EVERY, max(0.0, began + seconds - now)))
-        return 0 if told or self._stopping.asked else complain(f"nothing came on {self._topic.key} in {seconds:g} s")
+        return 0 if told or self._stopping.asked else print_error(f"nothing came on {self._topic.key} in {seconds:g} s")
 
     def _tell(self, key: str, sample: Sample, at_ns: int) -> None:
         content = selected(msgspec.to_builtins(sample), self._fields)
@@ -128,10 +134,10 @@ class Echo:
 
     def _mention(self) -> None:
         """Say once what could not be read."""
-        for complaint in self._watcher.complaints:
+        for complaint in self._connection.decode_errors:
             if complaint not in self._complained and len(self._complained) < 10:
                 self._complained.add(complaint)
-                complain(printable(f"unreadable: {complaint}"))
+                print_error(printable(f"unreadable: {complaint}"))
 
 
 def _value(sample: dict[str, Any], field: str) -> Any:

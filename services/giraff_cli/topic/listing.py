@@ -9,13 +9,13 @@ import msgspec
 import zenoh
 from rich.text import Text
 
-from giraff_cli.network.command import complain, visit
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.header_subscriber import Meter
-from giraff_cli.network.robot_graph import Maker, Survey, Surveyor, is_listened_to
-from giraff_cli.network.topic_keys import UnknownKeyError, covers, find_topic
+from giraff_cli.network.command import print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.header_subscriber import HeaderSubscriber
+from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph, is_listened_to
+from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, intersects
 from giraff_cli.terminal.page import Page, print_json, print_table, shown
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import printable
 from giraff_schemas.fields import Field, fields_of
 from giraff_schemas.messages import Sample
@@ -40,8 +40,8 @@ class TopicRow(msgspec.Struct, frozen=True, kw_only=True):
     """By the maker's own numbers and stamps; None: too little was heard."""
     heard: int
     """Samples."""
-    publishers: list[Maker]
-    subscribers: list[Maker]
+    publishers: list[NodeId]
+    subscribers: list[NodeId]
 
 
 class TopicInfo(msgspec.Struct, frozen=True, kw_only=True):
@@ -60,8 +60,10 @@ class TopicInfo(msgspec.Struct, frozen=True, kw_only=True):
 
 def list_topics(robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
     """Print the keys of a robot; the exit code."""
-    with Stopping() as stopping:
-        return visit(robot, connect, _PATIENCE, lambda watcher: _list(watcher, stopping, seconds, as_json=as_json))
+    with StopSignal() as stopping:
+        return run_with_robot(
+            robot, connect, _PATIENCE, lambda connection: _list(connection, stopping, seconds, as_json=as_json)
+        )
 
 
 def info(key: str, robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
@@ -69,25 +71,27 @@ def info(key: str, robot: str | None, connect: Sequence[str], seconds: float, *,
     try:
         topic = find_topic(key)
     except UnknownKeyError as error:
-        return complain(str(error))
-    with Stopping() as stopping:
-        return visit(
-            robot, connect, _PATIENCE, lambda watcher: _info(watcher, stopping, topic, seconds, as_json=as_json)
+        return print_error(str(error))
+    with StopSignal() as stopping:
+        return run_with_robot(
+            robot, connect, _PATIENCE, lambda connection: _info(connection, stopping, topic, seconds, as_json=as_json)
         )
 
 
-def rows_of(survey: Survey) -> list[TopicRow]:
+def rows_of(robot_graph: RobotGraph) -> list[TopicRow]:
     """Every key that is there, and each of the table that is not."""
-    keys = survey.keys
-    absent = [topic.key for topic in TOPICS if not any(covers(topic.key, key) for key in keys)]
+    keys = robot_graph.keys
+    absent = [topic.key for topic in TOPICS if not any(intersects(topic.key, key) for key in keys)]
     order = {topic.key: number for number, topic in enumerate(TOPICS)}
-    rows = [_row(survey, key) for key in (*keys, *absent)]
+    rows = [_row(robot_graph, key) for key in (*keys, *absent)]
     return sorted(rows, key=lambda row: order.get(getattr(topic_of(row.key), "key", ""), len(order)))
 
 
-def _list(watcher: Watcher, stopping: Stopping, seconds: float, *, as_json: bool) -> int:
-    survey = Surveyor(watcher, [Meter(watcher.session, watcher.robot)]).go(seconds, stopping)
-    rows = rows_of(survey)
+def _list(connection: RobotConnection, stopping: StopSignal, seconds: float, *, as_json: bool) -> int:
+    robot_graph = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot)]).run(
+        seconds, stopping
+    )
+    rows = rows_of(robot_graph)
     if as_json:
         print_json(rows)
         return 0
@@ -108,15 +112,21 @@ def _list(watcher: Watcher, stopping: Stopping, seconds: float, *, as_json: bool
     return 0
 
 
-def _info(watcher: Watcher, stopping: Stopping, topic: Topic[Any], seconds: float, *, as_json: bool) -> int:
-    key = key_of(watcher.robot, topic)
-    speaker = watcher.session.declare_publisher(key, allowed_destination=zenoh.Locality.REMOTE)  # this one is no news
-    survey = Surveyor(watcher, [Meter(watcher.session, watcher.robot, topic)]).go(seconds, stopping)
-    if missing := survey.instead(topic):
-        return complain(missing)
+def _info(
+    connection: RobotConnection, stopping: StopSignal, topic: Topic[Any], seconds: float, *, as_json: bool
+) -> int:
+    key = key_of(connection.robot, topic)
+    speaker = connection.session.declare_publisher(
+        key, allowed_destination=zenoh.Locality.REMOTE
+    )  # this one is no news
+    robot_graph = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot, topic)]).run(
+        seconds, stopping
+    )
+    if missing := robot_graph.instead(topic):
+        return print_error(missing)
     found = TopicInfo(
-        row=_row(survey, topic.key),
-        robot=watcher.robot,
+        row=_row(robot_graph, topic.key),
+        robot=connection.robot,
         whole_key=key,
         qos=_QOS[topic.qos],
         matching=is_listened_to(speaker),
@@ -152,10 +162,15 @@ def _show(found: TopicInfo) -> None:
         print_table((title, "", ""), ((field.name, field.type, field.doc) for field in fields))
 
 
-def _row(survey: Survey, key: str) -> TopicRow:
+def _row(robot_graph: RobotGraph, key: str) -> TopicRow:
     """Of a key, or of all that one with a `*` covers."""
-    covered = [other for other in survey.keys if covers(key, other)]
-    counts = [count for other in covered if other in survey.tallies for count in survey.tallies[other].counts.values()]
+    covered = [other for other in robot_graph.keys if intersects(key, other)]
+    counts = [
+        count
+        for other in covered
+        if other in robot_graph.tallies
+        for count in robot_graph.tallies[other].counts.values()
+    ]
     rates = [rate for count in counts if (rate := count.rate) is not None]
     row = topic_of(key)
     return TopicRow(
@@ -163,13 +178,13 @@ def _row(survey: Survey, key: str) -> TopicRow:
         type="" if row is None else row.schema.__name__,
         nominal_hz=0.0 if row is None else row.rate_hz,
         hz=sum(rates) / len(rates) if rates else None,
-        heard=sum(survey.tallies[other].samples for other in covered if other in survey.tallies),
-        publishers=sorted({maker for other in covered for maker in survey.publishers(other)}),
-        subscribers=survey.subscribers(key),
+        heard=sum(robot_graph.tallies[other].samples for other in covered if other in robot_graph.tallies),
+        publishers=sorted({maker for other in covered for maker in robot_graph.publishers(other)}),
+        subscribers=robot_graph.subscribers(key),
     )
 
 
-def _names(makers: Sequence[Maker], *, instances: bool = False) -> str:
+def _names(makers: Sequence[NodeId], *, instances: bool = False) -> str:
     return ", ".join(dict.fromkeys(f"{maker.name} {maker.instance}" if instances else maker.name for maker in makers))
 
 

@@ -10,12 +10,12 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.network.command import complain, join
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.robot_graph import Surveyor, is_listened_to
-from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, refusal
+from giraff_cli.network.command import print_error, run_on_network
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.robot_graph import GraphMonitor, is_listened_to
+from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, publish_refusal
 from giraff_cli.terminal.page import print_json
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic, key_of
@@ -54,18 +54,18 @@ def pub(
     try:
         topic = find_topic(key)
         if "*" in topic.key:
-            return complain(f"{key}: a sample goes to one key; name what `*` stands for")
+            return print_error(f"{key}: a sample goes to one key; name what `*` stands for")
         sample = parse_sample(topic, text)
     except (UnknownKeyError, NotASampleError) as error:
-        return complain(str(error))
+        return print_error(str(error))
 
-    def act(watcher: Watcher) -> int:
-        if not watcher.robot:
-            return complain("--robot NAME is missing: in whose name is this said?")
-        return _publish(watcher, stopping, topic, sample, 0.0 if rate is None else 1.0 / rate, count or 0, as_json)
+    def act(connection: RobotConnection) -> int:
+        if not connection.robot:
+            return print_error("--robot NAME is missing: in whose name is this said?")
+        return _publish(connection, stopping, topic, sample, 0.0 if rate is None else 1.0 / rate, count or 0, as_json)
 
-    with Stopping() as stopping:
-        return join(robot, connect, act)
+    with StopSignal() as stopping:
+        return run_on_network(robot, connect, act)
 
 
 def parse_sample(topic: Topic[Any], text: str) -> Sample:
@@ -92,21 +92,21 @@ def parse_sample(topic: Topic[Any], text: str) -> Sample:
 
 
 def _publish(
-    watcher: Watcher,
-    stopping: Stopping,
+    connection: RobotConnection,
+    stopping: StopSignal,
     topic: Topic[Any],
     sample: Sample,
     period: float,
     count: int,
     as_json: bool,
 ) -> int:
-    surveyor = Surveyor(watcher)
-    surveyor.wait(_LOOK_FOR, stopping)
-    if why := refusal(topic, surveyor.survey.spoken):
-        return complain(why)
-    result = Published(robot=watcher.robot, key=topic.key, instance=secrets.token_hex(8))
-    publisher = watcher.session.declare_publisher(
-        key_of(watcher.robot, topic),
+    monitor = GraphMonitor(connection)
+    monitor.wait(_LOOK_FOR, stopping)
+    if why := publish_refusal(topic, monitor.robot_graph.spoken):
+        return print_error(why)
+    result = Published(robot=connection.robot, key=topic.key, instance=secrets.token_hex(8))
+    publisher = connection.session.declare_publisher(
+        key_of(connection.robot, topic),
         encoding=encoding_of(topic.schema),
         congestion_control=zenoh.CongestionControl.DROP,
         priority=zenoh.Priority.DATA_HIGH,
@@ -116,8 +116,8 @@ def _publish(
     due = time.monotonic()
     trouble = ""
     while True:
-        surveyor.look(time.monotonic())
-        if trouble := refusal(topic, surveyor.survey.spoken):
+        monitor.look(time.monotonic())
+        if trouble := publish_refusal(topic, monitor.robot_graph.spoken):
             break
         result.matching = is_listened_to(publisher)
         publisher.put(encode(stamped(sample, result.sent, time.time_ns(), result.instance)))
@@ -127,7 +127,7 @@ def _publish(
             break
     _tell(result, as_json=as_json)
     if trouble:
-        complain(trouble)
+        print_error(trouble)
         return _REFUSED_LATER
     return 0
 

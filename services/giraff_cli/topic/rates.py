@@ -7,14 +7,14 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.network.command import complain, visit
-from giraff_cli.network.connection import Watcher
-from giraff_cli.network.header_subscriber import Meter
-from giraff_cli.network.robot_graph import Maker, Survey, Surveyor
-from giraff_cli.network.statistics import Count
+from giraff_cli.network.command import print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.header_subscriber import HeaderSubscriber
+from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
+from giraff_cli.network.statistics import PublisherStatistics
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic
 from giraff_cli.terminal.page import print_json, print_table, shown
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import printable
 from giraff_schemas.topics import Topic, topic_of
 
@@ -27,7 +27,7 @@ class Rate(msgspec.Struct, frozen=True, kw_only=True):
     """How one maker's samples of a key travel, from the first to the newest that was heard."""
 
     key: str
-    maker: Maker
+    maker: NodeId
     hz: float | None
     """By the maker's own numbers and stamps, whatever became of the samples; None: too few to tell."""
     nominal_hz: float
@@ -75,8 +75,8 @@ class Bandwidth(msgspec.Struct, frozen=True, kw_only=True):
 def hz(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
     """Count for `seconds` and print it; the exit code."""
 
-    def tell(survey: Survey) -> int:
-        rates = rates_of(survey)
+    def tell(robot_graph: RobotGraph) -> int:
+        rates = rates_of(robot_graph)
         if as_json:
             print_json(rates)
         else:
@@ -89,8 +89,8 @@ def hz(key: str | None, robot: str | None, connect: Sequence[str], seconds: floa
 def bw(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
     """Weigh for `seconds` and print it; the exit code."""
 
-    def tell(survey: Survey) -> int:
-        widths = bandwidths_of(survey)
+    def tell(robot_graph: RobotGraph) -> int:
+        widths = bandwidths_of(robot_graph)
         if as_json:
             print_json(widths)
         else:
@@ -100,21 +100,21 @@ def bw(key: str | None, robot: str | None, connect: Sequence[str], seconds: floa
     return _measure(key, robot, connect, seconds, tell)
 
 
-def rates_of(survey: Survey) -> Rates:
+def rates_of(robot_graph: RobotGraph) -> Rates:
     """Of each key and maker that was heard."""
     return Rates(
-        robot=survey.robot,
+        robot=robot_graph.robot,
         rates=[
-            _rate(key, survey.maker(instance), count)
-            for key in survey.keys
-            if key in survey.tallies
-            for instance, count in survey.tallies[key].counts.items()
+            _rate(key, robot_graph.maker(instance), count)
+            for key in robot_graph.keys
+            if key in robot_graph.tallies
+            for instance, count in robot_graph.tallies[key].counts.items()
         ],
-        unreadable={key: tally.unreadable for key, tally in survey.tallies.items() if tally.unreadable},
+        unreadable={key: tally.unreadable for key, tally in robot_graph.tallies.items() if tally.unreadable},
     )
 
 
-def bandwidths_of(survey: Survey) -> list[Bandwidth]:
+def bandwidths_of(robot_graph: RobotGraph) -> list[Bandwidth]:
     """Of each key that was heard."""
     return [
         Bandwidth(
@@ -125,8 +125,8 @@ def bandwidths_of(survey: Survey) -> list[Bandwidth]:
             smallest=tally.smallest,
             largest=tally.largest,
         )
-        for key in survey.keys
-        if (tally := survey.tallies.get(key)) is not None
+        for key in robot_graph.keys
+        if (tally := robot_graph.tallies.get(key)) is not None
     ]
 
 
@@ -134,27 +134,29 @@ def _measure(key: str | None, robot: str | None, connect: Sequence[str], seconds
     try:
         topic = None if key is None else find_topic(key)
     except UnknownKeyError as error:
-        return complain(str(error))
+        return print_error(str(error))
 
-    def act(watcher: Watcher) -> int:
-        survey = Surveyor(watcher, [Meter(watcher.session, watcher.robot, topic)]).go(seconds, stopping)
-        if survey.tallies:
-            return int(tell(survey))
-        return complain(_silence(survey, topic, seconds))
+    def act(connection: RobotConnection) -> int:
+        robot_graph = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot, topic)]).run(
+            seconds, stopping
+        )
+        if robot_graph.tallies:
+            return int(tell(robot_graph))
+        return print_error(_silence(robot_graph, topic, seconds))
 
-    with Stopping() as stopping:
-        return visit(robot, connect, _PATIENCE, act)
+    with StopSignal() as stopping:
+        return run_with_robot(robot, connect, _PATIENCE, act)
 
 
-def _silence(survey: Survey, topic: Topic[Any] | None, seconds: float) -> str:
+def _silence(robot_graph: RobotGraph, topic: Topic[Any] | None, seconds: float) -> str:
     if topic is None:
-        return f"{survey.robot} says nothing in {seconds:g} s"
-    return survey.instead(topic) or f"nothing came on {topic.key} in {seconds:g} s"
+        return f"{robot_graph.robot} says nothing in {seconds:g} s"
+    return robot_graph.instead(topic) or f"nothing came on {topic.key} in {seconds:g} s"
 
 
-def _rate(key: str, maker: Maker, count: Count) -> Rate:
+def _rate(key: str, maker: NodeId, count: PublisherStatistics) -> Rate:
     row = topic_of(key)
-    median, high, largest = (_seconds(count.ages.share(share)) for share in (0.5, 0.99, 1.0))
+    median, high, largest = (_seconds(count.ages.quantile(share)) for share in (0.5, 0.99, 1.0))
     return Rate(
         key=key,
         maker=maker,
@@ -188,7 +190,7 @@ def _show_rates(rates: Rates) -> None:
         ),
     )
     for key, number in rates.unreadable.items():
-        complain(printable(f"unreadable on {key}: {number}"))
+        print_error(printable(f"unreadable on {key}: {number}"))
 
 
 def _show_bandwidths(widths: Sequence[Bandwidth]) -> None:

@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_cli.network.command import complain, visit
-from giraff_cli.network.connection import Watcher
-from giraff_cli.terminal.signals import Stopping
-from giraff_cli.view.output import DONE, Options, Stage, give_up, known_robot
+from giraff_cli.network.command import print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.terminal.signals import StopSignal
+from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_node import robot_now_ns
-from giraff_node.network.discovery import robots_alive, unheard
-from giraff_node.network.tcp_options import tune_links
+from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic
 from giraff_viewer.memory import require_memory
@@ -28,69 +28,71 @@ _TELL_AFTER: Final = 3.0  # s without a word of the robot
 def show(recording: Path | None, robot: str | None, connect: Sequence[str], options: Options) -> int:
     """The whole of it; the exit code."""
     if recording is not None and (robot is not None or connect):
-        return complain("--robot and --connect are for a live robot; a recording is of one already")
+        return print_error("--robot and --connect are for a live robot; a recording is of one already")
     if refusal := _refusal(recording, options):
-        return complain(refusal)
-    with Stopping() as stopping:
+        return print_error(refusal)
+    with StopSignal() as stopping:
         if recording is not None:
-            from giraff_cli.view.recording import Tape  # noqa: PLC0415  needs the extra `record`
+            from giraff_cli.view.recording import RecordingViewer  # noqa: PLC0415  needs the extra `record`
 
-            return Tape(recording, options, stopping).go()
-        return visit(robot, connect, _FIND_WITHIN, lambda watcher: Live(watcher, options, stopping).go())
+            return RecordingViewer(recording, options, stopping).run()
+        return run_with_robot(
+            robot, connect, _FIND_WITHIN, lambda connection: LiveViewer(connection, options, stopping).run()
+        )
 
 
-class Live:
+class LiveViewer:
     """A robot that is heard now."""
 
-    def __init__(self, watcher: Watcher, options: Options, stopping: Stopping) -> None:
-        self._watcher = watcher
+    def __init__(self, connection: RobotConnection, options: Options, stopping: StopSignal) -> None:
+        self._connection = connection
         self._options = options
         self._stopping = stopping
-        self._stage: Stage | None = None
+        self._stage: ViewerOutput | None = None
         self._ahead_ns = 0
         """Wall clock minus the robot's, which what is heard is stamped with."""
 
-    def go(self) -> int:
+    def run(self) -> int:
         """Until Ctrl-C, the viewer's end or --for; the exit code."""
         try:
-            stage = Stage(known_robot(self._watcher.robot), self._options, live=True)
+            stage = ViewerOutput(known_robot(self._connection.robot), self._options, live=True)
         except ViewerError as error:
-            return complain(str(error))
+            return print_error(str(error))
         try:
             with stage as self._stage:
-                self._watcher.listen()
+                self._connection.subscribe_all()
                 self._draw(self._stage)
                 if not self._stage.show.heard and not self._stopping.asked:
-                    return complain(self._unheard())
+                    return print_error(self._unheard())
                 return self._stage.end(hurried=self._stopping.asked > 0) if self._stage.is_open else DONE
         except ViewerError as error:
             give_up(error)
 
-    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """Of the watcher."""
         del key
         assert self._stage is not None  # noqa: S101  it is there as long as anybody listens
-        self._stage.show.hear(topic, sample, at_ns + self._ahead_ns)
+        self._stage.show.on_sample(topic, sample, at_ns + self._ahead_ns)
 
-    def announce(self, service: str, instance: str, *, present: bool) -> None:
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         """Of the watcher."""
         assert self._stage is not None  # noqa: S101
-        self._stage.show.announce(service, instance, time.time_ns(), present=present)
+        self._stage.show.on_liveliness(service, instance, time.time_ns(), present=present)
 
     def _unheard(self) -> str:
-        return unheard(self._watcher.robot, robots_alive(self._watcher.session))
+        return not_found_text(self._connection.robot, list_robots(self._connection.session))
 
-    def _draw(self, stage: Stage) -> None:
+    def _draw(self, stage: ViewerOutput) -> None:
         began, told = time.monotonic(), False
         until = began + (math.inf if self._options.seconds is None else self._options.seconds)
         while (now := time.monotonic()) < until and stage.is_open and not self._stopping.wait(_TURN):
-            tune_links()
+            set_tcp_options()
             self._ahead_ns = time.time_ns() - robot_now_ns()
-            self._watcher.pass_on(self)
+            self._connection.dispatch(self)
             stage.show.look(time.time_ns())
             if not told and not stage.show.heard and now - began > _TELL_AFTER:
                 told = True
-                complain(f"{self._unheard()}; waiting for it")
+                print_error(f"{self._unheard()}; waiting for it")
 
 
 def _refusal(recording: Path | None, options: Options) -> str:

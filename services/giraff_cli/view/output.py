@@ -10,7 +10,7 @@ from typing import Final, NamedTuple, NoReturn
 
 import msgspec
 
-from giraff_cli.network.command import complain
+from giraff_cli.network.command import print_error
 from giraff_cli.network.ports import free_port
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
@@ -34,7 +34,7 @@ class Options(NamedTuple):
     as_json: bool
 
 
-class Stage(ExitStack):
+class ViewerOutput(ExitStack):
     """Where one robot is shown, as asked for. All is closed with it."""
 
     def __init__(self, robot: RobotConfig, options: Options, *, live: bool) -> None:
@@ -85,7 +85,7 @@ class Stage(ExitStack):
 
 def give_up(error: ViewerError) -> NoReturn:
     """End with what the viewer has failed with, at once: rerun would go on trying to send to it what is left."""
-    complain(str(error))
+    print_error(str(error))
     sys.stdout.flush()
     os._exit(FAILED)
 

@@ -7,9 +7,9 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.network.command import complain
-from giraff_cli.terminal.signals import Stopping
-from giraff_cli.view.output import DONE, Options, Stage, give_up, known_robot
+from giraff_cli.network.command import print_error
+from giraff_cli.terminal.signals import StopSignal
+from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_core.robot import RobotConfig
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_schemas.codec import DecodeError
@@ -20,38 +20,38 @@ _LOOK_EVERY: Final = 2000  # samples
 _PATIENCE: Final = 0.2  # s
 
 
-class Tape:
+class RecordingViewer:
     """One recording, and where it is shown."""
 
-    def __init__(self, path: Path, options: Options, stopping: Stopping) -> None:
+    def __init__(self, path: Path, options: Options, stopping: StopSignal) -> None:
         self._path = path
         self._options = options
         self._stopping = stopping
 
-    def go(self) -> int:
+    def run(self) -> int:
         """Until it is drawn, or until the viewer or Ctrl-C ends it; the exit code."""
         try:
             recording = Recording(self._path)
-            stage = Stage(_geometry(recording), self._options, live=False)
+            stage = ViewerOutput(_geometry(recording), self._options, live=False)
         except (RecordingError, ViewerError) as error:
-            return complain(str(error))
+            return print_error(str(error))
         try:
             with stage:
                 strange = self._draw(recording, stage)
                 if strange:
-                    complain(f"{self._path}: {strange} samples could not be read, and are not shown")
+                    print_error(f"{self._path}: {strange} samples could not be read, and are not shown")
                 if not recording.whole:
-                    complain(f"{self._path}: cut off; shown is what is there")
+                    print_error(f"{self._path}: cut off; shown is what is there")
                 code = stage.end(hurried=self._stopping.asked > 0) if stage.is_open else DONE
                 while stage.lasts and stage.is_open and not self._stopping.wait(_PATIENCE):
                     pass
                 return code
         except RecordingError as error:
-            return complain(str(error))
+            return print_error(str(error))
         except ViewerError as error:
             give_up(error)
 
-    def _draw(self, recording: Recording, stage: Stage) -> int:
+    def _draw(self, recording: Recording, stage: ViewerOutput) -> int:
         """How many samples could not be read."""
         strange = 0
         for number, recorded in enumerate(recording.samples()):
@@ -61,7 +61,7 @@ class Tape:
             if topic is None:
                 continue  # not of the topics table: nothing that could be drawn
             try:
-                stage.show.hear(topic, recorded.decode(), recorded.heard_ns)
+                stage.show.on_sample(topic, recorded.decode(), recorded.heard_ns)
             except DecodeError:
                 strange += 1
             stage.show.look(recorded.heard_ns)

@@ -6,9 +6,9 @@ from typing import Any
 
 import msgspec
 
-from giraff_cli.telemetry.collector import KeyRate, Seen
+from giraff_cli.telemetry.collector import KeyRate, Latest
 from giraff_cli.telemetry.describe import base_text, limit_text
-from giraff_cli.watch.screen import WatchSight, missing, moving
+from giraff_cli.watch.screen import WatchView, missing, moving
 
 
 class TopicReport(msgspec.Struct, frozen=True):
@@ -59,21 +59,21 @@ class WatchReport(msgspec.Struct, frozen=True, kw_only=True):
     """What could not be decoded."""
 
 
-class ReportSight(WatchSight):
+class ReportView(WatchView):
     """Tells itself as a report."""
 
     def line(self) -> str:
         return msgspec.json.encode(report(self)).decode()
 
 
-def report(sight: WatchSight) -> WatchReport:
-    snapshot = sight.snapshot
+def report(view: WatchView) -> WatchReport:
+    snapshot = view.snapshot
     path, speed, turn = moving(snapshot)
     return WatchReport(
-        robot=sight.robot,
-        elapsed=round(sight.elapsed, 3),
+        robot=view.robot,
+        elapsed=round(view.elapsed, 3),
         silence=None if snapshot.silence is None else round(snapshot.silence, 3),
-        waiting=sight.waiting,
+        waiting=view.waiting,
         path=path,
         speed=speed,
         turn=turn,
@@ -89,11 +89,11 @@ def report(sight: WatchSight) -> WatchReport:
         estop=_sample(snapshot.estop),
         battery=_sample(snapshot.battery),
         topics={key: _topic(rate) for key, rate in snapshot.rates.items()},
-        unreadable=sight.notices,
+        unreadable=view.notices,
     )
 
 
-def _sample(seen: Seen[Any] | None) -> dict[str, Any] | None:
+def _sample(seen: Latest[Any] | None) -> dict[str, Any] | None:
     if seen is None:
         return None
     return {"age": round(seen.age, 3), **msgspec.to_builtins(seen.sample)}

@@ -25,9 +25,9 @@ from giraff_cli.terminal.layout import (
     notice,
     right,
     services,
+    text_or_dash,
     unit,
     why,
-    words,
 )
 from giraff_schemas.services import ROBOTS_OWN
 
@@ -63,7 +63,7 @@ def missing(snapshot: Snapshot) -> list[str]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WatchSight:
+class WatchView:
     """What is to be seen of a robot."""
 
     robot: str
@@ -82,9 +82,9 @@ class WatchSight:
         silence = self.snapshot.silence
         return silence if silence is not None and silence > FRESH else None
 
-    def picture(self) -> RenderableType:
+    def render(self) -> RenderableType:
         if self.waiting:
-            return Group(_header(self), Text(), words(self.waiting, "yellow"))
+            return Group(_header(self), Text(), text_or_dash(self.waiting, "yellow"))
         snapshot = self.snapshot
         return Group(
             _header(self),
@@ -93,7 +93,7 @@ class WatchSight:
                 _pose(snapshot), blocks.motion(*moving(snapshot), style=dim(snapshot.odometry)), _operator(snapshot)
             ),
             Text(),
-            beside(blocks.ranges(snapshot), blocks.base(snapshot, ("e-stop", words(estop_text(snapshot))))),
+            beside(blocks.ranges(snapshot), blocks.base(snapshot, ("e-stop", text_or_dash(estop_text(snapshot))))),
             Text(),
             blocks.guard(snapshot),
             blocks.topics(snapshot, _TOPIC_COLUMNS, with_age=True),
@@ -122,14 +122,14 @@ def _told(snapshot: Snapshot) -> list[str]:
     return [*told, limit] if limit else told
 
 
-def _silent(sight: WatchSight) -> str:
-    return f"{sight.robot} silent since {sight.silence:.0f} s"
+def _silent(view: WatchView) -> str:
+    return f"{view.robot} silent since {view.silence:.0f} s"
 
 
-def _header(sight: WatchSight) -> RenderableType:
-    parts = [(f"giraff watch · {sight.robot or 'any robot'} · ", "bold"), (clock(sight.elapsed), "bold")]
-    if sight.silence is not None:
-        parts.append((f" · silent since {sight.silence:.0f} s", "bold red"))
+def _header(view: WatchView) -> RenderableType:
+    parts = [(f"giraff watch · {view.robot or 'any robot'} · ", "bold"), (clock(view.elapsed), "bold")]
+    if view.silence is not None:
+        parts.append((f" · silent since {view.silence:.0f} s", "bold red"))
     return header(*parts)
 
 
@@ -156,8 +156,8 @@ def _operator(snapshot: Snapshot) -> Table:
     """Who drives, why he or nobody does, and how old his command is when it reaches the board."""
     table = block("OPERATOR", 8, left("", 0))
     lease, base = snapshot.lease, snapshot.base
-    table.add_row("holder", words(holder_text(snapshot)))
-    table.add_row("lease", words("" if lease is None else lease.sample.reason), style=dim(lease))
+    table.add_row("holder", text_or_dash(holder_text(snapshot)))
+    table.add_row("lease", text_or_dash("" if lease is None else lease.sample.reason), style=dim(lease))
     age: RenderableType = NONE
     if base is not None and base.fresh and base.sample.round_trip is not None:
         left_over = base.sample.budget_left

@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import msgspec
 
-from giraff_cli.why.observation import Evidence, Heard
+from giraff_cli.why.observation import Latest, Observation
 from giraff_schemas.messages import DriveCommand, Lease, Tilt, Verdict
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, TILT, Topic
 
@@ -29,18 +29,18 @@ class Link(msgspec.Struct, frozen=True, kw_only=True):
         return self.standing in ("STOPS", "missing")
 
 
-class Scene:
+class ChainState:
     """The newest of everything, and the links that are judged already."""
 
-    def __init__(self, evidence: Evidence) -> None:
-        self.evidence = evidence
+    def __init__(self, observation: Observation) -> None:
+        self.observation = observation
         self.links: dict[str, Link] = {}
-        self.clock = evidence.newest(TICK)
-        self.base = evidence.newest(BASE)
-        self.guard = evidence.newest(GUARD)
-        self.lease = evidence.newest(LEASE)
-        self.estop = next((heard for heard in evidence.of(ESTOP) if heard.sample.engaged), evidence.newest(ESTOP))
-        self.operator = _in_charge(evidence.of(OPERATOR_CMD_VEL), self.lease)
+        self.clock = observation.newest(TICK)
+        self.base = observation.newest(BASE)
+        self.guard = observation.newest(GUARD)
+        self.lease = observation.newest(LEASE)
+        self.estop = next((heard for heard in observation.of(ESTOP) if heard.sample.engaged), observation.newest(ESTOP))
+        self.operator = _in_charge(observation.of(OPERATOR_CMD_VEL), self.lease)
         self.tilt = self._tilt()
 
     @property
@@ -69,40 +69,40 @@ class Scene:
 
     def process(self, service: str, topic: Topic[Any], how: str) -> Link | None:
         """What is wrong with a service as a process; None: exactly one of it runs and speaks."""
-        makers = {heard.sample.instance for heard in self.evidence.of(topic)}
+        makers = {heard.sample.instance for heard in self.observation.of(topic)}
         if len(makers) > 1:
             return Link(name=service, standing="STOPS", text=several(f"giraff_{service}", makers))
         if makers:
             return None
-        if self.evidence.alive.get(service):
+        if self.observation.alive.get(service):
             return self.silent(service, service)
         return Link(name=service, standing="missing", text=f"giraff_{service} is not running, or hangs; {how}")
 
     def silent(self, link: str, service: str) -> Link:
         """Of a service that is there and says nothing."""
-        why = self.evidence.faults(service) or "is on the network and says nothing; it hangs: restart it"
+        why = self.observation.faults(service) or "is on the network and says nothing; it hangs: restart it"
         return Link(name=link, standing="STOPS", text=f"giraff_{service}: {why}")
 
-    def _tilt(self) -> Heard[Tilt] | None:
+    def _tilt(self) -> Latest[Tilt] | None:
         """The hand behind the operator in charge, where it is one that tilts."""
         maker = self.operator.sample.instance if self.operator is not None else ""
-        return next((heard for heard in self.evidence.of(TILT) if heard.sample.instance == maker), None)
+        return next((heard for heard in self.observation.of(TILT) if heard.sample.instance == maker), None)
 
 
 def several(what: str, instances: set[str]) -> str:
     return f"{len(instances)} {what} run under this name ({', '.join(sorted(instances))}); end all but one"
 
 
-def told(name: str, standing: Standing, heard: Heard[Any], text: str) -> Link:
+def link_from(name: str, standing: Standing, heard: Latest[Any], text: str) -> Link:
     """The link that `heard` tells of."""
     return Link(name=name, standing=standing, text=text, age=round(heard.age, 3))
 
 
-def _in_charge(commands: list[Heard[DriveCommand]], lease: Heard[Lease] | None) -> Heard[DriveCommand] | None:
+def _in_charge(commands: list[Latest[DriveCommand]], lease: Latest[Lease] | None) -> Latest[DriveCommand] | None:
     """The operator whom the lease names; else one who wants to move; else any."""
     holder = lease.sample.holder if lease is not None else ""
 
-    def rank(heard: Heard[DriveCommand]) -> tuple[bool, bool, bool]:
+    def rank(heard: Latest[DriveCommand]) -> tuple[bool, bool, bool]:
         command = heard.sample
         return command.instance != holder, command.neutral, command.source == "fault"
 

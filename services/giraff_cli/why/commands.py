@@ -21,7 +21,9 @@ def why(
 
     Exit code: 0 the robot drives, or would if asked to; 1 something stops it; 2 there is no robot to tell of.
     """
-    from giraff_cli.network.command import visit  # noqa: PLC0415
+    from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
     from giraff_cli.why.explain import explain  # noqa: PLC0415
 
-    raise typer.Exit(visit(robot, connect or (), 3.0, lambda watcher: explain(watcher, seconds, as_json=as_json)))
+    raise typer.Exit(
+        run_with_robot(robot, connect or (), 3.0, lambda connection: explain(connection, seconds, as_json=as_json))
+    )

@@ -7,8 +7,8 @@ from typing import Final
 import msgspec
 
 from giraff_cli.why import checks as links
-from giraff_cli.why.chain import Link, Scene
-from giraff_cli.why.observation import Evidence
+from giraff_cli.why.chain import ChainState, Link
+from giraff_cli.why.observation import Observation
 
 LINKS: Final = ("hand", "operator", "lease", "ranger", "guard", "base", "e-stop", "board", "wheels")
 """From hand to wheel, as they are told."""
@@ -40,16 +40,16 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     links: tuple[Link, ...]
 
 
-def diagnose(evidence: Evidence) -> Diagnosis:
+def diagnose(observation: Observation) -> Diagnosis:
     """The chain, and what to do."""
-    scene = Scene(evidence)
+    state = ChainState(observation)
     for name, judge in _JUDGES.items():
-        scene.links[name] = judge(scene)
-    chain = tuple(scene.links[name] for name in LINKS)
+        state.links[name] = judge(state)
+    chain = tuple(state.links[name] for name in LINKS)
     broken = [link for link in chain if link.breaks]
-    drives = scene.base is not None and scene.base.sample.driving
+    drives = state.base is not None and state.base.sample.driving
     return Diagnosis(
-        robot=evidence.robot,
+        robot=observation.robot,
         drives=drives,
         stopped_by=broken[0].name if broken else "",
         conclusion=_conclude(chain, broken, drives),

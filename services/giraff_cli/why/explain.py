@@ -11,14 +11,14 @@ import zenoh
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.network.command import complain
-from giraff_cli.network.connection import Watcher
+from giraff_cli.network.command import print_error
+from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.page import Page
 from giraff_cli.why.chain import Standing
 from giraff_cli.why.diagnosis import Diagnosis, diagnose
-from giraff_cli.why.observation import Evidence
+from giraff_cli.why.observation import Observation
 from giraff_node import robot_now_ns
-from giraff_node.network.discovery import robots_alive, unheard
+from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_schemas.messages import Health
 from giraff_schemas.topics import health_key
 
@@ -35,29 +35,29 @@ _STYLES: Final[dict[Standing, str]] = {
 }
 
 
-def explain(watcher: Watcher, seconds: float, *, as_json: bool) -> int:
+def explain(connection: RobotConnection, seconds: float, *, as_json: bool) -> int:
     """Listen for `seconds`, print what was found; the exit code."""
-    evidence = listen(watcher, seconds)
-    if evidence.empty:
-        return complain(unheard(watcher.robot, robots_alive(watcher.session)))
-    diagnosis = diagnose(evidence)
+    observation = listen(connection, seconds)
+    if observation.empty:
+        return print_error(not_found_text(connection.robot, list_robots(connection.session)))
+    diagnosis = diagnose(observation)
     if as_json:
         print(msgspec.json.format(msgspec.json.encode(diagnosis), indent=2).decode())
     else:
-        _show(diagnosis, watcher.complaints)
+        _show(diagnosis, connection.decode_errors)
     return _STOPPED if diagnosis.stopped_by else _DRIVES
 
 
-def listen(watcher: Watcher, seconds: float) -> Evidence:
+def listen(connection: RobotConnection, seconds: float) -> Observation:
     """What is heard within `seconds` of the first word."""
-    evidence = Evidence(watcher.robot)
-    watcher.listen()
+    observation = Observation(connection.robot)
+    connection.subscribe_all()
     first_by = time.monotonic() + _FIRST_WITHIN
-    while evidence.empty and time.monotonic() < first_by:
+    while observation.empty and time.monotonic() < first_by:
         time.sleep(_LOOK_EVERY)
-        watcher.pass_on(evidence)
-    if evidence.empty:
-        return evidence
+        connection.dispatch(observation)
+    if observation.empty:
+        return observation
     healths: list[Health] = []
 
     def on_reply(reply: zenoh.Reply) -> None:
@@ -65,12 +65,12 @@ def listen(watcher: Watcher, seconds: float) -> Evidence:
             with suppress(msgspec.MsgspecError):  # of another version: what its samples say is enough
                 healths.append(msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health))
 
-    watcher.session.get(health_key(watcher.robot), on_reply, timeout=seconds)
+    connection.session.get(health_key(connection.robot), on_reply, timeout=seconds)
     time.sleep(seconds)
-    watcher.pass_on(evidence)
-    evidence.health = list(healths)
-    evidence.now_ns = robot_now_ns()
-    return evidence
+    connection.dispatch(observation)
+    observation.health = list(healths)
+    observation.now_ns = robot_now_ns()
+    return observation
 
 
 def _show(diagnosis: Diagnosis, unreadable: list[str]) -> None:

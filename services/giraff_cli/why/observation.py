@@ -14,7 +14,7 @@ _PERIODS: Final = 3.0
 
 
 @dataclass(frozen=True)
-class Heard(Generic[SampleT]):
+class Latest(Generic[SampleT]):
     """The newest sample of one maker on one key."""
 
     sample: SampleT
@@ -22,7 +22,7 @@ class Heard(Generic[SampleT]):
     """s before the end of the listening."""
 
 
-class Evidence:
+class Observation:
     """Samples, liveliness tokens and answers about health. Times are any one clock's ns."""
 
     def __init__(self, robot: str) -> None:
@@ -34,11 +34,11 @@ class Evidence:
         """The end of the listening."""
         self._newest: dict[tuple[str, str], tuple[Topic[Any], Sample, int]] = {}
 
-    def hear(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """A sample of `key` (below the robot's name), which `topic` is or stands for, heard at `at_ns`."""
         self._newest[key, sample.instance] = topic, sample, at_ns
 
-    def announce(self, service: str, instance: str, *, present: bool) -> None:
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         """A service's token on the network has come or gone."""
         instances = self.alive.setdefault(service, set())
         if present:
@@ -51,21 +51,21 @@ class Evidence:
         """Whether there was nothing to hear."""
         return not self._newest and not any(self.alive.values())
 
-    def of(self, topic: Topic[SampleT]) -> list[Heard[SampleT]]:
+    def of(self, topic: Topic[SampleT]) -> list[Latest[SampleT]]:
         """The newest sample of each key and maker that speaks of now, newest first."""
         longest = max(_LEAST, _PERIODS / topic.rate_hz if topic.rate_hz else math.inf)
-        found: list[Heard[SampleT]] = [
-            Heard(sample, (self.now_ns - at_ns) * 1e-9)  # type: ignore[arg-type]  # the topic tells the type
+        found: list[Latest[SampleT]] = [
+            Latest(sample, (self.now_ns - at_ns) * 1e-9)  # type: ignore[arg-type]  # the topic tells the type
             for of, sample, at_ns in self._newest.values()
             if of.key == topic.key
         ]
         return sorted((heard for heard in found if heard.age <= longest), key=lambda heard: heard.age)
 
-    def newest(self, topic: Topic[SampleT]) -> Heard[SampleT] | None:
+    def newest(self, topic: Topic[SampleT]) -> Latest[SampleT] | None:
         """The newest sample of a topic that speaks of now."""
         return next(iter(self.of(topic)), None)
 
-    def age(self, heard: Heard[Any], moment: RobotTime | None) -> float:
+    def age(self, heard: Latest[Any], moment: RobotTime | None) -> float:
         """s from `moment`, which `heard` carries, to when it was heard, by the robot's clock; inf: nothing tells."""
         tick = self.newest(TICK)
         if moment is None or tick is None or moment.epoch != tick.sample.epoch:

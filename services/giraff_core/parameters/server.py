@@ -1,4 +1,4 @@
-"""Where the parameters of a service are asked for, in its loop's turns. No I/O here: the disk is a `Store`'s."""
+"""Answers parameter queries in the service's loop. No I/O: a `Store` writes the files."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any, Final, Generic
 import msgspec
 
 from giraff_core.inbox import Inbox
-from giraff_core.io import Asked, Store
-from giraff_core.parameters.table import ConfigT, ParamError, Params
+from giraff_core.io import PendingQuery, Store
+from giraff_core.parameters.table import ConfigT, ParamError, Parameters
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 
 PARAMS_FOLDER: Final = "params"
@@ -18,16 +18,22 @@ PARAMS_FOLDER: Final = "params"
 _MOST_WAITING: Final = 20
 """Who ask to save while the disk hangs; the oldest goes without an answer."""
 
-Describes = Inbox[Asked[ParamDescribe, ParamAnswer]]
-Sets = Inbox[Asked[ParamSet, ParamAnswer]]
-Saves = Inbox[Asked[ParamSave, ParamAnswer]]
+Describes = Inbox[PendingQuery[ParamDescribe, ParamAnswer]]
+Sets = Inbox[PendingQuery[ParamSet, ParamAnswer]]
+Saves = Inbox[PendingQuery[ParamSave, ParamAnswer]]
 
 
-class ParamDesk(Generic[ConfigT]):
+class ParameterServer(Generic[ConfigT]):
     """`service`, `instance` and `host` name who answers; `store` keeps what is saved."""
 
     def __init__(
-        self, service: str, instance: str, host: str, params: Params[ConfigT], store: Store, log: Callable[..., None]
+        self,
+        service: str,
+        instance: str,
+        host: str,
+        params: Parameters[ConfigT],
+        store: Store,
+        log: Callable[..., None],
     ) -> None:
         self.fault = ""
         """What of the saved parameters does not count, with the way out; empty: all of it does."""
@@ -37,8 +43,8 @@ class ParamDesk(Generic[ConfigT]):
         self._file = store.path(name)
         self._writer = store.writer(name)
         # A disk that hangs must hold up neither the loop nor who asks for something else meanwhile.
-        self._waiting: deque[Asked[ParamSave, ParamAnswer]] = deque(maxlen=_MOST_WAITING)
-        self._writing: tuple[Asked[ParamSave, ParamAnswer], dict[str, Any]] | None = None
+        self._waiting: deque[PendingQuery[ParamSave, ParamAnswer]] = deque(maxlen=_MOST_WAITING)
+        self._writing: tuple[PendingQuery[ParamSave, ParamAnswer], dict[str, Any]] | None = None
         self._restore(store, name)
 
     def turn(
@@ -67,7 +73,7 @@ class ParamDesk(Generic[ConfigT]):
         self._log("%s is %s, by %s", request.name, getattr(self._params.config, request.name), request.by)
         return self._answer("", request.name)
 
-    def _begin_to_save(self, asked: Asked[ParamSave, ParamAnswer]) -> None:
+    def _begin_to_save(self, asked: PendingQuery[ParamSave, ParamAnswer]) -> None:
         try:
             kept = self._params.to_save(asked.request.names)
         except ParamError as error:

@@ -13,7 +13,7 @@ from typing import Any, Final, Generic, TypeVar
 import msgspec
 
 from giraff_core.robot import RobotConfig
-from giraff_core.tuning import Live, live_fields, loosens
+from giraff_core.tuning import Tuning, live_fields, loosens
 from giraff_schemas.fields import fields_of
 from giraff_schemas.params import Param
 
@@ -27,7 +27,7 @@ class ParamError(Exception):
     """A parameter is not set. The message names the rule, and the way out."""
 
 
-class Params(Generic[ConfigT]):
+class Parameters(Generic[ConfigT]):
     """`filed`: the service's table as the robot file and the environment have it; `service`: its name."""
 
     def __init__(self, service: str, filed: ConfigT, robot: RobotConfig) -> None:
@@ -89,7 +89,7 @@ class Params(Generic[ConfigT]):
             full = f"{self._service}.{name}"
             if name not in self._live:
                 raise ParamError(self._unknown(name))
-            if self._live_of(name) is Live.FIXED:
+            if self._live_of(name) is Tuning.READ_ONLY:
                 raise ParamError(f"{full} cannot change while the service runs: it takes the robot file and a restart")
         try:
             changed = msgspec.convert({**_plain(config), **values}, type(config), strict=False)
@@ -99,7 +99,7 @@ class Params(Generic[ConfigT]):
         for name in values:
             live = self._live_of(name)
             before, after = getattr(self._filed, name), getattr(changed, name)
-            if live is not Live.FREE and loosens(live, before, after):
+            if live is not Tuning.FREE and loosens(live, before, after):
                 raise ParamError(
                     f"{self._service}.{name} {_shown(after)} is looser than {_shown(before)}: "
                     "loosening takes the robot file, standstill and a restart"
@@ -120,12 +120,12 @@ class Params(Generic[ConfigT]):
             return [*ignored.values()]
         return self._restore_each({name: saved[name] for name in ignored})
 
-    def _live_of(self, name: str) -> Live:
-        return self._live[name] or Live.FIXED
+    def _live_of(self, name: str) -> Tuning:
+        return self._live[name] or Tuning.READ_ONLY
 
     def _described(self, name: str, value: Any, filed: Any, *, saved: bool) -> Param:
         kind, doc = self._documented[name]
-        live = self._live.get(name) or Live.FIXED
+        live = self._live.get(name) or Tuning.READ_ONLY
         return Param(name=name, value=value, filed=filed, saved=saved, kind=kind, live=live.value, doc=doc)
 
     def _unknown(self, name: str) -> str:

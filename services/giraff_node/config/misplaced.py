@@ -14,7 +14,7 @@ import msgspec
 
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import TABLES, Given, Strange
+from giraff_node.config.robot_file import TABLES, RawSettings, UnknownEntry
 from giraff_schemas.services import SERVICES
 
 _NETWORK: Final = {
@@ -37,7 +37,7 @@ _VARIABLES: Final = (
 )
 
 
-def doubts(given: Given, environment: Mapping[str, str], *, is_named: bool) -> list[Strange]:
+def find_misplaced(given: RawSettings, environment: Mapping[str, str], *, is_named: bool) -> list[UnknownEntry]:
     """With what is wrong with each. `is_named`: the robot is known, whatever they say of its name."""
     words = _NETWORK | _FILE | ({} if is_named else _NAME)
     found = [strange for strange in given.strange if _is_doubtful(strange, words)]
@@ -48,16 +48,16 @@ def doubts(given: Given, environment: Mapping[str, str], *, is_named: bool) -> l
             what = f"{given.place(table)}: unknown field `{'.'.join(path)}`; did you mean {meant}?"
             setting = f"{_PREFIX}{table}_{path[0]}".upper()
             variable = next((each for each in given.variables if each.upper() == setting), "")
-            found.append(Strange(path[-1], value, what, variable))
+            found.append(UnknownEntry(path[-1], value, what, variable))
     variables = [each for each in _VARIABLES if not (is_named and each == "GIRAFF_ROBOT_NAME")]
     for variable, text in environment.items():
         begins = variable[: len(_PREFIX)]
         if begins != _PREFIX and _alike(begins.upper(), (_PREFIX,)) and (meant := _alike(variable.upper(), variables)):
-            found.append(Strange(variable, text, f"{variable}: nobody reads it; did you mean {meant}?", variable))
+            found.append(UnknownEntry(variable, text, f"{variable}: nobody reads it; did you mean {meant}?", variable))
     return found
 
 
-def _is_doubtful(strange: Strange, words: Mapping[str, str]) -> bool:
+def _is_doubtful(strange: UnknownEntry, words: Mapping[str, str]) -> bool:
     word, value = strange.word, strange.value
     table, _, field = word.partition("_")
     if strange.variable and table in TABLES:

@@ -40,13 +40,13 @@ class ConfigError(Exception):
 
 
 @dataclass(frozen=True)
-class Given:
+class RawSettings:
     """What robot file and environment say. Values are not yet checked."""
 
     where: str
     """The robot file; "environment" where there is none."""
     tables: dict[str, dict[str, Any]]
-    strange: tuple[Strange, ...]
+    strange: tuple[UnknownEntry, ...]
     """What belongs to no table, in the order in which it was met."""
     variables: tuple[str, ...]
     """Those of the environment that have set a field."""
@@ -68,7 +68,7 @@ class Given:
         return f"{self.where}: table [{table}]{variables}"
 
 
-class Strange(NamedTuple):
+class UnknownEntry(NamedTuple):
     """A table or a variable that cannot be used."""
 
     word: str
@@ -96,7 +96,7 @@ def robot_file(environment: Mapping[str, str] = os.environ) -> Path:
     return path
 
 
-def is_at_hand(environment: Mapping[str, str] = os.environ) -> bool:
+def expects_robot_file(environment: Mapping[str, str] = os.environ) -> bool:
     """Whether there is a robot file, or should be one: commands need none, but pass none over."""
     if environment.get("GIRAFF_CONFIG"):
         return True
@@ -109,7 +109,7 @@ def is_at_hand(environment: Mapping[str, str] = os.environ) -> bool:
     return True
 
 
-def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> Given:
+def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> RawSettings:
     """The robot file and the environment's overrides; the latter alone, if so wanted. Raises ConfigError."""
     tables: dict[str, dict[str, Any]] = {}
     strange = []
@@ -120,12 +120,12 @@ def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True)
         for name, table in _parsed(path).items():
             if name not in TABLES:
                 what = f"{path}: unknown table [{name}]{suggestion(name, TABLES)}"
-                strange.append(Strange(name.lower(), table, what))
+                strange.append(UnknownEntry(name.lower(), table, what))
             elif isinstance(table, dict):
                 tables[name] = table
             else:
                 what = f"{path}: {name} is a value where the table [{name}] belongs"
-                strange.append(Strange(name, table, what))
+                strange.append(UnknownEntry(name, table, what))
     variables = []
     for variable, text in environment.items():
         if not variable.startswith("GIRAFF_") or variable in _NOT_FIELDS:
@@ -133,11 +133,11 @@ def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True)
         try:
             table_name, field, value = _override(variable, text)
         except ConfigError as error:
-            strange.append(Strange(variable.removeprefix("GIRAFF_").lower(), text, str(error), variable))
+            strange.append(UnknownEntry(variable.removeprefix("GIRAFF_").lower(), text, str(error), variable))
         else:
             variables.append(variable)
             tables.setdefault(table_name, {})[field] = value
-    return Given(where, tables, tuple(strange), tuple(variables))
+    return RawSettings(where, tables, tuple(strange), tuple(variables))
 
 
 def read_tables(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> dict[str, dict[str, Any]]:
@@ -150,7 +150,7 @@ def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.
     return _known(read(environment)).table(table, config)
 
 
-def _known(given: Given) -> Given:
+def _known(given: RawSettings) -> RawSettings:
     if given.strange:
         raise ConfigError(given.strange[0].what)
     return given

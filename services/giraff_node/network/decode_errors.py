@@ -12,7 +12,7 @@ MENDED_AFTER: Final = 2.0
 _LONGEST: Final = 300  # characters of a fault: its text may quote the payload
 
 
-class BadKeys:
+class DecodeErrors:
     """Those of one subscription. Times are seconds of any one monotonic clock."""
 
     def __init__(self, pattern: str, tell: Callable[[str, str], None]) -> None:

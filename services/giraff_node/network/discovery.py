@@ -13,8 +13,8 @@ import msgspec
 import zenoh
 
 from giraff_core.network import NetworkConfig
-from giraff_node.config.misplaced import doubts
-from giraff_node.config.robot_file import ConfigError, Given, is_at_hand, read
+from giraff_node.config.misplaced import find_misplaced
+from giraff_node.config.robot_file import ConfigError, RawSettings, expects_robot_file, read
 from giraff_schemas.topics import alive_key, require_chunk
 
 _ASK_AGAIN: Final = 0.1  # s
@@ -22,7 +22,7 @@ _SETTLED: Final = 0.5  # s after the first robot was found: the others of a netw
 _REPLY_WITHIN: Final = 0.5  # s
 
 CORRECT_IT: Final = "correct it: without it nobody knows which robot is meant, or how it is reached"
-"""The way out of a ConfigError of `find_way`."""
+"""The way out of a ConfigError of `resolve_target`."""
 
 
 class NoRobotError(Exception):
@@ -30,7 +30,7 @@ class NoRobotError(Exception):
 
 
 @dataclass(frozen=True)
-class Way:
+class Target:
     """What is known before anything is heard."""
 
     robot: str
@@ -40,7 +40,7 @@ class Way:
     """What of robot file and environment did not count; empty: nothing."""
 
 
-def find_way(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> Way:
+def resolve_target(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> Target:
     """From the command line, the environment and the robot file, in this order.
 
     Raises ConfigError where the latter two may mean another network or another robot than would be found without what
@@ -48,27 +48,27 @@ def find_way(robot: str | None, connect: Sequence[str], environment: Mapping[str
     Raises NoRobotError for what is wrong on the command line. What is wrong elsewhere is told and passed over: it is
     no reason not to stop a robot.
     """
-    given = read(environment, with_file=is_at_hand(environment))
-    for doubt in doubts(given, environment, is_named=bool(robot)):
+    given = read(environment, with_file=expects_robot_file(environment))
+    for doubt in find_misplaced(given, environment, is_named=bool(robot)):
         raise ConfigError(doubt.what)
     network = given.table("network", NetworkConfig)
     name = robot or name_of(given)
-    return way_of(name, connect, network, "; ".join(strange.what for strange in given.strange))
+    return target_of(name, connect, network, "; ".join(strange.what for strange in given.strange))
 
 
-def way_of(robot: str | None, connect: Sequence[str], network: NetworkConfig, warning: str = "") -> Way:
+def target_of(robot: str | None, connect: Sequence[str], network: NetworkConfig, warning: str = "") -> Target:
     """With what the command line says. Raises NoRobotError."""
     try:
         name = require_chunk(robot) if robot else ""
     except ValueError as error:
         raise NoRobotError(f"robot: {error}") from error
     try:
-        return Way(name, msgspec.structs.replace(network, connect=(*network.connect, *connect)), warning)
+        return Target(name, msgspec.structs.replace(network, connect=(*network.connect, *connect)), warning)
     except ValueError as error:
         raise NoRobotError(f"--connect: {error}") from error
 
 
-def name_of(given: Given) -> str:
+def name_of(given: RawSettings) -> str:
     """The robot's name, where one is given. Raises ConfigError."""
     name = given.tables.get("robot", {}).get("name")
     if name is None:
@@ -81,13 +81,13 @@ def name_of(given: Given) -> str:
         raise ConfigError(f"{given.place('robot')}: name: {error}") from error
 
 
-def robots_alive(session: zenoh.Session) -> list[str]:
+def list_robots(session: zenoh.Session) -> list[str]:
     """Names of the robots of which any service is on the network now."""
     replies = session.liveliness().get(alive_key("*"), timeout=_REPLY_WITHIN)
     return sorted({str(reply.ok.key_expr).split("/")[1] for reply in replies if reply.ok is not None})
 
 
-class Roster:
+class RobotMonitor:
     """The robots on the network, as their services come and go. It asks nobody, and so never waits."""
 
     def __init__(self, session: zenoh.Session) -> None:
@@ -115,15 +115,15 @@ class Roster:
         self._news.append((str(received.key_expr), received.kind == zenoh.SampleKind.PUT))
 
 
-def only_robot(session: zenoh.Session, patience: float) -> str:
+def find_only_robot(session: zenoh.Session, patience: float) -> str:
     """The one robot on the network, where nobody has named one. Raises NoRobotError."""
     deadline = time.monotonic() + patience
-    while not (found := robots_alive(session)):
+    while not (found := list_robots(session)):
         if time.monotonic() > deadline:
             raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {HOW_TO_REACH}")
         time.sleep(_ASK_AGAIN)
     time.sleep(_SETTLED)
-    return only_one(sorted({*found, *robots_alive(session)}))
+    return only_one(sorted({*found, *list_robots(session)}))
 
 
 def only_one(found: Sequence[str]) -> str:
@@ -138,10 +138,10 @@ HOW_TO_REACH: Final = "check that it is on and on this network; where multicast 
 
 def others(session: zenoh.Session, robot: str) -> str:
     """A hint for one who has named a robot that is not there; empty when no other is."""
-    return _instead(robots_alive(session), robot)
+    return _instead(list_robots(session), robot)
 
 
-def unheard(robot: str, found: Sequence[str]) -> str:
+def not_found_text(robot: str, found: Sequence[str]) -> str:
     """What to say of a robot that is not heard where these are; empty: nobody has named one."""
     whom = f"no robot called {robot}" if robot else "no robot"
     return f"{whom} is heard on the network; {HOW_TO_REACH}{_instead(found, robot) if robot else ''}"

@@ -1,4 +1,4 @@
-"""Meets those again whose link is lost although their host is still there.
+"""Reconnects to peers whose link is lost while their host is still reachable.
 
 When a cable is cut for a second, some links between two hosts expire and some outlive it. Zenoh dials a peer that it is
 told of, but only when that one is news to whoever tells; and it asks around by multicast every 8 s, where it asks at
@@ -20,7 +20,7 @@ import zenoh
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import close_session, open_session
-from giraff_node.network.tcp_options import tune_links
+from giraff_node.network.tcp_options import set_tcp_options
 
 _STAYS: Final = 6.0
 """s; who was linked for less was a visitor, like `giraff estop`, and has left."""
@@ -37,7 +37,7 @@ class _Peer(NamedTuple):
     """That it is linked, or missed; s."""
 
 
-class Partings:
+class LostPeers:
     """Who has gone from a host where others still are. `delay`: s from then to the first visit."""
 
     def __init__(self, delay: float) -> None:
@@ -64,13 +64,13 @@ class Partings:
         return due
 
 
-class Reunion:
+class LinkRepair:
     """Looks after the links of a session: a dead one is let go, and visits are made, one at a time, in a thread."""
 
     def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str, *, visits: bool) -> None:
         self._session, self._network, self._robot, self._visits = session, network, robot, visits
         # One visit mends the links of all: not all who miss somebody make theirs at the same moment.
-        self._partings = Partings(int(str(session.zid())[-2:], 16) / 256 * _LOOK * 2)
+        self._lost_peers = LostPeers(int(str(session.zid())[-2:], 16) / 256 * _LOOK * 2)
         self._under_way: threading.Thread | None = None
         self._next = 0.0
 
@@ -79,17 +79,17 @@ class Reunion:
         if now < self._next:
             return
         self._next = now + _LOOK
-        tune_links()
+        set_tcp_options()
         if not self._visits:
             return
         links = hosts_of((str(link.zid), link.dst) for link in self._session.info.links())
-        if self._partings.look(now, links) and (self._under_way is None or not self._under_way.is_alive()):
+        if self._lost_peers.look(now, links) and (self._under_way is None or not self._under_way.is_alive()):
             whom = (self._network, self._robot)
-            self._under_way = threading.Thread(target=visit, args=whom, name="visit", daemon=True)
+            self._under_way = threading.Thread(target=join_briefly, args=whom, name="visit", daemon=True)
             self._under_way.start()
 
 
-def visit(network: NetworkConfig, robot: str) -> None:
+def join_briefly(network: NetworkConfig, robot: str) -> None:
     """Join the network of `robot` for a moment."""
     try:
         session = open_session(network, robot, visiting=True)

@@ -8,14 +8,14 @@ from typing import Any, Generic
 import msgspec
 import zenoh
 
-from giraff_core.estop import stops_for_good
-from giraff_core.retry import Repeated
+from giraff_core.estop import is_confirmed_stop
+from giraff_core.retry import RetriedRequest
 from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.messages import EStopAnswer, EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of
 
 
-class Asking(Repeated[AnswerT], Generic[RequestT, AnswerT]):
+class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
     """Sends one request again and again; call `poll` each turn until it is answered."""
 
     def __init__(
@@ -59,9 +59,9 @@ class Asking(Repeated[AnswerT], Generic[RequestT, AnswerT]):
             self.fault = f"{self.key}: answered with something else than {self._query.answer.__name__}: {error}"
 
 
-def ask_to_stop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> Asking[EStopEngage, EStopAnswer]:
+def request_estop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> QueryClient[EStopEngage, EStopAnswer]:
     """Asks base for an emergency stop until base confirms that the robot has stopped and will stay so."""
-    return Asking(session, robot, ESTOP_ENGAGE, EStopEngage(by=by, reason=reason), stops_for_good)
+    return QueryClient(session, robot, ESTOP_ENGAGE, EStopEngage(by=by, reason=reason), is_confirmed_stop)
 
 
 def _text_of(error: Any) -> str:

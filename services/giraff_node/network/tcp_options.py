@@ -34,7 +34,7 @@ _WAIT: Final = round(LEASE * 1000)  # ms
 _NO_LINGER: Final = struct.pack("ii", 0, 0)  # socket(7), struct linger
 
 
-def tune_links() -> None:
+def set_tcp_options() -> None:
     """Tell it for all TCP connections of this process."""
     for entry in Path("/proc/self/fd").iterdir():
         with contextlib.suppress(OSError):  # closed since it was listed, of another kind, or the kernel is an older one

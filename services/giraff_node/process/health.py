@@ -12,7 +12,7 @@ from giraff_node.process.version import version
 from giraff_schemas.messages import Health
 
 
-class Condition:
+class HealthState:
     """What is wrong now. Each change is logged once; any thread may tell of one."""
 
     def __init__(self, service: str, instance: str, log: logging.Logger) -> None:

@@ -15,18 +15,18 @@ from typing import Final, NoReturn
 import zenoh
 
 from giraff_core.io import Selectable
-from giraff_core.timer import Pacer
+from giraff_core.timer import Timer
 from giraff_node.network.session import close_session
-from giraff_node.process.health import Condition
+from giraff_node.process.health import HealthState
 from giraff_node.process.health_socket import HealthSocket
 from giraff_node.process.logs import service_logger
-from giraff_node.process.selector import Waker, Watch
+from giraff_node.process.selector import Selector, Waker
 from giraff_node.process.systemd import Notifier
 
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
 
 
-def start_anew() -> NoReturn:
+def restart_program() -> NoReturn:
     """Become the same program from its start, in the same process: whoever watches over it need not know."""
     sys.stdout.flush()
     sys.stderr.flush()
@@ -39,7 +39,7 @@ class Process:
     def __init__(self, name: str) -> None:
         self.instance = secrets.token_hex(8)
         self.log = service_logger(name)
-        self.condition = Condition(name, self.instance, self.log)
+        self.condition = HealthState(name, self.instance, self.log)
         self._health_socket = HealthSocket(name)
         self._notifier = Notifier()
         self._failure: BaseException | None = None
@@ -51,20 +51,20 @@ class Process:
         signal.set_wakeup_fd(self._waker.for_signals, warn_on_full_buffer=False)
 
     def turns(
-        self, *pacers: Pacer, link: Selectable | None = None, look: Callable[[float], None] = lambda _: None
+        self, *timers: Timer, link: Selectable | None = None, look: Callable[[float], None] = lambda _: None
     ) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a pacer may be due, the link is readable or somebody called `wake`.
 
         `look` is given each turn's time before health is told. Raises what `fail` was given.
         """
         asked: set[Selectable] = set()
-        with Watch(self._waker, self._health_socket, *([link] if link is not None else [])) as watch:
+        with Selector(self._waker, self._health_socket, *([link] if link is not None else [])) as watch:
             while not self._stopping:
                 now = time.monotonic()
                 look(now)
                 # After a whole turn, so that nobody is told of a state that nothing has looked at yet.
                 self._tell_how_it_is(now, asked=self._health_socket in asked)
-                wait = min((pacer.wait(now) for pacer in pacers), default=_LONGEST_WAIT)
+                wait = min((timer.wait(now) for timer in timers), default=_LONGEST_WAIT)
                 asked = watch.wait(min(wait, _LONGEST_WAIT))
                 self._waker.drain()
                 if self._failure is not None:
@@ -108,7 +108,7 @@ class Process:
         self.log.info("ended")
         status = 1 if kind is not None or self._failure is not None else 0
         if self._again and not status:
-            start_anew()
+            restart_program()
         if not closed:
             sys.stderr.flush()
             os._exit(status)

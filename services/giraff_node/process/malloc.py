@@ -13,7 +13,7 @@ _LARGE: Final = 128 << 10
 """bytes; glibc's own value. Unless it is set, each larger block that is freed raises it, and keeps more of a heap."""
 
 
-def keep_little() -> None:
+def limit_heaps() -> None:
     """Let threads share two heaps, and give back what is large and free; to be called before there are any.
 
     glibc gives Zenoh's threads up to eight for each processor, and what is free in one is of no use to another: after

@@ -39,7 +39,7 @@ class Waker:
             self._read_end.recv(4096)
 
 
-class Watch:
+class Selector:
     """Of these things; ended by `with`."""
 
     def __init__(self, *watched: Selectable) -> None:

@@ -22,7 +22,7 @@ from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.dst.people import Button, Caretaker
 from giraff_sim.dst.story import Story
 from giraff_sim.hosts.cable import Cable
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import Simulation, simulation
@@ -134,7 +134,7 @@ class Drill:
 
     def __init__(self, running: Simulation, settings: Settings, services: Services, scenario: Scenario) -> None:
         chance = Random(f"{scenario.seed}/drill")
-        agenda = Agenda()
+        agenda = EventQueue()
         self.seconds = scenario.seconds
         self.story = Story(agenda)
         self.network = FaultyNetwork(agenda, chance)
@@ -220,12 +220,12 @@ class Drill:
         simulation = self.loop.simulation
         simulation.world.button = True
         drives = " while the robot drives" if simulation.peak_counts else ""
-        self.story.tell(f"the joystick's button is pressed{drives}")
+        self.story.log(f"the joystick's button is pressed{drives}")
         self.story.count(f"the joystick's button is pressed{drives}")
 
     def _let_joystick_go(self) -> None:
         self.loop.simulation.world.button = False
-        self.story.tell("the joystick's button is let go")
+        self.story.log("the joystick's button is let go")
 
     def _press_button(self, process: Process) -> Button:
         self.button = Button(process, self.judge)
@@ -251,14 +251,14 @@ class Drill:
             self._claimed += claims
             freedom.disturb()
             self.story.count(f"fault: {kind.name}")
-            self.story.tell(f"{told}, for {lasts_us / 1e6:.2f} s" if lasts_us else told)
+            self.story.log(f"{told}, for {lasts_us / 1e6:.2f} s" if lasts_us else told)
             self.loop.agenda.at(at_us + lasts_us, partial(end, claims))
 
         def end(claims: list[Any]) -> None:
             next(course, None)
             for claim in claims:
                 self._claimed.remove(claim)
-            self.story.tell(f"{kind.name} is over")
+            self.story.log(f"{kind.name} is over")
             freedom.calm(self.loop.agenda.now_us + round(kind.calm_after * 1e6))
 
         self.loop.agenda.at(at_us, begin)

@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 
 import msgspec
 
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Member, Message, Network, Subscription
 
@@ -49,7 +49,7 @@ class Link:
 class FaultyNetwork(Network):
     """Ideal within a machine, and what its links make of it between two."""
 
-    def __init__(self, agenda: Agenda, chance: random.Random) -> None:
+    def __init__(self, agenda: EventQueue, chance: random.Random) -> None:
         super().__init__()
         self.history: list[Said] = []
         """Everything that went from one machine to another, or to base."""

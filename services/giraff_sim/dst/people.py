@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from giraff_core.estop import stops_for_good
-from giraff_core.retry import Repeated
-from giraff_core.timer import Pacer
+from giraff_core.estop import is_confirmed_stop
+from giraff_core.retry import RetriedRequest
+from giraff_core.timer import Timer
 from giraff_joystick.service import Joystick
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
@@ -79,7 +79,7 @@ class _TiltBoard:
         self._chance = chance
         self._hand = hand
         self._tick: RobotTime | None = None
-        self._pace = Pacer(1000.0 / TILT_PERIOD_MS)
+        self._timer = Timer(1000.0 / TILT_PERIOD_MS)
         self._seq = 0
 
     def descriptor(self) -> int | None:
@@ -88,10 +88,10 @@ class _TiltBoard:
     def poll(self, now: float) -> list[Frame]:
         loop = self._process.loop
         frames: list[Frame] = []
-        if self._pace.due(now):
+        if self._timer.due(now):
             frames.append(self._frame())
             loop.observer.read(self._process, frames[0])
-        self._process.wake(loop.agenda.now_us + int(self._pace.wait(now) * 1e6) + 1)
+        self._process.wake(loop.agenda.now_us + int(self._timer.wait(now) * 1e6) + 1)
         return frames
 
     def send(self, frame: Frame) -> None:
@@ -129,8 +129,8 @@ class Caretaker:
 
     def __init__(self, process: Process) -> None:
         self._process = process
-        self._asking: list[Repeated[Any]] = []
-        self.pacers = (Pacer(_POLL_HZ),)
+        self._asking: list[RetriedRequest[Any]] = []
+        self.timers = (Timer(_POLL_HZ),)
 
     def set(self, service: str, name: str, value: float) -> None:
         """Ask for another value of a parameter."""
@@ -145,7 +145,7 @@ class Caretaker:
         self._ask(ESTOP_ENGAGE, EStopEngage(by=by or self._process.instance, reason="drill"))
 
     def turn(self, now: float) -> None:
-        self.pacers[0].due(now)
+        self.timers[0].due(now)
         self._asking = [asking for asking in self._asking if asking.poll(now) is None]
 
     def end(self) -> None:
@@ -166,15 +166,15 @@ class Button:
         self.instance = process.instance
         self._judge = judge
         self._states, self._ticks = process.inbox(ESTOP), process.inbox(TICK)
-        self._asking: Repeated[EStopAnswer] | None = None
+        self._asking: RetriedRequest[EStopAnswer] | None = None
         self._tick: RobotTime | None = None
         self._id = 0
-        self.pacers = (Pacer(_POLL_HZ),)
+        self.timers = (Timer(_POLL_HZ),)
 
     def engage(self) -> None:
         """Ask to stop."""
         asked = EStopEngage(by=self._process.instance, reason="drill")
-        self._asking = self._process.ask(ESTOP_ENGAGE, asked, stops_for_good)
+        self._asking = self._process.ask(ESTOP_ENGAGE, asked, is_confirmed_stop)
         self._process.wake()
 
     def reset(self) -> None:
@@ -186,7 +186,7 @@ class Button:
         self._process.wake()
 
     def turn(self, now: float) -> None:
-        self.pacers[0].due(now)
+        self.timers[0].due(now)
         self._hear()
         if self._asking is not None and self._asking.poll(now) is not None:
             self._asking = None

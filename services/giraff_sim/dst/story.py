@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from typing import Final
 
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 
 _NUMBERS: Final = re.compile(r"[0-9]+(\.[0-9]+)?")
 
@@ -14,12 +14,12 @@ _NUMBERS: Final = re.compile(r"[0-9]+(\.[0-9]+)?")
 class Story:
     """A timeline, and what it counts."""
 
-    def __init__(self, agenda: Agenda) -> None:
+    def __init__(self, agenda: EventQueue) -> None:
         self._agenda = agenda
         self.lines: list[str] = []
         self.counts: Counter[str] = Counter()
 
-    def tell(self, what: str) -> None:
+    def log(self, what: str) -> None:
         """Put `what` down at the present moment."""
         self.lines.append(f"{self._agenda.now_us / 1e6:7.3f} s  {what}")
 

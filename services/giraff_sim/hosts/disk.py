@@ -8,7 +8,7 @@ from functools import partial
 from typing import Final
 
 from giraff_core.estop import LATCH_FILE, RELEASED, latch_bytes
-from giraff_sim.hosts.event_queue import Action, Agenda
+from giraff_sim.hosts.event_queue import Action, EventQueue
 
 _WRITE_US: Final = 8_000  # file, folder and their fsync, on a flash card
 _FOLDER: Final = "/var/lib/giraff"
@@ -17,7 +17,7 @@ _FOLDER: Final = "/var/lib/giraff"
 class Disk:
     """Holds the state folder of one robot, whose emergency stop is released in the beginning."""
 
-    def __init__(self, agenda: Agenda) -> None:
+    def __init__(self, agenda: EventQueue) -> None:
         self.files: dict[str, bytes] = {LATCH_FILE: latch_bytes(RELEASED)}
         self.trouble = ""
         """Why nothing can be written; empty: it can."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 Action = Callable[[], None]
 
 
-class Agenda:
+class EventQueue:
     """Does things in the order of their times; those of one moment in the order in which they were put down."""
 
     def __init__(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_sim.hosts.disk import Disk
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 
 _BOOTED_US: Final = 3_600_000_000  # a machine has been up for an hour when the simulation begins
 _YEAR_2026_NS: Final = 1_767_225_600_000_000_000  # since 1970
@@ -14,7 +14,7 @@ _YEAR_2026_NS: Final = 1_767_225_600_000_000_000  # since 1970
 class Host:
     """A machine. Its wall clock is as wrong as it is set; the others count what they count on Linux."""
 
-    def __init__(self, name: str, agenda: Agenda, booted_us: int = _BOOTED_US) -> None:
+    def __init__(self, name: str, agenda: EventQueue, booted_us: int = _BOOTED_US) -> None:
         self.name = name
         self.suspended = False
         self.wall_ahead_ns = 0

@@ -11,10 +11,10 @@ from typing import Any, Final, Generic, Protocol, TypeVar
 import msgspec
 
 from giraff_core.inbox import MOST_REQUESTS, Inbox
-from giraff_core.io import Asked, Board, Publisher, Service
-from giraff_core.parameters.server import ParamDesk
-from giraff_core.parameters.table import ConfigT, Params
-from giraff_core.retry import Repeated
+from giraff_core.io import Board, PendingQuery, Publisher, Service
+from giraff_core.parameters.server import ParameterServer
+from giraff_core.parameters.table import ConfigT, Parameters
+from giraff_core.retry import RetriedRequest
 from giraff_core.robot import RobotConfig
 from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.codec import stamped
@@ -33,7 +33,7 @@ from giraff_schemas.topics import (
 from giraff_schemas.wire import BoardKind, Frame
 from giraff_sim.hosts.cable import Cable, CableEnd
 from giraff_sim.hosts.disk import ProcessStore
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Message, Network, Subscription
 from giraff_sim.settings import Settings
@@ -62,7 +62,7 @@ class Loop(Protocol):
     def observer(self) -> Observer: ...
 
     @property
-    def agenda(self) -> Agenda: ...
+    def agenda(self) -> EventQueue: ...
 
     @property
     def cables(self) -> dict[str, Cable]:
@@ -113,9 +113,9 @@ class Process:
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]:
         return _Publisher(self, topic)
 
-    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[Asked[RequestT, AnswerT]]:
+    def requests(self, query: Query[RequestT, AnswerT]) -> Inbox[PendingQuery[RequestT, AnswerT]]:
         observer = self.loop.observer
-        inbox: Inbox[Asked[RequestT, AnswerT]] = _Inbox(
+        inbox: Inbox[PendingQuery[RequestT, AnswerT]] = _Inbox(
             MOST_REQUESTS, lambda asked: observer.heard(self, asked.request)
         )
         self._subscribe(query.key, lambda message: inbox.accept(Request(self.loop.network, self, message)))
@@ -123,7 +123,7 @@ class Process:
 
     def ask(
         self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
-    ) -> Repeated[AnswerT]:
+    ) -> RetriedRequest[AnswerT]:
         return _Asking(self, query.key, request, settles)
 
     def frame(self, child: str, where: Transform | Callable[[], Transform]) -> None:
@@ -158,8 +158,8 @@ class Process:
 
     def parameters(self, service: str, filed: ConfigT, robot: RobotConfig) -> ConfigT:
         """What is in force of a table once what was saved is restored. From now on it is answered for."""
-        params = Params(service, filed, robot)
-        desk = ParamDesk(service, self.instance, self.hostname, params, self.store, _tell_nobody)
+        params = Parameters(service, filed, robot)
+        desk = ParameterServer(service, self.instance, self.hostname, params, self.store, _tell_nobody)
         describes, sets, saves = (
             self.requests(PARAM_DESCRIBE.at(service)),
             self.requests(PARAM_SET.at(service)),
@@ -259,7 +259,7 @@ class Process:
             self.terminate()
             return
         wait_us = _LONGEST_WAIT_US
-        for pacer in self._service.pacers:
+        for pacer in self._service.timers:
             wait_us = min(wait_us, int(pacer.wait(now) * 1e6) + 1)
         self.wake(now_us + wait_us)
 
@@ -304,8 +304,8 @@ class _Publisher(Generic[SampleT]):
         self._process.say(self._key, sample)
 
 
-class _Asking(Repeated[AnswerT]):
-    """As `giraff_node.network.query_client.Asking`, over the simulated network."""
+class _Asking(RetriedRequest[AnswerT]):
+    """As `giraff_node.network.query_client.QueryClient`, over the simulated network."""
 
     def __init__(self, process: Process, key: str, request: msgspec.Struct, settles: Callable[[AnswerT], bool]) -> None:
         super().__init__(settles)

@@ -12,11 +12,11 @@ import sys
 import time
 from pathlib import Path
 
-from giraff_cli.run.processes import Children
+from giraff_cli.run.processes import ProcessGroup
 
 if __name__ == "__main__":
     directory, *modules = sys.argv[1:]
-    children = Children(Path(directory))
+    children = ProcessGroup(Path(directory))
     for module in modules:
         children.start(module, module, [], os.environ | {"PYTHONPATH": directory})
     print(*(children.pid(module) for module in modules), flush=True)

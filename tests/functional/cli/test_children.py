@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.run.processes import Children
+from giraff_cli.run.processes import ProcessGroup
 from tests.support.waiting import wait
 
 STUBBORN = """
@@ -42,19 +42,19 @@ PARENT = Path(__file__).with_name("children_of.py")
 
 
 @pytest.fixture
-def children(tmp_path: Path) -> Iterator[Children]:
+def children(tmp_path: Path) -> Iterator[ProcessGroup]:
     for name, source in {"stubborn": STUBBORN, "obedient": OBEDIENT, "clumsy": CLUMSY, "dying": DYING}.items():
         (tmp_path / f"{name}.py").write_text(source)
-    started = Children(tmp_path)
+    started = ProcessGroup(tmp_path)
     yield started
     started.stop_all(grace=0.0)
 
 
-def start(children: Children, directory: Path, name: str) -> None:
+def start(children: ProcessGroup, directory: Path, name: str) -> None:
     children.start(name, name, [], os.environ | {"PYTHONPATH": str(directory)})
 
 
-def is_up(children: Children, name: str) -> bool:
+def is_up(children: ProcessGroup, name: str) -> bool:
     return children.output(name).read_bytes() == b"up\n"
 
 
@@ -67,7 +67,7 @@ def is_running(pid: int) -> bool:
     return stat.rpartition(")")[2].split()[0] != "Z"
 
 
-def test_one_that_ignores_sigterm_is_killed(children: Children, tmp_path: Path) -> None:
+def test_one_that_ignores_sigterm_is_killed(children: ProcessGroup, tmp_path: Path) -> None:
     start(children, tmp_path, "stubborn")
     start(children, tmp_path, "obedient")
     pids = [children.pid("stubborn"), children.pid("obedient")]
@@ -78,13 +78,13 @@ def test_one_that_ignores_sigterm_is_killed(children: Children, tmp_path: Path) 
     assert not any(Path(f"/proc/{pid}").exists() for pid in pids), "not reaped"
 
 
-def test_one_that_ends_with_an_error_when_told_to_is_named(children: Children, tmp_path: Path) -> None:
+def test_one_that_ends_with_an_error_when_told_to_is_named(children: ProcessGroup, tmp_path: Path) -> None:
     start(children, tmp_path, "clumsy")
     wait(lambda: is_up(children, "clumsy"), 60.0, what="it is up")
     assert children.stop(["clumsy"], grace=60.0) == ["clumsy ended with exit code 3 when it was told to end"]
 
 
-def test_only_the_named_ones_are_stopped(children: Children, tmp_path: Path) -> None:
+def test_only_the_named_ones_are_stopped(children: ProcessGroup, tmp_path: Path) -> None:
     start(children, tmp_path, "stubborn")
     start(children, tmp_path, "obedient")
     wait(lambda: is_up(children, "stubborn") and is_up(children, "obedient"), 60.0, what="both are up")
@@ -92,7 +92,7 @@ def test_only_the_named_ones_are_stopped(children: Children, tmp_path: Path) -> 
     assert is_running(children.pid("stubborn"))
 
 
-def test_one_that_ends_by_itself_is_named_once_with_its_last_words(children: Children, tmp_path: Path) -> None:
+def test_one_that_ends_by_itself_is_named_once_with_its_last_words(children: ProcessGroup, tmp_path: Path) -> None:
     start(children, tmp_path, "dying")
     start(children, tmp_path, "obedient")
     wait(lambda: bool(children.reap()), 60.0, what="it has ended")
@@ -104,7 +104,7 @@ def test_one_that_ends_by_itself_is_named_once_with_its_last_words(children: Chi
     assert is_running(children.pid("obedient"))
 
 
-def test_a_signal_that_ended_one_is_named(children: Children, tmp_path: Path) -> None:
+def test_a_signal_that_ended_one_is_named(children: ProcessGroup, tmp_path: Path) -> None:
     start(children, tmp_path, "obedient")
     wait(lambda: is_up(children, "obedient"), 60.0, what="it is up")
     os.kill(children.pid("obedient"), signal.SIGKILL)
@@ -112,7 +112,7 @@ def test_a_signal_that_ended_one_is_named(children: Children, tmp_path: Path) ->
     assert str(children.ended["obedient"]) == "obedient ended by itself (SIGKILL)"
 
 
-def test_they_are_in_sessions_of_their_own(children: Children, tmp_path: Path) -> None:
+def test_they_are_in_sessions_of_their_own(children: ProcessGroup, tmp_path: Path) -> None:
     """Ctrl-C reaches the parent alone, who ends them in the right order."""
     start(children, tmp_path, "obedient")
     pid = children.pid("obedient")
@@ -120,7 +120,7 @@ def test_they_are_in_sessions_of_their_own(children: Children, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM, signal.SIGSEGV])
-def test_nothing_outlives_its_parent(children: Children, tmp_path: Path, number: signal.Signals) -> None:
+def test_nothing_outlives_its_parent(children: ProcessGroup, tmp_path: Path, number: signal.Signals) -> None:
     command = [sys.executable, str(PARENT), str(tmp_path), "stubborn", "obedient"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as parent:
         assert parent.stdout is not None
@@ -133,7 +133,7 @@ def test_nothing_outlives_its_parent(children: Children, tmp_path: Path, number:
 
 
 def test_one_whose_parent_has_ended_before_it_began_does_not_begin(tmp_path: Path) -> None:
-    launch = Path(sys.modules[Children.__module__].__file__ or "").with_name("launch.py")
+    launch = Path(sys.modules[ProcessGroup.__module__].__file__ or "").with_name("launch.py")
     not_the_parent = str(os.getppid())
     command = [sys.executable, "-I", "-S", str(launch), not_the_parent, sys.executable, "-c", "print('began')"]
     run = subprocess.run(command, check=False, capture_output=True, text=True, cwd=tmp_path)

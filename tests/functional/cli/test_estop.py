@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from giraff_cli.estop.client import engage, reset, status
-from giraff_cli.network.connection import Watcher
+from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
@@ -27,20 +27,22 @@ def network() -> Iterator[NetworkConfig]:
 
 
 @pytest.fixture
-def watcher(network: NetworkConfig) -> Iterator[Watcher]:
-    made = Watcher(ROBOT, open_session(network, ROBOT, visiting=True))
+def connection(network: NetworkConfig) -> Iterator[RobotConnection]:
+    made = RobotConnection(ROBOT, open_session(network, ROBOT, visiting=True))
     yield made
     assert made.close()
 
 
-def test_a_stop_and_a_reset_are_told_once_base_confirms_them(network: NetworkConfig, watcher: Watcher) -> None:
+def test_a_stop_and_a_reset_are_told_once_base_confirms_them(
+    network: NetworkConfig, connection: RobotConnection
+) -> None:
     def answer(request: Any) -> EStopAnswer:
         return DONE if isinstance(request, EStopEngage) else EStopAnswer(done=True, engaged=False, id=7, reason="")
 
     with base(network, answer) as robot:
-        assert engage(watcher, "me", "a cat", 60.0).code == 0
-        assert status(watcher, 60.0).text == f"{ROBOT}: ENGAGED, latch 7, by ann@desk: smoke"
-        code, text = reset(watcher, "me", 60.0)
+        assert engage(connection, "me", "a cat", 60.0).code == 0
+        assert status(connection, 60.0).text == f"{ROBOT}: ENGAGED, latch 7, by ann@desk: smoke"
+        code, text = reset(connection, "me", 60.0)
     assert code == 0
     assert text.startswith(f"cleared latch 7 of {ROBOT}")
     assert robot.asked[0][0] == EStopEngage(by="me", reason="a cat")
@@ -49,7 +51,9 @@ def test_a_stop_and_a_reset_are_told_once_base_confirms_them(network: NetworkCon
     assert (request.id, request.tick is not None and request.tick.epoch) == (7, EPOCH)
 
 
-def test_a_base_that_hangs_does_not_hide_the_answer_of_another(network: NetworkConfig, watcher: Watcher) -> None:
+def test_a_base_that_hangs_does_not_hide_the_answer_of_another(
+    network: NetworkConfig, connection: RobotConnection
+) -> None:
     release = threading.Event()
 
     def hang(_: Any) -> None:
@@ -57,6 +61,6 @@ def test_a_base_that_hangs_does_not_hide_the_answer_of_another(network: NetworkC
 
     with base(network, hang, instance="a") as hanging, base(network):
         while not hanging.asked:  # until both are met
-            assert engage(watcher, "me", "", 60.0).code == 0
-        assert engage(watcher, "me", "", 60.0).code == 0
+            assert engage(connection, "me", "", 60.0).code == 0
+        assert engage(connection, "me", "", 60.0).code == 0
         release.set()

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 
 
 def signal_soon(number: signal.Signals, seconds: float = 0.1) -> None:
@@ -18,7 +18,7 @@ def signal_soon(number: signal.Signals, seconds: float = 0.1) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_a_wait(number: signal.Signals) -> None:
-    with Stopping() as stopping:
+    with StopSignal() as stopping:
         assert not stopping.wait(0.01)
         signal_soon(number)
         assert stopping.wait(600.0)
@@ -26,7 +26,7 @@ def test_a_signal_ends_a_wait(number: signal.Signals) -> None:
 
 
 def test_a_wait_may_outlast_the_first_signal() -> None:
-    with Stopping() as stopping:
+    with StopSignal() as stopping:
         stopping.ask()
         assert not stopping.wait(0.05, patience=2)
         signal_soon(signal.SIGINT)
@@ -44,7 +44,7 @@ def _python_hears_sigint() -> Iterator[None]:
 @pytest.mark.usefixtures("_python_hears_sigint")
 def test_signals_are_as_before_afterwards() -> None:
     before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)]
-    with Stopping():
+    with StopSignal():
         assert signal.getsignal(signal.SIGTERM) != before[1]
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)] == before
     with pytest.raises(KeyboardInterrupt):

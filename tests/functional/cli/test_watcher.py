@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
-from giraff_cli.network.connection import Watcher
+from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import claim, free_port
 from giraff_cli.telemetry.collector import Telemetry
 from giraff_core.network import NetworkConfig
@@ -29,14 +29,14 @@ def network() -> NetworkConfig:
 
 
 @pytest.fixture
-def watcher(network: NetworkConfig) -> Iterator[Watcher]:
-    opened = Watcher(ROBOT, open_session(network, ROBOT))
+def connection(network: NetworkConfig) -> Iterator[RobotConnection]:
+    opened = RobotConnection(ROBOT, open_session(network, ROBOT))
     yield opened
     assert opened.close()
 
 
 @pytest.fixture
-def other(watcher: Watcher, network: NetworkConfig) -> Iterator[zenoh.Session]:  # noqa: ARG001
+def other(connection: RobotConnection, network: NetworkConfig) -> Iterator[zenoh.Session]:  # noqa: ARG001
     """Another process that has found its way to the rendezvous."""
     config = zenoh.Config()
     config.insert_json5("listen/endpoints", json.dumps(["tcp/127.0.0.1:0"]))
@@ -46,46 +46,46 @@ def other(watcher: Watcher, network: NetworkConfig) -> Iterator[zenoh.Session]: 
         yield session
 
 
-def test_samples_and_services_are_told(watcher: Watcher, other: zenoh.Session) -> None:
+def test_samples_and_services_are_told(connection: RobotConnection, other: zenoh.Session) -> None:
     telemetry = Telemetry()
-    watcher.listen()
+    connection.subscribe_all()
 
     def heard() -> bool:
         other.put(key_of(ROBOT, TICK), encode(stamped(Tick(epoch=1, robot_ns=2), 0, 0, "one")))
-        watcher.pass_on(telemetry)
+        connection.dispatch(telemetry)
         return telemetry.newest(TICK, time.monotonic_ns()) is not None
 
     def alive() -> list[str]:
-        watcher.pass_on(telemetry)
+        connection.dispatch(telemetry)
         return sorted(telemetry.alive)
 
     wait(heard, 60.0, what="the tick")
     with other.liveliness().declare_token(alive_key(ROBOT, "base", "one")):
         wait(lambda: alive() == ["base"], 60.0, what="the token")
     wait(lambda: not alive(), 60.0, what="its end")
-    assert watcher.complaints == []
+    assert connection.decode_errors == []
 
 
-def test_what_cannot_be_decoded_is_named(watcher: Watcher, other: zenoh.Session) -> None:
-    watcher.listen()
+def test_what_cannot_be_decoded_is_named(connection: RobotConnection, other: zenoh.Session) -> None:
+    connection.subscribe_all()
 
     def named() -> bool:
         other.put(key_of(ROBOT, TICK), b"\x93")
-        return bool(watcher.complaints)
+        return bool(connection.decode_errors)
 
     wait(named, 60.0, what="the complaint")
-    assert watcher.complaints[0].startswith(key_of(ROBOT, TICK))
+    assert connection.decode_errors[0].startswith(key_of(ROBOT, TICK))
 
 
-def test_a_namesake_is_found_and_others_are_not(watcher: Watcher, other: zenoh.Session) -> None:
+def test_a_namesake_is_found_and_others_are_not(connection: RobotConnection, other: zenoh.Session) -> None:
     tokens = other.liveliness()
     with (
         tokens.declare_token(alive_key("somebody-else", "base", "1")),
         tokens.declare_token(alive_key(ROBOT, "viewer", "2")),
     ):
-        assert watcher.namesake(0.3) is None
+        assert connection.find_duplicate(0.3) is None
         with tokens.declare_token(alive_key(ROBOT, "base", "3")):
-            assert watcher.namesake(60.0) == alive_key(ROBOT, "base", "3")
+            assert connection.find_duplicate(60.0) == alive_key(ROBOT, "base", "3")
 
 
 def test_a_visitor_leaves_the_rendezvous_to_those_who_stay(network: NetworkConfig) -> None:

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from giraff_node.network.query_client import Asking
+from giraff_node.network.query_client import QueryClient
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSet
 from giraff_schemas.topics import GUARD, PARAM_DESCRIBE, PARAM_SET, Query, RequestT, alive_key
 from tests.support.desk import run_beside
@@ -44,7 +44,7 @@ def param(robot: ProcessRobot, *words: str, code: int = 0) -> tuple[str, str]:
 
 def answered(robot: ProcessRobot, query: Query[RequestT, ParamAnswer], request: RequestT) -> ParamAnswer:
     """What the service says to a request."""
-    asking = Asking(robot.observer.session, "sim-test", query, request)
+    asking = QueryClient(robot.observer.session, "sim-test", query, request)
     found: list[ParamAnswer] = []
 
     def is_answered() -> bool:

@@ -6,7 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from giraff_cli.network.ports import free_port
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 from tests.support.desk import Desk
 from tests.support.recorders import hearing, require_the_same
 from tests.support.waiting import wait
@@ -22,18 +22,18 @@ def test_however_fast_it_is_said_nothing_is_left_out(tmp_path: Path) -> None:
     alone, path = Desk(tmp_path, f"127.0.0.1:{free_port()}"), tmp_path / "begin.mcap"
     recorded = begin_of_the_drive(path, SECONDS_NS)
     count = len(recorded)
-    heard: list[Heard] = []
-    with hearing(alone.rendezvous, REPLAY) as ear:
+    heard: list[RawSample] = []
+    with hearing(alone.rendezvous, REPLAY) as subscriber:
 
         def is_said_to_all() -> bool:
             done = alone.run("play", str(path), "--rate", "100")
             assert (done.returncode, done.stderr) == (0, "")
             assert f"as {REPLAY}: {count} samples" in done.stdout
-            heard.extend(ear.take())
+            heard.extend(subscriber.take())
             return len(heard) >= count
 
         def last_has_come() -> bool:
-            heard.extend(ear.take())
+            heard.extend(subscriber.take())
             return heard[-1].payload == recorded[-1].payload()
 
         wait(is_said_to_all, 60.0, what="somebody who hears all of it")

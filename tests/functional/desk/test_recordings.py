@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 
 from giraff_mcap.reading import Recording
-from giraff_node.network.discovery import robots_alive
+from giraff_node.network.discovery import list_robots
 from giraff_schemas.topics import TOPICS, key_below
 from tests.support.desk import Done, run_beside
 from tests.support.elsewhere import giraff
@@ -98,7 +98,7 @@ def test_again_and_again_only_what_is_asked_for(robot: ProcessRobot, killed: Pat
         key_below(REPLAY, "**"), lambda sample: heard.add(str(sample.key_expr).split("/", 2)[2])
     )
     with giraff_process(robot, *words, "--loop") as process:
-        robot.wait("a robot like others", lambda: REPLAY in robots_alive(robot.observer.session), 60.0)
+        robot.wait("a robot like others", lambda: REPLAY in list_robots(robot.observer.session), 60.0)
         robot.wait("all of it", lambda: asked <= heard, 60.0)
         process.send_signal(signal.SIGINT)
         output, _ = process.communicate(timeout=60.0)

@@ -23,7 +23,7 @@ def test_every_character_that_is_let_through_can_be_drawn(tmp_path: Path) -> Non
         show = Show(stock("sim-test"), live=True)
         show.to_window(window.url)
         words = " ".join("".join(ALPHABET[number : number + 20]) for number in range(0, len(ALPHABET), 20))
-        show.hear(ESTOP, EStop(engaged=True, id=1, by="\U0001f408 |", reason=words), time.time_ns())
+        show.on_sample(ESTOP, EStop(engaged=True, id=1, by="\U0001f408 |", reason=words), time.time_ns())
         show.close()
         window.picture(tmp_path / "words.png", show.newest)
         assert window.is_open()

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 import msgspec
 
-from giraff_node import Node, Pacer
+from giraff_node import Node, Timer
 from giraff_schemas.messages import Battery, EStopAnswer, Tick
 from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK
 
@@ -20,7 +20,7 @@ class Config(msgspec.Struct, frozen=True):
 
 def main(role: str) -> None:
     with Node("base" if role == "talker" else "guard", Config) as node:
-        pace = Pacer(100.0)
+        pace = Timer(100.0)
         out = node.publisher(TICK)
         inbox, newest = node.inbox(TICK), node.inbox(TICK, limit=1)
         if role == "fragile":

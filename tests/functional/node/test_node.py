@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_node.network.query_client import Asking
+from giraff_node.network.query_client import QueryClient
 from giraff_schemas.codec import encode
 from giraff_schemas.messages import Battery, EStopAnswer, EStopEngage, Tick
 from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK, alive_key, key_of
@@ -124,7 +124,7 @@ def test_logs_are_one_json_object_a_line(talker: tuple[Peers, int]) -> None:
 
 def test_a_request_is_answered_by_the_services_own_loop(talker: tuple[Peers, int]) -> None:
     peers, _ = talker
-    asking = Asking(peers.session, ROBOT, ESTOP_ENGAGE, EStopEngage(by="test", reason="refuse"))
+    asking = QueryClient(peers.session, ROBOT, ESTOP_ENGAGE, EStopEngage(by="test", reason="refuse"))
     answers: list[EStopAnswer] = []
 
     def answered() -> bool:

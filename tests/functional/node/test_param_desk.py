@@ -12,8 +12,8 @@ import msgspec
 import pytest
 
 from giraff_core.inbox import Inbox
-from giraff_core.parameters.server import ParamDesk
-from giraff_core.parameters.table import Params
+from giraff_core.parameters.server import ParameterServer
+from giraff_core.parameters.table import Parameters
 from giraff_guard.config import GuardConfig
 from giraff_node.process.state import Folder
 from giraff_schemas.params import ParamSave
@@ -26,10 +26,12 @@ class Desk:
     """Of a guard whose margin was set to 0.5 m."""
 
     def __init__(self, folder: Path) -> None:
-        self.params = Params("guard", GuardConfig(), ROBOT)
+        self.params = Parameters("guard", GuardConfig(), ROBOT)
         self.params.set("margin", 0.5)
         self.file = folder / "params" / "guard.json"
-        self._desk = ParamDesk("guard", "guard-1", "host", self.params, Folder(folder), logging.getLogger("guard").info)
+        self._server = ParameterServer(
+            "guard", "guard-1", "host", self.params, Folder(folder), logging.getLogger("guard").info
+        )
         self._saves: Inbox[Any] = Inbox(20)
 
     def ask(self, name: str = "margin") -> Asked:
@@ -43,7 +45,7 @@ class Desk:
         return asked.said is not None
 
     def turn(self) -> None:
-        self._desk.turn(Inbox(1), Inbox(1), self._saves, None)
+        self._server.turn(Inbox(1), Inbox(1), self._saves, None)
 
 
 def test_who_asks_without_end_at_a_slow_disk_takes_no_other_thread(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_core.estop import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, kept_latch
+from giraff_core.estop import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, load_latch
 from giraff_node.process.state import Folder, write_file_durably
 from tests.support.waiting import wait
 
@@ -35,7 +35,7 @@ def test_the_saver_writes_and_tells(tmp_path: Path) -> None:
     assert saver.outcome() is None
     saver.save(ENGAGED)
     assert outcome_of(saver) == (ENGAGED, "")
-    assert kept_latch(Folder(tmp_path), 41) == ENGAGED
+    assert load_latch(Folder(tmp_path), 41) == ENGAGED
 
 
 def test_the_saver_says_why_and_where_and_works_again(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from giraff_node.network.query_client import Asking
+from giraff_node.network.query_client import QueryClient
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
 from tests.support.process_robot import ARENA, FULL_TILT, PATIENCE, ProcessRobot, process_robot
@@ -47,10 +47,10 @@ def ask(robot: ProcessRobot, request: EStopEngage | EStopReset) -> EStopAnswer:
     """The answer of base."""
     name = robot.environment["GIRAFF_ROBOT_NAME"]
     session = robot.observer.session
-    asking: Asking[EStopEngage, EStopAnswer] | Asking[EStopReset, EStopAnswer] = (
-        Asking(session, name, ESTOP_ENGAGE, request)
+    asking: QueryClient[EStopEngage, EStopAnswer] | QueryClient[EStopReset, EStopAnswer] = (
+        QueryClient(session, name, ESTOP_ENGAGE, request)
         if isinstance(request, EStopEngage)
-        else Asking(session, name, ESTOP_RESET, request)
+        else QueryClient(session, name, ESTOP_RESET, request)
     )
     robot.wait("the answer of base", lambda: asking.poll(time.monotonic()) is not None, PATIENCE)
     answer = asking.poll(time.monotonic())

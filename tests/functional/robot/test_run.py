@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from giraff_cli.network.connection import Watcher
+from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import free_port
 from giraff_cli.run.simulated_robot import START_ORDER
 from giraff_core.network import NetworkConfig
@@ -100,7 +100,7 @@ def test_a_robot_of_the_same_name_on_the_network_is_refused(command: Command) ->
     settings = (ROOT / "deploy" / "robot.toml").read_text()
     robot_file.write_text(settings.replace("[network]", f'[network]\nconnect = ["{elsewhere}"]'))
     command.environment["GIRAFF_CONFIG"] = str(robot_file)
-    other = Watcher(command.robot, open_session(NetworkConfig(rendezvous=elsewhere, local=True), command.robot))
+    other = RobotConnection(command.robot, open_session(NetworkConfig(rendezvous=elsewhere, local=True), command.robot))
     with other.session.liveliness().declare_token(alive_key(command.robot, "base", "there")):
         code, out, err = command.run("--for", "5", local=False)
     assert other.close()

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.run.processes import Children
+from giraff_cli.run.processes import ProcessGroup
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import HelloFrame
 from giraff_sim.control.messages import BoardName
@@ -39,7 +39,7 @@ def test_a_replugged_base_board_is_back(robot: ProcessRobot) -> None:
 def test_noise_and_torn_frames_are_survived_and_named(board: BoardName, robot: ProcessRobot, tmp_path: Path) -> None:
     master, slave = os.openpty()
     tty.setraw(slave)
-    children = Children(tmp_path / "noise")
+    children = ProcessGroup(tmp_path / "noise")
     (tmp_path / "noise").mkdir()
     port = {f"GIRAFF_{board.upper()}_PORT": os.ttyname(slave), "GIRAFF_ROBOT_NAME": "sim-noise"}
     children.start("service", f"giraff_{board}", (), robot.environment | port)

@@ -13,10 +13,10 @@ import pytest
 import zenoh
 
 from giraff_cli.network.ports import free_port
-from giraff_cli.run.processes import Children
-from giraff_core.estop import RELEASED, kept_latch
+from giraff_cli.run.processes import ProcessGroup
+from giraff_core.estop import RELEASED, load_latch
 from giraff_core.network import NetworkConfig
-from giraff_node.network.query_client import Asking
+from giraff_node.network.query_client import QueryClient
 from giraff_node.network.session import close_session, open_session
 from giraff_node.process.state import Folder, write_latch
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, Health, RobotTime, Sample, Tick
@@ -53,7 +53,7 @@ class Base:
             "GIRAFF_BASE_PORT": str(directory / "no-board"),
             "STATE_DIRECTORY": f"{self.state}:{directory}",
         }
-        self._children = Children(directory)
+        self._children = ProcessGroup(directory)
         self.session = open_session(network, NAME)
         self._newest: dict[str, Sample] = {}
         self._subscribers = [self._listen(TICK), self._listen(ESTOP)]
@@ -97,7 +97,7 @@ class Base:
         wait(holds, 60.0)
 
     def _ask(self, query: Query[RequestT, AnswerT], request: RequestT) -> AnswerT:
-        asking = Asking(self.session, NAME, query, request)
+        asking = QueryClient(self.session, NAME, query, request)
         answers: list[AnswerT] = []
 
         def answered() -> bool:
@@ -130,14 +130,14 @@ def test_the_latch_outlives_base_and_so_does_a_reset(base: Base) -> None:
     answer = base.engage()
     assert (answer.done, answer.engaged) == (True, True)
     base.kill()
-    assert kept_latch(Folder(base.state), 1).id == answer.id
+    assert load_latch(Folder(base.state), 1).id == answer.id
     again = base.start()
     assert (again.engaged, again.id, again.by) == (True, answer.id, "test")
     old = EStopReset(by="test", id=again.id, tick=RobotTime(epoch=1, robot_ns=0))
     assert not base._ask(ESTOP_RESET, old).done
     assert base.reset().done
     base.kill()
-    assert not kept_latch(Folder(base.state), 1).engaged
+    assert not load_latch(Folder(base.state), 1).engaged
     assert not base.start().engaged
 
 

@@ -8,7 +8,7 @@ import pytest
 import zenoh
 
 from giraff_mcap import raw_subscriber as ear
-from giraff_mcap.raw_subscriber import Ear
+from giraff_mcap.raw_subscriber import RawSubscriber
 from giraff_node.network.session import close_session
 
 
@@ -23,7 +23,7 @@ def session() -> Iterator[zenoh.Session]:
 
 
 def test_each_sample_comes_with_its_key_its_bytes_and_its_encoding(session: zenoh.Session) -> None:
-    hears = Ear(session, ["giraff/anna/**"])
+    hears = RawSubscriber(session, ["giraff/anna/**"])
     for number in range(3):
         session.put("giraff/anna/odom", bytes([number]), encoding="application/msgpack")
         session.put("giraff/anna/own", b"x", encoding="text/plain")
@@ -45,7 +45,7 @@ def test_each_sample_comes_with_its_key_its_bytes_and_its_encoding(session: zeno
 
 def test_what_cannot_wait_is_counted(session: zenoh.Session, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ear, "_MOST_WAITING", 5)
-    hears = Ear(session, ["giraff/anna/**"])
+    hears = RawSubscriber(session, ["giraff/anna/**"])
     for number in range(8):
         session.put("giraff/anna/odom", bytes([number]) * 2)
     assert hears.overrun == 3

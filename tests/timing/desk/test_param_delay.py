@@ -6,7 +6,7 @@ import statistics
 import time
 from pathlib import Path
 
-from giraff_node.network.query_client import Asking
+from giraff_node.network.query_client import QueryClient
 from giraff_schemas.params import ParamSet
 from giraff_schemas.topics import GUARD, PARAM_SET
 from tests.support.process_robot import process_robot
@@ -23,7 +23,7 @@ def test_a_tightening_changes_the_verdict_within_a_fifth_of_a_second(tmp_path: P
 
         def answered(margin: float) -> None:
             request = ParamSet(name="margin", value=margin, by="test")
-            asking = Asking(robot.observer.session, "sim-test", PARAM_SET.at("guard"), request)
+            asking = QueryClient(robot.observer.session, "sim-test", PARAM_SET.at("guard"), request)
             robot.wait("an answer", lambda: asking.poll(time.monotonic()) is not None, 5.0)
 
         took, begin_ns = [], time.monotonic_ns()

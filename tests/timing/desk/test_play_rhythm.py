@@ -28,9 +28,9 @@ def test_it_is_said_again_in_its_order_and_rhythm(tmp_path: Path) -> None:
     recorded = begin_of_the_drive(path, SECONDS_NS)
     gc.disable()  # which holds up whoever listens here for longer than a sample may be late
     try:
-        with hearing(alone.rendezvous, REPLAY) as ear, stalls_seen(alone.directory) as stalls:
+        with hearing(alone.rendezvous, REPLAY) as subscriber, stalls_seen(alone.directory) as stalls:
             done = alone.run("play", str(path))
-            heard = all_of(ear, len(recorded))
+            heard = all_of(subscriber, len(recorded))
     finally:
         gc.enable()
     assert (done.returncode, done.stderr) == (0, "")

@@ -16,7 +16,7 @@ import psutil
 import pytest
 from mcap.reader import make_reader
 
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
 from giraff_schemas.messages import BaseState
 from giraff_schemas.topics import BASE
@@ -37,11 +37,11 @@ FASTER = 4
 REPLAY = "replay-sim-test"
 LISTENER = """
 import sys, threading, zenoh
-from giraff_mcap.raw_subscriber import step_back
+from giraff_mcap.raw_subscriber import lower_priority
 from giraff_node.config.robot_file import load
 from giraff_node.network.session import NetworkConfig, open_session
 from giraff_schemas.topics import key_below
-step_back()
+lower_priority()
 session = open_session(load("network", NetworkConfig), "sim-test", visiting=True)
 listens = session.declare_subscriber(key_below("sim-test", "**"), zenoh.handlers.RingChannel(1))
 threading.Event().wait()
@@ -128,18 +128,18 @@ def as_played(robot: ProcessRobot, path: Path) -> dict[str, Any]:
     recorded = list(Recording(path).samples())
     gc.freeze()  # half a million objects, which would be looked through while samples come
     words = ("play", path.name, "--rate", f"{FASTER}", "--json")
-    heard: list[Heard] = []
-    with hearing(robot.environment["GIRAFF_NETWORK_RENDEZVOUS"], REPLAY) as ear:
+    heard: list[RawSample] = []
+    with hearing(robot.environment["GIRAFF_NETWORK_RENDEZVOUS"], REPLAY) as subscriber:
         with giraff_process(robot, *words) as player:
 
             def has_ended() -> bool:
-                heard.extend(ear.take())
+                heard.extend(subscriber.take())
                 return player.poll() is not None
 
             wait(has_ended, SECONDS, what="the end of giraff play", every=0.2)
             output, _ = player.communicate()
         time.sleep(1.0)  # the last may be on their way
-        heard += ear.take()
+        heard += subscriber.take()
     require_the_same(heard, recorded, REPLAY)
     played: dict[str, Any] = msgspec.json.decode(output)
     return {"times_as_fast": FASTER, "samples": played["samples"], "seconds": played["seconds"]}

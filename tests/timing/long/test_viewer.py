@@ -88,7 +88,7 @@ def test_an_hour_stays_within_its_memory() -> None:
         began, wall_ns = time.monotonic(), time.time_ns()
         for second in range(HOUR):
             for topic, sample, now_ns in samples_of(second):
-                show.hear(topic, sample, wall_ns + now_ns)
+                show.on_sample(topic, sample, wall_ns + now_ns)
             time.sleep(max(0.0, began + (second + 1) / SPEED - time.monotonic()))
             if second % 60 == 59:
                 uses.append(use_of(viewer))

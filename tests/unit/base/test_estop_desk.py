@@ -8,7 +8,7 @@ from typing import Generic, TypeVar
 import pytest
 
 from giraff_base.estop import RELEASED, EStopLatch
-from giraff_base.estop_server import EStopDesk
+from giraff_base.estop_server import EStopServer
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import EstopFrame, Latch
 from tests.unit.base.rig import Rig, moving
@@ -71,7 +71,7 @@ class Office:
     def __init__(self) -> None:
         self.rig = Rig()
         self.disk = Disk()
-        self.desk = EStopDesk(self.rig.base, self.disk)
+        self.desk = EStopServer(self.rig.base, self.disk)
         self.go_on()
 
     def go_on(self, seconds: float = 0.03) -> None:
@@ -97,7 +97,7 @@ def test_at_its_start_base_writes_what_is_in_force_and_so_finds_a_bad_disk() -> 
     assert Office().disk.writes == 1
     office = Office()
     office.disk.trouble = FULL
-    bad = EStopDesk(office.rig.base, office.disk)
+    bad = EStopServer(office.rig.base, office.disk)
     bad.turn(office.rig.now)
     office.disk.work()
     bad.turn(office.rig.now)

@@ -10,7 +10,7 @@ from unittest.mock import MagicMock
 import pytest
 import zenoh
 
-from giraff_cli.terminal.signals import Stopping
+from giraff_cli.terminal.signals import StopSignal
 
 
 class QuietNetwork:
@@ -68,9 +68,9 @@ def meet(monkeypatch: pytest.MonkeyPatch, *tokens: str) -> QuietNetwork:
     for name in ("monotonic", "monotonic_ns", "sleep"):
         monkeypatch.setattr(f"time.{name}", getattr(clock, name))
 
-    def wait(stopping: Stopping, seconds: float, patience: int = 1) -> bool:
+    def wait(stopping: StopSignal, seconds: float, patience: int = 1) -> bool:
         clock.sleep(seconds)
         return stopping.asked >= patience
 
-    monkeypatch.setattr(Stopping, "wait", wait)
+    monkeypatch.setattr(StopSignal, "wait", wait)
     return network

@@ -161,7 +161,7 @@ class Network:
         seq = self._seq.get((key, maker), 0)
         self._seq[key, maker] = seq + 1
         if not lose:
-            self.telemetry.hear(topic, key, stamped(sample, seq, 0, maker), at_ns)
+            self.telemetry.on_sample(topic, key, stamped(sample, seq, 0, maker), at_ns)
 
 
 def ten_seconds() -> RunTelemetry:
@@ -175,7 +175,7 @@ def drive_ten_seconds(telemetry: Telemetry) -> None:
     """Straight on with 0.4 m/s, everything in order."""
     network = Network(telemetry)
     for service in ("joystick", "guard", "base", "ranger", "odometry"):
-        telemetry.announce(service, "m", present=True)
+        telemetry.on_liveliness(service, "m", present=True)
     for ms in range(0, 10_001, 10):
         now, x = ms * MS, 0.4e-3 * ms
         network.send(topics.WHEELS, wheels(now), now)

@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from giraff_cli.why.diagnosis import Diagnosis, diagnose
-from giraff_cli.why.observation import Evidence
+from giraff_cli.why.observation import Observation
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import DriveCommand, GuardState, Health, Tick, Tilt, Verdict
@@ -103,14 +103,14 @@ class Scene:
         return self
 
     def diagnosis(self) -> Diagnosis:
-        evidence = Evidence("otto")
+        observation = Observation("otto")
         for (key, _), (topic, _, sample, maker) in self.sent.items():
-            evidence.hear(topic, key, stamped(sample, 0, 0, maker), NOW)
+            observation.on_sample(topic, key, stamped(sample, 0, 0, maker), NOW)
         for service in self.alive:
-            evidence.announce(service, service, present=True)
-        evidence.health = self.health
-        evidence.now_ns = NOW + 10 * MS
-        return diagnose(evidence)
+            observation.on_liveliness(service, service, present=True)
+        observation.health = self.health
+        observation.now_ns = NOW + 10 * MS
+        return diagnose(observation)
 
     def _no_joystick(self) -> None:
         self.drop(topics.TILT, topics.OPERATOR_CMD_VEL)

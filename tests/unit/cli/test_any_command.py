@@ -113,7 +113,7 @@ def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
     for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
-    monkeypatch.setattr(giraff_cli.record.recorder, "step_back", lambda: None)  # it is for the whole process
+    monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
     monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())
     monkeypatch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)

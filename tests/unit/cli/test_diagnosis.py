@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from giraff_cli.why.diagnosis import LINKS
-from giraff_cli.why.observation import Evidence
+from giraff_cli.why.observation import Observation
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from tests.unit.cli.samples import MS, base, lease, reading, verdict
@@ -19,9 +19,9 @@ from tests.unit.cli.scenes import CAUSES, HAND, NOW, Scene, blocked, command, fa
 @pytest.mark.parametrize("cause", CAUSES)
 def test_the_link_to_blame_is_named_with_the_way_out(cause: str) -> None:
     change, link, told = CAUSES[cause]
-    scene = Scene()
-    change(scene)
-    diagnosis = scene.diagnosis()
+    chain = Scene()
+    change(chain)
+    diagnosis = chain.diagnosis()
     assert diagnosis.stopped_by == link, shown(diagnosis.links)
     assert diagnosis.conclusion.startswith(f"{link}: ")
     assert told in diagnosis.conclusion
@@ -30,10 +30,10 @@ def test_the_link_to_blame_is_named_with_the_way_out(cause: str) -> None:
 @pytest.mark.parametrize("cause", CAUSES)
 def test_no_link_is_blamed_for_another(cause: str) -> None:
     change, link, _ = CAUSES[cause]
-    scene = Scene()
-    change(scene)
-    blamed = [each.name for each in scene.diagnosis().links if each.breaks]
-    assert blamed == [link], shown(scene.diagnosis().links)
+    chain = Scene()
+    change(chain)
+    blamed = [each.name for each in chain.diagnosis().links if each.breaks]
+    assert blamed == [link], shown(chain.diagnosis().links)
 
 
 def shown(links: Iterable[Any]) -> str:
@@ -49,19 +49,19 @@ def test_with_nothing_wrong_nothing_is_found() -> None:
 
 
 def test_a_robot_that_drives_does() -> None:
-    scene = Scene()
-    scene.put(topics.OPERATOR_CMD_VEL, command(0.3), HAND, "joystick")
-    scene.put(topics.BASE, base(), "b")
-    assert scene.diagnosis().drives
-    assert scene.diagnosis().conclusion == "the robot drives"
-    scene.put(topics.BASE, base(reason="slowed: the operator's commands come late"), "b")
-    assert scene.diagnosis().conclusion == "the robot drives, but base: slowed: the operator's commands come late"
+    chain = Scene()
+    chain.put(topics.OPERATOR_CMD_VEL, command(0.3), HAND, "joystick")
+    chain.put(topics.BASE, base(), "b")
+    assert chain.diagnosis().drives
+    assert chain.diagnosis().conclusion == "the robot drives"
+    chain.put(topics.BASE, base(reason="slowed: the operator's commands come late"), "b")
+    assert chain.diagnosis().conclusion == "the robot drives, but base: slowed: the operator's commands come late"
 
 
 def test_what_is_in_the_way_of_a_level_hand_only_limits() -> None:
-    scene = Scene()
-    scene.put(topics.GUARD, state(forward=blocked()), "g")
-    diagnosis = scene.diagnosis()
+    chain = Scene()
+    chain.put(topics.GUARD, state(forward=blocked()), "g")
+    diagnosis = chain.diagnosis()
     assert diagnosis.stopped_by == ""
     assert diagnosis.conclusion.startswith(
         "nothing stops the robot, but guard: forward blocked by range_front_left at 0.31 m"
@@ -69,54 +69,54 @@ def test_what_is_in_the_way_of_a_level_hand_only_limits() -> None:
 
 
 def test_a_turn_is_judged_where_a_turn_is_asked_for() -> None:
-    scene = Scene()
-    scene.put(topics.OPERATOR_CMD_VEL, command(angular=0.5), HAND, "joystick")
-    scene.put(topics.GUARD, state(forward=blocked(), backward=blocked()), "g")
-    assert scene.diagnosis().stopped_by == ""
-    scene.put(topics.GUARD, state(turn_left=blocked()), "g")
-    assert scene.diagnosis().conclusion.startswith("guard: turn left blocked")
-    scene.put(topics.OPERATOR_CMD_VEL, command(angular=-0.5), HAND, "joystick")
-    assert scene.diagnosis().stopped_by == ""
+    chain = Scene()
+    chain.put(topics.OPERATOR_CMD_VEL, command(angular=0.5), HAND, "joystick")
+    chain.put(topics.GUARD, state(forward=blocked(), backward=blocked()), "g")
+    assert chain.diagnosis().stopped_by == ""
+    chain.put(topics.GUARD, state(turn_left=blocked()), "g")
+    assert chain.diagnosis().conclusion.startswith("guard: turn left blocked")
+    chain.put(topics.OPERATOR_CMD_VEL, command(angular=-0.5), HAND, "joystick")
+    assert chain.diagnosis().stopped_by == ""
 
 
 def test_what_only_creeps_says_why() -> None:
-    scene = Scene()
+    chain = Scene()
     unproved = verdict(0.1, "creep", "rear", "rear has not proved that it hears", "face a wall")
-    scene.put(topics.GUARD, state(backward=unproved), "g")
+    chain.put(topics.GUARD, state(backward=unproved), "g")
     limits = "guard: backward only creeps: rear has not proved that it hears; face a wall"
-    assert scene.diagnosis().conclusion == f"nothing stops the robot, but {limits}"
+    assert chain.diagnosis().conclusion == f"nothing stops the robot, but {limits}"
 
 
 def test_of_two_operators_the_holder_of_the_lease_counts() -> None:
-    scene = Scene()
+    chain = Scene()
     other = msgspec.structs.replace(fault("the terminal is gone"), operator="keyboard")
-    scene.put(topics.OPERATOR_CMD_VEL, other, "k", "keyboard")
-    assert scene.diagnosis().stopped_by == ""
-    scene.put(topics.LEASE, lease("k", "keyboard"), "g")
-    assert scene.diagnosis().conclusion == "operator: keyboard: the terminal is gone"
+    chain.put(topics.OPERATOR_CMD_VEL, other, "k", "keyboard")
+    assert chain.diagnosis().stopped_by == ""
+    chain.put(topics.LEASE, lease("k", "keyboard"), "g")
+    assert chain.diagnosis().conclusion == "operator: keyboard: the terminal is gone"
 
 
 def test_several_causes_are_told_from_the_hand_on() -> None:
-    scene = Scene()
+    chain = Scene()
     for cause in ("stuck wheel", "obstacle", "laid down"):
-        CAUSES[cause][0](scene)
-    scene.put(topics.BASE, base(armed=False, latch="left_stuck"), "b")
-    diagnosis = scene.diagnosis()
+        CAUSES[cause][0](chain)
+    chain.put(topics.BASE, base(armed=False, latch="left_stuck"), "b")
+    diagnosis = chain.diagnosis()
     assert diagnosis.stopped_by == "hand"
     assert diagnosis.conclusion.endswith("(then: board)")
 
 
 def test_a_sample_of_long_ago_tells_nothing_of_now() -> None:
-    evidence = Evidence("otto")
-    evidence.hear(topics.BASE, topics.BASE.key, stamped(base(), 0, 0, "b"), NOW)
-    evidence.now_ns = NOW + 400 * MS
-    assert evidence.newest(topics.BASE) is not None
-    evidence.now_ns = NOW + 600 * MS
-    assert evidence.newest(topics.BASE) is None
+    observation = Observation("otto")
+    observation.on_sample(topics.BASE, topics.BASE.key, stamped(base(), 0, 0, "b"), NOW)
+    observation.now_ns = NOW + 400 * MS
+    assert observation.newest(topics.BASE) is not None
+    observation.now_ns = NOW + 600 * MS
+    assert observation.newest(topics.BASE) is None
 
 
 def test_a_reading_s_name_is_the_sensor_s() -> None:
-    scene = Scene()
-    scene.put(topics.RANGE, reading("rear", None, "clear"), "r", "rear")
-    [ranger] = [link for link in scene.diagnosis().links if link.name == "ranger"]
+    chain = Scene()
+    chain.put(topics.RANGE, reading("rear", None, "clear"), "r", "rear")
+    [ranger] = [link for link in chain.diagnosis().links if link.name == "ranger"]
     assert ranger.text == "front_left 1.50 m, front_right 1.50 m, rear clear"

@@ -14,7 +14,7 @@ import pytest
 
 import giraff_cli.estop.client as it
 from giraff_cli.estop.client import engage, reset, status
-from giraff_cli.network.connection import Watcher
+from giraff_cli.network.connection import RobotConnection
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Tick
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, alive_key, key_of
@@ -37,7 +37,7 @@ class Network:
     def __init__(self) -> None:
         self.clock = Clock()
         self.session = Session(self.clock)
-        self.watcher = Watcher(ROBOT, cast(Any, self.session))
+        self.connection = RobotConnection(ROBOT, cast(Any, self.session))
 
     @contextmanager
     def base(
@@ -86,7 +86,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
 
 def test_engaging_is_told_once_base_confirms_it(network: Network) -> None:
     with network.base() as asked:
-        code, text = engage(network.watcher, "me", "a cat", 10.0)
+        code, text = engage(network.connection, "me", "a cat", 10.0)
     assert (code, text) == (0, f"{ROBOT}: STOPPED, latch 8; it stays so until `giraff estop reset`")
     assert [request for request, _ in asked] == [EStopEngage(by="me", reason="a cat")]
     assert network.clock.monotonic() < 0.1
@@ -95,14 +95,14 @@ def test_engaging_is_told_once_base_confirms_it(network: Network) -> None:
 def test_engaging_is_repeated_until_somebody_is_there(network: Network) -> None:
     comes = network.base()
     network.clock.after(7.0, comes.__enter__)
-    assert engage(network.watcher, "me", "", 20.0).code == 0
+    assert engage(network.connection, "me", "", 20.0).code == 0
     assert 7.0 < network.clock.monotonic() < 7.3
     comes.__exit__(None, None, None)
 
 
 def test_a_stop_that_nobody_confirms_is_no_stop(network: Network) -> None:
     with network.session.declare_token(alive_key("anna", "base", "1")):
-        code, text = engage(network.watcher, "me", "", 0.5)
+        code, text = engage(network.connection, "me", "", 0.5)
     assert code == 2
     assert text.startswith(f"NOT CONFIRMED after 0.5 s: nobody answered {key_of(ROBOT, ESTOP_ENGAGE)}; use the battery")
     assert text.endswith("; on the network: --robot anna")
@@ -122,7 +122,7 @@ def test_an_answer_that_is_no_confirmation_is_not_taken_for_one(
     network: Network, answer: EStopAnswer | None, code: int, told: str
 ) -> None:
     with network.base(lambda _: answer) as asked:
-        result = engage(network.watcher, "me", "", 1.0)
+        result = engage(network.connection, "me", "", 1.0)
     assert result.code == code
     assert told in result.text
     assert len(asked) > 1, "asked again and again"
@@ -130,7 +130,7 @@ def test_an_answer_that_is_no_confirmation_is_not_taken_for_one(
 
 def test_a_base_that_hangs_does_not_hide_the_answer_of_another(network: Network) -> None:
     with network.base(lambda _: None, instance="a") as hanging, network.base():
-        assert engage(network.watcher, "me", "", 10.0).code == 0
+        assert engage(network.connection, "me", "", 10.0).code == 0
     assert hanging
     assert network.clock.monotonic() < 0.1, "held back until the slower one's time-out"
 
@@ -141,7 +141,7 @@ def cleared(request: Any) -> EStopAnswer:
 
 def test_a_reset_names_the_latch_it_clears_and_carries_a_fresh_tick(network: Network) -> None:
     with network.base(cleared) as asked:
-        code, text = reset(network.watcher, "me", 10.0)
+        code, text = reset(network.connection, "me", 10.0)
     assert code == 0
     assert text.startswith(f"cleared latch 7 of {ROBOT}, engaged by ann@desk: smoke")
     assert "hold the hand level until it is armed" in text
@@ -156,13 +156,13 @@ def test_a_reset_names_the_latch_it_clears_and_carries_a_fresh_tick(network: Net
 @pytest.mark.parametrize("engaged", [True, False])
 def test_a_reset_that_base_refuses_is_told_with_its_reason(network: Network, engaged: bool) -> None:
     with network.base(lambda _: EStopAnswer(done=False, engaged=engaged, id=9, reason="another latch")):
-        code, text = reset(network.watcher, "me", 10.0)
+        code, text = reset(network.connection, "me", 10.0)
     assert (code, text) == (1, f"STILL ENGAGED, latch 7 of {ROBOT}, engaged by ann@desk: smoke: another latch")
 
 
 def test_a_reset_without_an_answer_is_not_taken_for_one(network: Network) -> None:
     with network.base(lambda _: None):
-        code, text = reset(network.watcher, "me", 2.0)
+        code, text = reset(network.connection, "me", 2.0)
     assert code == 2
     assert text.startswith("NOT CONFIRMED after 2 s, latch 7")
     assert network.clock.monotonic() == pytest.approx(2.0, abs=0.02)
@@ -170,35 +170,35 @@ def test_a_reset_without_an_answer_is_not_taken_for_one(network: Network) -> Non
 
 def test_without_the_robots_clock_nothing_is_reset(network: Network) -> None:
     with network.base(cleared, ticks=False) as asked:
-        code, text = reset(network.watcher, "me", 2.0)
+        code, text = reset(network.connection, "me", 2.0)
     assert (code, asked) == (2, [])
     assert "the robot's clock is not heard" in text
 
 
 def test_what_is_released_is_not_reset(network: Network) -> None:
     with network.base(cleared, RELEASED) as asked:
-        code, text = reset(network.watcher, "me", 10.0)
+        code, text = reset(network.connection, "me", 10.0)
     assert (code, asked) == (0, [])
     assert "not engaged, nothing to clear" in text
 
 
 def test_of_two_bases_none_is_reset_and_the_engaged_one_shows(network: Network) -> None:
     with network.base(cleared) as one, network.base(cleared, RELEASED, "c") as two:
-        code, text = status(network.watcher, 10.0)
+        code, text = status(network.connection, 10.0)
         assert code == 1
         assert f"{ROBOT}: ENGAGED, latch 7, by ann@desk: smoke" in text
         assert "2 bases are called" in text
-        code, text = reset(network.watcher, "me", 5.0)
+        code, text = reset(network.connection, "me", 5.0)
         assert (code, one, two) == (2, [], [])
         assert "end all but one" in text
 
 
 def test_the_status_is_base_s_own_word(network: Network) -> None:
     with network.base(state=RELEASED):
-        assert status(network.watcher, 10.0) == (0, f"{ROBOT}: released, latch 7, by ann@desk: ")
+        assert status(network.connection, 10.0) == (0, f"{ROBOT}: released, latch 7, by ann@desk: ")
 
 
 def test_silence_is_no_status(network: Network) -> None:
-    for told in (status(network.watcher, 0.3), reset(network.watcher, "me", 0.3)):
+    for told in (status(network.connection, 0.3), reset(network.connection, "me", 0.3)):
         assert told.code == 2
         assert told.text.startswith(f"UNKNOWN: nothing is heard on {key_of(ROBOT, ESTOP)} after 0.3 s")

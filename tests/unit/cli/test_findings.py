@@ -8,7 +8,18 @@ import msgspec
 import pytest
 
 from giraff_cli.doctor.findings import findings
-from giraff_cli.doctor.inspection import Answer, Call, Disk, Interface, Look, Machine, Network, Port, Rate, Robot
+from giraff_cli.doctor.inspection import (
+    Disk,
+    HealthReply,
+    Inspection,
+    Interface,
+    Machine,
+    Network,
+    Port,
+    Probe,
+    Rate,
+    Robot,
+)
 from giraff_cli.doctor.interfaces import is_own, on_link
 from giraff_schemas.messages import Health
 from tests.unit.cli.samples import base, estop
@@ -20,11 +31,11 @@ MACHINE = Machine(host="pc", version="0.1.0-aa", interfaces=(UPLINK,), disks=(DI
 NETWORK = Network(robots=("anne",), scouted=True)
 
 
-def answer(service: str, ahead: float | None = 0.0, **fields: Any) -> Answer:
+def answer(service: str, ahead: float | None = 0.0, **fields: Any) -> HealthReply:
     health = Health(
         service=service, instance=service, host="pc", pid=1, uptime=9.0, ok=True, faults=(), version="0.1.0-aa"
     )
-    return Answer(health=msgspec.structs.replace(health, **fields), ahead=ahead, uncertainty=0.01)
+    return HealthReply(health=msgspec.structs.replace(health, **fields), ahead=ahead, uncertainty=0.01)
 
 
 ROBOT = Robot(
@@ -36,37 +47,37 @@ ROBOT = Robot(
     base=base(),
     estop=estop(),
 )
-HEALTHY = Look(machine=MACHINE, network=NETWORK, robot=ROBOT, wanted="anne")
+HEALTHY = Inspection(machine=MACHINE, network=NETWORK, robot=ROBOT, wanted="anne")
 
 
-def said(look: Look) -> list[str]:
+def said(look: Inspection) -> list[str]:
     return [f"{each.severity} {each.about}: {each.what} -> {each.fix}" for each in findings(look)]
 
 
-def of_machine(**fields: Any) -> Look:
+def of_machine(**fields: Any) -> Inspection:
     return msgspec.structs.replace(HEALTHY, machine=msgspec.structs.replace(MACHINE, **fields))
 
 
-def of_robot(**fields: Any) -> Look:
+def of_robot(**fields: Any) -> Inspection:
     return msgspec.structs.replace(HEALTHY, robot=msgspec.structs.replace(ROBOT, **fields))
 
 
-def answered(*changed: Answer) -> Look:
+def answered(*changed: HealthReply) -> Inspection:
     names = {each.health.service for each in changed}
     return of_robot(answers=(*(each for each in ROBOT.answers if each.health.service not in names), *changed))
 
 
-def rated(**fields: Any) -> Look:
+def rated(**fields: Any) -> Inspection:
     return of_robot(rates=(msgspec.structs.replace(ROBOT.rates[0], **fields),))
 
 
-def silent(machine: Machine = MACHINE, **fields: Any) -> Look:
+def silent(machine: Machine = MACHINE, **fields: Any) -> Inspection:
     network = msgspec.structs.replace(Network(), **fields)
-    return Look(machine=machine, network=network, robot=None, wanted="anne")
+    return Inspection(machine=machine, network=network, robot=None, wanted="anne")
 
 
-def call(outcome: Any, detail: str = "", *, on_link: bool = True) -> tuple[Call, ...]:
-    return (Call(address="10.71.1.9:7447", outcome=outcome, detail=detail, on_link=on_link),)
+def call(outcome: Any, detail: str = "", *, on_link: bool = True) -> tuple[Probe, ...]:
+    return (Probe(address="10.71.1.9:7447", outcome=outcome, detail=detail, on_link=on_link),)
 
 
 def test_a_healthy_robot_has_no_findings() -> None:
@@ -128,7 +139,7 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (silent(calls=call("answers")), "10.71.1.9:7447 answers, but runs no service of it"),
     ],
 )
-def test_what_is_wrong_is_named_with_its_way_out(look: Look, told: str) -> None:
+def test_what_is_wrong_is_named_with_its_way_out(look: Inspection, told: str) -> None:
     assert any(told in each for each in said(look)), said(look)
     assert all(each.fix for each in findings(look))
 

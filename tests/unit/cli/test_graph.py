@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 
 from giraff_cli.graph.graph import Edge, Graph, dot
-from giraff_cli.network.robot_graph import Maker
+from giraff_cli.network.robot_graph import NodeId
 
 DRAWN = Graph(
     robot="anne",
-    nodes={name: Maker(name, "1") for name in ("base", "guard")},
+    nodes={name: NodeId(name, "1") for name in ("base", "guard")},
     edges=[
         Edge("base", "base", ""),
         Edge("base", "tick", "guard"),

@@ -18,7 +18,7 @@ import giraff_cli.record.recorder
 from giraff_cli.main import app
 from giraff_client import NoRobotError, Robot
 from giraff_node.config.robot_file import TABLES, ConfigError
-from giraff_node.network.discovery import find_way
+from giraff_node.network.discovery import resolve_target
 from tests.rules.repository import ROOT
 from tests.unit.cli.typed import typed
 
@@ -135,7 +135,7 @@ def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
         raise zenoh.ZError("none is opened here")
 
     monkeypatch.setattr(zenoh, "open", refuse)
-    monkeypatch.setattr(giraff_cli.record.recorder, "step_back", lambda: None)  # it is for the whole process
+    monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
     monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.chdir(tmp_path)
     for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
@@ -305,7 +305,7 @@ def test_a_folder_that_is_gone_lets_no_stop_go_astray(
 def test_what_is_meant_for_nothing_else_raises_no_alarm(text: str, variables: dict[str, str], tmp_path: Path) -> None:
     path = tmp_path / "robot.toml"
     path.write_text(text)
-    find_way(None, (), {"GIRAFF_CONFIG": str(path), **variables})
+    resolve_target(None, (), {"GIRAFF_CONFIG": str(path), **variables})
 
 
 def test_nor_does_what_this_repository_brings() -> None:
@@ -313,13 +313,13 @@ def test_nor_does_what_this_repository_brings() -> None:
         for settings in (*(ROOT / "deploy" / "env").glob("*.env"), ROOT / "deploy" / "systemd" / "giraff.env"):
             lines = [line.removeprefix("#") for line in settings.read_text().splitlines()]
             variables = dict(line.split("=", 1) for line in lines if line.startswith("GIRAFF_") and "<" not in line)
-            assert find_way(None, (), {"GIRAFF_CONFIG": str(path), **variables}).warning == ""
+            assert resolve_target(None, (), {"GIRAFF_CONFIG": str(path), **variables}).warning == ""
 
 
 @pytest.mark.parametrize("table", sorted({*TABLES} - {"network", "router"}))
 def test_no_table_takes_a_mode_that_is_not_its_own(table: str) -> None:
     with pytest.raises(ConfigError, match=rf"\[{table}\] .*: unknown field `mode`; did you mean 'mode' of \[network\]"):
-        find_way("anne", (), {f"GIRAFF_{table.upper()}_MODE": "secured"})
+        resolve_target("anne", (), {f"GIRAFF_{table.upper()}_MODE": "secured"})
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_cli.network.statistics import Arrival, Head, Tally
+from giraff_cli.network.statistics import Arrival, Header, TopicStatistics
 
 PERIOD_NS = 10_000_000
 
@@ -14,14 +14,14 @@ PERIOD_NS = 10_000_000
 def arrival(seq: int | None, instance: str = "a", *, size: int = 50, late_ns: int = 0) -> Arrival:
     """A sample of a 100 Hz key, as it comes after `late_ns`; None: one that cannot be read."""
     at_ns = (seq or 0) * PERIOD_NS
-    head = None if seq is None else Head(seq, at_ns, instance)
+    head = None if seq is None else Header(seq, at_ns, instance)
     return Arrival("odom", size, head, (at_ns + late_ns) * 1e-9, at_ns + late_ns)
 
 
-def heard(*seqs: int) -> Tally:
-    tally = Tally("odom")
+def heard(*seqs: int) -> TopicStatistics:
+    tally = TopicStatistics("odom")
     for seq in seqs:
-        tally.hear(arrival(seq))
+        tally.on_sample(arrival(seq))
     return tally
 
 
@@ -59,18 +59,18 @@ def test_a_leap_of_the_numbers_takes_no_memory() -> None:
 
 def test_each_maker_has_its_own_numbers() -> None:
     tally = heard(0, 1, 2)
-    tally.hear(arrival(0, "b"))
-    tally.hear(arrival(None))
+    tally.on_sample(arrival(0, "b"))
+    tally.on_sample(arrival(None))
     assert {instance: count.lost for instance, count in tally.counts.items()} == {"a": 0, "b": 0}
     assert (tally.samples, tally.unreadable) == (5, 1)
 
 
 def test_ages_and_sizes() -> None:
-    tally = Tally("odom")
+    tally = TopicStatistics("odom")
     for seq in range(101):
-        tally.hear(arrival(seq, size=40 + seq % 3, late_ns=2_000_000 if seq else 30_000_000))
+        tally.on_sample(arrival(seq, size=40 + seq % 3, late_ns=2_000_000 if seq else 30_000_000))
     ages = tally.counts["a"].ages
-    assert (ages.share(0.5), ages.share(1.0)) == (2.0, 30.0)
+    assert (ages.quantile(0.5), ages.quantile(1.0)) == (2.0, 30.0)
     assert (tally.smallest, tally.largest) == (40, 42)
     assert tally.bytes_per_second == pytest.approx(4100.0, rel=0.05)
 

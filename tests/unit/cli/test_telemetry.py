@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from giraff_cli.network.age_histogram import Ages
+from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.odometry_error import Comparison
 from giraff_cli.run.telemetry import RunTelemetry
-from giraff_cli.telemetry.rate import Flow
+from giraff_cli.telemetry.rate import RateEstimator
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
@@ -81,11 +81,11 @@ def test_a_restarted_maker_counts_from_zero_and_loses_nothing_by_it() -> None:
 
 
 def test_samples_before_the_first_that_was_heard_are_not_lost() -> None:
-    flow = Flow(500, 0.0)
-    flow.hear(500, 0.0)
-    flow.hear(501, 0.1)
+    flow = RateEstimator(500, 0.0)
+    flow.on_sample(500, 0.0)
+    flow.on_sample(501, 0.1)
     assert flow.lost == 0
-    flow.hear(504, 0.4)
+    flow.on_sample(504, 0.4)
     assert flow.lost == 2
 
 
@@ -101,9 +101,9 @@ def test_a_rate_is_alarming_only_while_samples_are_lost() -> None:
 
 
 def test_a_loss_over_a_long_cut_is_noticed_too() -> None:
-    flow = Flow(0, 0.0)
-    flow.hear(0, 0.0)
-    flow.hear(100, 10.0)
+    flow = RateEstimator(0, 0.0)
+    flow.on_sample(0, 0.0)
+    flow.on_sample(100, 10.0)
     assert flow.loses_now(10.0)
     assert not flow.loses_now(14.0)
 
@@ -154,20 +154,20 @@ def test_a_tick_of_another_epoch_or_none_has_no_age() -> None:
 
 
 def test_ages_do_not_grow_with_the_run() -> None:
-    ages = Ages()
+    ages = AgeHistogram()
     for count in range(10_000):
         ages.add(20.0 + count % 10)
     assert len(ages._counts) == 10
-    assert ages.share(0.5) == 24.0
+    assert ages.quantile(0.5) == 24.0
 
 
 def test_services_come_and_go() -> None:
     telemetry = quiet()
-    telemetry.announce("base", "one", present=True)
-    telemetry.announce("base", "two", present=True)
-    telemetry.announce("base", "one", present=False)
+    telemetry.on_liveliness("base", "one", present=True)
+    telemetry.on_liveliness("base", "two", present=True)
+    telemetry.on_liveliness("base", "one", present=False)
     assert telemetry.alive == {"base"}
-    telemetry.announce("base", "two", present=False)
+    telemetry.on_liveliness("base", "two", present=False)
     assert telemetry.alive == frozenset()
 
 
@@ -184,7 +184,7 @@ def drive(comparison: Comparison, error_x: float = 0.0, error_yaw: float = 0.0, 
         if ms % 10 == 3:
             share = ms / 5000
             sample = odometry(ms * MS, 0.5e-3 * ms + error_x * share, 0.0, error_yaw * share)
-            comparison.hear(stamped(sample, ms, 0, maker))
+            comparison.on_sample(stamped(sample, ms, 0, maker))
         if ms % 200 == 8:
             comparison.see(truth(ms * MS, x=0.5e-3 * ms))
 
@@ -210,7 +210,7 @@ def test_a_restarted_odometry_is_compared_from_where_it_began() -> None:
     drive(comparison, error_x=0.05)
     for ms in range(5000, 6001):
         if ms % 10 == 0:
-            comparison.hear(stamped(odometry(ms * MS, 0.5e-3 * (ms - 5000)), ms, 0, "again"))
+            comparison.on_sample(stamped(odometry(ms * MS, 0.5e-3 * (ms - 5000)), ms, 0, "again"))
         if ms % 200 == 8:
             comparison.see(truth(ms * MS, x=0.5e-3 * ms))
     assert comparison.apart is not None

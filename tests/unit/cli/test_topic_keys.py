@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.network.topic_keys import UnknownKeyError, covers, find_topic, refusal
+from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, intersects, publish_refusal
 from giraff_cli.topic.publish import NotASampleError, parse_sample
 from giraff_schemas.messages import Battery, DriveCommand
 from giraff_schemas.topics import (
@@ -60,10 +60,10 @@ def test_an_unknown_key_is_told_with_what_is_near(key: str, said: str) -> None:
 
 
 def test_what_covers_what() -> None:
-    assert covers("range/*", "range/rear")
-    assert covers("range/rear", "range/*")
-    assert not covers("cmd_vel", "cmd_vel/anna")
-    assert not covers("odom", "base")
+    assert intersects("range/*", "range/rear")
+    assert intersects("range/rear", "range/*")
+    assert not intersects("cmd_vel", "cmd_vel/anna")
+    assert not intersects("odom", "base")
 
 
 OTHERS = (TILT, SERIAL, SERIAL_WRITE)
@@ -73,24 +73,24 @@ OTHERS = (TILT, SERIAL, SERIAL_WRITE)
 def test_nothing_of_a_live_robots_own_is_said_for_it(topic: Topic[Any]) -> None:
     """By whichever of its services there is."""
     topic = topic.at("x") if "*" in topic.key else topic
-    assert refusal(topic, SERVICES)
-    assert refusal(topic, {"base": []})
-    assert refusal(topic, {"odometry": []})
-    assert refusal(topic, {}) == ""
-    assert refusal(topic, {"play": [topic.key]}) == ""
-    assert refusal(topic, {"play": [], "base": []})
+    assert publish_refusal(topic, SERVICES)
+    assert publish_refusal(topic, {"base": []})
+    assert publish_refusal(topic, {"odometry": []})
+    assert publish_refusal(topic, {}) == ""
+    assert publish_refusal(topic, {"play": [topic.key]}) == ""
+    assert publish_refusal(topic, {"play": [], "base": []})
 
 
 @pytest.mark.parametrize("topic", [CMD_VEL, OPERATOR_CMD_VEL.at("anna")])
 def test_whoever_wants_to_drive_is_shown_how(topic: Topic[Any]) -> None:
-    assert "giraff_client" in refusal(topic, SERVICES)
+    assert "giraff_client" in publish_refusal(topic, SERVICES)
 
 
 def test_what_is_no_robots_own_is_refused_while_somebody_says_it() -> None:
-    assert "is said by joystick" in refusal(TILT, SERVICES)
-    assert refusal(TILT, {"base": ["tick"]}) == ""
-    assert "is said by gateway" in refusal(SERIAL.at("lamp"), {"base": ["tick"], "gateway": ["serial/lamp"]})
-    assert refusal(SERIAL_WRITE.at("lamp"), {"base": ["tick"], "gateway": ["serial/lamp"]}) == ""
+    assert "is said by joystick" in publish_refusal(TILT, SERVICES)
+    assert publish_refusal(TILT, {"base": ["tick"]}) == ""
+    assert "is said by gateway" in publish_refusal(SERIAL.at("lamp"), {"base": ["tick"], "gateway": ["serial/lamp"]})
+    assert publish_refusal(SERIAL_WRITE.at("lamp"), {"base": ["tick"], "gateway": ["serial/lamp"]}) == ""
 
 
 def test_a_sample_is_typed_as_its_fields() -> None:

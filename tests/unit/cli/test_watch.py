@@ -16,9 +16,9 @@ import giraff_cli.network.command
 import giraff_cli.network.connection
 import giraff_node.network.discovery
 from giraff_cli.terminal import output
-from giraff_cli.terminal.screen import Lines
+from giraff_cli.terminal.screen import LineScreen
 from giraff_cli.watch import monitor as it
-from giraff_node.network.discovery import Roster
+from giraff_node.network.discovery import RobotMonitor
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, ODOM, WHEELS, alive_key, key_of
 from tests.support.one_process import Clock, Session
@@ -49,7 +49,7 @@ class Network:
 
 
 class Waits:
-    """In the place of Stopping: nobody asks for the end."""
+    """In the place of StopSignal: nobody asks for the end."""
 
     asked = 0
 
@@ -77,8 +77,8 @@ def network(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Network:
         monkeypatch.setattr(module, "time", made.clock)
     for module in (it, giraff_cli.network.connection):
         monkeypatch.setattr(module, "robot_now_ns", made.clock.monotonic_ns)
-    monkeypatch.setattr(it, "Stopping", lambda: Waits(made.clock))
-    monkeypatch.setattr(it, "tune_links", lambda: None)
+    monkeypatch.setattr(it, "StopSignal", lambda: Waits(made.clock))
+    monkeypatch.setattr(it, "set_tcp_options", lambda: None)
     monkeypatch.setattr(giraff_cli.network.command, "open_session", lambda *_, **__: made.session)
     monkeypatch.setattr(giraff_cli.network.connection, "close_session", lambda *_: True)
     return made
@@ -184,15 +184,15 @@ def test_who_does_not_read_ends_it(
     def fail(*_: object) -> None:
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr(Lines, "show", fail)
-    monkeypatch.setattr(output, "drop_output", lambda: None)
+    monkeypatch.setattr(LineScreen, "show", fail)
+    monkeypatch.setattr(output, "discard_stdout", lambda: None)
     with network.talking("otto"):
         assert watched(capfd, "otto", 5.0) == (code, [], told)
 
 
 def test_the_roster_follows_robots_that_come_and_go(network: Network) -> None:
     network.clock.sleep(1.0)  # no machine's clock stands at 0
-    roster = Roster(cast(Any, network.session))
+    roster = RobotMonitor(cast(Any, network.session))
     assert roster.settled == []
     with network.talking("otto"):
         assert roster.names == ["otto"]
@@ -216,12 +216,12 @@ class StartedAnewError(Exception):
 def test_it_starts_anew_on_a_host_that_is_found_elsewhere(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def start_anew() -> None:
+    def restart_program() -> None:
         raise StartedAnewError
 
     addresses = iter([frozenset[str]()])
     monkeypatch.setattr(it, "host_addresses", lambda: next(addresses, frozenset({"192.0.2.7"})))
-    monkeypatch.setattr("giraff_cli.network.command.start_anew", start_anew)
+    monkeypatch.setattr("giraff_cli.network.command.restart_program", restart_program)
     with pytest.raises(StartedAnewError):
         it.watch(None, (), None, as_json=False)
     capfd.readouterr()

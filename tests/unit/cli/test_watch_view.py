@@ -12,8 +12,8 @@ from rich.console import Console
 
 from giraff_cli.telemetry.collector import Telemetry
 from giraff_cli.telemetry.describe import limit_text
-from giraff_cli.watch.report import ReportSight
-from giraff_cli.watch.screen import WatchSight, missing, moving
+from giraff_cli.watch.report import ReportView
+from giraff_cli.watch.screen import WatchView, missing, moving
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels
 from tests.unit.cli.samples import (
@@ -43,27 +43,27 @@ def heard() -> Telemetry:
     return telemetry
 
 
-def sight(telemetry: Telemetry, now_ns: int = NOW, **changes: Any) -> WatchSight:
-    seen = WatchSight(robot="giraff", elapsed=12.34, snapshot=telemetry.snapshot(now_ns), waiting="")
+def view(telemetry: Telemetry, now_ns: int = NOW, **changes: Any) -> WatchView:
+    seen = WatchView(robot="giraff", elapsed=12.34, snapshot=telemetry.snapshot(now_ns), waiting="")
     return replace(seen, **changes)
 
 
-def drawn(seen: WatchSight, width: int = 80) -> list[str]:
+def drawn(seen: WatchView, width: int = 80) -> list[str]:
     console = Console(file=io.StringIO(), width=width, height=24, color_system=None)
     with console.capture() as capture:
-        console.print(seen.picture())
+        console.print(seen.render())
     return capture.get().splitlines()
 
 
 def report(telemetry: Telemetry, now_ns: int = NOW, **changes: Any) -> dict[str, Any]:
-    plain = sight(telemetry, now_ns, **changes)
-    told = ReportSight(robot=plain.robot, elapsed=plain.elapsed, snapshot=plain.snapshot, waiting=plain.waiting)
+    plain = view(telemetry, now_ns, **changes)
+    told = ReportView(robot=plain.robot, elapsed=plain.elapsed, snapshot=plain.snapshot, waiting=plain.waiting)
     decoded: dict[str, Any] = msgspec.json.decode(told.line())
     return decoded
 
 
 def test_the_view_tells_all_of_it_on_80_by_24() -> None:
-    shown = drawn(sight(heard(), notices=("giraff/x/tick: not MessagePack",)))
+    shown = drawn(view(heard(), notices=("giraff/x/tick: not MessagePack",)))
     assert len(shown) <= 24
     assert all(len(row) <= 80 for row in shown)
     text = "\n".join(shown)
@@ -87,7 +87,7 @@ def test_the_view_tells_all_of_it_on_80_by_24() -> None:
 
 
 def test_the_line_is_one_line_with_all_an_operator_needs() -> None:
-    shown = sight(heard()).line()
+    shown = view(heard()).line()
     assert shown == (
         "  12.3 s | path   4.00 m |  0.40 m/s  0.00 rad/s | ranges 1.23 m  clear  fault | forward slow (front_left)"
         " | holder joystick | base driving | 24.3 V | 1.23 m ahead"
@@ -95,7 +95,7 @@ def test_the_line_is_one_line_with_all_an_operator_needs() -> None:
 
 
 def test_a_robot_that_fell_silent_says_since_when_and_shows_no_speed() -> None:
-    gone = sight(heard(), 13 * SECOND + 200 * MS)
+    gone = view(heard(), 13 * SECOND + 200 * MS)
     assert gone.line() == "  12.3 s | giraff silent since 3 s"
     text = "\n".join(drawn(gone))
     assert "giraff watch · giraff · 0:12 · silent since 3 s ─" in text
@@ -107,7 +107,7 @@ def test_a_robot_that_fell_silent_says_since_when_and_shows_no_speed() -> None:
 
 
 def test_a_pause_of_half_a_second_is_no_silence() -> None:
-    assert "silent" not in sight(heard(), NOW + 500 * MS).line()
+    assert "silent" not in view(heard(), NOW + 500 * MS).line()
 
 
 def test_while_odometry_is_silent_the_wheels_tell_the_speed() -> None:
@@ -123,7 +123,7 @@ def test_while_odometry_is_silent_the_wheels_tell_the_speed() -> None:
 
 
 def test_what_waits_says_for_what() -> None:
-    nobody = sight(Telemetry(), waiting="no robot is heard on the network; check that it is on", robot="")
+    nobody = view(Telemetry(), waiting="no robot is heard on the network; check that it is on", robot="")
     assert nobody.line() == "  12.3 s | no robot is heard on the network; check that it is on"
     text = "\n".join(drawn(nobody))
     assert "giraff watch · any robot" in text
@@ -136,10 +136,10 @@ def test_an_emergency_stop_says_by_whom_and_why() -> None:
     network = Network(telemetry)
     network.send(topics.ESTOP, estop(engaged=True), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason="emergency stop by ann@desk: smoke"), NOW, maker="n")
-    text = "\n".join(drawn(sight(telemetry)))
+    text = "\n".join(drawn(view(telemetry)))
     assert re.search(r"state +EMERGENCY STOP", text)
     assert re.search(r"e-stop +engaged by ann@desk: smoke", text)
-    assert "| base EMERGENCY STOP | 24.3 V | emergency stop by ann@desk: smoke" in sight(telemetry).line()
+    assert "| base EMERGENCY STOP | 24.3 V | emergency stop by ann@desk: smoke" in view(telemetry).line()
 
 
 def test_why_base_does_not_drive_is_in_the_line() -> None:
@@ -147,18 +147,18 @@ def test_why_base_does_not_drive_is_in_the_line() -> None:
     network = Network(telemetry)
     network.send(topics.LEASE, lease("", ""), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason="hold the hand level"), NOW, maker="n")
-    assert "| holder nobody | base not armed | 24.3 V | hold the hand level" in sight(telemetry).line()
+    assert "| holder nobody | base not armed | 24.3 V | hold the hand level" in view(telemetry).line()
 
 
 def test_services_that_are_gone_or_there_twice_show() -> None:
     telemetry = heard()
-    telemetry.announce("guard", "other", present=True)
-    telemetry.announce("odometry", "m", present=False)
-    telemetry.announce("joystick", "m", present=False)
-    row = next(row for row in drawn(sight(telemetry)) if row.startswith("SERVICES"))
+    telemetry.on_liveliness("guard", "other", present=True)
+    telemetry.on_liveliness("odometry", "m", present=False)
+    telemetry.on_liveliness("joystick", "m", present=False)
+    row = next(row for row in drawn(view(telemetry)) if row.startswith("SERVICES"))
     assert row.rstrip().split("  ")[1:] == ["● base", "● guard x2", "● ranger", "○ odometry", "○ joystick"]
     assert missing(telemetry.snapshot(NOW)) == ["odometry"]
-    assert "| 24.3 V | not there: odometry | 1.23 m ahead" in sight(telemetry).line()
+    assert "| 24.3 V | not there: odometry | 1.23 m ahead" in view(telemetry).line()
     assert missing(Telemetry().snapshot(NOW)) == ["base", "guard", "ranger", "odometry"]
 
 
@@ -180,12 +180,12 @@ def test_what_the_network_says_cannot_steer_the_terminal_or_break_a_row() -> Non
     network.send(topics.GUARD, guard(verdict(0.0, "blocked", bad, bad, bad)), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason=bad, latch=bad), NOW, maker="n")
     network.send(topics.LEASE, lease("x", bad), NOW, maker="n")
-    telemetry.hear(topics.RANGE, f"range/{bad}", reading(bad, 1.0), NOW)
-    telemetry.announce(bad, "m", present=True)
-    shown = drawn(sight(telemetry, notices=(bad,)))
+    telemetry.on_sample(topics.RANGE, f"range/{bad}", reading(bad, 1.0), NOW)
+    telemetry.on_liveliness(bad, "m", present=True)
+    shown = drawn(view(telemetry, notices=(bad,)))
     assert len(shown) <= 26  # with the fourth sensor, and text without a place to break
     assert all(len(row) <= 80 and row.isprintable() for row in shown)
-    assert "[bold]" in "\n".join(drawn(sight(telemetry), width=300))
+    assert "[bold]" in "\n".join(drawn(view(telemetry), width=300))
 
 
 def test_a_number_of_any_size_fits() -> None:
@@ -193,7 +193,7 @@ def test_a_number_of_any_size_fits() -> None:
     network = Network(telemetry)
     network.send(topics.BATTERY, Battery(voltage=1e300), NOW, maker="n")
     network.send(topics.RANGE, reading("rear", 1e308), NOW, name="rear", maker="n")
-    assert all(len(row) <= 80 for row in drawn(sight(telemetry)))
+    assert all(len(row) <= 80 for row in drawn(view(telemetry)))
 
 
 def test_the_report_has_the_names_that_are_promised() -> None:
@@ -246,7 +246,7 @@ def test_what_limits_is_told_whole_with_its_way_out() -> None:
     network.send(topics.GUARD, msgspec.structs.replace(guard(near), reason=""), NOW, maker="n")
     told = "forward blocked: front_left sees something at 0.31 m; turn left or back up"
     assert limit_text(telemetry.snapshot(NOW)) == told
-    assert f"WHY  {told}" in "\n".join(drawn(sight(telemetry)))
+    assert f"WHY  {told}" in "\n".join(drawn(view(telemetry)))
     network.send(topics.GUARD, guard(verdict()), NOW, maker="n")
     assert limit_text(telemetry.snapshot(NOW)) == ""
     network.send(topics.BASE, base(armed=False, reason="not armed; hold the hand level"), NOW, maker="n")
@@ -260,4 +260,4 @@ def test_the_longest_of_all_fits_24_rows() -> None:
     long = verdict(0.0, "blocked", "rear", "r " * 200, "w " * 200)
     network.send(topics.GUARD, guard(long), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason="b " * 200), NOW, maker="n")
-    assert len(drawn(sight(telemetry, notices=("n" * 200,)))) <= 24
+    assert len(drawn(view(telemetry, notices=("n" * 200,)))) <= 24

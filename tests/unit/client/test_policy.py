@@ -133,7 +133,7 @@ def test_a_robot_that_is_silent_is_lost(script: Script) -> None:
 
 def test_its_last_word_disarms_and_names_why(script: Script) -> None:
     script.arm()
-    last = script.policy.farewell()
+    last = script.policy.final_command()
     assert (last.source, last.neutral, last.lease_counter) == ("fault", True, COUNTER)
     assert "script has ended" in last.reason
 

@@ -9,7 +9,7 @@ import msgspec
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from giraff_core.lease import ASK, LeaseSeeker
+from giraff_core.lease import ASK, LeaseClient
 from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, RobotTime, Source
 from tests.unit.guard.checks import check_passed
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FIRST_LEASE, Rig
@@ -74,7 +74,7 @@ class Witness(Rig):
     def __init__(self) -> None:
         super().__init__(config=msgspec.structs.replace(CONFIG, priorities={"carer": 1}))
         self.said: list[DriveCommand] = []
-        self.seekers = {operator: LeaseSeeker(operator) for operator in NAMES}
+        self.seekers = {operator: LeaseClient(operator) for operator in NAMES}
 
     def drive(self, operator: str, linear: float, source: Source, times: int) -> None:
         """An operator's service does as it should: base ticks, it asks or commands, and hears what comes of it."""

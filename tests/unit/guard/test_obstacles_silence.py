@@ -10,7 +10,7 @@ import pytest
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_guard.recent_obstacles import Held
+from giraff_guard.recent_obstacles import RecentObstacles
 from giraff_guard.sensor import Ping, Sensor
 from giraff_guard.stopping import stopping_distance
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, opened
@@ -239,9 +239,9 @@ def place_after(x: float, y: float, yaw: float) -> Pose:
     return Pose(0.0, 0.0, 0.0)._replace(x=x, y=y, yaw=yaw)
 
 
-def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True) -> Held:
+def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True) -> RecentObstacles:
     """One thing that was heard, there."""
-    held = Held(CONFIG, ROBOT.footprint_radius)
+    held = RecentObstacles(CONFIG, ROBOT.footprint_radius)
     held.take(named("one"), Ping(0, x, True, Pose(0.0, y, 0.0)), is_sure=is_sure)
     return held
 

@@ -13,8 +13,8 @@ from giraff_joystick.hand_detector import (
     LAID_DOWN,
     SHAKEN,
     SOUND_READINGS,
-    Attention,
     Counts,
+    HandDetector,
 )
 from giraff_sim.world.bno055 import GRAVITY, Vector
 from tests.unit.joystick.frames import ANGLE
@@ -22,7 +22,7 @@ from tests.unit.joystick.hands import MODAL_TREMOR, NOISE, PERIOD, counts, readi
 
 
 def judged(seen: list[Counts], *, deflected: bool = True) -> list[str]:
-    attention = Attention(ANGLE.stillness)
+    attention = HandDetector(ANGLE.stillness)
     return [attention.judge(each, deflected=deflected) for each in seen]
 
 
@@ -125,7 +125,7 @@ def test_one_that_lies_level_asks_for_nothing_and_is_no_fault() -> None:
 
 
 def test_one_laid_down_is_a_hand_again_only_once_it_is_level() -> None:
-    attention = Attention(ANGLE.stillness)
+    attention = HandDetector(ANGLE.stillness)
     for each in readings(lambda _: tilted(30.0), 2.0):
         attention.judge(each, deflected=True)
     assert {attention.judge(each, deflected=True) for each in held(5.0)} == {LAID_DOWN}
@@ -134,7 +134,7 @@ def test_one_laid_down_is_a_hand_again_only_once_it_is_level() -> None:
 
 
 def test_after_a_gap_it_starts_over() -> None:
-    attention = Attention(ANGLE.stillness)
+    attention = HandDetector(ANGLE.stillness)
     attention.judge((0, 0, 10), deflected=False)
     attention.forget()
     assert attention.judge(counts(tilted(30.0)), deflected=True) == ""
@@ -145,7 +145,7 @@ vector = st.tuples(*[st.integers(-(2**15), 2**15 - 1)] * 3)
 
 @given(st.lists(st.tuples(vector, st.booleans()), max_size=120))
 def test_any_readings_at_all_are_judged(seen: list[tuple[Counts, bool]]) -> None:
-    attention = Attention(ANGLE.stillness)
+    attention = HandDetector(ANGLE.stillness)
     for each, deflected in seen:
         reason = attention.judge(each, deflected=deflected)
         assert reason in ("", FALLING, SHAKEN, FROZEN, LAID_DOWN)

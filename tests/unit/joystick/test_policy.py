@@ -158,8 +158,8 @@ def test_a_repeated_command_keeps_the_tick_of_its_frame() -> None:
 def test_a_service_that_ends_says_stop_with_its_last_tick() -> None:
     joystick = policy()
     joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
-    assert_fault(joystick.farewell(), "ended", "start it again")
-    assert joystick.farewell().tick == RobotTime(epoch=EPOCH, robot_ns=1)
+    assert_fault(joystick.final_command(), "ended", "start it again")
+    assert joystick.final_command().tick == RobotTime(epoch=EPOCH, robot_ns=1)
 
 
 NOISY = [(500 + n % 3, n % 2, 840 - n % 2) for n in range(60)]
@@ -227,7 +227,7 @@ def test_the_last_command_of_whoever_holds_the_lease_counts() -> None:
     joystick = policy()
     lease = Lease(seq=1, instance="guard", holder="me", operator="joystick", counter=7, reason="")
     joystick.on_lease(lease)
-    assert joystick.farewell().lease_counter == 7
+    assert joystick.final_command().lease_counter == 7
 
 
 def test_a_board_reset_passes_through_its_faults_and_drives_again() -> None:

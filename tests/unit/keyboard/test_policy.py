@@ -176,7 +176,7 @@ def test_the_space_bar_stops_at_once_and_until_base_has_confirmed() -> None:
 def test_a_service_that_ends_says_stop() -> None:
     someone = person()
     someone.press(Key.FORWARD)
-    assert_fault(someone.policy.farewell(), "ended", "start it again")
+    assert_fault(someone.policy.final_command(), "ended", "start it again")
 
 
 steps = st.one_of(st.sampled_from(Key), st.floats(0.0, 0.7), st.none())

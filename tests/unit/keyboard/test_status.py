@@ -3,7 +3,7 @@
 import msgspec
 
 from giraff_keyboard.policy import Key
-from giraff_keyboard.status import HELP, STALE, Heard
+from giraff_keyboard.status import HELP, STALE, StatusView
 from giraff_schemas.messages import BaseState, Battery, BoardState, EStop, GuardState, Verdict
 from tests.unit.keyboard.keyboards import Person, person
 
@@ -25,8 +25,8 @@ GUARD = GuardState(
 )
 
 
-def heard(someone: Person, *samples: BaseState | GuardState | EStop | Battery) -> Heard:
-    all_of_it = Heard()
+def heard(someone: Person, *samples: BaseState | GuardState | EStop | Battery) -> StatusView:
+    all_of_it = StatusView()
     for sample in samples:
         all_of_it.take(sample, someone.now)
     return all_of_it

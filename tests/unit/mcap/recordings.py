@@ -6,7 +6,7 @@ from pathlib import Path
 
 import msgspec
 
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.writing import RecordingWriter
 from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.messages import Odometry, RobotTime, Sample
@@ -35,12 +35,12 @@ def odometry(seq: int, instance: str = "made") -> Odometry:
     )
 
 
-def heard(sample: Sample, at_ns: int, topic: Topic[Odometry] = ODOM) -> Heard:
+def heard(sample: Sample, at_ns: int, topic: Topic[Odometry] = ODOM) -> RawSample:
     """As it comes over the network."""
-    return Heard(at_ns, key_of(ROBOT, topic), encode(sample), encoding_of(type(sample)))
+    return RawSample(at_ns, key_of(ROBOT, topic), encode(sample), encoding_of(type(sample)))
 
 
-def record(path: Path, *batches: list[Heard], close: bool = True) -> RecordingWriter:
+def record(path: Path, *batches: list[RawSample], close: bool = True) -> RecordingWriter:
     """A file of these, on disk batch by batch; not closed: as a crash leaves it."""
     writer = RecordingWriter(path, {"robot": ROBOT, "tables": msgspec.json.encode({"robot": {"name": ROBOT}}).decode()})
     with writer:
@@ -52,6 +52,6 @@ def record(path: Path, *batches: list[Heard], close: bool = True) -> RecordingWr
     return writer
 
 
-def ten(first: int = 0) -> list[Heard]:
+def ten(first: int = 0) -> list[RawSample]:
     """Ten samples, 10 ms apart."""
     return [heard(odometry(seq), BEGAN_NS + seq * 10_000_000) for seq in range(first, first + 10)]

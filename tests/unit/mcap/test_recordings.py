@@ -12,7 +12,7 @@ import msgspec
 import pytest
 from mcap.reader import make_reader
 
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.schemas import schema_of
 from giraff_mcap.writing import RecordingWriter
@@ -181,6 +181,6 @@ def test_the_size_that_is_told_is_never_less_than_the_closed_files(tmp_path: Pat
 
 
 def test_samples_come_in_the_order_in_which_they_were_heard(tmp_path: Path) -> None:
-    samples: list[Heard] = ten()
+    samples: list[RawSample] = ten()
     record(tmp_path / "a.mcap", samples[::-1])
     assert [sample.seq for sample in Recording(tmp_path / "a.mcap").samples()] == list(range(10))

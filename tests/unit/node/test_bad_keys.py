@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tracemalloc
 
-from giraff_node.network.decode_errors import MOST, BadKeys
+from giraff_node.network.decode_errors import MOST, DecodeErrors
 
 PATTERN = "giraff/sim-test/range/*"
 
@@ -27,7 +27,7 @@ class Log:
 
 def test_a_key_is_named_once_until_it_is_mended() -> None:
     log = Log()
-    keys = BadKeys(PATTERN, log.set_fault)
+    keys = DecodeErrors(PATTERN, log.set_fault)
     for number in range(100):
         keys.bad("a", f"fault {number}", 0.1 * number)
         keys.good("a", 0.1 * number)
@@ -40,7 +40,7 @@ def test_a_key_is_named_once_until_it_is_mended() -> None:
 
 def test_floods_of_bad_payloads_on_invented_keys_fill_neither_memory_nor_log() -> None:
     log = Log()
-    keys = BadKeys(PATTERN, log.set_fault)
+    keys = DecodeErrors(PATTERN, log.set_fault)
     for number in range(1000):
         keys.bad(f"key {number}", "x" * 10_000, 0.0)
     tracemalloc.start()
@@ -56,7 +56,7 @@ def test_floods_of_bad_payloads_on_invented_keys_fill_neither_memory_nor_log() -
 
 def test_room_is_made_when_a_key_is_mended() -> None:
     log = Log()
-    keys = BadKeys(PATTERN, log.set_fault)
+    keys = DecodeErrors(PATTERN, log.set_fault)
     for number in range(MOST + 1):
         keys.bad(f"key {number}", "bad", 0.0)
     assert f"more than {MOST} keys" in log.faults[f"decode more of {PATTERN}"]

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_core.counters import signed32
-from giraff_core.tick_relay import TickDown, moment_of
+from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_schemas.messages import RobotTime, Tick
 
 
@@ -30,7 +30,7 @@ def test_the_way_between_two_counters_survives_their_wrap(counter: int, way: int
 
 
 def test_ticks_are_numbered_and_the_numbers_wrap() -> None:
-    down = TickDown()
+    down = TickRelay()
     frames = [down.frame(Tick(epoch=7, robot_ns=n), 0.02 * n) for n in range(70_000)]
     sequences = [frame.seq for frame in frames if frame is not None]
     assert len(sequences) == len(frames)
@@ -43,7 +43,7 @@ def test_ticks_are_numbered_and_the_numbers_wrap() -> None:
 
 
 def test_a_tick_that_was_overtaken_or_comes_again_does_not_go_down() -> None:
-    down = TickDown()
+    down = TickRelay()
     ticks = (7, 100), (7, 100), (7, 99), (8, 50), (7, 98), (8, 49), (7, 101), (8, 51)
     sent = [down.frame(Tick(epoch=epoch, robot_ns=robot_ns), 1.0) for epoch, robot_ns in ticks]
     assert [(frame.epoch, frame.robot_ns) for frame in sent if frame] == [(7, 100), (8, 50), (7, 101), (8, 51)]
@@ -51,5 +51,5 @@ def test_a_tick_that_was_overtaken_or_comes_again_does_not_go_down() -> None:
 
 
 def test_a_board_without_a_tick_proves_no_moment() -> None:
-    assert moment_of(Carrier(tick_epoch=0, tick_robot_ns=99)) is None
-    assert moment_of(Carrier(tick_epoch=7, tick_robot_ns=99)) == RobotTime(epoch=7, robot_ns=99)
+    assert tick_of(Carrier(tick_epoch=0, tick_robot_ns=99)) is None
+    assert tick_of(Carrier(tick_epoch=7, tick_robot_ns=99)) == RobotTime(epoch=7, robot_ns=99)

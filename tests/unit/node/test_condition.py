@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import msgspec
 
-from giraff_node.process.health import Condition
+from giraff_node.process.health import HealthState
 from giraff_node.process.logs import service_logger
 from giraff_schemas.messages import Health
 
 
 def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
-    condition = Condition("base", "1", service_logger("base"))
+    condition = HealthState("base", "1", service_logger("base"))
     assert condition.summary == "well"
     condition.set_notice("link", "no robot")
     assert condition.health().ok
@@ -28,6 +28,6 @@ def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
 
 
 def test_a_fault_that_is_no_text_is_told_all_the_same() -> None:
-    condition = Condition("base", "1", service_logger("base"))
+    condition = HealthState("base", "1", service_logger("base"))
     condition.set_fault("board", "/dev/\udcff: no such port")
     assert msgspec.json.decode(msgspec.json.encode(condition.health()), type=Health).faults == ("/dev/?: no such port",)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_core.lease import ASK, LeaseSeeker
+from giraff_core.lease import ASK, LeaseClient
 from giraff_schemas.messages import Lease
 
 
@@ -13,12 +13,12 @@ def lease(holder: str, counter: int = 0, seq: int = 0, guard: str = "guard-1", r
 
 
 @pytest.fixture
-def seeker() -> LeaseSeeker:
-    return LeaseSeeker("me")
+def seeker() -> LeaseClient:
+    return LeaseClient("me")
 
 
 @pytest.fixture
-def lost(seeker: LeaseSeeker) -> LeaseSeeker:
+def lost(seeker: LeaseClient) -> LeaseClient:
     """One that held the lease 5 and lost it."""
     seeker.on_lease(lease("me", 5, seq=1))
     seeker.on_lease(lease("", 0, seq=2, reason="nobody drives"))
@@ -26,7 +26,7 @@ def lost(seeker: LeaseSeeker) -> LeaseSeeker:
 
 
 @pytest.mark.parametrize("wishes", [False, True])
-def test_it_asks_from_its_start_until_it_is_given_the_lease(seeker: LeaseSeeker, wishes: bool) -> None:
+def test_it_asks_from_its_start_until_it_is_given_the_lease(seeker: LeaseClient, wishes: bool) -> None:
     assert seeker.counter(wishes=wishes) == ASK
     assert "check that giraff_guard runs" in seeker.refusal
     seeker.on_lease(lease("other", 4, seq=1, reason="held by keyboard"))
@@ -37,7 +37,7 @@ def test_it_asks_from_its_start_until_it_is_given_the_lease(seeker: LeaseSeeker,
     assert (seeker.holds, seeker.refusal) == (True, "")
 
 
-def test_a_lost_lease_is_asked_for_by_each_wish_and_by_nothing_else(lost: LeaseSeeker) -> None:
+def test_a_lost_lease_is_asked_for_by_each_wish_and_by_nothing_else(lost: LeaseClient) -> None:
     assert lost.refusal == "nobody drives"
     for _ in range(3):
         assert lost.counter(wishes=False) == 5
@@ -48,24 +48,24 @@ def test_a_lost_lease_is_asked_for_by_each_wish_and_by_nothing_else(lost: LeaseS
     assert lost.counter(wishes=False) == 5  # an old wish does not ask for what has become free
 
 
-def test_a_new_lease_of_ones_own_is_taken_up(lost: LeaseSeeker) -> None:
+def test_a_new_lease_of_ones_own_is_taken_up(lost: LeaseClient) -> None:
     lost.on_lease(lease("me", 9, seq=3))
     assert lost.counter(wishes=True) == lost.counter(wishes=False) == 9
 
 
-def test_a_late_word_of_the_guard_changes_nothing(lost: LeaseSeeker) -> None:
+def test_a_late_word_of_the_guard_changes_nothing(lost: LeaseClient) -> None:
     lost.on_lease(lease("me", 5, seq=1))
     assert not lost.holds
     assert lost.refusal == "nobody drives"
 
 
-def test_a_false_word_from_the_future_does_not_make_deaf_for_good(seeker: LeaseSeeker) -> None:
+def test_a_false_word_from_the_future_does_not_make_deaf_for_good(seeker: LeaseClient) -> None:
     seeker.on_lease(lease("other", 4, seq=1 << 60))
     seeker.on_lease(lease("me", 5, seq=7))
     assert seeker.holds
 
 
-def test_another_guards_word_counts_from_its_first_sample(seeker: LeaseSeeker) -> None:
+def test_another_guards_word_counts_from_its_first_sample(seeker: LeaseClient) -> None:
     seeker.on_lease(lease("me", 5, seq=10))
     seeker.on_lease(lease("", 0, seq=0, guard="guard-2"))
     assert not seeker.holds

@@ -8,20 +8,20 @@ import msgspec
 import pytest
 
 from giraff_core.bounds import require_positive
-from giraff_core.parameters.table import ParamError, Params
-from giraff_core.tuning import Live
+from giraff_core.parameters.table import ParamError, Parameters
+from giraff_core.tuning import Tuning
 from giraff_schemas.params import Param
 from tests.support.robots import ROBOT
 
 
 class Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    margin: Annotated[float, Live.UP] = 0.25
+    margin: Annotated[float, Tuning.RAISE_ONLY] = 0.25
     """m kept
     free."""
-    fast: Annotated[float | None, Live.DOWN] = 1.5
-    noise: Annotated[int, Live.FREE] = 3
+    fast: Annotated[float | None, Tuning.LOWER_ONLY] = 1.5
+    noise: Annotated[int, Tuning.FREE] = 3
     """Counts."""
-    port: Annotated[str, Live.FIXED] = "/dev/tty"
+    port: Annotated[str, Tuning.READ_ONLY] = "/dev/tty"
 
     def __post_init__(self) -> None:
         require_positive(self, "margin")
@@ -30,16 +30,16 @@ class Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 @pytest.fixture
-def params() -> Params[Config]:
-    return Params("guard", Config(), ROBOT)
+def params() -> Parameters[Config]:
+    return Parameters("guard", Config(), ROBOT)
 
 
-def described(params: Params[Config], name: str) -> Param:
+def described(params: Parameters[Config], name: str) -> Param:
     [param] = params.describe((name,))
     return param
 
 
-def test_what_is_set_is_another_configuration(params: Params[Config]) -> None:
+def test_what_is_set_is_another_configuration(params: Parameters[Config]) -> None:
     before = params.config
     params.set("margin", "0.5")
     params.set("fast", 1)
@@ -71,7 +71,7 @@ def test_what_is_set_is_another_configuration(params: Params[Config]) -> None:
         ("", 1.0, "there are: margin"),
     ],
 )
-def test_what_is_refused_changes_nothing(params: Params[Config], name: str, value: Any, why: str) -> None:
+def test_what_is_refused_changes_nothing(params: Parameters[Config], name: str, value: Any, why: str) -> None:
     with pytest.raises(ParamError) as refused:
         params.set(name, value)
     assert why in str(refused.value)
@@ -79,12 +79,12 @@ def test_what_is_refused_changes_nothing(params: Params[Config], name: str, valu
 
 
 def test_what_is_not_known_is_not_loosened() -> None:
-    params = Params("guard", Config(fast=None), ROBOT)
+    params = Parameters("guard", Config(fast=None), ROBOT)
     with pytest.raises(ParamError, match="1 is looser than none"):
         params.set("fast", 1.0)
 
 
-def test_a_tightening_is_taken_back_as_far_as_the_robot_file_goes(params: Params[Config]) -> None:
+def test_a_tightening_is_taken_back_as_far_as_the_robot_file_goes(params: Parameters[Config]) -> None:
     params.set("margin", 0.5)
     params.set("margin", 0.3)
     params.set("margin", 0.25)
@@ -93,7 +93,7 @@ def test_a_tightening_is_taken_back_as_far_as_the_robot_file_goes(params: Params
 
 
 def test_what_was_saved_comes_again_unless_the_robot_file_is_tighter() -> None:
-    params = Params("guard", Config(margin=0.4), ROBOT)
+    params = Parameters("guard", Config(margin=0.4), ROBOT)
     ignored = params.restore({"margin": 0.3, "noise": 9, "port": "/dev/null", "gone": 1, "fast": "x"})
     assert params.config == Config(margin=0.4, noise=9)
     assert params.saved == {"noise": 9}
@@ -105,7 +105,7 @@ def test_what_was_saved_comes_again_unless_the_robot_file_is_tighter() -> None:
     ]
 
 
-def test_only_what_is_not_the_robot_files_is_saved(params: Params[Config]) -> None:
+def test_only_what_is_not_the_robot_files_is_saved(params: Parameters[Config]) -> None:
     params.set("margin", 0.5)
     params.set("noise", 9)
     assert params.to_save(()) == {"margin": 0.5, "noise": 9}
@@ -118,7 +118,7 @@ def test_only_what_is_not_the_robot_files_is_saved(params: Params[Config]) -> No
         params.to_save(("nose",))
 
 
-def test_it_says_what_each_is_and_whether_it_lasts(params: Params[Config]) -> None:
+def test_it_says_what_each_is_and_whether_it_lasts(params: Parameters[Config]) -> None:
     assert described(params, "margin") == Param(
         name="margin", value=0.25, filed=0.25, saved=True, kind="float", live="up", doc="m kept free."
     )
@@ -138,9 +138,9 @@ def test_it_says_what_each_is_and_whether_it_lasts(params: Params[Config]) -> No
 class Faded(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Whose fields ask for each other."""
 
-    proof: Annotated[float, Live.DOWN] = 10.0
-    fade: Annotated[float, Live.DOWN] = 20.0
-    noise: Annotated[int, Live.FREE] = 3
+    proof: Annotated[float, Tuning.LOWER_ONLY] = 10.0
+    fade: Annotated[float, Tuning.LOWER_ONLY] = 20.0
+    noise: Annotated[int, Tuning.FREE] = 3
 
     def __post_init__(self) -> None:
         if self.proof >= self.fade:
@@ -148,29 +148,29 @@ class Faded(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tru
 
 
 @pytest.fixture
-def faded() -> Params[Faded]:
+def faded() -> Parameters[Faded]:
     """With both tightened."""
-    params = Params("guard", Faded(), ROBOT)
+    params = Parameters("guard", Faded(), ROBOT)
     params.set("proof", 5)
     params.set("fade", 8)
     return params
 
 
-def test_what_is_saved_stands_in_the_order_of_the_fields(faded: Params[Faded]) -> None:
+def test_what_is_saved_stands_in_the_order_of_the_fields(faded: Parameters[Faded]) -> None:
     faded.set("noise", 4)
     assert [*faded.to_save(("noise", "fade", "proof"))] == ["proof", "fade", "noise"]
 
 
 @pytest.mark.parametrize("gone", [{}, {"gone": 1}])
 def test_what_asks_for_each_other_comes_again_whatever_the_order(gone: dict[str, int]) -> None:
-    params = Params("guard", Faded(), ROBOT)
+    params = Parameters("guard", Faded(), ROBOT)
     saved = {"fade": 8.0, "proof": 5.0}
     assert len(params.restore({**gone, **saved})) == len(gone)
     assert params.config == Faded(proof=5.0, fade=8.0)
     assert params.saved == saved
 
 
-def test_what_would_not_count_after_a_restart_is_not_saved(faded: Params[Faded]) -> None:
+def test_what_would_not_count_after_a_restart_is_not_saved(faded: Parameters[Faded]) -> None:
     with pytest.raises(ParamError) as refused:
         faded.to_save(("fade",))
     assert str(refused.value) == (

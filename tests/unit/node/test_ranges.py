@@ -11,7 +11,7 @@ import msgspec
 import pytest
 
 from giraff_base.config import BaseConfig
-from giraff_core.bounds import Within, ranges
+from giraff_core.bounds import Bounds, bounds_of
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
@@ -42,7 +42,7 @@ ELSEWHERE = {
     "first_step": "1..steps",
 }
 """Fields whose range depends on others."""
-RANGES = [(table, name, within) for table, config in TABLES.items() for name, within in ranges(config).items()]
+RANGES = [(table, name, within) for table, config in TABLES.items() for name, within in bounds_of(config).items()]
 
 
 def convert(table: str, **fields: object) -> msgspec.Struct:
@@ -53,7 +53,7 @@ def convert(table: str, **fields: object) -> msgspec.Struct:
 def test_each_number_has_a_range(config: type[msgspec.Struct]) -> None:
     hints = get_type_hints(config)
     numbers = {name for name, hint in hints.items() if hint in (int, float, float | None)}
-    assert numbers - ELSEWHERE.keys() == ranges(config).keys()
+    assert numbers - ELSEWHERE.keys() == bounds_of(config).keys()
 
 
 def refused(table: str, **fields: object) -> str:
@@ -63,7 +63,7 @@ def refused(table: str, **fields: object) -> str:
 
 
 @pytest.mark.parametrize(("table", "name", "within"), RANGES)
-def test_what_is_outside_is_refused(table: str, name: str, within: Within) -> None:
+def test_what_is_outside_is_refused(table: str, name: str, within: Bounds) -> None:
     """By text, too, as of the environment."""
     low, high = within.low, within.high
     is_whole = get_type_hints(TABLES[table])[name] is int
@@ -74,7 +74,7 @@ def test_what_is_outside_is_refused(table: str, name: str, within: Within) -> No
 
 
 @pytest.mark.parametrize(("table", "name", "within"), RANGES)
-def test_what_stands_by_default_is_far_from_the_ends(table: str, name: str, within: Within) -> None:
+def test_what_stands_by_default_is_far_from_the_ends(table: str, name: str, within: Bounds) -> None:
     """A robot that is twice or half of it is sensible, too."""
     value = getattr(convert(table), name)
     if value and name not in ("max_level", "stall_level"):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from giraff_core.retry import Repeated
+from giraff_core.retry import RetriedRequest
 from giraff_schemas.messages import EStopAnswer
 
 NO = EStopAnswer(done=False, engaged=False, id=0, reason="no")
@@ -10,7 +10,7 @@ YES = EStopAnswer(done=True, engaged=True, id=1, reason="")
 LATER = EStopAnswer(done=True, engaged=True, id=2, reason="")
 
 
-class Request(Repeated[EStopAnswer]):
+class Request(RetriedRequest[EStopAnswer]):
     """To nobody yet; settled by what is done."""
 
     def __init__(self) -> None:

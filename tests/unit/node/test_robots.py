@@ -11,7 +11,7 @@ import zenoh
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import discovery as robots
-from giraff_node.network.discovery import NoRobotError, find_way, only_robot, others
+from giraff_node.network.discovery import NoRobotError, find_only_robot, others, resolve_target
 from giraff_schemas.topics import alive_key
 from tests.support.one_process import Clock, Session
 
@@ -32,20 +32,20 @@ def robot_file(directory: Path, text: str) -> dict[str, str]:
 
 
 def test_nothing_need_be_at_hand() -> None:
-    way = find_way(None, (), {})
+    way = resolve_target(None, (), {})
     assert (way.robot, way.network, way.warning) == ("", NetworkConfig(), "")
-    way = find_way("otto", ["10.0.0.2:7447"], {"GIRAFF_NETWORK_RENDEZVOUS": "127.0.0.1:9"})
+    way = resolve_target("otto", ["10.0.0.2:7447"], {"GIRAFF_NETWORK_RENDEZVOUS": "127.0.0.1:9"})
     assert way.robot == "otto"
     assert way.network == NetworkConfig(connect=("10.0.0.2:7447",), rendezvous="127.0.0.1:9")
 
 
 def test_the_command_line_counts_before_the_environment_and_that_before_the_file(elsewhere: Path) -> None:
     environment = robot_file(elsewhere, '[robot]\nname = "filed"\n[network]\nconnect = ["a:1"]')
-    assert find_way(None, ["b:2"], environment).robot == "filed"
-    assert find_way(None, ["b:2"], environment).network.connect == ("a:1", "b:2")
+    assert resolve_target(None, ["b:2"], environment).robot == "filed"
+    assert resolve_target(None, ["b:2"], environment).network.connect == ("a:1", "b:2")
     environment["GIRAFF_ROBOT_NAME"] = "named"
-    assert find_way(None, (), environment).robot == "named"
-    assert find_way("told", (), environment).robot == "told"
+    assert resolve_target(None, (), environment).robot == "named"
+    assert resolve_target("told", (), environment).robot == "told"
 
 
 @pytest.mark.parametrize(
@@ -59,12 +59,12 @@ def test_the_command_line_counts_before_the_environment_and_that_before_the_file
 def test_a_file_that_may_mean_another_robot_is_refused(elsewhere: Path, text: str, told: str) -> None:
     """Each command and the client: tests/unit/cli/test_refusal.py."""
     with pytest.raises(ConfigError, match=told):
-        find_way("told", (), robot_file(elsewhere, text) | {"GIRAFF_ROBOT_NAME": "named"})
+        resolve_target("told", (), robot_file(elsewhere, text) | {"GIRAFF_ROBOT_NAME": "named"})
 
 
 def test_what_is_wrong_elsewhere_is_told_and_stops_nobody_from_stopping_a_robot(elsewhere: Path) -> None:
     environment = robot_file(elsewhere, '[gaurd]\n[robot]\nname = "filed"\n[network]\nconnect = ["a:1"]')
-    way = find_way(None, (), environment | {"GIRAFF_SPEED": "1"})
+    way = resolve_target(None, (), environment | {"GIRAFF_SPEED": "1"})
     assert (way.robot, way.network.connect) == ("filed", ("a:1",))
     assert "unknown table [gaurd]" in way.warning
     assert "GIRAFF_SPEED: names no field" in way.warning
@@ -75,8 +75,8 @@ def test_the_null_device_is_no_file_wherever_one_is(elsewhere: Path) -> None:
     (elsewhere / "deploy").mkdir()
     (elsewhere / "deploy" / "robot.toml").write_text("[robot")
     with pytest.raises(ConfigError, match="not TOML"):
-        find_way("told", (), {"GIRAFF_CONFIG": ""})
-    way = find_way("told", (), {"GIRAFF_CONFIG": "/dev/null", "GIRAFF_NETWORK_CONNECT": '["a:1"]'})
+        resolve_target("told", (), {"GIRAFF_CONFIG": ""})
+    way = resolve_target("told", (), {"GIRAFF_CONFIG": "/dev/null", "GIRAFF_NETWORK_CONNECT": '["a:1"]'})
     assert way.network == NetworkConfig(connect=("a:1",))
 
 
@@ -84,14 +84,14 @@ def test_a_file_that_leads_nowhere_is_not_passed_over(elsewhere: Path) -> None:
     (elsewhere / "deploy").mkdir()
     (elsewhere / "deploy" / "robot.toml").symlink_to("/nowhere/robot.toml")
     with pytest.raises(ConfigError, match="no robot file at"):
-        find_way("told", (), {})
+        resolve_target("told", (), {})
 
 
 def test_a_name_that_can_be_none_is_refused() -> None:
     with pytest.raises(NoRobotError, match=r"robot: 'a/b' cannot be part of a key"):
-        find_way("a/b", (), {})
+        resolve_target("a/b", (), {})
     with pytest.raises(NoRobotError, match=r"--connect: connect: 'a b' is no address"):
-        find_way("anne", ["a b"], {})
+        resolve_target("anne", ["a b"], {})
 
 
 class Network:
@@ -112,10 +112,10 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
 
 def test_the_only_robot_is_meant_where_nobody_names_one(network: Network) -> None:
     with pytest.raises(NoRobotError, match=r"no robot is heard on the network after 0\.3 s; check that it is on"):
-        only_robot(network.ours, 0.3)
+        find_only_robot(network.ours, 0.3)
     comes = network.others.declare_token(alive_key(ONE, "guard", "1"))
     network.clock.after(3.0, comes.__enter__)
-    assert only_robot(network.ours, 10.0) == ONE
+    assert find_only_robot(network.ours, 10.0) == ONE
     assert others(network.ours, ONE) == ""
     assert others(network.ours, "giraff") == f"; on the network: --robot {ONE}"
     comes.__exit__(None, None, None)
@@ -129,5 +129,5 @@ def test_of_several_one_must_be_named(network: Network) -> None:
     with tokens.declare_token(alive_key(ONE, "base", "1")):
         names = ", ".join(f"--robot {name}" for name in sorted((ONE, OTHER)))
         with pytest.raises(NoRobotError, match=f"several robots are on the network; name one: {names}"):
-            only_robot(network.ours, 10.0)
+            find_only_robot(network.ours, 10.0)
     later.__exit__(None, None, None)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_core.estop import LATCH_FILE, RELEASED, EStopLatch, kept_latch
+from giraff_core.estop import LATCH_FILE, RELEASED, EStopLatch, load_latch
 from giraff_node.process.state import Folder, state_directory, write_file_durably, write_latch
 
 LOST = 41
@@ -20,7 +20,7 @@ WHOLE = b'{"engaged":false,"id":7,"by":"carer","reason":""}'
 
 
 def read_latch(directory: Path) -> EStopLatch:
-    return kept_latch(Folder(directory), LOST)
+    return load_latch(Folder(directory), LOST)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import socket
 import struct
 
 from giraff_node.network.session import LEASE
-from giraff_node.network.tcp_options import RTO_MIN, tune_links
+from giraff_node.network.tcp_options import RTO_MIN, set_tcp_options
 
 THIN_LINEAR_TIMEOUTS, RTO_MIN_US = 16, 45  # linux/tcp.h
 
@@ -20,7 +20,7 @@ def test_every_connection_ends_with_the_lease_and_repeats_soon() -> None:
     ):
         assert one.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT) == 0
         one.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 10))  # as Zenoh has it
-        tune_links()
+        set_tcp_options()
         assert one.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT) == LEASE * 1000 == 1500
         assert one.getsockopt(socket.IPPROTO_TCP, THIN_LINEAR_TIMEOUTS) == 1
         assert struct.unpack("ii", one.getsockopt(socket.SOL_SOCKET, socket.SO_LINGER, 8))[0] == 0

@@ -8,21 +8,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_core.freshness import Clock, age, fade
-from giraff_core.timer import Pacer
+from giraff_core.freshness import TickFilter, age, derate
+from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
 
 NOW = RobotTime(epoch=7, robot_ns=5_000_000_000)
 
 
 def test_a_rate_is_kept_in_the_long_run() -> None:
-    pace = Pacer(50.0)
+    pace = Timer(50.0)
     turns = sum(pace.due(100.0 + step * 0.0007) for step in range(100_000))
     assert turns == pytest.approx(70.0 * 50.0, abs=2)
 
 
 def test_missed_turns_are_not_made_up_for() -> None:
-    pace = Pacer(50.0)
+    pace = Timer(50.0)
     assert pace.due(0.0)
     assert pace.due(10.0)
     assert not pace.due(10.001)
@@ -56,29 +56,29 @@ def test_nobodys_clock_proves_nothing() -> None:
 
 @given(st.lists(st.tuples(st.integers(1, 8), st.integers(0, 50)), max_size=60))
 def test_only_ticks_that_are_newer_than_all_of_their_start_of_base_count(said: list[tuple[int, int]]) -> None:
-    clock = Clock()
+    clock = TickFilter()
     newest: dict[int, int] = {}
     for epoch, robot_ns in said:
-        assert clock.advances(Tick(epoch=epoch, robot_ns=robot_ns), 5.0) == (robot_ns > newest.get(epoch, -1))
+        assert clock.is_newer(Tick(epoch=epoch, robot_ns=robot_ns), 5.0) == (robot_ns > newest.get(epoch, -1))
         newest[epoch] = max(robot_ns, newest.get(epoch, -1))
 
 
 def test_a_tick_that_lies_ahead_holds_for_a_moment() -> None:
-    clock = Clock()
+    clock = TickFilter()
     false = Tick(epoch=7, robot_ns=1 << 60)
-    assert clock.advances(Tick(epoch=7, robot_ns=100), 1.0)
-    assert clock.advances(false, 1.02)
-    assert not clock.advances(Tick(epoch=7, robot_ns=102), 1.2)
-    assert clock.advances(Tick(epoch=7, robot_ns=103), 1.24)
-    assert not clock.advances(Tick(epoch=7, robot_ns=102), 1.25)
+    assert clock.is_newer(Tick(epoch=7, robot_ns=100), 1.0)
+    assert clock.is_newer(false, 1.02)
+    assert not clock.is_newer(Tick(epoch=7, robot_ns=102), 1.2)
+    assert clock.is_newer(Tick(epoch=7, robot_ns=103), 1.24)
+    assert not clock.is_newer(Tick(epoch=7, robot_ns=102), 1.25)
 
 
 @given(st.floats(0.0, math.inf), st.floats(0.01, 10.0))
 def test_speed_fades_from_half_the_budget_to_nothing_at_it(age_s: float, budget: float) -> None:
-    share = fade(age_s, budget)
+    share = derate(age_s, budget)
     assert 0.0 <= share <= 1.0
     if age_s <= budget / 2:
         assert share == 1.0
     if age_s >= budget:
         assert share == 0.0
-    assert fade(0.75 * budget, budget) == pytest.approx(0.5)
+    assert derate(0.75 * budget, budget) == pytest.approx(0.5)

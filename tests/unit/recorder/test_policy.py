@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 from giraff_recorder.config import RecorderConfig
-from giraff_recorder.policy import Incident, Incidents, Memory, surplus
+from giraff_recorder.policy import Incident, IncidentDetector, Memory, surplus
 from giraff_schemas.messages import BaseState, BoardState, EStop, Health
 
 CONFIG = RecorderConfig()
@@ -48,7 +48,7 @@ def health(*faults: str) -> Health:
     return Health(service="guard", instance="i", host="h", pid=1, uptime=1.0, ok=not faults, faults=faults)
 
 
-def first_due(incidents: Incidents, begin: float, end: float) -> tuple[float, Incident]:
+def first_due(incidents: IncidentDetector, begin: float, end: float) -> tuple[float, Incident]:
     """When an incident is due, to 0.1 s."""
     now = begin
     while (incident := incidents.due(now)) is None:
@@ -58,7 +58,7 @@ def first_due(incidents: Incidents, begin: float, end: float) -> tuple[float, In
 
 
 def test_an_emergency_stop_is_written_with_the_minute_before_and_what_follows() -> None:
-    incidents = Incidents(CONFIG)
+    incidents = IncidentDetector(CONFIG)
     incidents.on_estop(estop(engaged=False), 100.0)
     incidents.on_estop(estop(engaged=True), 200.0)
     at, incident = first_due(incidents, 200.0, 300.0)
@@ -69,14 +69,14 @@ def test_an_emergency_stop_is_written_with_the_minute_before_and_what_follows() 
 
 
 def test_a_stop_that_was_there_before_is_none() -> None:
-    incidents = Incidents(CONFIG)
+    incidents = IncidentDetector(CONFIG)
     for now in (1.0, 2.0):
         incidents.on_estop(estop(engaged=True), now)
     assert incidents.due(100.0) is None
 
 
 def test_what_repeats_itself_fills_one_file_a_minute_and_misses_no_second() -> None:
-    incidents = Incidents(CONFIG)
+    incidents = IncidentDetector(CONFIG)
     files = []
     for tenth in range(10_000):
         now = 1000.0 + tenth / 10.0
@@ -93,7 +93,7 @@ def test_what_repeats_itself_fills_one_file_a_minute_and_misses_no_second() -> N
     [({"latch": "left_stuck"}, "board"), ({"connected": False}, "board"), ({"latch": "estop"}, None), ({}, None)],
 )
 def test_a_fault_of_the_base_board_is_one(board: dict[str, Any], kind: str | None) -> None:
-    incidents = Incidents(CONFIG)
+    incidents = IncidentDetector(CONFIG)
     incidents.on_base(base(), 1.0)
     incidents.on_base(base(**board), 2.0)
     incident = incidents.due(100.0)
@@ -101,7 +101,7 @@ def test_a_fault_of_the_base_board_is_one(board: dict[str, Any], kind: str | Non
 
 
 def test_a_service_that_finds_a_fault_in_itself_is_one_and_one_that_had_it_before_is_none() -> None:
-    incidents = Incidents(CONFIG)
+    incidents = IncidentDetector(CONFIG)
     incidents.on_health(health("old"), 1.0)
     incidents.on_health(health("old"), 2.0)
     assert incidents.due(50.0) is None
@@ -113,7 +113,7 @@ def test_a_service_that_finds_a_fault_in_itself_is_one_and_one_that_had_it_befor
     ("service", "armed", "is_one"), [("guard", True, True), ("guard", False, False), ("watch", True, False)]
 )
 def test_a_service_that_goes_is_one_while_the_robot_is_armed(service: str, armed: bool, is_one: bool) -> None:
-    incidents = Incidents(CONFIG)
+    incidents = IncidentDetector(CONFIG)
     incidents.on_base(base(armed=armed), 1.0)
     incidents.on_gone(service, 2.0)
     assert (incidents.due(50.0) is not None) == is_one
@@ -125,7 +125,7 @@ def test_memory_is_bounded_in_time_and_bytes(steps: list[tuple[int, int]]) -> No
     at_ns = 0
     for step, size in steps:
         at_ns += step
-        memory.add([Heard(at_ns, "k", bytes(size), "")])
+        memory.add([RawSample(at_ns, "k", bytes(size), "")])
         kept = memory.since(-1)
         assert sum(len(sample.payload) for sample in kept) <= 10_000
         assert not kept or at_ns - kept[0].at_ns <= 21_000_000_000

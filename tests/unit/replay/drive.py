@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from giraff_mcap.raw_sample import Heard
+from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recorded, Recording
 from giraff_mcap.writing import RecordingWriter
 
@@ -17,6 +17,6 @@ def begin_of_the_drive(path: Path, duration_ns: int) -> list[Recorded]:
     samples = list(Recording(DRIVE).samples())
     recorded = [sample for sample in samples if sample.heard_ns < samples[0].heard_ns + duration_ns]
     with RecordingWriter(path, {"robot": "sim-test"}) as writer:
-        writer.add([Heard(sample.heard_ns, sample.topic, sample.payload(), sample.encoding) for sample in recorded])
+        writer.add([RawSample(sample.heard_ns, sample.topic, sample.payload(), sample.encoding) for sample in recorded])
         writer.close("test")
     return recorded

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from giraff_cli.replay.agreement import Agreement
-from giraff_cli.replay.policies import Said, replay_guard, replay_odometry
+from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odometry
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.reading import Recording
@@ -37,9 +37,11 @@ def drive() -> Recording:
     return Recording(DRIVE)
 
 
-def said_in(recording: Recording, wanted: Callable[[Sample, float], bool] = lambda _sample, _at: True) -> Said:
+def said_in(
+    recording: Recording, wanted: Callable[[Sample, float], bool] = lambda _sample, _at: True
+) -> RecordedSamples:
     """The samples of a recording that `wanted` takes, with when it was heard, s from the first."""
-    said = Said()
+    said = RecordedSamples()
     first_ns = next(recording.samples()).heard_ns
     for recorded in recording.samples():
         if wanted(sample := recorded.decode(), (recorded.heard_ns - first_ns) * 1e-9):
@@ -47,7 +49,7 @@ def said_in(recording: Recording, wanted: Callable[[Sample, float], bool] = lamb
     return said
 
 
-def guards(recording: Recording, said: Said, **changes: float) -> dict[str, Agreement]:
+def guards(recording: Recording, said: RecordedSamples, **changes: float) -> dict[str, Agreement]:
     config = msgspec.structs.replace(guard_of(recording), **changes)
     return {agreement.key: agreement for agreement in replay_guard(said, config, robot_of(recording))}
 

@@ -47,11 +47,11 @@ def test_frames_are_those_of_rep_105() -> None:
 
 def test_odometry_moves_base_link_and_draws_the_way() -> None:
     scene = Scene(stock("sim"))
-    first = dict(scene.hear(topics.ODOM, odometry(SECOND, 1.0, 2.0, 0.5), SECOND))
+    first = dict(scene.on_sample(topics.ODOM, odometry(SECOND, 1.0, 2.0, 0.5), SECOND))
     where = first["frames/base_link"]
     assert where.parent_frame.as_arrow_array().to_pylist() == ["odom"]
     assert where.translation.as_arrow_array().to_pylist() == [[1.0, 2.0, 0.0]]
-    assert paths(scene.hear(topics.ODOM, odometry(SECOND, 1.1, 2.0), SECOND + 10 * MS)) == set()
+    assert paths(scene.on_sample(topics.ODOM, odometry(SECOND, 1.1, 2.0), SECOND + 10 * MS)) == set()
     assert "floor/path" in paths(scene.look(SECOND + 600 * MS))
     assert "floor/path" not in paths(scene.look(SECOND + 2000 * MS))
 
@@ -69,8 +69,8 @@ def test_odometry_moves_base_link_and_draws_the_way() -> None:
 )
 def test_a_cone_has_the_colour_of_its_state(sample: Range, blocks: bool, later: float, state: Any) -> None:
     scene = Scene(stock("sim"))
-    rows = scene.hear(topics.RANGE, sample, SECOND)
-    rows += scene.hear(topics.GUARD, guard(BLOCKED if blocks else verdict()), SECOND)
+    rows = scene.on_sample(topics.RANGE, sample, SECOND)
+    rows += scene.on_sample(topics.GUARD, guard(BLOCKED if blocks else verdict()), SECOND)
     rows += scene.look(SECOND + int(later * SECOND))
     red, green, blue = CONES[state]
     newest = [what for path, what in rows if path == "floor/range_front_left_link"][-1]
@@ -116,12 +116,12 @@ def test_a_trail_stays_short_and_begins_anew() -> None:
 
 def test_the_log_tells_each_change_once_with_its_reason() -> None:
     story = Story()
-    assert ("INFO", "base: driving") in story.hear(base())
-    assert story.hear(base()) == []
-    assert story.hear(base(armed=False, reason="0.31 m")) == [("WARN", "base: not armed: 0.31 m")]
-    assert story.hear(base(armed=False, reason="0.32 m")) == []
-    assert ("WARN", "guard forward: blocked by front_left") in story.hear(guard(BLOCKED))
-    assert story.hear(estop(engaged=True)) == [("ERROR", "e-stop: engaged by ann@desk: smoke")]
+    assert ("INFO", "base: driving") in story.on_sample(base())
+    assert story.on_sample(base()) == []
+    assert story.on_sample(base(armed=False, reason="0.31 m")) == [("WARN", "base: not armed: 0.31 m")]
+    assert story.on_sample(base(armed=False, reason="0.32 m")) == []
+    assert ("WARN", "guard forward: blocked by front_left") in story.on_sample(guard(BLOCKED))
+    assert story.on_sample(estop(engaged=True)) == [("ERROR", "e-stop: engaged by ann@desk: smoke")]
     assert story.page.startswith("# EMERGENCY STOP\n\nann@desk: smoke")
     assert (
         "| forward | **blocked** | 0.00 | front_left | front_left sees something at 0.37 m; turn left |" in story.page
@@ -131,7 +131,7 @@ def test_the_log_tells_each_change_once_with_its_reason() -> None:
 def test_text_of_the_network_can_be_drawn_and_breaks_no_table() -> None:
     assert drawable("a\x1b[1m \U0001f408 ö") == "a?[1m ? ö"
     story = Story()
-    story.hear(guard(verdict(0.0, "blocked", "a|b", "c|d\ne")))
+    story.on_sample(guard(verdict(0.0, "blocked", "a|b", "c|d\ne")))
     assert "| a/b | c/d?e |" in story.page
 
 
@@ -150,7 +150,7 @@ def other_epoch() -> Any:
 
 def test_a_line_gets_25_points_a_second() -> None:
     scene = Scene(stock("sim"))
-    points = [scene.hear(topics.ODOM, odometry(n, 0.0), SECOND + n * 10 * MS) for n in range(100)]
+    points = [scene.on_sample(topics.ODOM, odometry(n, 0.0), SECOND + n * 10 * MS) for n in range(100)]
     assert sum("plots/speed/measured" in paths(rows) for rows in points) == 25
 
 

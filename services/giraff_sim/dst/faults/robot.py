@@ -147,7 +147,7 @@ def two_at_the_emergency_stop(drill: Drill, chance: Random) -> Course:
     later_us = chance.choice((0, 4_000, 12_000))
     by = chance.choice(("", drill.button.instance))
     if by:
-        drill.story.tell("it is no other, but the same")
+        drill.story.log("it is no other, but the same")
         drill.story.count("the same engages the emergency stop anew")
     engage = partial(drill.caretaker.engage, by)
     first, second = (drill.button.reset, engage) if resets_first else (engage, drill.button.reset)

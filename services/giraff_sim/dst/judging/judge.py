@@ -30,7 +30,7 @@ from giraff_sim.dst.judging.stops import ROBOT_US, Stops
 from giraff_sim.dst.judging.wishes import Wishes
 from giraff_sim.dst.story import Story, kind_of
 from giraff_sim.hosts.disk import Disk
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Settings
 from giraff_sim.simulation import Simulation
@@ -52,7 +52,7 @@ class Violation(NamedTuple):
 class Judge(Ledger):
     """Hears all, and is asked after each step."""
 
-    def __init__(self, agenda: Agenda, simulation: Simulation, settings: Settings, story: Story) -> None:
+    def __init__(self, agenda: EventQueue, simulation: Simulation, settings: Settings, story: Story) -> None:
         super().__init__(agenda, Wishes(settings.joystick, simulation.world.truth.accelerometer_offset))
         self.violations: list[Violation] = []
         self.stops = Stops(simulation)
@@ -144,7 +144,7 @@ class Judge(Ledger):
     def on_grant(self, lease: Lease) -> None:
         what = f"{lease.instance} gives the lease {lease.counter} to {lease.holder or 'nobody'}"
         self._story.count("granted" if lease.holder else "lease ended")
-        self._story.tell(what)
+        self._story.log(what)
         if lease.instance == self._guard or not self._guard:
             self._disarmed(what)
 
@@ -170,7 +170,7 @@ class Judge(Ledger):
             self._missed_us, self._missed = now_us, name
 
     def on_engage(self, process: Process, asked: EStopEngage) -> None:
-        self._story.tell(f"base is asked for an emergency stop by {asked.by}")
+        self._story.log(f"base is asked for an emergency stop by {asked.by}")
         if process.name == BASE:
             self._engaged_at = process
             self._latch.asked(self._agenda.now_us)
@@ -180,7 +180,7 @@ class Judge(Ledger):
     def on_reset_asked(self, asked: EStopReset) -> None:
         now_us, pressed_us = self._agenda.now_us, self._resets[asked]
         old = (now_us - pressed_us) / 1e6
-        self._story.tell(f"base is asked to release {asked.id}, {old:.2f} s after {asked.by} did so")
+        self._story.log(f"base is asked to release {asked.id}, {old:.2f} s after {asked.by} did so")
         if pressed_us < self._latch.asked_us or old > self._settings.base.reset_budget:
             return
         self._latch.permit(now_us)  # also of a stop that the board has called for
@@ -195,10 +195,10 @@ class Judge(Ledger):
         if before is None:
             return
         if state.armed != before.armed:
-            self._story.tell("armed" if state.armed else f"disarmed: {state.reason}")
+            self._story.log("armed" if state.armed else f"disarmed: {state.reason}")
             self._story.count("armed" if state.armed else "disarmed")
         if before.driving and not state.driving:
-            self._story.tell(f"stops: {state.reason or 'the operator wishes so'}")
+            self._story.log(f"stops: {state.reason or 'the operator wishes so'}")
             self._story.count(f"stop: {kind_of(state.reason) or 'the operator wishes so'}")
 
     def on_drive(self, base: Process, frame: DriveFrame) -> None:
@@ -231,7 +231,7 @@ class Judge(Ledger):
         if self._world.plant.contacts == self._contacts:
             return
         self._contacts = self._world.plant.contacts
-        self._story.tell(f"the body touches something: {self._obstacles.touched(self.readings)}")
+        self._story.log(f"the body touches something: {self._obstacles.touched(self.readings)}")
         if too_fast := self._obstacles.touched_too_fast(now_us):
             self._violated("h", too_fast)
 
@@ -247,7 +247,7 @@ class Judge(Ledger):
         self._engaged_at = None  # what the next one does to the disk is no excuse
         if not self._latch.says_engaged:
             # Nobody was told that it is kept: who asked goes on asking, or knows.
-            self._story.tell("base ended before the emergency stop was on disk")
+            self._story.log("base ended before the emergency stop was on disk")
             self._story.count("an emergency stop was lost with its base")
             self._engaged_us = None
 
@@ -288,4 +288,4 @@ class Judge(Ledger):
         """Put a violation down; one that only goes on is told once."""
         if all((each.rule, kind_of(each.what)) != (rule, kind_of(what)) for each in self.violations):
             self.violations.append(Violation(self._agenda.now_us, rule, what))
-            self._story.tell(f"VIOLATION ({rule}): {what}")
+            self._story.log(f"VIOLATION ({rule}): {what}")

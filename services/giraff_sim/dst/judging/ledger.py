@@ -20,7 +20,7 @@ from giraff_schemas.messages import (
 )
 from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFrame, WheelsFrame
 from giraff_sim.dst.judging.wishes import Wishes
-from giraff_sim.hosts.event_queue import Agenda
+from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Observer, Process
 from giraff_sim.world.bno055 import Vector
 
@@ -94,7 +94,7 @@ class Neutral:
 class Ledger(Observer):
     """Keeps what the judge asks for."""
 
-    def __init__(self, agenda: Agenda, wishes: Wishes) -> None:
+    def __init__(self, agenda: EventQueue, wishes: Wishes) -> None:
         self._agenda = agenda
         self.wishes = wishes
         """What the operators truly do."""
