@@ -1,0 +1,32 @@
+"""docs/structure.md shows the packages as they are, and docs/README.md names every page.
+
+`GIRAFF_WRITE_DOCS=1 pytest tests/rules/test_structure.py` draws the picture anew.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections import Counter
+
+from tests.rules.repository import ROOT, name, sources
+from tests.rules.structure_picture import PICTURE, draw
+
+MOST_MODULES = 20
+
+
+def test_the_picture_is_of_these_imports() -> None:
+    if os.environ.get("GIRAFF_WRITE_DOCS"):
+        PICTURE.write_text(draw())
+    assert PICTURE.read_text() == draw()
+
+
+def test_no_folder_is_too_large_to_hold_in_the_head() -> None:
+    folders = Counter(path.parent for path in sources(".py", under=("services", "schemas")))
+    assert {name(folder): count for folder, count in folders.items() if count > MOST_MODULES} == {}
+
+
+def test_the_index_names_every_page() -> None:
+    docs = ROOT / "docs"
+    named = re.findall(r"\]\(([\w-]+\.md)\)", (docs / "README.md").read_text())
+    assert set(named) == {path.name for path in docs.glob("*.md")} - {"README.md"}
