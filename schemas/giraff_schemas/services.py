@@ -135,5 +135,7 @@ HANDS: Final = tuple(service.name for service in OPERATORS if service.package)
 """Names of those that a person has in his hands: a script is none."""
 ROBOTS_OWN: Final = tuple(service.name for service in SERVICES if service.host == "robot" and not service.optional)
 """Names of those that every robot has."""
+WATCHED: Final = (*ROBOTS_OWN, JOYSTICK.name)
+"""Names of those whose end is an incident while the robot is armed."""
 SIMULATED: Final = tuple(service.name for service in SERVICES if service.simulated)
 """Names of those that `giraff run` starts."""

@@ -247,7 +247,7 @@ class Node(Generic[ConfigT]):
         service.end()
 
     def turns(self, *timers: Timer, link: Selectable | None = None) -> Iterator[float]:
-        """Yield the monotonic time (s) whenever a pacer may be due, the link is readable or an inbox was filled.
+        """Yield the monotonic time (s) whenever a timer may be due, the link is readable or an inbox was filled.
 
         Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 from giraff_mcap.raw_sample import RawSample
 from giraff_recorder.config import RecorderConfig
 from giraff_schemas.messages import BaseState, EStop, Health
-from giraff_schemas.services import SIMULATED
+from giraff_schemas.services import WATCHED
 
 _OVERHEAD: Final = 300
 """bytes that a sample in memory takes beside its payload."""
@@ -93,7 +93,7 @@ class IncidentDetector:
 
     def on_gone(self, service: str, now: float) -> None:
         """A service's process has left the network."""
-        if service in SIMULATED and now - self._armed_at <= _ARMED_LATELY:
+        if service in WATCHED and now - self._armed_at <= _ARMED_LATELY:
             self._tell(now, "gone", f"{service} ended while the robot was armed")
 
     def due(self, now: float) -> Incident | None:

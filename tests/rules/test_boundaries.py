@@ -89,6 +89,7 @@ def test_contracts_name_every_package() -> None:
     layers, forbidden = (contract(kind) for kind in ("layers", "forbidden"))
     assert sorted(layers["layers"][2].split(" | ")) == services()
     assert sorted(forbidden["forbidden_modules"]) == services()
+    assert sorted(contract("acyclic_siblings")["ancestors"]) == packages()
 
 
 @pytest.mark.parametrize("package", services())

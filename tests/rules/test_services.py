@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections import Counter
 from importlib import import_module
 from typing import Any
 from unittest.mock import MagicMock
@@ -13,7 +14,8 @@ import pytest
 
 from giraff_cli.doctor.findings import NEEDED
 from giraff_cli.run.simulated_robot import START_ORDER
-from giraff_node.config.robot_file import load
+from giraff_node.config import misplaced
+from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
 from giraff_schemas.services import HANDS, ROBOTS_OWN, SERVICES, SIMULATED, Service
 from giraff_schemas.topics import QUERIES, TOPICS, Query, Topic
@@ -152,3 +154,16 @@ def test_so_does_one_with_a_loop_of_its_own(service: Service) -> None:
     for method, declared in (("publisher", service.publishes), ("inbox", service.subscribes)):
         names = set(re.findall(rf"node\.{method}\((\w+)", main))
         assert {getattr(topics, name).key for name in names} == {topic.key for topic in declared}
+
+
+def test_each_table_of_the_robot_file_has_a_configuration() -> None:
+    configs = {table: misplaced.config_of(table) for table in TABLES if table != "network"}
+    assert {table: config.__name__ for table, config in configs.items()} == {
+        table: f"{table.capitalize()}Config" for table in configs
+    }
+
+
+def test_only_commands_have_several_makers() -> None:
+    """`doctor` asks the one maker of a topic why it is silent."""
+    makers = Counter(topic.key for service in SERVICES for topic in service.publishes)
+    assert {key for key, count in makers.items() if count > 1} == {topics.OPERATOR_CMD_VEL.key}

@@ -74,7 +74,7 @@ def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Target, str]:
 
 
 def _join(way: Target) -> tuple[RobotConnection | None, str]:
-    """A watcher of the network, or why there is none."""
+    """A connection to the network, or why there is none."""
     try:
         return RobotConnection(way.robot, open_session(way.network, way.robot or "*", visiting=True)), ""
     except ConfigError as error:

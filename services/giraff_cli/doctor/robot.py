@@ -25,7 +25,7 @@ MAKERS: Final[dict[Topic[Any], str]] = {
     for topic in service.publishes
     if topic.rate_hz and topic not in (BATTERY, OPERATOR_CMD_VEL)
 }
-"""Of what a robot says all the time; no robot must measure its battery, or have an operator."""
+"""Of what a robot says all the time: not all measure their battery, and nobody need ask to drive."""
 
 _LOOK_EVERY: Final = 0.02  # s
 _ASK_EVERY: Final = 0.25  # s; the quickest of several answers tells the clock best
@@ -33,7 +33,7 @@ _HEAR_FIRST: Final = 3.0  # s
 
 
 class _Listener:
-    """Of the watcher: everything goes to the telemetry, and is counted."""
+    """Everything goes to the telemetry, and is counted."""
 
     def __init__(self) -> None:
         self.telemetry = Telemetry()

@@ -50,7 +50,7 @@ def run_on_network(
     act: Callable[[RobotConnection], int],
     lost: Callable[[], str] | None = None,
 ) -> int:
-    """The exit code of `act` on the network, whose watcher has no robot where nobody has named one; or UNUSABLE."""
+    """The exit code of `act` on the network, whose connection has no robot where nobody has named one; or UNUSABLE."""
     try:
         way = resolve_target(robot, connect)
     except NoRobotError as error:

@@ -22,7 +22,7 @@ _MOST_WAITING: Final = 20_000  # reports, 40 s of them; a listener that stands s
 
 
 class Listener(Protocol):
-    """Whoever is told of what a watcher hears."""
+    """Takes what a connection hears."""
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """A sample of `key` (below the robot's name), which `topic` is or stands for, heard at `at_ns`."""

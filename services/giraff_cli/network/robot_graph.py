@@ -50,13 +50,13 @@ class RobotGraph:
         """Instance -> service."""
         self.healths: dict[str, Health] = {}
         """By instance, the newest answer."""
-        self.tallies: dict[str, TopicStatistics] = {}
+        self.topics: dict[str, TopicStatistics] = {}
         """By key."""
         self.heard: deque[tuple[str, Sample, int]] = deque(maxlen=_MOST_WAITING)
-        """Samples of topics that the watcher follows: key, sample, when (robot's clock, ns); for whoever takes them."""
+        """Samples of the connection's topics: key, sample, when (robot's clock, ns); for whoever takes them."""
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        """A sample of a topic that the watcher follows."""
+        """A sample of a topic that the connection subscribes to."""
         del topic
         self.heard.append((key, sample, at_ns))
 
@@ -70,13 +70,13 @@ class RobotGraph:
 
     def count(self, arrival: Arrival) -> None:
         """A sample has come."""
-        if arrival.key not in self.tallies:
-            self.tallies[arrival.key] = TopicStatistics(arrival.key)
-        self.tallies[arrival.key].on_sample(arrival)
+        if arrival.key not in self.topics:
+            self.topics[arrival.key] = TopicStatistics(arrival.key)
+        self.topics[arrival.key].on_sample(arrival)
 
     @property
     def empty(self) -> bool:
-        return not self.alive and not self.tallies and not self.heard
+        return not self.alive and not self.topics and not self.heard
 
     @property
     def services(self) -> list[NodeId]:
@@ -91,7 +91,7 @@ class RobotGraph:
     @property
     def complete(self) -> bool:
         """Whether that, and whoever is heard has a token."""
-        makers = {instance for tally in self.tallies.values() for instance in tally.counts}
+        makers = {instance for statistics in self.topics.values() for instance in statistics.counts}
         return self.answered and makers <= set(self.alive)
 
     @property
@@ -108,12 +108,12 @@ class RobotGraph:
     def keys(self) -> list[str]:
         """What is published or heard, in the order of the topics table."""
         told = (key for health in self.healths.values() for key in health.publishes)
-        return sorted({*told, *self.tallies}, key=_place)
+        return sorted({*told, *self.topics}, key=_place)
 
     def publishers(self, key: str) -> list[NodeId]:
         """Those who say that they publish it, and those of whom it is heard."""
         told = (instance for instance, health in self.healths.items() if key in health.publishes)
-        heard = self.tallies[key].counts if key in self.tallies else ()
+        heard = self.topics[key].counts if key in self.topics else ()
         return sorted(self.maker(instance) for instance in {*told, *heard})
 
     def publishers_of(self, pattern: str) -> list[NodeId]:

@@ -143,9 +143,9 @@ def report_of(robot_graph: RobotGraph, loads: Loads, elapsed: float, now: float)
         if work.host:
             hosts[work.host] = cpu + (work.cpu or 0.0), rss + work.rss_bytes
     streams = [
-        _stream(tally, robot_graph.maker(instance).name, count, now)
-        for tally in (robot_graph.tallies[key] for key in robot_graph.keys if key in robot_graph.tallies)
-        for instance, count in tally.counts.items()
+        _stream(statistics, robot_graph.maker(instance).name, count, now)
+        for statistics in (robot_graph.topics[key] for key in robot_graph.keys if key in robot_graph.topics)
+        for instance, count in statistics.counts.items()
     ]
     return TopReport(
         robot=robot_graph.robot,
@@ -156,14 +156,14 @@ def report_of(robot_graph: RobotGraph, loads: Loads, elapsed: float, now: float)
     )
 
 
-def _stream(tally: TopicStatistics, by: str, count: PublisherStatistics, now: float) -> Stream:
-    row = topic_of(tally.key)
+def _stream(statistics: TopicStatistics, by: str, count: PublisherStatistics, now: float) -> Stream:
+    row = topic_of(statistics.key)
     nominal = 0.0 if row is None else row.rate_hz
     silence = now - count.newest.at
     silent = silence > max(_LEAST, _PERIODS / nominal if nominal else 0.0)
     median = count.ages.quantile(0.5)
     return Stream(
-        key=tally.key,
+        key=statistics.key,
         by=by,
         hz=None if silent else count.rate_over(_WINDOW),
         nominal_hz=nominal,

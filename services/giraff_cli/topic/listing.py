@@ -166,10 +166,7 @@ def _row(robot_graph: RobotGraph, key: str) -> TopicRow:
     """Of a key, or of all that one with a `*` covers."""
     covered = [other for other in robot_graph.keys if intersects(key, other)]
     counts = [
-        count
-        for other in covered
-        if other in robot_graph.tallies
-        for count in robot_graph.tallies[other].counts.values()
+        count for other in covered if other in robot_graph.topics for count in robot_graph.topics[other].counts.values()
     ]
     rates = [rate for count in counts if (rate := count.rate) is not None]
     row = topic_of(key)
@@ -178,7 +175,7 @@ def _row(robot_graph: RobotGraph, key: str) -> TopicRow:
         type="" if row is None else row.schema.__name__,
         nominal_hz=0.0 if row is None else row.rate_hz,
         hz=sum(rates) / len(rates) if rates else None,
-        heard=sum(robot_graph.tallies[other].samples for other in covered if other in robot_graph.tallies),
+        heard=sum(robot_graph.topics[other].samples for other in covered if other in robot_graph.topics),
         publishers=sorted({maker for other in covered for maker in robot_graph.publishers(other)}),
         subscribers=robot_graph.subscribers(key),
     )

@@ -107,10 +107,12 @@ def rates_of(robot_graph: RobotGraph) -> Rates:
         rates=[
             _rate(key, robot_graph.maker(instance), count)
             for key in robot_graph.keys
-            if key in robot_graph.tallies
-            for instance, count in robot_graph.tallies[key].counts.items()
+            if key in robot_graph.topics
+            for instance, count in robot_graph.topics[key].counts.items()
         ],
-        unreadable={key: tally.unreadable for key, tally in robot_graph.tallies.items() if tally.unreadable},
+        unreadable={
+            key: statistics.unreadable for key, statistics in robot_graph.topics.items() if statistics.unreadable
+        },
     )
 
 
@@ -119,14 +121,14 @@ def bandwidths_of(robot_graph: RobotGraph) -> list[Bandwidth]:
     return [
         Bandwidth(
             key=key,
-            bytes_per_second=tally.bytes_per_second,
-            samples=tally.samples,
-            bytes=tally.bytes,
-            smallest=tally.smallest,
-            largest=tally.largest,
+            bytes_per_second=statistics.bytes_per_second,
+            samples=statistics.samples,
+            bytes=statistics.bytes,
+            smallest=statistics.smallest,
+            largest=statistics.largest,
         )
         for key in robot_graph.keys
-        if (tally := robot_graph.tallies.get(key)) is not None
+        if (statistics := robot_graph.topics.get(key)) is not None
     ]
 
 
@@ -140,7 +142,7 @@ def _measure(key: str | None, robot: str | None, connect: Sequence[str], seconds
         robot_graph = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot, topic)]).run(
             seconds, stopping
         )
-        if robot_graph.tallies:
+        if robot_graph.topics:
             return int(tell(robot_graph))
         return print_error(_silence(robot_graph, topic, seconds))
 

@@ -69,13 +69,13 @@ class LiveViewer:
             give_up(error)
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        """Of the watcher."""
+        """Of the connection."""
         del key
         assert self._stage is not None  # noqa: S101  it is there as long as anybody listens
         self._stage.show.on_sample(topic, sample, at_ns + self._ahead_ns)
 
     def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
-        """Of the watcher."""
+        """Of the connection."""
         assert self._stage is not None  # noqa: S101
         self._stage.show.on_liveliness(service, instance, time.time_ns(), present=present)
 

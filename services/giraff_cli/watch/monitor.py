@@ -47,7 +47,7 @@ class Watch:
     def __init__(
         self, connection: RobotConnection, stopping: StopSignal, seconds: float | None, *, as_json: bool
     ) -> None:
-        """`watcher`: its robot may yet be unnamed."""
+        """`connection`: its robot may yet be unnamed."""
         self._connection = connection
         self._stopping = stopping
         self._seconds = math.inf if seconds is None else seconds

@@ -77,7 +77,7 @@ def _misplaced(
     for path, value in _entries(values):
         name = path[-1].lower()
         if _alike(name, words):
-            kind: Any = _config_of(table)
+            kind: Any = config_of(table)
             for key in path[:-1]:
                 kind = _type_of(kind, key)
             # A mistyped name of the robot is in doubt where it stands.
@@ -97,15 +97,13 @@ def _entries(values: Mapping[str, Any], above: tuple[str, ...] = ()) -> Iterator
                 yield from _entries(inner, path)
 
 
-def _config_of(table: str) -> Any:
+def config_of(table: str) -> Any:
     """The `Struct` of a table; None: there is no such table."""
     if table == "robot":
         return RobotConfig
-    # Services stand above this package: one is imported only where something is in doubt.
-    for service in SERVICES:
-        if table and service.table == table:
-            return getattr(import_module(f"{service.package}.config"), f"{table.capitalize()}Config")
-    return None
+    # Services and simulator stand above this package: one is imported only where something is in doubt.
+    package = {service.table: service.package for service in SERVICES if service.table} | {"sim": "giraff_sim"}
+    return getattr(import_module(f"{package[table]}.config"), f"{table.capitalize()}Config") if table else None
 
 
 def _fields(kind: Any) -> tuple[str, ...]:

@@ -53,7 +53,7 @@ class Process:
     def turns(
         self, *timers: Timer, link: Selectable | None = None, look: Callable[[float], None] = lambda _: None
     ) -> Iterator[float]:
-        """Yield the monotonic time (s) whenever a pacer may be due, the link is readable or somebody called `wake`.
+        """Yield the monotonic time (s) whenever a timer may be due, the link is readable or somebody called `wake`.
 
         `look` is given each turn's time before health is told. Raises what `fail` was given.
         """

@@ -159,13 +159,13 @@ class Process:
     def parameters(self, service: str, filed: ConfigT, robot: RobotConfig) -> ConfigT:
         """What is in force of a table once what was saved is restored. From now on it is answered for."""
         params = Parameters(service, filed, robot)
-        desk = ParameterServer(service, self.instance, self.hostname, params, self.store, _tell_nobody)
+        server = ParameterServer(service, self.instance, self.hostname, params, self.store, _tell_nobody)
         describes, sets, saves = (
             self.requests(PARAM_DESCRIBE.at(service)),
             self.requests(PARAM_SET.at(service)),
             self.requests(PARAM_SAVE.at(service)),
         )
-        self._answer_for_params = lambda: desk.turn(describes, sets, saves, self.on_reconfigured)
+        self._answer_for_params = lambda: server.turn(describes, sets, saves, self.on_reconfigured)
         return params.config
 
     def imitate(self, path: str, board: Board) -> None:
@@ -259,8 +259,8 @@ class Process:
             self.terminate()
             return
         wait_us = _LONGEST_WAIT_US
-        for pacer in self._service.timers:
-            wait_us = min(wait_us, int(pacer.wait(now) * 1e6) + 1)
+        for timer in self._service.timers:
+            wait_us = min(wait_us, int(timer.wait(now) * 1e6) + 1)
         self.wake(now_us + wait_us)
 
 
