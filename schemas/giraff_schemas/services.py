@@ -132,7 +132,7 @@ SERVICES: Final = (
 OPERATORS: Final = tuple(service for service in SERVICES if service.host == "operator")
 """Who may ask to drive."""
 HANDS: Final = tuple(service.name for service in OPERATORS if service.package)
-"""Names of those that a person has in his hands: a script is none."""
+"""Names of the operators that a person drives by: a script is not one."""
 ROBOTS_OWN: Final = tuple(service.name for service in SERVICES if service.host == "robot" and not service.optional)
 """Names of those that every robot has."""
 WATCHED: Final = (*ROBOTS_OWN, JOYSTICK.name)

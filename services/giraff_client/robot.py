@@ -29,9 +29,7 @@ from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Odometr
 from giraff_schemas.services import CLIENT
 from giraff_schemas.topics import (
     BASE,
-    ESTOP,
     GUARD,
-    LEASE,
     ODOM,
     OPERATOR_CMD_VEL,
     RANGE,
@@ -48,7 +46,6 @@ _FIRST_WITHIN: Final = 2.0  # s in which a robot that is there has said everythi
 _FRESH: Final = 1.0  # s; what was said longer ago says nothing of now
 _LOOK: Final = 0.01  # s
 _TUNE_HZ: Final = 2.0  # a laptop on Wi-Fi comes back with another link
-_HEARD: Final[tuple[Topic[Any], ...]] = (TICK, LEASE, BASE, ESTOP, GUARD, ODOM, RANGE)
 
 
 class Robot:
@@ -230,7 +227,7 @@ class Robot:
 
     def _listen(self, session: zenoh.Session) -> None:
         """Hear all that a script may ask for, until the robot's clock has come. Raises UnknownRobotError."""
-        for topic in _HEARD:
+        for topic in CLIENT.subscribes:
             self._declared.append(session.declare_subscriber(key_of(self.name, topic), self._hearer(topic)))
         token = alive_key(self.name, CLIENT.name, self._instance)
         self._declared.append(session.liveliness().declare_token(token))

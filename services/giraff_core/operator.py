@@ -11,7 +11,7 @@ from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick
 
 LINK_SILENCE: Final = 0.5
 """s without a new tick of the robot after which it counts as lost."""
-LINK_LOST: Final = (
+_LINK_LOST: Final = (
     f"no tick of the robot for {LINK_SILENCE:g} s; check that base runs and that both machines share a network"
 )
 ASKS_NOTHING: Final = -1
@@ -55,7 +55,7 @@ class Operator:
 
     def link_fault(self, now: float) -> str:
         """Why the robot counts as lost, with the way out; empty: it is heard."""
-        return LINK_LOST if now - self._heard > LINK_SILENCE else ""
+        return _LINK_LOST if now - self._heard > LINK_SILENCE else ""
 
     def command(
         self,

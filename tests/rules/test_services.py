@@ -6,10 +6,8 @@ import re
 import tomllib
 from collections import Counter
 from importlib import import_module
-from typing import Any
 from unittest.mock import MagicMock
 
-import msgspec
 import pytest
 
 from giraff_cli.doctor.findings import NEEDED
@@ -18,7 +16,6 @@ from giraff_node.config import misplaced
 from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
 from giraff_schemas.services import HANDS, ROBOTS_OWN, SERVICES, SIMULATED, Service
-from giraff_schemas.topics import QUERIES, TOPICS, Query, Topic
 from giraff_sim.dst.faults import machine, robot
 from giraff_sim.settings import MACHINES, Services, Settings
 from tests.rules.repository import ROOT, packages
@@ -45,12 +42,6 @@ def test_each_package_of_a_service_is_in_the_table() -> None:
 def test_no_name_is_there_twice() -> None:
     names = [service.name for service in SERVICES]
     assert len(names) == len(set(names))
-
-
-@pytest.mark.parametrize("service", IN_PACKAGES, ids=lambda service: service.name)
-def test_its_table_is_read_as_its_configuration(service: Service) -> None:
-    config = getattr(import_module(f"{service.package}.config"), f"{service.table.capitalize()}Config")
-    assert issubclass(config, msgspec.Struct)
 
 
 def needed(service: Service) -> dict[str, str]:
@@ -121,29 +112,18 @@ def test_a_hand_is_what_a_person_drives_by() -> None:
     assert HANDS == ("joystick", "keyboard")
 
 
-def rows(declared: MagicMock, table: tuple[Any, ...]) -> set[str]:
-    """Keys of the rows that a method of an `IO` was called with."""
-    return {row(call.args[0], table) for call in declared.call_args_list}
-
-
-def row(one: Topic[Any] | Query[Any, Any], table: tuple[Any, ...]) -> str:
-    """The row of the table that it is, or is of: of `range/rear` that is `range/*`."""
-    [key] = [each.key for each in table if re.fullmatch(each.key.replace("*", "[^/]+"), one.key)]
-    return str(key)
-
-
 @pytest.mark.parametrize("service", TURNING, ids=lambda service: service.name)
 def test_it_declares_what_the_table_says(service: Service) -> None:
-    config = getattr(import_module(f"{service.package}.config"), f"{service.table.capitalize()}Config")
+    config = misplaced.config_of(service.table)
     made = getattr(import_module(f"{service.package}.service"), service.name.capitalize())
     io = MagicMock(instance="one", hostname="host")
     io.store.read.side_effect = FileNotFoundError
     io.token.return_value = 1
     screen = (MagicMock(),) if service.name == "keyboard" else ()
     made(io, load(service.table, config, {"GIRAFF_CONFIG": "/dev/null", **needed(service)}), ROBOT, *screen)
-    assert rows(io.publisher, TOPICS) == {topic.key for topic in service.publishes}
-    assert rows(io.inbox, TOPICS) == {topic.key for topic in service.subscribes}
-    assert rows(io.requests, QUERIES) == {query.key for query in service.answers}
+    for method, rows in ((io.publisher, service.publishes), (io.inbox, service.subscribes)):
+        assert {topics.topic_of(call.args[0].key) for call in method.call_args_list} == set(rows)
+    assert {call.args[0] for call in io.requests.call_args_list} == set(service.answers)
     kinds = [call.args[2] for call in io.board.call_args_list]
     assert kinds == ([] if service.board is None else [service.board])
 
