@@ -20,8 +20,16 @@ from giraff_client.policy import OperatorPolicy
 from giraff_core.timer import Timer
 from giraff_node import Publisher
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import CORRECT_IT, find_only_robot, not_found_text, others, resolve_target
-from giraff_node.network.discovery import NoRobotError as UnknownRobotError
+from giraff_node.network.consent import NoRobotError as UnknownRobotError
+from giraff_node.network.discovery import (
+    CORRECT_IT,
+    find_robot,
+    not_found_text,
+    others,
+    require_consent,
+    resolve_target,
+)
+from giraff_node.network.reach import find_silent
 from giraff_node.network.session import close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
@@ -77,6 +85,7 @@ class Robot:
         self._session: zenoh.Session | None = None
         self._commands: Publisher[DriveCommand] | None = None
         self._has_armed = False
+        self._is_named = False
         self._tuning = Timer(_TUNE_HZ)
 
     def __enter__(self) -> Self:
@@ -134,8 +143,15 @@ class Robot:
         """Ask for the lease and hold still until the robot is armed, about half a second. The first `drive` does so.
 
         After an emergency stop, or when another operator had the robot, only this makes it drive again: nothing moves
-        because somebody has reset something. Raises RobotError.
+        because somebody has reset something. A robot that nobody has named takes a typed yes, unless it is the
+        simulation of this host. Raises RobotError.
         """
+        if not self._is_named and self._session is not None:
+            try:
+                require_consent(self._session, self.name, f'Robot("{self.name}")')
+            except UnknownRobotError as error:
+                raise NoRobotError(str(error)) from error
+            self._is_named = True
         deadline = time.monotonic() + self._patience
         with self._lock:
             self._policy.begin(time.monotonic())
@@ -184,11 +200,14 @@ class Robot:
             raise NoRobotError(str(error)) from error
         except ConfigError as error:
             raise NoRobotError(f"{error}; {CORRECT_IT}") from error
+        if silent := find_silent(self._connect):
+            raise NoRobotError(f"connect: {'; '.join(silent)}; check the address, and that the robot is on")
         try:
             if way.warning:
                 logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)
             self._session = open_session(way.network, way.robot or "*", visiting=True)
-            self.name = way.robot or find_only_robot(self._session, self._patience)
+            self._is_named = bool(way.robot)
+            self.name = way.robot or find_robot(self._session, way.filed, self._patience)
             self._listen(self._session)
         except (UnknownRobotError, ConfigError) as error:
             raise NoRobotError(str(error)) from error

@@ -49,12 +49,18 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 def _require_address(field: str, address: str) -> None:
-    """ValueError unless it is HOST or HOST:PORT."""
+    """ValueError unless it is HOST or HOST:PORT, also as Zenoh writes it: tcp/HOST:PORT."""
+    address = _plain(address)
     if not address or any(mark in address for mark in "/#? "):
         raise ValueError(f"{field}: {address!r} is no address; give HOST or HOST:PORT, like 192.168.1.20:7447")
 
 
+def _plain(address: str) -> str:
+    return address.removeprefix("tcp/")
+
+
 def with_port(address: str) -> str:
     """HOST:PORT; an IPv6 address stands in brackets."""
+    address = _plain(address)
     _, colon, port = address.rpartition(":")
     return address if colon and not port.endswith("]") else f"{address}:{_PORT}"

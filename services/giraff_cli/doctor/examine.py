@@ -23,7 +23,8 @@ from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.text import counted, printable
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import NoRobotError, Target, list_robots, only_one, resolve_target, target_of
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.discovery import Target, list_robots, resolve_target, settle, target_of
 from giraff_node.network.link_repair import hosts_of
 from giraff_node.network.session import open_session
 from giraff_schemas.services import BASE
@@ -76,7 +77,7 @@ def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Target, str]:
 def _join(way: Target) -> tuple[RobotConnection | None, str]:
     """A connection to the network, or why there is none."""
     try:
-        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", visiting=True)), ""
+        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", visiting=True), way.filed), ""
     except ConfigError as error:
         return None, str(error)
     except zenoh.ZError as error:
@@ -132,7 +133,8 @@ def _meet(connection: RobotConnection, seconds: float) -> Robot | None:
                 return None
             time.sleep(_ASK_AGAIN)
         time.sleep(_SETTLED)
-        connection.robot = only_one(sorted({*found, *list_robots(connection.session)}))
+        found = sorted({*found, *list_robots(connection.session)})
+        connection.robot = settle(connection.session, found, connection.filed)
     return listen(connection, seconds)
 
 

@@ -6,13 +6,15 @@ Each answers with an exit code and a word for people. Nothing is taken for done 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from typing import Any, Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.estop import RESET_COMMAND
-from giraff_node.network.discovery import HOW_TO_REACH, others
+from giraff_node.config.robot_file import DEFAULT_FILE
+from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, others
 from giraff_node.network.query_client import QueryClient, request_estop
-from giraff_schemas.messages import EStop, EStopReset, RobotTime, Sample, Tick
+from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Sample, Tick
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, AnswerT, RequestT, Topic, key_of
 
 RELEASED: Final = 0
@@ -20,6 +22,7 @@ ENGAGED: Final = 1
 UNKNOWN: Final = 2
 
 _TURN: Final = 0.01  # s
+_NEWCOMERS: Final = 1.0  # s after the last one was met; the others of a network are met within some ten ms
 _TWO_PERIODS: Final = 2.5 / ESTOP.rate_hz  # s in which every base has told its state
 
 
@@ -36,7 +39,52 @@ def engage(connection: RobotConnection, by: str, reason: str, timeout: float) ->
     asking = request_estop(connection.session, robot, by=by, reason=reason)
     answer = _answer(asking, deadline)
     if answer is not None:
-        return Result(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{RESET_COMMAND}`")
+        return _confirmed(robot, answer)
+    code, text = _unconfirmed(robot, asking, timeout)
+    return Result(code, text + others(connection.session, robot) if code == UNKNOWN else text)
+
+
+def engage_all(
+    connection: RobotConnection, by: str, reason: str, timeout: float, tell: Callable[[Result], object]
+) -> int:
+    """The same of every robot that is heard; the worst code. `tell` is given each result as soon as there is one.
+
+    Listens until a second after the last newcomer, and no longer than `timeout`.
+    """
+    monitor = RobotMonitor(connection.session)
+    asking: dict[str, QueryClient[EStopEngage, EStopAnswer]] = {}
+    stopped: set[str] = set()
+    began = newest = time.monotonic()
+    while (now := time.monotonic()) - began < timeout:
+        for robot in monitor.all_names:
+            if robot not in asking:  # each by its own key: rules of a secured network pass none with a wildcard
+                asking[robot] = request_estop(connection.session, robot, by=by, reason=reason)
+                newest = now
+        for robot in sorted(asking.keys() - stopped):
+            if (answer := asking[robot].poll(now)) is not None:
+                stopped.add(robot)
+                tell(_confirmed(robot, answer))
+        if asking and len(stopped) == len(asking) and now - newest > _NEWCOMERS:
+            break
+        time.sleep(_TURN)
+    codes = [RELEASED]
+    for robot in sorted(asking.keys() - stopped):
+        result = _unconfirmed(robot, asking[robot], timeout)
+        tell(Result(result.code, f"{robot}: {result.text}" if result.code == UNKNOWN else result.text))
+        codes.append(result.code)
+    if not asking:
+        tell(Result(UNKNOWN, f"NOTHING IS STOPPED: no robot is heard; use the battery switch, then {HOW_TO_REACH}"))
+        codes.append(UNKNOWN)
+    if connection.filed and connection.filed not in asking:
+        tell(Result(UNKNOWN, f"{connection.filed}, which {DEFAULT_FILE} names, is NOT HEARD and was not stopped"))
+    return max(codes)
+
+
+def _confirmed(robot: str, answer: EStopAnswer) -> Result:
+    return Result(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{RESET_COMMAND}`")
+
+
+def _unconfirmed(robot: str, asking: QueryClient[EStopEngage, EStopAnswer], timeout: float) -> Result:
     refusal = asking.refusal
     if refusal is not None and refusal.engaged:
         return Result(
@@ -46,10 +94,7 @@ def engage(connection: RobotConnection, by: str, reason: str, timeout: float) ->
         why = f"{asking.key} answers that it has not stopped: {refusal.reason}"
     else:
         why = asking.fault or f"nobody answered {asking.key}"
-    hint = others(connection.session, robot)
-    return Result(
-        UNKNOWN, f"NOT CONFIRMED after {timeout:g} s: {why}; use the battery switch, then {HOW_TO_REACH}{hint}"
-    )
+    return Result(UNKNOWN, f"NOT CONFIRMED after {timeout:g} s: {why}; use the battery switch, then {HOW_TO_REACH}")
 
 
 def reset(connection: RobotConnection, by: str, timeout: float) -> Result:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -27,20 +28,23 @@ def engage(
     timeout: Timeout = 5.0,
     reason: Annotated[str, typer.Option(metavar="TEXT", help="Told to whoever asks why.")] = "stopped by hand",
 ) -> None:
-    """Stop the robot now, and keep it stopped, also over restarts.
+    """Stop the robot now, and keep it stopped, also over restarts. Where none is named: every robot that is heard.
 
     Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
     """
     from giraff_cli.estop import client as it  # noqa: PLC0415
     from giraff_cli.estop.fallback import way_to_stop  # noqa: PLC0415
+    from giraff_cli.network.command import run_on_network  # noqa: PLC0415
     from giraff_cli.network.user import user_at_host  # noqa: PLC0415
 
-    _tell(
-        robot,
-        connect,
-        timeout,
-        lambda connection: it.engage(connection, user_at_host(), reason, timeout),
-        lambda: way_to_stop(robot, connect or ()),
+    def stop(connection: RobotConnection) -> int:
+        if connection.robot:
+            return _print(it.engage(connection, user_at_host(), reason, timeout))
+        return it.engage_all(connection, user_at_host(), reason, timeout, _print)
+
+    # A robot that is reached another way is stopped, whatever is wrong with the address that was typed.
+    raise typer.Exit(
+        run_on_network(robot, connect or (), stop, lambda: way_to_stop(robot, connect or ()), must_reach=False)
     )
 
 
@@ -53,7 +57,7 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0) 
     from giraff_cli.estop import client as it  # noqa: PLC0415
     from giraff_cli.network.user import user_at_host  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda connection: it.reset(connection, user_at_host(), timeout))
+    _tell(robot, connect, timeout, lambda connection: it.reset(connection, user_at_host(), timeout), moves=True)
 
 
 @estop.command()
@@ -72,13 +76,19 @@ def _tell(
     connect: list[str] | None,
     timeout: float,
     act: Callable[[RobotConnection], Result],
-    lost: Callable[[], str] | None = None,
+    *,
+    moves: bool = False,
 ) -> None:
-    from giraff_cli.network.command import UNUSABLE, run_with_robot  # noqa: PLC0415
+    from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
 
-    def tell(connection: RobotConnection) -> int:
-        code, text = act(connection)
-        typer.echo(text, err=code >= UNUSABLE)
-        return code
+    raise typer.Exit(
+        run_with_robot(robot, connect or (), timeout, lambda connection: _print(act(connection)), moves=moves)
+    )
 
-    raise typer.Exit(run_with_robot(robot, connect or (), timeout, tell, lost))
+
+def _print(result: Result) -> int:
+    """The exit code."""
+    from giraff_cli.network.command import UNUSABLE  # noqa: PLC0415
+
+    print(result.text, file=sys.stderr if result.code >= UNUSABLE else sys.stdout, flush=True)
+    return result.code

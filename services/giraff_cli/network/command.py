@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import shlex
+import shutil
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Final
 
 import zenoh
@@ -12,12 +15,16 @@ import zenoh
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.output import guard_stdout
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import CORRECT_IT, NoRobotError, find_only_robot, resolve_target
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.discovery import CORRECT_IT, find_robot, require_consent, resolve_target
+from giraff_node.network.reach import find_silent
 from giraff_node.network.session import open_session
 from giraff_node.process.lifecycle import restart_program
 
 UNUSABLE: Final = 2
 
+_CAME_BACK: Final = "VISITED_BEFORE"
+"""Set in the environment of a visit that begins anew at another network: there an address may yet be out of reach."""
 _CLOSE_WITHIN: Final = 0.3  # s; whoever has ended a command does not wait, and the robot sees a dead link at once
 
 
@@ -30,18 +37,33 @@ def run_with_robot(
     connect: Sequence[str],
     patience: float,
     act: Callable[[RobotConnection], int],
-    lost: Callable[[], str] | None = None,
+    *,
+    moves: bool = False,
 ) -> int:
     """The exit code of `act`, or UNUSABLE where there is no robot to act on. `patience`: s, to look for one.
 
-    `lost`: the way out where robot file or environment cannot tell which robot it is, or on which network.
+    `moves`: it moves, releases or sets something. One that nobody has named then takes a person's yes.
     """
 
     def find_and_act(connection: RobotConnection) -> int:
-        connection.robot = connection.robot or find_only_robot(connection.session, patience)
+        if not connection.robot:
+            connection.robot = find_robot(connection.session, connection.filed, patience)
+            if moves:
+                require_consent(connection.session, connection.robot, naming(connection.robot))
         return act(connection)
 
-    return run_on_network(robot, connect, find_and_act, lost)
+    return run_on_network(robot, connect, find_and_act)
+
+
+def naming(robot: str) -> str:
+    """The command that was typed, with the robot named in it."""
+    return shlex.join([*command_line(), "--robot", robot])
+
+
+def command_line() -> list[str]:
+    """The words that were typed, so that they can be typed again."""
+    name = Path(sys.argv[0]).name
+    return [name if shutil.which(name) else sys.argv[0], *sys.argv[1:]]
 
 
 def run_on_network(
@@ -49,14 +71,22 @@ def run_on_network(
     connect: Sequence[str],
     act: Callable[[RobotConnection], int],
     lost: Callable[[], str] | None = None,
+    *,
+    must_reach: bool = True,
 ) -> int:
-    """The exit code of `act` on the network, whose connection has no robot where nobody has named one; or UNUSABLE."""
+    """The exit code of `act` on the network, whose connection has no robot where nobody has named one; or UNUSABLE.
+
+    `lost`: the way out where robot file or environment cannot tell which robot it is, or on which network.
+    `must_reach`: an address of `connect` that does not answer is an error: another robot would be found in its place.
+    """
     try:
         way = resolve_target(robot, connect)
     except NoRobotError as error:
         return print_error(str(error))
     except ConfigError as error:
         return print_error(f"{error}; {lost() if lost else CORRECT_IT}")
+    if must_reach and not os.environ.get(_CAME_BACK) and (silent := find_silent(connect)):
+        return print_error(f"--connect {'; '.join(silent)}; check the address, and that the robot is on")
     if way.warning:
         print_error(f"not everything of robot file and environment counts: {way.warning}")
     try:
@@ -65,11 +95,12 @@ def run_on_network(
         return print_error(str(error))
     except zenoh.ZError as error:
         return print_error(f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect")
-    connection = RobotConnection(way.robot, session)
+    connection = RobotConnection(way.robot, session, way.filed)
     try:
         code = guard_stdout(lambda: act(connection))
     except MovedError:
         connection.close(_CLOSE_WITHIN)
+        os.environ[_CAME_BACK] = "yes"
         restart_program()
     except NoRobotError as error:
         code = print_error(str(error))

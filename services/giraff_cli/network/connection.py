@@ -38,9 +38,11 @@ Report = Callable[[Listener], None]
 class RobotConnection:
     """What Zenoh's threads hear waits in a queue, so that the listener has one thread."""
 
-    def __init__(self, robot: str, session: zenoh.Session) -> None:
+    def __init__(self, robot: str, session: zenoh.Session, filed: str = "") -> None:
         """`session`: of this connection alone, which closes it."""
         self.robot = robot
+        self.filed = filed
+        """The name in the robot file of the current folder, where nobody has named one; it counts if it is heard."""
         self.session = session
         self._heard: deque[Report] = deque(maxlen=_MOST_WAITING)
         self._declared: dict[str, Any] = {}  # by key; a subscriber that nobody references ends

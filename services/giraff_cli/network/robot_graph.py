@@ -16,7 +16,8 @@ from giraff_cli.network.header_subscriber import HeaderSubscriber
 from giraff_cli.network.statistics import Arrival, TopicStatistics
 from giraff_cli.network.topic_keys import intersects
 from giraff_cli.terminal.signals import StopSignal
-from giraff_node.network.discovery import NoRobotError, list_robots, not_found_text
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_schemas.messages import Health, Sample
 from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
 

@@ -13,7 +13,8 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
 from giraff_cli.param.format import Shown, as_objects, differing
 from giraff_cli.terminal.page import print_json
-from giraff_node.network.discovery import NoRobotError, list_robots, not_found_text
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.services import SERVICES
@@ -78,7 +79,7 @@ def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, 
             _ask(connection, PARAM_SET, dict.fromkeys(services, request), _PATIENCE), services, as_json=as_json
         )
 
-    return run_with_robot(robot, connect, _PATIENCE, tell)
+    return run_with_robot(robot, connect, _PATIENCE, tell, moves=True)
 
 
 def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *, as_json: bool) -> int:
@@ -94,7 +95,7 @@ def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *
         requests = {service: ParamSave(names=few, by=by) for service, few in fields.items()}
         return _told(_ask(connection, PARAM_SAVE, requests, _SAVE_PATIENCE), services, as_json=as_json)
 
-    return run_with_robot(robot, connect, _PATIENCE, tell)
+    return run_with_robot(robot, connect, _PATIENCE, tell, moves=True)
 
 
 def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:

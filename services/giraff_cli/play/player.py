@@ -18,7 +18,7 @@ from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, publish_r
 from giraff_cli.play.reader import Reader, RecordedSample
 from giraff_cli.terminal.signals import StopSignal
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_node.network.discovery import NoRobotError
+from giraff_node.network.consent import NoRobotError
 from giraff_schemas.services import PLAY
 from giraff_schemas.topics import alive_key, key_below
 

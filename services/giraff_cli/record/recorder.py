@@ -21,7 +21,8 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_mcap.metadata import metadata_of
 from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
-from giraff_node.network.discovery import NoRobotError, RobotMonitor, not_found_text, only_one
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.discovery import RobotMonitor, not_found_text, settle
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.topics import TOPICS, key_below
 
@@ -87,7 +88,7 @@ def _record(
     as_json: bool,
 ) -> int:
     monitor = RobotMonitor(connection.session)
-    robot = connection.robot or _wait_for_one(monitor, stopping, limits.seconds)
+    robot = connection.robot or _wait_for_one(connection, monitor, stopping, limits.seconds)
     if not robot:
         return print_error("ended before a robot came: nothing was recorded")
     path = path or Path(f"{robot}-{datetime.now(UTC):%Y%m%d-%H%M%S}.mcap")
@@ -126,7 +127,9 @@ def tell(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _wait_for_one(monitor: RobotMonitor, stopping: StopSignal, seconds: float | None) -> str:
+def _wait_for_one(
+    connection: RobotConnection, monitor: RobotMonitor, stopping: StopSignal, seconds: float | None
+) -> str:
     """The only robot, once there is one; empty: the end came before. NoRobotError: there are several."""
     waiting = False
     began = time.monotonic()
@@ -136,7 +139,7 @@ def _wait_for_one(monitor: RobotMonitor, stopping: StopSignal, seconds: float | 
             tell(f"giraff: {not_found_text('', ())}; waiting for one")
         if stopping.wait(_LOOK_EVERY) or (seconds is not None and time.monotonic() - began >= seconds):
             return ""
-    return only_one(found)
+    return settle(connection.session, found, connection.filed)
 
 
 def _follow(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import re
 import socket
 import tempfile
 from collections.abc import Mapping
@@ -15,7 +14,7 @@ from typing import Final, Literal
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
-from giraff_node.network.discovery import resolve_target
+from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.config import KNOWN, SimConfig
@@ -125,11 +124,6 @@ def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
     if not missing["host"]:
         return "host", f"build/{missing['avr'][0]} is missing (make setup builds it where it can)"
     raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make setup builds it")
-
-
-def simulated_name(host: str) -> str:
-    """The robot name of a simulation on this host, never that of a robot."""
-    return "sim-" + (re.sub(r"[^A-Za-z0-9_-]+", "-", host).strip("-") or "host")
 
 
 def _environment(given: Mapping[str, str], *, local: bool) -> dict[str, str]:

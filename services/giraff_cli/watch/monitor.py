@@ -18,7 +18,7 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.watch.report import ReportView
 from giraff_cli.watch.screen import WatchView
 from giraff_node import robot_now_ns
-from giraff_node.network.discovery import RobotMonitor, not_found_text, only_one
+from giraff_node.network.discovery import RobotMonitor, not_found_text, settle
 from giraff_node.network.host_addresses import AddressWatch, host_addresses
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, SERIAL, SERIAL_WRITE, TICK, TILT, TOPICS, WHEELS
@@ -57,6 +57,7 @@ class Watch:
         self._began = time.monotonic()
         self._addresses = AddressWatch(host_addresses())
         self._listens = False
+        self._is_shown = False
         self._follows_wheels = False
 
     def run(self) -> int:
@@ -79,6 +80,7 @@ class Watch:
 
     def _show_on(self, screen: Screen) -> WatchView:
         """Until the end; the last that was seen."""
+        self._is_shown = True
         every = _LOOK_EVERY if isinstance(screen, Terminal) else _LINE_EVERY
         while True:
             view = self._look()
@@ -120,7 +122,9 @@ class Watch:
         if self._listens:
             return
         if not self._connection.robot and (found := self._monitor.settled):
-            self._connection.robot = only_one(found)
+            self._connection.robot = settle(
+                self._connection.session, found, self._connection.filed, asks=not self._is_shown
+            )
         if self._connection.robot:
             self._connection.subscribe_all(topic for topic in TOPICS if topic not in _NOT_NEEDED)
             self._listens = True

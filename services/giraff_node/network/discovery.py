@@ -1,21 +1,32 @@
-"""Which robot a command is for, and the network that it is looked for on. Works on machines with no robot file."""
+"""Which robot a command is for, and the network that it is looked for on. Works on machines with no robot file.
+
+Whoever only looks takes the robot that is there. Whoever moves one has named it, or starts with the simulation of this
+very host; for any other a person says yes (`consent`).
+"""
 
 from __future__ import annotations
 
+import contextlib
 import os
+import re
+import socket
 import time
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 import zenoh
 
 from giraff_core.network import NetworkConfig
 from giraff_node.config.misplaced import find_misplaced
-from giraff_node.config.robot_file import ConfigError, RawSettings, expects_robot_file, read
-from giraff_schemas.topics import alive_key, require_chunk
+from giraff_node.config.robot_file import DEFAULT_FILE, ConfigError, RawSettings, expects_robot_file, read
+from giraff_node.network import consent
+from giraff_node.network.consent import NoRobotError
+from giraff_schemas.messages import Health
+from giraff_schemas.services import BASE, PLAY, ROBOTS_OWN
+from giraff_schemas.topics import alive_key, health_key, require_chunk
 
 _ASK_AGAIN: Final = 0.1  # s
 _SETTLED: Final = 0.5  # s after the first robot was found: the others of a network are met within some ten ms
@@ -25,19 +36,17 @@ CORRECT_IT: Final = "correct it: without it nobody knows which robot is meant, o
 """The way out of a ConfigError of `resolve_target`."""
 
 
-class NoRobotError(Exception):
-    """No robot can be told. The message says why, and the way out."""
-
-
 @dataclass(frozen=True)
 class Target:
     """What is known before anything is heard."""
 
     robot: str
-    """Empty: nobody has named one."""
+    """Named by the command line, the environment, or the file of GIRAFF_CONFIG; empty: nobody has named one."""
     network: NetworkConfig
     warning: str = ""
     """What of robot file and environment did not count; empty: nothing."""
+    filed: str = ""
+    """The name in the robot file of the current folder, which nobody has asked for. It counts if it is heard."""
 
 
 def resolve_target(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> Target:
@@ -52,18 +61,22 @@ def resolve_target(robot: str | None, connect: Sequence[str], environment: Mappi
     for doubt in find_misplaced(given, environment, is_named=bool(robot)):
         raise ConfigError(doubt.what)
     network = given.table("network", NetworkConfig)
-    name = robot or name_of(given)
-    return target_of(name, connect, network, "; ".join(strange.what for strange in given.strange))
+    name, filed = robot or name_of(given), ""
+    if not (robot or environment.get("GIRAFF_CONFIG") or "GIRAFF_ROBOT_NAME" in map(str.upper, given.variables)):
+        name, filed = "", name
+    return target_of(name, connect, network, "; ".join(strange.what for strange in given.strange), filed)
 
 
-def target_of(robot: str | None, connect: Sequence[str], network: NetworkConfig, warning: str = "") -> Target:
+def target_of(
+    robot: str | None, connect: Sequence[str], network: NetworkConfig, warning: str = "", filed: str = ""
+) -> Target:
     """With what the command line says. Raises NoRobotError."""
     try:
         name = require_chunk(robot) if robot else ""
     except ValueError as error:
         raise NoRobotError(f"robot: {error}") from error
     try:
-        return Target(name, msgspec.structs.replace(network, connect=(*network.connect, *connect)), warning)
+        return Target(name, msgspec.structs.replace(network, connect=(*network.connect, *connect)), warning, filed)
     except ValueError as error:
         raise NoRobotError(f"--connect: {error}") from error
 
@@ -82,9 +95,20 @@ def name_of(given: RawSettings) -> str:
 
 
 def list_robots(session: zenoh.Session) -> list[str]:
-    """Names of the robots of which any service is on the network now."""
+    """Names of the robots that are on the network now."""
     replies = session.liveliness().get(alive_key("*"), timeout=_REPLY_WITHIN)
-    return sorted({str(reply.ok.key_expr).split("/")[1] for reply in replies if reply.ok is not None})
+    return robots_of(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
+
+
+def robots_of(tokens: Iterable[str]) -> list[str]:
+    """The robots that these liveliness tokens tell of.
+
+    A keyboard or a recorder that waits for a robot is no robot. Only where no robot has a service of its own there,
+    whoever else uses its name stands for it.
+    """
+    services = [(robot, service) for _, robot, _, service, _ in (token.split("/") for token in tokens)]
+    own = {robot for robot, service in services if service in ROBOTS_OWN}
+    return sorted(own or {robot for robot, _ in services})
 
 
 class RobotMonitor:
@@ -98,11 +122,14 @@ class RobotMonitor:
 
     @property
     def names(self) -> list[str]:
-        """Those of which any service is there now."""
-        for _ in range(len(self._news)):
-            token, present = self._news.popleft()
-            (self._tokens.add if present else self._tokens.discard)(token)
-        return sorted({token.split("/")[1] for token in self._tokens})
+        """Those that are there now, as `robots_of` has it."""
+        return robots_of(self._now())
+
+    @property
+    def all_names(self) -> list[str]:
+        """Each name under which anything is there now, but for what is played from a recording."""
+        parts = (token.split("/") for token in self._now())
+        return sorted({robot for _, robot, _, service, _ in parts if service != PLAY.name})
 
     @property
     def settled(self) -> list[str]:
@@ -111,26 +138,77 @@ class RobotMonitor:
         self._found_at = (self._found_at or now) if names else None
         return names if self._found_at is not None and now - self._found_at >= _SETTLED else []
 
+    def _now(self) -> set[str]:
+        for _ in range(len(self._news)):
+            token, present = self._news.popleft()
+            (self._tokens.add if present else self._tokens.discard)(token)
+        return self._tokens
+
     def _on_token(self, received: zenoh.Sample) -> None:
         self._news.append((str(received.key_expr), received.kind == zenoh.SampleKind.PUT))
 
 
-def find_only_robot(session: zenoh.Session, patience: float) -> str:
-    """The one robot on the network, where nobody has named one. Raises NoRobotError."""
+def simulated_name(host: str) -> str:
+    """The robot name of a simulation on this host, never that of a robot."""
+    return "sim-" + (re.sub(r"[^A-Za-z0-9_-]+", "-", host).strip("-") or "host")
+
+
+class Choice(NamedTuple):
+    """Which robot is meant where nobody has named one."""
+
+    robot: str
+    """Empty: it cannot be told."""
+    remark: str = ""
+    """What a person should know of it."""
+
+
+def choose(found: Sequence[str], filed: str) -> Choice:
+    """Of these, at least one, that are there: the one of the folder's robot file, else the only one."""
+    if filed in found:
+        return Choice(filed)
+    remark = f"{filed}, which {DEFAULT_FILE} names, is not heard" if filed else ""
+    return Choice(found[0] if len(found) == 1 else "", remark)
+
+
+def find_robot(session: zenoh.Session, filed: str, patience: float) -> str:
+    """The robot that is there, where nobody has named one. A person at a terminal is asked. Raises NoRobotError."""
     deadline = time.monotonic() + patience
     while not (found := list_robots(session)):
         if time.monotonic() > deadline:
-            raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {HOW_TO_REACH}")
+            named = f"; {DEFAULT_FILE} names {filed}" if filed else ""
+            raise NoRobotError(f"no robot is heard on the network after {patience:g} s; {HOW_TO_REACH}{named}")
         time.sleep(_ASK_AGAIN)
     time.sleep(_SETTLED)
-    return only_one(sorted({*found, *list_robots(session)}))
+    return settle(session, sorted({*found, *list_robots(session)}), filed)
 
 
-def only_one(found: Sequence[str]) -> str:
-    """The robot that is meant where nobody has named one and these, at least one, are there. Raises NoRobotError."""
-    if len(found) > 1:
-        raise NoRobotError(f"several robots are on the network; name one: {_options(found)}")
-    return found[0]
+def settle(session: zenoh.Session, found: Sequence[str], filed: str, *, asks: bool = True) -> str:
+    """Which of these, at least one, that are there. Raises NoRobotError. `asks`: a person at a terminal."""
+    robot, remark = choose(found, filed)
+    robot = robot or consent.pick(found, lambda name: host_of(session, name), asks=asks)
+    if remark:
+        consent.tell(f"{remark}; this is {robot}")
+    return robot
+
+
+def require_consent(session: zenoh.Session, robot: str, line: str) -> None:
+    """Before a robot that nobody has named is moved, released or set. Raises NoRobotError.
+
+    `line`: what a person types to name it. Only the simulation of this very host starts by itself.
+    """
+    if robot != simulated_name(socket.gethostname()):
+        consent.agree(robot, host_of(session, robot), line)
+
+
+def host_of(session: zenoh.Session, robot: str) -> str:
+    """The host of its base, or of what else of it answers; empty: that is not known."""
+    hosts: dict[bool, str] = {}
+    for reply in session.get(health_key(robot), target=zenoh.QueryTarget.ALL, timeout=_REPLY_WITHIN):
+        with contextlib.suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+            if reply.ok is not None:
+                health = msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)
+                hosts[health.service == BASE.name] = health.host
+    return hosts.get(True) or hosts.get(False) or ""
 
 
 HOW_TO_REACH: Final = "check that it is on and on this network; where multicast does not reach, give --connect ROBOT"
@@ -149,8 +227,4 @@ def not_found_text(robot: str, found: Sequence[str]) -> str:
 
 def _instead(found: Sequence[str], robot: str) -> str:
     there = [name for name in found if name != robot]
-    return f"; on the network: {_options(there)}" if there else ""
-
-
-def _options(found: Sequence[str]) -> str:
-    return ", ".join(f"--robot {name}" for name in found)
+    return f"; on the network: {consent.options(there)}" if there else ""

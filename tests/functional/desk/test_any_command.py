@@ -35,7 +35,7 @@ def test_with_two_robots_it_lists_them(robot: ProcessRobot, desk: Desk) -> None:
     with robot.observer.session.liveliness().declare_token(alive_key("sim-other", "base", "1")):
         done = desk.unnamed().run("estop", "status", "--timeout", "60")
     options = "--robot sim-other, --robot sim-test"
-    assert done.stderr == f"giraff: several robots are on the network; name one: {options}\n"
+    assert done.stderr == f"giraff: several robots are on the network; name one: {options} (or GIRAFF_ROBOT_NAME)\n"
     assert (done.returncode, done.stdout) == (2, "")
 
 

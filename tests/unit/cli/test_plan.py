@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from giraff_cli.run.plan import Plan, PlanError, choose_boards, make_plan, simulated_name
+from giraff_cli.run.plan import Plan, PlanError, choose_boards, make_plan
+from giraff_node.network.discovery import simulated_name
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.world.room import read_room

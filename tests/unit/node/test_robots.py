@@ -11,7 +11,8 @@ import zenoh
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import discovery as robots
-from giraff_node.network.discovery import NoRobotError, find_only_robot, others, resolve_target
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.discovery import find_robot, others, resolve_target
 from giraff_schemas.topics import alive_key
 from tests.support.one_process import Clock, Session
 
@@ -112,10 +113,10 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
 
 def test_the_only_robot_is_meant_where_nobody_names_one(network: Network) -> None:
     with pytest.raises(NoRobotError, match=r"no robot is heard on the network after 0\.3 s; check that it is on"):
-        find_only_robot(network.ours, 0.3)
+        find_robot(network.ours, "", 0.3)
     comes = network.others.declare_token(alive_key(ONE, "guard", "1"))
     network.clock.after(3.0, comes.__enter__)
-    assert find_only_robot(network.ours, 10.0) == ONE
+    assert find_robot(network.ours, "", 10.0) == ONE
     assert others(network.ours, ONE) == ""
     assert others(network.ours, "giraff") == f"; on the network: --robot {ONE}"
     comes.__exit__(None, None, None)
@@ -129,5 +130,5 @@ def test_of_several_one_must_be_named(network: Network) -> None:
     with tokens.declare_token(alive_key(ONE, "base", "1")):
         names = ", ".join(f"--robot {name}" for name in sorted((ONE, OTHER)))
         with pytest.raises(NoRobotError, match=f"several robots are on the network; name one: {names}"):
-            find_only_robot(network.ours, 10.0)
+            find_robot(network.ours, "", 10.0)
     later.__exit__(None, None, None)

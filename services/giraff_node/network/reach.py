@@ -1,0 +1,25 @@
+"""Whether an address that somebody typed answers at all."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Sequence
+from typing import Final
+
+from giraff_core.network import with_port
+
+_ANSWERS_WITHIN: Final = 2.0  # s; a host on Wi-Fi takes up to one
+
+
+def find_silent(addresses: Sequence[str]) -> list[str]:
+    """Those at which nobody takes a connection, each with the reason."""
+    return [f"{address}: {why}" for address in addresses if (why := _silence(address))]
+
+
+def _silence(address: str) -> str:
+    host, _, port = with_port(address).rpartition(":")
+    try:
+        socket.create_connection((host.strip("[]"), int(port)), _ANSWERS_WITHIN).close()
+    except (OSError, ValueError, OverflowError) as error:  # ValueError: a port or a name that is none
+        return str(getattr(error, "strerror", None) or error)
+    return ""

@@ -1,0 +1,232 @@
+"""Which robot a command takes where it was typed so: for those that look, those that move, and those that stop."""
+
+from __future__ import annotations
+
+import io
+import socket
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import pytest
+
+from giraff_node.network import consent
+from giraff_node.network.discovery import choose, robots_of, simulated_name
+from giraff_schemas.topics import alive_key
+from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.typed import typed
+
+OWN = simulated_name(socket.gethostname())
+OTHER = "sim-elsewhere"
+REAL = "giraff"
+FILE = "deploy/robot.toml"
+
+LOOKS = ("estop", "status")
+MOVES = ("estop", "reset")
+STOPS = ("estop", "engage")
+
+
+class Host:
+    """Where somebody types: what is on the network, what is in the folder, and whether anybody can be asked."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+        self._monkeypatch = monkeypatch
+        self._capsys = capsys
+        self._folder = folder
+
+    def beside(self, *robots: str) -> Host:
+        meet(self._monkeypatch, *(alive_key(robot, "base", "1") for robot in robots))
+        return self
+
+    def with_file(self, robot: str) -> Host:
+        (self._folder / "deploy").mkdir()
+        (self._folder / FILE).write_text(f'[robot]\nname = "{robot}"\n')
+        return self
+
+    def at_a_terminal(self, answers: str) -> Host:
+        self._monkeypatch.setattr(consent, "_is_terminal", lambda: True)
+        self._monkeypatch.setattr(sys, "stdin", io.StringIO(answers))
+        return self
+
+    def types(self, *words: str) -> Said:
+        return Said(*typed(self._monkeypatch, self._capsys, *words))
+
+
+class Said(NamedTuple):
+    """Nothing answers on this network: what a command says shows only whom it asks."""
+
+    code: int
+    out: str
+    complaint: str
+
+    @property
+    def asked(self) -> str:
+        """The robots whose emergency stop was listened to or asked for."""
+        return " ".join(word.split("/")[1] for word in self.complaint.split() if word.startswith("giraff/"))
+
+
+@pytest.fixture
+def host(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Host:
+    """In an empty folder, without a terminal."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
+    return Host(monkeypatch, capsys, tmp_path)
+
+
+NOBODY: tuple[str, ...] = ()
+
+
+@pytest.mark.parametrize(
+    ("there", "file", "asked", "told"),
+    [
+        (NOBODY, "", "", "no robot is heard on the network"),
+        (NOBODY, REAL, "", f"{FILE} names {REAL}"),
+        ((OWN,), "", OWN, ""),
+        ((OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is not heard; this is {OWN}"),
+        ((OTHER,), "", OTHER, ""),
+        ((REAL,), "", REAL, ""),
+        ((REAL,), REAL, REAL, ""),
+        ((OWN, REAL), REAL, REAL, ""),
+        ((OWN, REAL), "", "", f"name one: --robot {REAL}, --robot {OWN} (or GIRAFF_ROBOT_NAME)"),
+        ((OWN, REAL), OTHER, "", f"name one: --robot {REAL}, --robot {OWN} (or GIRAFF_ROBOT_NAME)"),
+    ],
+)
+def test_what_only_looks_takes_the_robot_that_is_there(
+    host: Host, there: tuple[str, ...], file: str, asked: str, told: str
+) -> None:
+    if file:
+        host.with_file(file)
+    said = host.beside(*there).types(*LOOKS)
+    assert (said.code, said.asked) == (2, asked)
+    assert told in said.complaint
+
+
+@pytest.mark.parametrize(
+    ("there", "file", "asked", "told"),
+    [
+        (NOBODY, "", "", "no robot is heard on the network"),
+        ((OWN,), "", OWN, ""),
+        ((OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is not heard; this is {OWN}"),
+        ((OTHER,), "", "", f"{OTHER}, on an unknown host, is not the simulation of this host"),
+        ((REAL,), "", "", f"if it is meant: giraff estop reset --robot {REAL}"),
+        ((REAL,), REAL, "", f"if it is meant: giraff estop reset --robot {REAL}"),
+        ((OWN, REAL), REAL, "", f"if it is meant: giraff estop reset --robot {REAL}"),
+        ((OWN, REAL), "", "", "several robots are on the network"),
+    ],
+)
+def test_what_moves_starts_by_itself_only_with_the_simulation_of_this_host(
+    host: Host, monkeypatch: pytest.MonkeyPatch, there: tuple[str, ...], file: str, asked: str, told: str
+) -> None:
+    monkeypatch.setattr("shutil.which", lambda name: name)  # it is on the path
+    if file:
+        host.with_file(file)
+    said = host.beside(*there).types(*MOVES)
+    assert (said.code, said.asked) == (2, asked)
+    assert told in said.complaint
+
+
+@pytest.mark.parametrize("named_by", ["option", "environment", "file"])
+def test_a_robot_that_is_named_is_meant(
+    host: Host, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, named_by: str
+) -> None:
+    words: tuple[str, ...] = ()
+    if named_by == "option":
+        words = ("--robot", REAL)
+    elif named_by == "environment":
+        monkeypatch.setenv("GIRAFF_ROBOT_NAME", REAL)
+    else:
+        (tmp_path / "mine.toml").write_text(f'[robot]\nname = "{REAL}"\n')
+        monkeypatch.setenv("GIRAFF_CONFIG", "mine.toml")
+    host.beside(OWN, REAL)
+    for verb in (LOOKS, MOVES, STOPS):
+        assert host.types(*verb, *words).asked == REAL
+
+
+@pytest.mark.parametrize(
+    ("there", "answers", "asked"),
+    [
+        ((REAL,), "yes\n", REAL),
+        ((REAL,), "y\n", ""),
+        ((REAL,), "", ""),
+        ((REAL, OWN), "1\nyes\n", REAL),
+        ((REAL, OWN), "1\n\n", ""),
+        ((REAL, OWN), "2\n", OWN),
+        ((REAL, OWN), "3\nyes\n", ""),
+        ((REAL, OWN), "-1\nyes\n", ""),
+        ((REAL, OWN), "yes\nyes\n", ""),
+    ],
+)
+def test_at_a_terminal_a_person_chooses_and_says_yes(
+    host: Host, there: tuple[str, ...], answers: str, asked: str
+) -> None:
+    assert host.beside(*there).at_a_terminal(answers).types(*MOVES).asked == asked
+
+
+def test_whoever_only_looks_is_asked_which_one_and_nothing_else(host: Host) -> None:
+    assert host.beside(REAL, OWN).at_a_terminal("1\n").types(*LOOKS).asked == REAL
+
+
+def test_a_person_who_ends_it_at_the_question_has_chosen_nothing(host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
+    host.beside(REAL).at_a_terminal("")
+
+    def interrupted() -> str:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(readline=interrupted))
+    said = host.types(*MOVES)
+    assert (said.code, said.asked) == (2, "")
+    assert "nothing was done" in said.complaint
+
+
+@pytest.mark.parametrize(
+    ("there", "file", "asked", "told"),
+    [
+        (NOBODY, "", "", "NOTHING IS STOPPED: no robot is heard; use the battery switch"),
+        (NOBODY, REAL, "", f"{REAL}, which {FILE} names, is NOT HEARD and was not stopped"),
+        ((OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is NOT HEARD and was not stopped"),
+        ((REAL, OTHER, OWN), REAL, f"{REAL} {OTHER} {OWN}", f"{OTHER}: NOT CONFIRMED"),
+    ],
+)
+def test_a_stop_that_names_nobody_goes_to_every_robot(
+    host: Host, there: tuple[str, ...], file: str, asked: str, told: str
+) -> None:
+    if file:
+        host.with_file(file)
+    said = host.beside(*there).types(*STOPS)
+    assert (said.code, sorted(said.asked.split())) == (2, sorted(asked.split()))
+    assert told in said.complaint
+
+
+@pytest.mark.parametrize("verb", [LOOKS, MOVES])
+def test_an_address_that_does_not_answer_is_an_error(
+    host: Host, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...]
+) -> None:
+    def refuse(*_: object) -> None:
+        raise ConnectionRefusedError(111, "Connection refused")
+
+    monkeypatch.setattr(socket, "create_connection", refuse)
+    said = host.beside(OWN).types(*verb, "--connect", "192.168.1.9")
+    assert (said.code, said.asked) == (2, "")
+    assert "--connect 192.168.1.9: Connection refused; check the address" in said.complaint
+    assert host.types(*STOPS, "--connect", "192.168.1.9").asked == OWN, "a stop finds its way all the same"
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1:70000", "127.0.0.1:x", "no such host"])
+def test_what_is_no_address_is_told(host: Host, address: str) -> None:
+    said = host.beside(OWN).types(*LOOKS, "--connect", address)
+    assert (said.code, said.asked) == (2, "")
+    assert "--connect" in said.complaint
+
+
+def test_a_keyboard_or_a_recorder_is_no_robot() -> None:
+    tokens = [alive_key(REAL, "keyboard", "1"), alive_key(OTHER, "recorder", "2")]
+    assert robots_of([*tokens, alive_key(OWN, "guard", "3")]) == [OWN]
+    assert robots_of(tokens) == [REAL, OTHER]
+
+
+def test_the_robot_of_the_folder_counts_where_it_is_heard() -> None:
+    assert choose([OWN, REAL], REAL).robot == REAL
+    assert choose([OWN, REAL], OTHER).robot == ""
