@@ -103,11 +103,11 @@ def list_robots(session: zenoh.Session) -> list[str]:
 def robots_of(tokens: Iterable[str]) -> list[str]:
     """The robots that these liveliness tokens tell of.
 
-    A keyboard or a recorder that waits for a robot is no robot. Only where no robot has a service of its own there,
-    whoever else uses its name stands for it.
+    A keyboard or a recorder that waits for a robot is no robot; one that is played is. Only where no robot has a
+    service of its own there, whoever else uses its name stands for it.
     """
     services = [(robot, service) for _, robot, _, service, _ in (token.split("/") for token in tokens)]
-    own = {robot for robot, service in services if service in ROBOTS_OWN}
+    own = {robot for robot, service in services if service in (*ROBOTS_OWN, PLAY.name)}
     return sorted(own or {robot for robot, _ in services})
 
 

@@ -41,14 +41,17 @@ def test_it_stops_stays_stopped_and_is_reset_for_a_level_hand_only(robot: Proces
     robot.drive_forward()
 
 
-def test_it_survives_a_restart_and_needs_no_name_where_there_is_one_robot(robot: ProcessRobot) -> None:
+def test_it_survives_a_restart_and_is_engaged_without_a_name(robot: ProcessRobot) -> None:
     assert giraff(robot, "estop", "engage", "--timeout", "60", name=None).returncode == 0
     robot.kill("base")
     robot.start("base")
     told = giraff(robot, "estop", "status", "--timeout", "60", name=None)
     assert told.returncode == 1, told
     assert "stopped by hand" in told.stdout
-    assert giraff(robot, "estop", "reset", "--timeout", "60", name=None).returncode == 0
+    told = giraff(robot, "estop", "reset", "--timeout", "60", name=None)
+    assert told.returncode == 2, "what is no simulation of this host is released only by its name"
+    assert "--robot sim-test" in told.stderr
+    assert giraff(robot, "estop", "reset", "--timeout", "60").returncode == 0
     told = giraff(robot, "estop", "reset", "--timeout", "60")
     assert told.returncode == 0
     assert "not engaged, nothing to clear" in told.stdout
