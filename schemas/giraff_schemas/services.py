@@ -56,7 +56,7 @@ CLIENT: Final = Service(
     name="client",
     host="operator",
     publishes=(t.OPERATOR_CMD_VEL,),
-    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.GUARD, t.ODOM, t.RANGE),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.RANGE),
 )
 """A script of somebody's own, with `giraff_client`."""
 BASE: Final = Service(

@@ -2,20 +2,24 @@
 
 from giraff_client.errors import (
     EmergencyStopError,
+    LostRobotError,
     NoRobotError,
     NotArmedError,
     RefusedError,
     RobotError,
     SilentError,
+    TakenError,
 )
 from giraff_client.robot import Robot
 
 __all__ = [
     "EmergencyStopError",
+    "LostRobotError",
     "NoRobotError",
     "NotArmedError",
     "RefusedError",
     "Robot",
     "RobotError",
     "SilentError",
+    "TakenError",
 ]

@@ -13,6 +13,10 @@ class NoRobotError(RobotError):
     """No robot is heard, or not any more, or it cannot be told which is meant."""
 
 
+class LostRobotError(NoRobotError):
+    """The robot was there, and its clock is not heard any more."""
+
+
 class SilentError(RobotError):
     """The robot is there, and what the script wants to read is not."""
 
@@ -24,6 +28,10 @@ class RefusedError(RobotError):
         super().__init__(reason)
         self.holder = holder
         """Name of the operator that drives; empty: nobody does."""
+
+
+class TakenError(RefusedError):
+    """Another operator drives: it held the robot before, or has taken it. `holder` is its name."""
 
 
 class NotArmedError(RobotError):

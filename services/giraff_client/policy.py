@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from giraff_client.errors import EmergencyStopError, NoRobotError, NotArmedError, RefusedError, RobotError
+from giraff_client.errors import (
+    EmergencyStopError,
+    LostRobotError,
+    NotArmedError,
+    RefusedError,
+    RobotError,
+    TakenError,
+)
 from giraff_core.operator import Operator
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, Sample, Tick
 
@@ -55,7 +62,7 @@ class OperatorPolicy:
         if not self._operator.holds:
             self._neutral_since = None
             if self._operator.holder and self._asked_at is not None and now - self._asked_at > _ANSWERS_WITHIN:
-                raise RefusedError(self._operator.holder, self._operator.refusal)
+                raise self._refused()
             return self._made(_ASKING, wishes=True)
         if self._neutral_since is None:
             self._neutral_since = now
@@ -68,14 +75,14 @@ class OperatorPolicy:
         """Why the robot is not armed although there was time enough."""
         state, _ = self._base
         if not self._operator.holds:
-            return RefusedError(self._operator.holder, self._operator.refusal)
+            return self._refused()
         return NotArmedError(state.reason if state is not None else "base is not heard; check that giraff_base runs")
 
     def drive(self, linear_x: float, angular_z: float, now: float) -> DriveCommand:
         """A wish of this moment: m/s and rad/s. Raises RobotError where it can no longer be obeyed."""
         self._raise_if_stopped(now)
         if not self._operator.holds:
-            raise RefusedError(self._operator.holder, f"{self._operator.refusal}; a script calls robot.arm()")
+            raise self._refused("; a script calls robot.arm()")
         state, _ = self._base
         if state is None or not state.armed:
             why = state.reason if state is not None else "base is not heard; check that giraff_base runs"
@@ -86,9 +93,18 @@ class OperatorPolicy:
         """The last command of a script: base disarms at once, and a second of silence frees the lease."""
         return self._operator.fault(_END, tick=self._operator.tick)
 
+    def lost(self, now: float) -> LostRobotError | None:
+        """Why nothing of the robot is to be heard; None: its clock is."""
+        fault = self._operator.link_fault(now)
+        return LostRobotError(fault) if fault else None
+
+    def _refused(self, way_out: str = "") -> RefusedError:
+        holder = self._operator.holder
+        return (TakenError if holder else RefusedError)(holder, self._operator.refusal + way_out)
+
     def _raise_if_stopped(self, now: float) -> None:
-        if lost := self._operator.link_fault(now):
-            raise NoRobotError(lost)
+        if lost := self.lost(now):
+            raise lost
         if self._estop is not None and self._estop.engaged:
             raise EmergencyStopError(self._estop)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import logging
-import math
 import secrets
 import threading
 import time
@@ -12,11 +11,11 @@ from collections.abc import Callable, Sequence
 from types import TracebackType
 from typing import Any, Final, Self
 
-import msgspec
 import zenoh
 
 from giraff_client.errors import NoRobotError, RobotError, SilentError
 from giraff_client.policy import OperatorPolicy
+from giraff_client.reading import has_heard_each_sensor, is_fresh, ranges_of, require_finite
 from giraff_core.timer import Timer
 from giraff_node import Publisher
 from giraff_node.config.robot_file import ConfigError
@@ -33,14 +32,15 @@ from giraff_node.network.reach import find_silent
 from giraff_node.network.session import close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
-from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Odometry, Range, Sample
+from giraff_schemas.messages import BaseState, Battery, DriveCommand, EStop, GuardState, Odometry, Range, Sample
 from giraff_schemas.services import CLIENT
 from giraff_schemas.topics import (
     BASE,
+    BATTERY,
+    ESTOP,
     GUARD,
     ODOM,
     OPERATOR_CMD_VEL,
-    RANGE,
     TICK,
     SampleT,
     Topic,
@@ -51,9 +51,9 @@ from giraff_schemas.topics import (
 
 _PERIOD: Final = 1.0 / OPERATOR_CMD_VEL.rate_hz  # s
 _FIRST_WITHIN: Final = 2.0  # s in which a robot that is there has said everything once
-_FRESH: Final = 1.0  # s; what was said longer ago says nothing of now
 _LOOK: Final = 0.01  # s
 _TUNE_HZ: Final = 2.0  # a laptop on Wi-Fi comes back with another link
+_OUTSIDE: Final = "not on the network; use it as `with Robot() as robot:`"
 
 
 class Robot:
@@ -81,6 +81,7 @@ class Robot:
         self._policy = OperatorPolicy(operator, self._instance)
         self._lock = threading.Lock()  # Zenoh's threads tell the policy what they hear
         self._newest: dict[str, tuple[Sample, float]] = {}  # by key, with when it was heard
+        self._first_until = 0.0  # s of the monotonic clock; what was not heard by then is not waited for
         self._declared: list[Any] = []  # a subscriber that nobody references ends
         self._session: zenoh.Session | None = None
         self._commands: Publisher[DriveCommand] | None = None
@@ -95,6 +96,7 @@ class Robot:
         except BaseException:
             self._close()
             raise
+        self._first_until = time.monotonic() + _FIRST_WITHIN
         return self
 
     def __exit__(
@@ -106,37 +108,41 @@ class Robot:
         self._close()
 
     def odom(self) -> Odometry:
-        """Pose in `odom` and twist, newest first heard within the last second. Raises SilentError."""
+        """Pose in `odom` and twist, newest first heard within the last second. Raises SilentError, LostRobotError."""
         return self._fresh(ODOM, "check that giraff_odometry and giraff_base run")
 
     def ranges(self) -> dict[str, Range]:
-        """By sensor, the newest reading; of one that was silent for a second it is a fault, and has no range.
+        """By sensor, for each that the robot has, the newest reading, m.
 
-        Raises SilentError where no sensor was ever heard.
+        One that was silent for a second, or was never heard, is a fault: it has a reason and no range. The guard tells
+        which sensors there are; without it, those that are heard. The first call waits for them, up to 2 s from the
+        begin of the `with`. Raises SilentError where nothing tells of any sensor, LostRobotError.
         """
-        prefix = RANGE.key.removesuffix("*")
-        self._wait_for(lambda: any(key.startswith(prefix) for key in self._newest))
-        now = time.monotonic()
-        readings: dict[str, Range] = {}
-        for key, (sample, heard) in sorted(self._newest.copy().items()):
-            if isinstance(sample, Range):
-                old = now - heard
-                silent = f"{key} is silent for {old:.1f} s; check giraff_ranger and its board"
-                readings[sample.sensor] = (
-                    sample
-                    if old <= _FRESH
-                    else msgspec.structs.replace(sample, state="fault", range=None, echo_us=0, reason=silent)
-                )
-        if not readings:
-            raise SilentError("no range was ever heard; check that giraff_ranger runs and sees its board")
+        self._wait_for_first(lambda: has_heard_each_sensor(self._newest.copy()))
+        readings = ranges_of(self._newest.copy(), time.monotonic())
+        if all(reading.state == "fault" for reading in readings.values()):
+            silence = self._silence("no range was ever heard; check that giraff_ranger runs and sees its board")
+            if not readings or isinstance(silence, NoRobotError):
+                raise silence
         return readings
 
+    def battery(self) -> Battery:
+        """Voltage, V, heard within the last one and a half seconds. Raises SilentError, LostRobotError."""
+        return self._fresh(BATTERY, "check that giraff_base runs, and that [robot] battery_volts_per_count is not 0")
+
+    def estop(self) -> EStop:
+        """Whether the emergency stop is engaged, by whom and why, heard within the last one and a half seconds.
+
+        Raises SilentError, LostRobotError.
+        """
+        return self._fresh(ESTOP, "check that giraff_base runs")
+
     def base(self) -> BaseState:
-        """Whether base drives, and if not, why. Raises SilentError."""
+        """Whether base drives, and if not, why. Raises SilentError, LostRobotError."""
         return self._fresh(BASE, "check that giraff_base runs")
 
     def guard(self) -> GuardState:
-        """What the guard allows in each direction, and why not more. Raises SilentError."""
+        """What the guard allows in each direction, and why not more. Raises SilentError, LostRobotError."""
         return self._fresh(GUARD, "check that giraff_guard runs on base's machine")
 
     def arm(self) -> None:
@@ -168,11 +174,11 @@ class Robot:
         """Drive so from now on, m/s and rad/s (left positive), and return after 1/30 s.
 
         It holds for 0.4 s, fading out in the second half: a script that does not call again in time, because it
-        hangs, waits or has died, stops the robot. The guard may let through less, see `guard`; it is no error.
-        Raises RobotError where the robot does not obey this script any more, ValueError for what is no number.
+        hangs, waits or has died, stops the robot. The guard may let through less, see `guard`; it is
+        no error. Raises RobotError where the robot does not obey this script any more, ValueError for what is no
+        number.
         """
-        if not (math.isfinite(linear_x) and math.isfinite(angular_z)):
-            raise ValueError(f"drive({linear_x}, {angular_z}): both must be finite numbers, m/s and rad/s")
+        require_finite("drive", linear_x, angular_z)
         if not self._has_armed:
             self.arm()
         with self._lock:
@@ -220,7 +226,7 @@ class Robot:
         """Publish, and wait until the next one may come."""
         if self._commands is None:
             if self._session is None:
-                raise NoRobotError("not on the network; use it as `with Robot() as robot:`")
+                raise NoRobotError(_OUTSIDE)
             topic = OPERATOR_CMD_VEL.at(self._operator)
             self._commands = Publisher(self._session, self.name, topic, self._instance)
         if self._tuning.due(time.monotonic()):
@@ -229,16 +235,28 @@ class Robot:
         time.sleep(_PERIOD)
 
     def _fresh(self, topic: Topic[SampleT], way_out: str) -> SampleT:
-        self._wait_for(lambda: topic.key in self._newest)
+        self._wait_for_first(lambda: topic.key in self._newest)
         sample, heard = self._newest.get(topic.key, (None, 0.0))
         if sample is None:
-            raise SilentError(f"{topic.key} was never heard; {way_out}")
-        if (old := time.monotonic() - heard) > _FRESH:
-            raise SilentError(f"{topic.key} is silent for {old:.1f} s; {way_out}")
+            raise self._silence(f"{topic.key} was never heard; {way_out}")
+        if not is_fresh(topic, old := time.monotonic() - heard):
+            raise self._silence(f"{topic.key} is silent for {old:.1f} s; {way_out}")
         assert isinstance(sample, topic.schema)  # noqa: S101  it was decoded as one
         return sample
 
-    def _wait_for(self, holds: Callable[[], bool], seconds: float = _FIRST_WITHIN) -> bool:
+    def _silence(self, text: str) -> RobotError:
+        """Why nothing is heard: a robot that is lost explains the silence of all its parts."""
+        if self._session is None:
+            return NoRobotError(_OUTSIDE)
+        with self._lock:
+            lost = self._policy.lost(time.monotonic())
+        return lost or SilentError(text)
+
+    def _wait_for_first(self, holds: Callable[[], bool]) -> None:
+        """What a script never heard delays it once: one that waits while it drives stops the robot."""
+        self._wait_for(holds, self._first_until - time.monotonic())
+
+    def _wait_for(self, holds: Callable[[], bool], seconds: float) -> bool:
         until = time.monotonic() + seconds
         while not holds() and time.monotonic() < until:
             time.sleep(_LOOK)
@@ -264,9 +282,9 @@ class Robot:
                 logging.getLogger(__package__).debug("%s", error)
                 return
             now = time.monotonic()
-            self._newest[key.removeprefix(prefix)] = sample, now
-            with self._lock:
+            with self._lock:  # first, so that whoever sees a tick has a policy that knows of it
                 self._policy.take(sample, now)
+            self._newest[key.removeprefix(prefix)] = sample, now
 
         return on_sample
 

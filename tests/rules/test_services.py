@@ -15,7 +15,7 @@ from giraff_cli.run.simulated_robot import START_ORDER
 from giraff_node.config import misplaced
 from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
-from giraff_schemas.services import HANDS, ROBOTS_OWN, SERVICES, SIMULATED, Service
+from giraff_schemas.services import CLIENT, HANDS, ROBOTS_OWN, SERVICES, SIMULATED, Service
 from giraff_sim.dst.faults import machine, robot
 from giraff_sim.settings import MACHINES, Services, Settings
 from tests.rules.repository import ROOT, packages
@@ -134,6 +134,18 @@ def test_so_does_one_with_a_loop_of_its_own(service: Service) -> None:
     for method, declared in (("publisher", service.publishes), ("inbox", service.subscribes)):
         names = set(re.findall(rf"node\.{method}\((\w+)", main))
         assert {getattr(topics, name).key for name in names} == {topic.key for topic in declared}
+
+
+def test_a_script_hears_what_it_can_read_and_what_its_policy_takes() -> None:
+    sources = ROOT / "services" / "giraff_client"
+    read = {getattr(topics, name) for name in re.findall(r"\b_fresh\(([A-Z_]+),", (sources / "robot.py").read_text())}
+    taken = set(re.findall(r"case (\w+)\(\):", (sources / "policy.py").read_text()))
+    assert read
+    assert set(CLIENT.subscribes) == {
+        topics.RANGE,
+        *read,
+        *(topic for topic in topics.TOPICS if topic.schema.__name__ in taken),
+    }
 
 
 def test_each_table_of_the_robot_file_has_a_configuration() -> None:

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_client import EmergencyStopError, NoRobotError, NotArmedError, RefusedError
+from giraff_client import (
+    EmergencyStopError,
+    LostRobotError,
+    NoRobotError,
+    NotArmedError,
+    RefusedError,
+    RobotError,
+    TakenError,
+)
 from giraff_client.policy import OperatorPolicy
 from giraff_core.operator import LINK_SILENCE
 from giraff_schemas.messages import DriveCommand, Lease, Tick
@@ -100,9 +108,22 @@ def test_who_drives_is_named(script: Script) -> None:
     script.policy.begin(script.now)
     assert script.step() is not None  # a higher priority would be given it
     script.wait(0.6)
-    with pytest.raises(RefusedError, match="held by joystick") as refused:
+    with pytest.raises(TakenError, match="held by joystick") as taken:
         script.step()
-    assert refused.value.holder == "joystick"
+    assert taken.value.holder == "joystick"
+
+
+def test_a_robot_that_another_takes_is_told_from_one_that_nobody_drives(script: Script) -> None:
+    script.arm()
+    script.lease("another", "joystick")
+    with pytest.raises(TakenError, match=r"held by joystick; a script calls robot\.arm") as taken:
+        script.drive()
+    assert taken.value.holder == "joystick"
+    script.lease("", "")
+    with pytest.raises(RefusedError) as ended:
+        script.drive()
+    assert type(ended.value) is RefusedError
+    assert ended.value.holder == ""
 
 
 def test_what_was_lost_is_not_taken_up_again(script: Script) -> None:
@@ -127,8 +148,12 @@ def test_an_emergency_stop_stops_it_at_each_step(script: Script) -> None:
 def test_a_robot_that_is_silent_is_lost(script: Script) -> None:
     script.arm()
     script.wait(LINK_SILENCE + 0.1, ticks=False)
-    with pytest.raises(NoRobotError, match="no tick of the robot"):
-        script.drive()
+    for act in (script.drive, script.step):
+        with pytest.raises(LostRobotError, match="no tick of the robot"):
+            act()
+    assert isinstance(script.policy.lost(script.now), LostRobotError)
+    script.wait(0.0)
+    assert script.policy.lost(script.now) is None
 
 
 def test_its_last_word_disarms_and_names_why(script: Script) -> None:
@@ -140,8 +165,16 @@ def test_its_last_word_disarms_and_names_why(script: Script) -> None:
 
 def test_it_says_why_it_was_not_armed_in_time(script: Script) -> None:
     script.policy.begin(script.now)
-    assert isinstance(script.policy.gave_up(), RefusedError)
+    assert type(script.policy.gave_up()) is RefusedError
+    script.lease("another", "joystick")
+    assert isinstance(script.policy.gave_up(), TakenError)
     script.lease(ME, "script")
     assert "base is not heard" in str(script.policy.gave_up())
     script.base(armed=False)
     assert "not armed since a shout" in str(script.policy.gave_up())
+
+
+def test_what_catches_the_older_kind_catches_the_newer() -> None:
+    assert issubclass(LostRobotError, NoRobotError)
+    assert issubclass(TakenError, RefusedError)
+    assert issubclass(RefusedError, RobotError)

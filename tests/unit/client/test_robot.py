@@ -1,14 +1,19 @@
-"""`Robot` where the network fails it."""
+"""`Robot` where the network fails it, and what it reads, in a time that only its own waits let pass."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from typing import Any, Never
 
 import pytest
 import zenoh
 
 import giraff_client.robot
-from giraff_client import NoRobotError, Robot
+from giraff_client import LostRobotError, NoRobotError, Robot, SilentError
+from giraff_schemas.codec import encode, encoding_of, stamped
+from giraff_schemas.messages import Battery, Sample, Tick
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, RANGE, TICK, Topic, key_of
+from tests.unit.cli import samples
 
 
 class FailingSession:
@@ -26,3 +31,148 @@ def test_a_session_that_fails_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(NoRobotError, match=r"check the table \[network\]"), Robot("sim-test"):
         pass
     assert left == [session]
+
+
+class Said:
+    """A sample as Zenoh hands it over."""
+
+    def __init__(self, key: str, sample: Sample) -> None:
+        self.key_expr, self.payload, self.encoding = key, encode(sample), encoding_of(type(sample))
+
+
+class Network:
+    """A session, and the clock of who uses it: each wait lets time pass, in which the robot goes on."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self.ticks = True
+        self._listeners: dict[str, Callable[[Any], None]] = {}
+        self._due: list[tuple[float, Topic[Any], Sample, str]] = []
+
+    def say(self, topic: Topic[Any], sample: Sample, *, name: str = "", after: float = 0.0) -> None:
+        """Let the robot say this in `after` s; `name`: in the place of the key's `*`."""
+        self._due.append((self.now + after, topic, sample, name))
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+        if self.ticks:
+            self._hand_over(TICK, Tick(epoch=samples.EPOCH, robot_ns=round(self.now * 1e9)), "")
+        for due in [each for each in self._due if each[0] <= self.now]:
+            self._due.remove(due)
+            self._hand_over(*due[1:])
+
+    def pass_time(self, seconds: float) -> None:
+        until = self.now + seconds
+        while self.now < until:
+            self.sleep(0.02)
+
+    def declare_subscriber(self, key: str, listener: Callable[[Any], None]) -> None:
+        self._listeners[key] = listener
+
+    def liveliness(self) -> Network:
+        return self
+
+    def declare_token(self, _: str) -> None:
+        """Nobody looks."""
+
+    def _hand_over(self, topic: Topic[Any], sample: Sample, name: str) -> None:
+        key = key_of("sim-test", topic)
+        if listener := self._listeners.get(key):
+            listener(Said(key.replace("*", name), stamped(sample, 0, 0, "one")))
+
+
+@pytest.fixture
+def network(monkeypatch: pytest.MonkeyPatch) -> Network:
+    made = Network()
+    monkeypatch.setattr(giraff_client.robot, "open_session", lambda *_, **__: made)
+    monkeypatch.setattr(giraff_client.robot, "close_session", lambda _: None)
+    monkeypatch.setattr(giraff_client.robot, "time", made)
+    return made
+
+
+@pytest.fixture
+def robot(network: Network) -> Iterator[Robot]:
+    assert network.ticks
+    with Robot("sim-test") as it:
+        yield it
+
+
+def say_ranges(network: Network, *sensors: str, after: float = 0.0) -> None:
+    for sensor in sensors:
+        network.say(RANGE, samples.reading(sensor, 1.2), name=sensor, after=after)
+
+
+def test_the_first_ranges_are_of_each_sensor(network: Network, robot: Robot) -> None:
+    say_ranges(network, "rear", after=0.05)
+    network.say(GUARD, samples.guard(samples.verdict()), after=0.1)
+    say_ranges(network, "front_left", after=0.15)
+    say_ranges(network, "front_right", after=0.3)
+    began = network.now
+    assert {name: reading.range for name, reading in robot.ranges().items()} == dict.fromkeys(samples.SENSORS, 1.2)
+    assert network.now - began == pytest.approx(0.3, abs=0.02), "it waits no longer than it must"
+
+
+def test_a_sensor_that_is_never_heard_delays_a_script_once(network: Network, robot: Robot) -> None:
+    """One that waited at each call would stop the robot at each call."""
+    network.say(GUARD, samples.guard(samples.verdict()))
+    say_ranges(network, "front_left", "rear")
+    began = network.now
+    assert robot.ranges()["front_right"].state == "fault"
+    waited = network.now - began
+    assert waited == pytest.approx(2.0, abs=0.02)
+    assert "never heard" in robot.ranges()["front_right"].reason
+    with pytest.raises(SilentError):
+        robot.odom()
+    assert network.now - began == waited
+
+
+def test_without_the_guard_the_ranges_are_those_heard_in_the_patience_of_a_first_reading(
+    network: Network, robot: Robot
+) -> None:
+    say_ranges(network, "rear")
+    say_ranges(network, "front_left", after=1.9)
+    assert set(robot.ranges()) == {"rear", "front_left"}
+
+
+def test_without_any_range_and_guard_it_says_so(robot: Robot) -> None:
+    with pytest.raises(SilentError, match="no range was ever heard"):
+        robot.ranges()
+
+
+def test_battery_and_emergency_stop_are_read(network: Network, robot: Robot) -> None:
+    network.say(BATTERY, Battery(voltage=24.3), after=0.4)
+    network.say(ESTOP, samples.estop(engaged=True), after=0.4)
+    assert robot.battery().voltage == 24.3
+    assert (robot.estop().engaged, robot.estop().by) == (True, "ann@desk")
+    network.pass_time(1.6)
+    with pytest.raises(SilentError, match=r"battery is silent for 1\.6 s; .*battery_volts_per_count"):
+        robot.battery()
+    with pytest.raises(SilentError, match="estop is silent"):
+        robot.estop()
+
+
+def test_a_robot_that_is_lost_is_told_from_a_part_of_it_that_is_silent(network: Network, robot: Robot) -> None:
+    say_ranges(network, *samples.SENSORS)
+    network.say(GUARD, samples.guard(samples.verdict()))
+    network.say(BASE, samples.base())
+    assert robot.base().armed
+    robot.ranges()
+    network.pass_time(1.2)
+    assert {reading.state for reading in robot.ranges().values()} == {"fault"}
+    with pytest.raises(SilentError, match="base is silent"):
+        robot.base()
+    network.ticks = False
+    network.pass_time(0.6)
+    for read in (robot.base, robot.ranges, robot.odom):
+        with pytest.raises(LostRobotError, match="no tick of the robot"):
+            read()
+
+
+def test_what_is_read_outside_of_its_block_says_so() -> None:
+    robot = Robot("sim-test")
+    for read in (robot.odom, robot.ranges, robot.battery):
+        with pytest.raises(NoRobotError, match=r"use it as `with Robot\(\) as robot:`"):
+            read()

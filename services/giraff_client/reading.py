@@ -1,0 +1,61 @@
+"""What a script reads of the robot: each sensor that it has. No I/O and no clock."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, Final
+
+import msgspec
+
+from giraff_schemas.messages import GuardState, Range, Sample
+from giraff_schemas.topics import GUARD, RANGE, Topic
+
+_FRESH: Final = 1.0
+"""s; what was said longer ago says nothing of now."""
+_PERIODS: Final = 3
+"""Of a topic that is said seldom: one sample that is lost makes nobody silent."""
+_PREFIX: Final = RANGE.key.removesuffix("*")
+
+Heard = Mapping[str, tuple[Sample, float]]
+"""By key below the robot's name: the newest sample, and when it was heard, s of a monotonic clock."""
+
+
+def is_fresh(topic: Topic[Any], age: float) -> bool:
+    """Whether a sample of this topic that was heard `age` s ago still says something of now."""
+    return age <= max(_FRESH, _PERIODS / topic.rate_hz)
+
+
+def has_heard_each_sensor(heard: Heard) -> bool:
+    """Whether each sensor of the robot was heard. The guard tells which there are: those of the robot file."""
+    state = heard.get(GUARD.key)
+    return state is not None and all(_PREFIX + sensor in heard for sensor in _sensors(heard))
+
+
+def ranges_of(heard: Heard, now: float) -> dict[str, Range]:
+    """By sensor, of all that the guard names and all that were heard: its newest reading, or why there is none."""
+    return {sensor: _range_of(sensor, heard, now) for sensor in _sensors(heard)}
+
+
+def require_finite(call: str, linear_x: float, angular_z: float) -> None:
+    """Raises ValueError for what is no twist."""
+    if not (math.isfinite(linear_x) and math.isfinite(angular_z)):
+        raise ValueError(f"{call}({linear_x}, {angular_z}): both must be finite numbers, m/s and rad/s")
+
+
+def _sensors(heard: Heard) -> list[str]:
+    state, _ = heard.get(GUARD.key, (None, 0.0))
+    told = state.sensors if isinstance(state, GuardState) else {}
+    return sorted({*told, *(key.removeprefix(_PREFIX) for key in heard if key.startswith(_PREFIX))})
+
+
+def _range_of(sensor: str, heard: Heard, now: float) -> Range:
+    key = _PREFIX + sensor
+    reading, at = heard.get(key, (None, 0.0))
+    if not isinstance(reading, Range):
+        never = f"{key} was never heard; check that giraff_ranger runs, and this sensor's wires"
+        return Range(sensor=sensor, state="fault", range=None, echo_us=0, reason=never, tick=None)
+    if is_fresh(RANGE, now - at):
+        return reading
+    silent = f"{key} is silent for {now - at:.1f} s; check giraff_ranger and its board"
+    return msgspec.structs.replace(reading, state="fault", range=None, echo_us=0, reason=silent)
