@@ -1,6 +1,7 @@
 """The robot in a script of one's own: `from giraff_client import Robot`. See docs/client.md."""
 
 from giraff_client.errors import (
+    BlockedError,
     EmergencyStopError,
     LostRobotError,
     NoRobotError,
@@ -13,6 +14,7 @@ from giraff_client.errors import (
 from giraff_client.robot import Robot
 
 __all__ = [
+    "BlockedError",
     "EmergencyStopError",
     "LostRobotError",
     "NoRobotError",

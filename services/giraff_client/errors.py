@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from giraff_schemas.messages import EStop
+from giraff_schemas.messages import Direction, EStop, Verdict
 
 
 class RobotError(Exception):
@@ -48,3 +48,17 @@ class EmergencyStopError(RobotError):
         )
         self.by = state.by
         self.reason = state.reason
+
+
+class BlockedError(RobotError):
+    """The guard lets nothing through in a direction that a script asks for."""
+
+    def __init__(self, direction: Direction, verdict: Verdict) -> None:
+        way_out = f"; {verdict.way_out}" if verdict.way_out else ""
+        super().__init__(f"{direction} blocked: {verdict.reason}{way_out}")
+        self.direction = direction
+        self.sensor = verdict.sensor
+        """Name of the sensor that blocks; empty: none does."""
+        self.reason = verdict.reason
+        self.way_out = verdict.way_out
+        """What the script can do instead; empty: nothing is known."""

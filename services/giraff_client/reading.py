@@ -1,4 +1,4 @@
-"""What a script reads of the robot: each sensor that it has. No I/O and no clock."""
+"""What a script reads of the robot: each sensor that it has, and each way that it may go. No I/O and no clock."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import msgspec
 
+from giraff_client.errors import BlockedError
 from giraff_schemas.messages import GuardState, Range, Sample
 from giraff_schemas.topics import GUARD, RANGE, Topic
 
@@ -35,6 +36,15 @@ def has_heard_each_sensor(heard: Heard) -> bool:
 def ranges_of(heard: Heard, now: float) -> dict[str, Range]:
     """By sensor, of all that the guard names and all that were heard: its newest reading, or why there is none."""
     return {sensor: _range_of(sensor, heard, now) for sensor in _sensors(heard)}
+
+
+def blockage(state: GuardState, linear_x: float, angular_z: float) -> BlockedError | None:
+    """What the guard lets nothing through of; None: something of each direction that is asked for."""
+    if linear_x and (verdict := state.forward if linear_x > 0.0 else state.backward).freedom == "blocked":
+        return BlockedError("forward" if linear_x > 0.0 else "backward", verdict)
+    if angular_z and (verdict := state.turn_left if angular_z > 0.0 else state.turn_right).freedom == "blocked":
+        return BlockedError("turn_left" if angular_z > 0.0 else "turn_right", verdict)
+    return None
 
 
 def require_finite(call: str, linear_x: float, angular_z: float) -> None:

@@ -15,7 +15,7 @@ import zenoh
 
 from giraff_client.errors import NoRobotError, RobotError, SilentError
 from giraff_client.policy import OperatorPolicy
-from giraff_client.reading import has_heard_each_sensor, is_fresh, ranges_of, require_finite
+from giraff_client.reading import blockage, has_heard_each_sensor, is_fresh, ranges_of, require_finite
 from giraff_core.timer import Timer
 from giraff_node import Publisher
 from giraff_node.config.robot_file import ConfigError
@@ -174,7 +174,7 @@ class Robot:
         """Drive so from now on, m/s and rad/s (left positive), and return after 1/30 s.
 
         It holds for 0.4 s, fading out in the second half: a script that does not call again in time, because it
-        hangs, waits or has died, stops the robot. The guard may let through less, see `guard`; it is
+        hangs, waits or has died, stops the robot. The guard may let through less, or nothing, see `check_way`; it is
         no error. Raises RobotError where the robot does not obey this script any more, ValueError for what is no
         number.
         """
@@ -184,6 +184,18 @@ class Robot:
         with self._lock:
             command = self._policy.drive(linear_x, angular_z, time.monotonic())
         self._put(command)
+
+    def check_way(self, linear_x: float, angular_z: float) -> None:
+        """Raise BlockedError where the guard lets nothing through that way now, m/s and rad/s; it moves nothing.
+
+        A call of its own, because only the script knows whether a blocked way is its end: a patrol waits until the
+        person has passed, and needs no error for it. It permits nothing, either: the guard judges each `drive`. It
+        judges straight ways and turns; of a curve, whether its way straight on is free. Raises SilentError without
+        the guard, LostRobotError, ValueError for what is no number.
+        """
+        require_finite("check_way", linear_x, angular_z)
+        if blocked := blockage(self.guard(), linear_x, angular_z):
+            raise blocked
 
     def stop(self) -> None:
         """Stand still now. The robot stays armed for a second; see `rest`."""

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import pytest
 
-from giraff_client.reading import has_heard_each_sensor, is_fresh, ranges_of, require_finite
-from giraff_schemas.messages import Sample
+from giraff_client.reading import blockage, has_heard_each_sensor, is_fresh, ranges_of, require_finite
+from giraff_schemas.messages import Direction, GuardState, Sample
 from giraff_schemas.topics import BATTERY, ESTOP, GUARD, ODOM
 from tests.unit.cli import samples
 
 NOW = 100.0
+DIRECTIONS: tuple[Direction, ...] = ("forward", "backward", "turn_left", "turn_right")
 
 
 def heard(*sensors: str, guard: bool = True, ago: float = 0.1) -> dict[str, tuple[Sample, float]]:
@@ -56,6 +58,41 @@ def test_one_lost_sample_makes_nothing_silent() -> None:
         assert is_fresh(topic, 2 / topic.rate_hz)
         assert not is_fresh(topic, 1.6)
     assert not is_fresh(GUARD, 1.1)
+
+
+def blocked(*directions: Direction) -> GuardState:
+    wall = samples.verdict(0.0, "blocked", "front_left", "front_left sees something at 0.40 m", "turn left or back up")
+    return msgspec.structs.replace(samples.guard(samples.verdict()), **dict.fromkeys(directions, wall))
+
+
+@pytest.mark.parametrize(
+    ("twist", "direction"),
+    [
+        ((0.2, 0.0), "forward"),
+        ((-0.2, 0.0), "backward"),
+        ((0.0, 0.3), "turn_left"),
+        ((0.0, -0.3), "turn_right"),
+    ],
+)
+def test_a_way_is_blocked_that_the_guard_blocks_and_no_other(twist: tuple[float, float], direction: Direction) -> None:
+    error = blockage(blocked(direction), *twist)
+    assert error is not None
+    assert (error.direction, error.sensor, error.way_out) == (direction, "front_left", "turn left or back up")
+    assert str(error) == f"{direction} blocked: front_left sees something at 0.40 m; turn left or back up"
+    assert blockage(blocked(*(other for other in DIRECTIONS if other != direction)), *twist) is None
+    assert blockage(blocked(*DIRECTIONS), 0.0, 0.0) is None, "who stands asks for nothing"
+
+
+def test_a_curve_asks_for_both() -> None:
+    for direction in ("forward", "turn_left"):
+        error = blockage(blocked(direction), 0.2, 0.3)
+        assert error is not None
+        assert error.direction == direction
+
+
+def test_a_way_that_is_only_slow_is_not_blocked() -> None:
+    for freedom in ("slow", "creep"):
+        assert blockage(samples.guard(samples.verdict(0.03, freedom)), 0.2, 0.0) is None
 
 
 @pytest.mark.parametrize("twist", [(math.nan, 0.0), (0.0, math.inf)])

@@ -9,7 +9,7 @@ import pytest
 import zenoh
 
 import giraff_client.robot
-from giraff_client import LostRobotError, NoRobotError, Robot, SilentError
+from giraff_client import BlockedError, LostRobotError, NoRobotError, Robot, SilentError
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Battery, Sample, Tick
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, RANGE, TICK, Topic, key_of
@@ -166,9 +166,22 @@ def test_a_robot_that_is_lost_is_told_from_a_part_of_it_that_is_silent(network: 
         robot.base()
     network.ticks = False
     network.pass_time(0.6)
-    for read in (robot.base, robot.ranges, robot.odom):
+    for read in (robot.base, robot.ranges, robot.odom, lambda: robot.check_way(0.2, 0.0)):
         with pytest.raises(LostRobotError, match="no tick of the robot"):
             read()
+
+
+def test_a_blocked_way_is_told_to_who_asks(network: Network, robot: Robot) -> None:
+    with pytest.raises(SilentError, match="guard was never heard"):
+        robot.check_way(0.2, 0.0)
+    wall = samples.verdict(0.0, "blocked", "front_left", "front_left sees something at 0.40 m", "turn left")
+    network.say(GUARD, samples.guard(wall))
+    network.sleep(0.02)
+    with pytest.raises(BlockedError, match=r"forward blocked: .*; turn left"):
+        robot.check_way(0.2, 0.0)
+    robot.check_way(-0.2, 0.0)
+    with pytest.raises(ValueError, match="finite"):
+        robot.check_way(float("nan"), 0.0)
 
 
 def test_what_is_read_outside_of_its_block_says_so() -> None:
