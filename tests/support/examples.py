@@ -1,4 +1,4 @@
-"""Where the examples of `giraff_client` stand, and a hall for them to drive in."""
+"""Where the examples of `giraff_client` stand, the first one of its page, and a hall for them to drive in."""
 
 from __future__ import annotations
 
@@ -17,3 +17,8 @@ points = [[5.0, 0.85], [-3.0, 0.85], [-3.0, -4.0], [5.0, -4.0]]
 closed = true
 """
 """The wall on the left is 0.6 m from the sensors of a robot that faces it."""
+
+
+def first_of_the_page() -> str:
+    """The first example of docs/client.md, as it is printed there."""
+    return (ROOT / "docs" / "client.md").read_text().split("```python\n")[1].split("```")[0]

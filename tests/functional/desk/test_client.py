@@ -20,10 +20,10 @@ from typing import Any
 
 import pytest
 
-from giraff_client import EmergencyStopError, NoRobotError, RefusedError, Robot, RobotError
+from giraff_client import EmergencyStopError, NoRobotError, Robot, RobotError, TakenError
 from giraff_node.network.session import LEASE as LINK_LEASE
-from giraff_schemas.topics import LEASE
-from tests.support.examples import EXAMPLES, HALL
+from giraff_schemas.topics import GUARD, LEASE
+from tests.support.examples import EXAMPLES, HALL, first_of_the_page
 from tests.support.process_robot import ProcessRobot, process_robot
 from tests.support.waiting import wait
 
@@ -128,6 +128,43 @@ def test_it_patrols_where_the_path_is_free(alone: ProcessRobot) -> None:
     assert math.hypot(truth.x, truth.y + 2.0) == pytest.approx(1.0, abs=0.3)
 
 
+def is_blocked(robot: ProcessRobot) -> bool | None:
+    """Whether the guard lets nothing through ahead; None: it was not heard yet."""
+    state = robot.observer.newest(GUARD)
+    return None if state is None else state.forward.freedom == "blocked"
+
+
+def ends_blocked(robot: ProcessRobot) -> bool:
+    """Run the first example of the page until it ends by itself; whether that was by an obstacle.
+
+    Otherwise it has lost the robot, and is to be started again.
+    """
+    robot.wait("nobody who drives", lambda: is_free(robot), PATIENCE)
+    command = [sys.executable, "-c", first_of_the_page()]
+    streams: dict[str, Any] = {"capture_output": True, "text": True}
+    done = subprocess.run(command, check=False, env=robot.environment, timeout=PATIENCE, **streams)
+    assert done.returncode == 0 or "giraff_client.errors." in done.stderr, done.stderr
+    return "\nforward blocked: front_" in done.stdout
+
+
+def test_the_first_example_of_its_page_ends_before_a_wall(alone: ProcessRobot) -> None:
+    def drives_and_ends() -> bool:
+        alone.simulator.place(4.2, -2.0)
+        alone.wait("a free way", lambda: is_blocked(alone) is False, PATIENCE)
+        return ends_blocked(alone) and alone.simulator.state().x > 4.25
+
+    alone.wait("its end at the wall", drives_and_ends, PATIENCE)
+    assert alone.simulator.state().x < 5.0 - 0.3
+
+
+def test_it_ends_in_a_corner_and_moves_nothing(alone: ProcessRobot) -> None:
+    alone.simulator.place(4.6, -3.6)
+    alone.wait("a blocked way", lambda: is_blocked(alone), PATIENCE)
+    began_us = alone.simulator.now()
+    alone.wait("its end in the corner", lambda: ends_blocked(alone), PATIENCE)
+    assert alone.simulator.record(began_us).driven_ms == 0
+
+
 @contextmanager
 def held_by(robot: Robot) -> Iterator[None]:
     """A script goes on meanwhile, and stands still."""
@@ -151,7 +188,7 @@ def test_it_is_one_operator_among_others_and_lets_go_when_it_leaves(alone: Proce
         with Robot(operator="second", patience=PATIENCE) as second:
             try:
                 second.drive(0.2, 0.0)
-            except RefusedError as refused:
+            except TakenError as refused:
                 return refused.holder == "first" and "held by first" in str(refused)
             except RobotError:
                 return False

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import pytest
 
 from giraff_schemas.topics import LEASE
-from tests.support.examples import EXAMPLES, HALL
+from tests.support.examples import EXAMPLES, HALL, first_of_the_page
 from tests.support.process_robot import ProcessRobot, process_robot
 from tests.timing.stalled import by_the_wall
 
@@ -41,7 +41,12 @@ def alone(robot: ProcessRobot, monkeypatch: pytest.MonkeyPatch) -> ProcessRobot:
 
 def example(robot: ProcessRobot, name: str, *words: str) -> str:
     """What an example says."""
-    command = [sys.executable, str(EXAMPLES / name), *words]
+    return output(robot, str(EXAMPLES / name), *words)
+
+
+def output(robot: ProcessRobot, *words: str) -> str:
+    """What a script says that ends by itself."""
+    command = [sys.executable, *words]
     done = subprocess.run(
         command, check=False, capture_output=True, text=True, env=robot.environment, cwd=robot.directory, timeout=90.0
     )
@@ -67,6 +72,13 @@ def test_it_patrols_where_the_path_is_free(alone: ProcessRobot) -> None:
     assert [line.partition(";")[0] for line in said] == ["at 1, 0", "at 1, 1", "at 0, 1", "at 0, 0"]
     truth = alone.simulator.state()
     assert math.hypot(truth.x, truth.y + 2.0) < 0.3
+
+
+def test_the_first_one_of_its_page_drives_where_the_way_is_free(alone: ProcessRobot) -> None:
+    alone.simulator.place(0.0, -2.0)
+    said = output(alone, "-c", first_of_the_page())
+    assert len(said.splitlines()) == 1, "where it is, and nothing that blocks it"
+    assert 0.5 < alone.simulator.state().x < 1.1
 
 
 SCRIPT = """
