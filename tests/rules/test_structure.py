@@ -9,7 +9,9 @@ import os
 import re
 from collections import Counter
 
-from tests.rules.repository import ROOT, name, sources
+import grimp
+
+from tests.rules.repository import ROOT, files, name, packages, sources
 from tests.rules.structure_picture import PICTURE, draw
 
 MOST_MODULES = 20
@@ -19,6 +21,13 @@ def test_the_picture_is_of_these_imports() -> None:
     if os.environ.get("GIRAFF_WRITE_DOCS"):
         PICTURE.write_text(draw())
     assert PICTURE.read_text() == draw()
+
+
+def test_a_script_is_checked_against_the_types_of_all_that_it_is_made_of() -> None:
+    graph = grimp.build_graph(*packages(), cache_dir=None)
+    made_of = graph.find_upstream_modules("giraff_client", as_package=True)
+    roots = {module.partition(".")[0] for module in made_of} | {"giraff_client"}
+    assert {path.parent.name for path in files() if path.name == "py.typed"} == roots
 
 
 def test_no_folder_is_too_large_to_hold_in_the_head() -> None:

@@ -32,6 +32,9 @@ def test_a_service_of_the_installed_tree_runs_and_is_well(tree: Tree, tmp_path: 
     assert named == []  # it will be elsewhere
     assert not (made / "bin" / "giraff").exists()
     assert list(made.glob("lib/python3*/site-packages/giraff_base/__pycache__/main.*.pyc"))
+    typed = {path.parent.name for path in made.glob("lib/python3*/site-packages/giraff_*/py.typed")}
+    assert typed == {path.parent.name for root in ("schemas", "services") for path in ROOT.glob(f"{root}/*/py.typed")}
+    assert "giraff_client" in typed
     wants = tree.installed("/etc/systemd/system/giraff.target.wants")
     assert {path.name for path in wants.iterdir()} == {
         f"giraff@{service}.service" for service in ("base", "ranger", "guard", "odometry")
