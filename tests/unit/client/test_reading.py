@@ -83,11 +83,11 @@ def test_a_way_is_blocked_that_the_guard_blocks_and_no_other(twist: tuple[float,
     assert blockage(blocked(*DIRECTIONS), 0.0, 0.0) is None, "who stands asks for nothing"
 
 
-def test_a_curve_asks_for_both() -> None:
-    for direction in ("forward", "turn_left"):
-        error = blockage(blocked(direction), 0.2, 0.3)
-        assert error is not None
-        assert error.direction == direction
+@pytest.mark.parametrize("direction", ["forward", "turn_left"])
+def test_a_curve_asks_for_both(direction: Direction) -> None:
+    error = blockage(blocked(direction), 0.2, 0.3)
+    assert error is not None
+    assert error.direction == direction
 
 
 def test_a_way_that_is_only_slow_is_not_blocked() -> None:
