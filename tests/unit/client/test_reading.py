@@ -79,7 +79,8 @@ def test_a_way_is_blocked_that_the_guard_blocks_and_no_other(twist: tuple[float,
     assert error is not None
     assert (error.direction, error.sensor, error.way_out) == (direction, "front_left", "turn left or back up")
     assert str(error) == f"{direction} blocked: front_left sees something at 0.40 m; turn left or back up"
-    assert blockage(blocked(*(other for other in DIRECTIONS if other != direction)), *twist) is None
+    others: tuple[Direction, ...] = tuple(other for other in DIRECTIONS if other != direction)
+    assert blockage(blocked(*others), *twist) is None
     assert blockage(blocked(*DIRECTIONS), 0.0, 0.0) is None, "who stands asks for nothing"
 
 
