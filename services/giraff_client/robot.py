@@ -74,6 +74,7 @@ class Robot:
     ) -> None:
         self.name = name or ""
         """Of the robot; once it is found, if it was not given."""
+        self._given = name
         self._connect = connect
         self._operator = require_chunk(operator)
         self._patience = patience
@@ -213,7 +214,7 @@ class Robot:
     def _open(self) -> None:
         """Join the robot's network, and hear it. Raises NoRobotError."""
         try:
-            way = resolve_target(self.name or None, self._connect)
+            way = resolve_target(self._given, self._connect)
         except UnknownRobotError as error:
             raise NoRobotError(str(error)) from error
         except ConfigError as error:
@@ -301,7 +302,12 @@ class Robot:
         return on_sample
 
     def _close(self) -> None:
+        """Another `with` of the same object is another operator: its commands are counted anew."""
         self._declared.clear()
+        self._newest.clear()
+        self._commands, self._has_armed = None, False
+        self._instance = secrets.token_hex(8)
+        self._policy = OperatorPolicy(self._operator, self._instance)
         if self._session is not None:
             close_session(self._session)
             self._session = None

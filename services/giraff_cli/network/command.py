@@ -15,6 +15,7 @@ import zenoh
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.output import guard_stdout
 from giraff_node.config.robot_file import ConfigError
+from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import CORRECT_IT, find_robot, require_consent, resolve_target
 from giraff_node.network.reach import find_silent
@@ -100,8 +101,7 @@ def run_on_network(
         code = guard_stdout(lambda: act(connection))
     except MovedError:
         connection.close(_CLOSE_WITHIN)
-        os.environ[_CAME_BACK] = "yes"
-        restart_program()
+        restart_program({_CAME_BACK: "yes"})
     except NoRobotError as error:
         code = print_error(str(error))
     if not connection.close(_CLOSE_WITHIN):  # Zenoh would hold the process, and nothing is left to do
@@ -111,5 +111,5 @@ def run_on_network(
 
 def print_error(text: str) -> int:
     """Tell what is wrong; UNUSABLE."""
-    print(f"giraff: {text}", file=sys.stderr, flush=True)
+    consent.tell(text)
     return UNUSABLE

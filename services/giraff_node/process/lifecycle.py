@@ -8,8 +8,8 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
-from types import FrameType, TracebackType
+from collections.abc import Callable, Iterator, Mapping
+from types import FrameType, MappingProxyType, TracebackType
 from typing import Final, NoReturn
 
 import zenoh
@@ -26,11 +26,15 @@ from giraff_node.process.systemd import Notifier
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
 
 
-def restart_program() -> NoReturn:
-    """Become the same program from its start, in the same process: whoever watches over it need not know."""
+def restart_program(marks: Mapping[str, str] = MappingProxyType({})) -> NoReturn:
+    """Become the same program from its start, in the same process: whoever watches over it need not know.
+
+    `marks`: of its environment, what it is to know of its past.
+    """
     sys.stdout.flush()
     sys.stderr.flush()
-    os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])  # noqa: S606  the same words as before
+    words = [sys.executable, *sys.orig_argv[1:]]
+    os.execve(sys.executable, words, {**os.environ, **marks})  # noqa: S606  the same words as before
 
 
 class Process:

@@ -70,7 +70,7 @@ class Said(NamedTuple):
 def host(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Host:
     """In an empty folder, without a terminal."""
     monkeypatch.chdir(tmp_path)
-    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME", "VISITED_BEFORE"):
+    for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
     return Host(monkeypatch, capsys, tmp_path)

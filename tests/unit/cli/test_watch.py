@@ -216,7 +216,8 @@ class StartedAnewError(Exception):
 def test_it_starts_anew_on_a_host_that_is_found_elsewhere(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    def restart_program() -> None:
+    def restart_program(marks: dict[str, str]) -> None:
+        assert marks, "an address that is out of reach by then would end it"
         raise StartedAnewError
 
     addresses = iter([frozenset[str]()])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any, Never
 
 import pytest
@@ -10,6 +11,7 @@ import zenoh
 
 import giraff_client.robot
 from giraff_client import BlockedError, LostRobotError, NoRobotError, Robot, SilentError
+from giraff_node.network.consent import NoRobotError as UnknownRobotError
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Battery, Sample, Tick
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, RANGE, TICK, Topic, key_of
@@ -189,3 +191,34 @@ def test_what_is_read_outside_of_its_block_says_so() -> None:
     for read in (robot.odom, robot.ranges, robot.battery):
         with pytest.raises(NoRobotError, match=r"use it as `with Robot\(\) as robot:`"):
             read()
+
+
+@pytest.mark.usefixtures("network")
+def test_a_robot_that_nobody_has_named_and_that_is_no_simulation_of_this_host_takes_a_yes_each_time(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """No terminal is here, so nobody can say it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(giraff_client.robot, "find_robot", lambda *_: "sim-test")
+    asked: list[tuple[str, str]] = []
+
+    def refuse(_: object, name: str, line: str) -> Never:
+        asked.append((name, line))
+        raise UnknownRobotError("nobody has named it")
+
+    monkeypatch.setattr(giraff_client.robot, "require_consent", refuse)
+    found = Robot()
+    for _ in range(2):
+        with found, pytest.raises(NoRobotError, match="nobody has named it"):
+            found.drive(0.1, 0.0)
+    assert asked == [("sim-test", 'Robot("sim-test")')] * 2
+
+
+def test_it_can_be_used_again(network: Network) -> None:
+    robot = Robot("sim-test")
+    for _ in range(2):
+        with robot:
+            network.say(BATTERY, Battery(voltage=24.0), after=0.1)
+            assert robot.battery().voltage == 24.0
+        with pytest.raises(NoRobotError, match=r"use it as `with Robot\(\) as robot:`"):
+            robot.battery()
