@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Generic, Self
+from typing import Any, Generic, NamedTuple, Self
 
 import msgspec
 import zenoh
@@ -94,23 +94,46 @@ class _Query(Generic[RequestT, AnswerT]):
             query.reply(query.key_expr, encode(answer), encoding=encoding_of(type(answer)))
 
 
+class Settings(NamedTuple, Generic[ConfigT]):
+    """What a service goes by."""
+
+    config: ConfigT
+    """Its own table."""
+    robot: RobotConfig
+    network: NetworkConfig
+
+    @classmethod
+    def load(cls, service: str, config: type[ConfigT]) -> Settings[ConfigT]:
+        """From robot file and environment. Raises ConfigError."""
+        return cls(load(service, config), load("robot", RobotConfig), load("network", NetworkConfig))
+
+
 class Node(Generic[ConfigT]):
     """One service's process, and the `IO` of its turns. `service` names its table and its liveliness token.
 
     `steady`: nothing that may hold it up for longer than a turn is done in it; for those that drive the motors.
     """
 
-    def __init__(self, service: str, config: type[ConfigT], *, steady: bool = False) -> None:
+    def __init__(
+        self,
+        service: str,
+        config: type[ConfigT] | Settings[ConfigT],
+        *,
+        steady: bool = False,
+        session: zenoh.Session | None = None,
+    ) -> None:
+        """`config`: the type of its table, which is then loaded, or what is known without a robot file.
+
+        `session`: one on this network, which this closes in the end; None: it opens its own.
+        """
         self.service = service
         self._process = Process(service)  # before the session: opening it takes a moment
         self.log, self.instance = self._process.log, self._process.instance
         self.hostname = socket.gethostname()
         try:
-            filed = load(service, config)
-            self.robot = load("robot", RobotConfig)
-            network = load("network", NetworkConfig)
+            filed, self.robot, network = config if isinstance(config, Settings) else Settings.load(service, config)
             self._addresses = None if network.local else AddressWatch(host_addresses())
-            self.session = open_session(network, self.robot.name)
+            self.session = session or open_session(network, self.robot.name)
         except ConfigError as error:
             self.log.error("%s", error)
             sys.exit(2)
