@@ -46,7 +46,7 @@ class EStopRequest:
             return False
         if self._request.poll(now) is not None:
             self._request = None
-            self.text = "STOPPED: base has confirmed; `giraff estop reset` releases it"
+            self.text = "STOPPED: base has confirmed; press r to release it"
             return True
         self._tell(self._request)
         return False

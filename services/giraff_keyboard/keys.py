@@ -20,6 +20,7 @@ ASLEEP: Final = 0.2
 _PLAIN: Final = {
     **dict(zip(b"wsad", (Key.FORWARD, Key.BACKWARD, Key.LEFT, Key.RIGHT), strict=True)),
     **dict(zip(b"c+=-_", (Key.CLUTCH, Key.FASTER, Key.FASTER, Key.SLOWER, Key.SLOWER), strict=True)),
+    **dict(zip(b"ry", (Key.RESET, Key.YES), strict=True)),
 }
 _ARROWS: Final = dict(zip(b"ABDC", (Key.FORWARD, Key.BACKWARD, Key.LEFT, Key.RIGHT), strict=True))
 

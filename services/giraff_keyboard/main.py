@@ -1,15 +1,20 @@
 """giraff_keyboard: the process, in a terminal."""
 
+from __future__ import annotations
+
 import logging
 import sys
 import time
-from typing import Final
+from typing import Final, TypeVar
 
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.estop_request import EStopRequest
-from giraff_keyboard.service import Keyboard
+from giraff_keyboard.service import Keyboard, Screen, View
+from giraff_keyboard.status import StatusView
 from giraff_keyboard.terminal import Terminal
 from giraff_node import Node
+
+PictureT = TypeVar("PictureT")
 
 _LAST_REQUESTS: Final = 2.0  # s that a stop is still asked for after Ctrl-C
 
@@ -19,26 +24,37 @@ class StopNotConfirmedError(Exception):
 
 
 def main() -> int:
-    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+    if not in_terminal():
         print("giraff_keyboard: reads keys from a terminal; start it in one, without a pipe", file=sys.stderr)
         return 2
     with Node("keyboard", KeyboardConfig) as node:
         if sys.stderr.isatty():
             node.log.setLevel(logging.ERROR)  # the status lines tell the rest, on the same screen
         with Terminal() as terminal:
-            keyboard = Keyboard(node, node.config, node.robot, terminal)
-            node.run(keyboard)
+            stopping = run_keyboard(node, terminal, StatusView())
         if terminal.is_gone:
             node.log.error("the terminal was closed")
-        _go_on_asking(keyboard.stopping)
-        if keyboard.stopping.asked:
-            node.fail(StopNotConfirmedError(keyboard.stopping.text))
+        if unconfirmed := go_on_asking(stopping):
+            node.fail(StopNotConfirmedError(unconfirmed))
     return 0
 
 
-def _go_on_asking(stopping: EStopRequest) -> None:
-    """A stop that was asked for and is not confirmed yet outlives the screen."""
+def in_terminal() -> bool:
+    """Whether a person can type here, and read."""
+    return sys.stdin.isatty() and sys.stdout.isatty()
+
+
+def run_keyboard(node: Node[KeyboardConfig], screen: Screen[PictureT], view: View[PictureT]) -> EStopRequest:
+    """Until its end; the stop that may yet have to be confirmed."""
+    keyboard = Keyboard(node, node.config, node.robot, screen, view)
+    node.run(keyboard)
+    return keyboard.stopping
+
+
+def go_on_asking(stopping: EStopRequest) -> str:
+    """A stop that was asked for outlives the screen: what of it base has not confirmed; empty: nothing."""
     until = time.monotonic() + _LAST_REQUESTS
     while stopping.asked and (now := time.monotonic()) < until:
         stopping.poll(now)
         time.sleep(0.01)
+    return stopping.text if stopping.asked else ""

@@ -24,6 +24,9 @@ class Key(Enum):
     STOP = auto()
     FASTER = auto()
     SLOWER = auto()
+    RESET = auto()
+    """Asks whether to release the emergency stop."""
+    YES = auto()
     NOTHING = auto()
     """These were no presses, nor was the one just before them."""
 
@@ -51,6 +54,11 @@ class KeyboardPolicy:
         self._asks = (0.0, 0.0)
         self._pressed = -math.inf
         self._pressed_tick: RobotTime | None = None
+
+    @property
+    def steps(self) -> int:
+        """How many speeds there are to choose from."""
+        return self._config.steps
 
     @property
     def driver(self) -> str:
@@ -93,6 +101,10 @@ class KeyboardPolicy:
             linear, angular = self.speed
             self._asks = (0.0 + forward * linear, 0.0 + left * angular)  # 0.0 + makes a plain zero of a negative one
             self._pressed, self._pressed_tick = now, self._operator.tick
+
+    def moment(self, now: float) -> RobotTime | None:
+        """The robot's time, of what a person asks for now; None while the robot is lost."""
+        return None if self._operator.link_fault(now) else self._operator.tick
 
     def on_stopped(self) -> None:
         """Base has confirmed the emergency stop: from here on its latch holds."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Final, Protocol
+from collections.abc import Sequence
+from typing import Any, Final, Generic, Protocol, TypeVar
 
 from giraff_core.estop import is_confirmed_stop
 from giraff_core.inbox import Inbox
@@ -10,41 +11,74 @@ from giraff_core.io import IO, Selectable
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.estop_request import EStopRequest
+from giraff_keyboard.estop_request import EStopRequest, Request
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
-from giraff_keyboard.status import StatusView
-from giraff_schemas.messages import EStopEngage
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, ESTOP_ENGAGE, GUARD, LEASE, OPERATOR_CMD_VEL, TICK
+from giraff_keyboard.reset_request import ResetRequest
+from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime, Sample
+from giraff_schemas.topics import (
+    ESTOP_ENGAGE,
+    ESTOP_RESET,
+    LEASE,
+    OPERATOR_CMD_VEL,
+    TICK,
+    Topic,
+)
 
 _STATUS_HZ: Final = 10
+_LAST: Final = 10
+"""Samples of a topic between two turns of which none is left out."""
+
+PictureT = TypeVar("PictureT")
+PictureT_contra = TypeVar("PictureT_contra", contravariant=True)
+PictureT_co = TypeVar("PictureT_co", covariant=True)
 
 
-class Screen(Selectable, Protocol):
+class Screen(Selectable, Protocol[PictureT_contra]):
     """Where a person types and reads: as `giraff_keyboard.terminal.Terminal`."""
 
     @property
     def is_gone(self) -> bool: ...
     def read(self) -> bytes: ...
-    def show(self, lines: list[str]) -> None: ...
+    def show(self, picture: PictureT_contra, /) -> None: ...
 
 
-class Keyboard:
-    """Reads the terminal, `tick` and `lease`; writes `cmd_vel/<operator>` and asks `estop/engage`.
+class View(Protocol[PictureT_co]):
+    """What the person who drives is shown: as `giraff_keyboard.status.StatusView`."""
 
-    Shows `base`, `guard`, `estop` and `battery` to the person who drives.
+    @property
+    def topics(self) -> Sequence[Topic[Any]]:
+        """What it tells of; `estop` is among them."""
+        ...
+
+    def take(self, sample: Sample, now: float) -> None: ...
+    def draw(self, policy: KeyboardPolicy, stop: str, now: float) -> PictureT_co: ...
+
+
+class Keyboard(Generic[PictureT]):
+    """Reads the terminal, `tick` and `lease`; writes `cmd_vel/<operator>`, asks `estop/engage` and `estop/reset`.
+
+    Shows what `view` makes of the robot to the person who drives.
     """
 
-    def __init__(self, io: IO, config: KeyboardConfig, robot: RobotConfig, screen: Screen) -> None:
+    def __init__(
+        self, io: IO, config: KeyboardConfig, robot: RobotConfig, screen: Screen[PictureT], view: View[PictureT]
+    ) -> None:
         self._io = io
         self.link = screen
         self._screen = screen
         self._policy = KeyboardPolicy(config, robot, io.instance)
-        self._keys, self._heard = KeyReader(), StatusView()
-        engage = EStopEngage(by=f"{config.operator}@{io.hostname}", reason="space bar")
+        self._keys, self._view = KeyReader(), view
+        by = f"{config.operator}@{io.hostname}"
+        engage = EStopEngage(by=by, reason="space bar")
         self.stopping = EStopRequest(lambda: io.ask(ESTOP_ENGAGE, engage, is_confirmed_stop))
+
+        def reset(latch: int, moment: RobotTime) -> Request:
+            return io.ask(ESTOP_RESET, EStopReset(by=by, id=latch, tick=moment), lambda _: True)
+
+        self._resetting = ResetRequest(reset)
         self._ticks, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)
-        self._told: list[Inbox[Any]] = [io.inbox(topic, limit=10) for topic in (BASE, GUARD, ESTOP, BATTERY)]
+        self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST) for topic in view.topics]
         self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
         self._timer, self._status_timer = Timer(OPERATOR_CMD_VEL.rate_hz), Timer(_STATUS_HZ)
         self.timers = (self._timer,)
@@ -60,13 +94,16 @@ class Keyboard:
             policy.on_key(key, now)
             if key is Key.STOP:
                 self.stopping.engage()
+            self._resetting.on_key(key, policy.moment(now), now, stopping=self.stopping.asked)
         for tick in self._ticks.take():
             policy.on_tick(tick, now)
         for lease in self._leases.take():
             policy.on_lease(lease)
         for sample in (sample for inbox in self._told for sample in inbox.take()):
-            self._heard.take(sample, now)
+            self._view.take(sample, now)
             self.stopping.on_sample(sample)
+            self._resetting.on_sample(sample, now)
+        self._resetting.poll(now)
         if self.stopping.poll(now):
             policy.on_stopped()
         if self._timer.due(now) or pressed:
@@ -75,7 +112,12 @@ class Keyboard:
             self._io.set_notice("keys", command.reason)
             self._io.set_notice("lease", policy.refusal)
         if self._status_timer.due(now) or pressed:
-            self._screen.show(self._heard.lines(policy, self.stopping.text, now))
+            self._screen.show(self._view.draw(policy, self._stop_text, now))
+
+    @property
+    def _stop_text(self) -> str:
+        """What became of the stop that was asked for, or of its release."""
+        return self.stopping.text if self.stopping.asked else self._resetting.text or self.stopping.text
 
     def end(self) -> None:
         """Let go of the robot."""

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardState, Sample, Verdict
-from giraff_schemas.topics import SampleT
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, SampleT, Topic
 
 STALE: Final = 1.5
 """s after which what was heard says nothing about now."""
-HELP: Final = "arrows or WASD drive   SPACE emergency stop   c take the robot, neutral   + - speed   Ctrl-C end"
+HELP: Final = "arrows or WASD drive   SPACE emergency stop   r release it   c take, neutral   + - speed   Ctrl-C end"
 
 
 class StatusView:
-    """The newest of each kind, as long as it is new."""
+    """The newest of each kind, as long as it is new, in a few lines."""
+
+    topics: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY)
 
     def __init__(self) -> None:
         self._base: tuple[BaseState | None, float] = None, 0.0
@@ -33,8 +35,8 @@ class StatusView:
             case Battery():
                 self._battery = sample, now
 
-    def lines(self, policy: KeyboardPolicy, stop: str, now: float) -> list[str]:
-        """What to show. `stop`: what became of an emergency stop asked for here."""
+    def draw(self, policy: KeyboardPolicy, stop: str, now: float) -> list[str]:
+        """What to show. `stop`: what became of an emergency stop, or of its release, asked for here."""
         base, guard = _fresh(self._base, now), _fresh(self._guard, now)
         estop, battery = _fresh(self._estop, now), _fresh(self._battery, now)
         linear, angular = policy.speed
@@ -43,7 +45,7 @@ class StatusView:
             first.append(f"round trip {base.round_trip * 1000:.0f} ms")
         if battery is not None:
             first.append(f"battery {battery.voltage:.1f} V")
-        why = _why(policy, base, guard, now)
+        why = what_stops(policy, base, guard, now)
         lines = ["   ".join(first), _verdicts(guard), f"why not: {why}" if why else "the robot obeys"]
         if stop:
             lines.append(stop)
@@ -67,8 +69,8 @@ def _armed(base: BaseState | None) -> str:
     return "armed" if base.armed else "not armed"
 
 
-def _why(policy: KeyboardPolicy, base: BaseState | None, guard: GuardState | None, now: float) -> str:
-    """The first link of the chain that stops it; empty: none does."""
+def what_stops(policy: KeyboardPolicy, base: BaseState | None, guard: GuardState | None, now: float) -> str:
+    """The first link of the chain that stops the robot, with the way out; empty: none does. None: it is not heard."""
     if reason := policy.command(now).reason or policy.refusal:
         return reason
     if guard is None:

@@ -20,12 +20,11 @@ _CLEAR_BELOW: Final = "\r\x1b[J"
 _NO_CHARACTER: Final = b"\0"  # _POSIX_VDISABLE of Linux
 
 
-class Terminal:
+class RawTerminal:
     """Standard input and output, which must be a terminal. A `Selectable`, so that a press wakes the loop."""
 
     def __init__(self) -> None:
         self._input = sys.stdin.fileno()
-        self._shown: list[str] = []
         self.is_gone = False
         """Its other end was closed: no key can come any more."""
 
@@ -39,14 +38,14 @@ class Terminal:
             attributes[6][character] = _NO_CHARACTER
         termios.tcsetattr(self._input, termios.TCSANOW, attributes)
         signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed window shows as `is_gone`, and is told to the robot
-        self._write(_PASTES_MARKED)
+        _write(_PASTES_MARKED)
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         with contextlib.suppress(OSError, termios.error):  # it may be gone
-            self._write(_PASTES_PLAIN + "\n" * len(self._shown))
+            _write(_PASTES_PLAIN)
             termios.tcsetattr(self._input, termios.TCSAFLUSH, self._before)
 
     def descriptor(self) -> int | None:
@@ -63,6 +62,21 @@ class Terminal:
             self.is_gone = True
         return data
 
+
+class Terminal(RawTerminal):
+    """Shows a few lines below the cursor."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._shown: list[str] = []
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with contextlib.suppress(OSError):  # it may be gone
+            _write("\n" * len(self._shown))
+        super().__exit__(kind, error, trace)
+
     def show(self, lines: list[str]) -> None:
         """Replace the lines shown before."""
         width = shutil.get_terminal_size().columns
@@ -72,10 +86,11 @@ class Terminal:
         self._shown = fitting
         up = f"\x1b[{len(fitting) - 1}A" if len(fitting) > 1 else ""
         try:
-            self._write(_CLEAR_BELOW + "\n".join(fitting) + up + "\r")
+            _write(_CLEAR_BELOW + "\n".join(fitting) + up + "\r")
         except OSError:
             self.is_gone = True
 
-    def _write(self, text: str) -> None:
-        sys.stdout.write(text)
-        sys.stdout.flush()
+
+def _write(text: str) -> None:
+    sys.stdout.write(text)
+    sys.stdout.flush()

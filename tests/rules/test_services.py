@@ -12,6 +12,7 @@ import pytest
 
 from giraff_cli.doctor.findings import NEEDED
 from giraff_cli.run.simulated_robot import START_ORDER
+from giraff_keyboard.status import StatusView
 from giraff_node.config import misplaced
 from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
@@ -119,7 +120,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
     io = MagicMock(instance="one", hostname="host")
     io.store.read.side_effect = FileNotFoundError
     io.token.return_value = 1
-    screen = (MagicMock(),) if service.name == "keyboard" else ()
+    screen = (MagicMock(), StatusView()) if service.name == "keyboard" else ()
     made(io, load(service.table, config, {"GIRAFF_CONFIG": "/dev/null", **needed(service)}), ROBOT, *screen)
     for method, rows in ((io.publisher, service.publishes), (io.inbox, service.subscribes)):
         assert {topics.topic_of(call.args[0].key) for call in method.call_args_list} == set(rows)

@@ -14,6 +14,7 @@ from giraff_core.timer import Timer
 from giraff_joystick.service import Joystick
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
+from giraff_keyboard.status import StatusView
 from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
 from giraff_schemas.params import ParamSave, ParamSet
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, PARAM_SAVE, PARAM_SET, TICK, Query
@@ -28,9 +29,9 @@ _POLL_HZ: Final = 20.0  # of the command line, for an answer
 _NOISE: Final = 0.03  # m/s², of a hand and a sensor
 
 
-def typist(process: Process, fingers: Fingers) -> Keyboard:
+def typist(process: Process, fingers: Fingers) -> Keyboard[list[str]]:
     """giraff_keyboard in a process of its own, with `fingers` at its terminal."""
-    return Keyboard(process, KeyboardConfig(), process.loop.settings.robot, _Terminal(process, fingers))
+    return Keyboard(process, KeyboardConfig(), process.loop.settings.robot, _Terminal(process, fingers), StatusView())
 
 
 class _Terminal:

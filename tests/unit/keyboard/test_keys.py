@@ -23,6 +23,8 @@ PLAIN = {
     b"+": Key.FASTER,
     b"=": Key.FASTER,
     b"-": Key.SLOWER,
+    b"r": Key.RESET,
+    b"y": Key.YES,
 }
 MOVING = {Key.FORWARD, Key.BACKWARD, Key.LEFT, Key.RIGHT}
 
@@ -70,7 +72,7 @@ def test_a_torn_head_takes_the_next_key_with_it_however_late(head: bytes) -> Non
     assert reader.feed(b"w", 1.6) == [Key.FORWARD]
 
 
-@pytest.mark.parametrize("paste", [b"dad", b"ww", b"wasd wasd", b"\x1b[A\x1b[A", b"cd /\n"])
+@pytest.mark.parametrize("paste", [b"dad", b"ww", b"wasd wasd", b"ry", b"r\ny", b"\x1b[A\x1b[A", b"cd /\n"])
 def test_what_comes_together_is_no_press(paste: bytes) -> None:
     keys = typed(paste)
     assert not MOVING & set(keys)

@@ -148,7 +148,7 @@ def test_a_press_asks_for_the_lease_as_long_as_it_lasts(key: Key) -> None:
     assert someone.press(key).lease_counter == 0
 
 
-@pytest.mark.parametrize("key", [Key.FASTER, Key.SLOWER, Key.NOTHING, Key.STOP])
+@pytest.mark.parametrize("key", [Key.FASTER, Key.SLOWER, Key.NOTHING, Key.STOP, Key.RESET, Key.YES])
 def test_no_other_key_asks_for_it(key: Key) -> None:
     assert person().press(key).lease_counter == ASKS_NOTHING
 

@@ -35,7 +35,7 @@ def heard(someone: Person, *samples: BaseState | GuardState | EStop | Battery) -
 def test_a_robot_that_obeys() -> None:
     someone = person()
     someone.hear("me", 3)
-    first, second, third, last = heard(someone, BASE, GUARD, Battery(voltage=24.13)).lines(
+    first, second, third, last = heard(someone, BASE, GUARD, Battery(voltage=24.13)).draw(
         someone.policy, "", someone.now
     )
     assert first == "me drives   armed   0.60 m/s, 1.57 rad/s   round trip 43 ms   battery 24.1 V"
@@ -53,12 +53,12 @@ def test_each_direction_is_shown_as_what_it_is() -> None:
         turn_right=verdicts["right"],
     )
     someone = person()
-    shown = heard(someone, BASE, guard).lines(someone.policy, "", someone.now)[1]
+    shown = heard(someone, BASE, guard).draw(someone.policy, "", someone.now)[1]
     assert shown == "forward free (ahead)   backward free (behind)   left free (left)   right free (right)"
 
 
 def why(someone: Person, *samples: BaseState | GuardState) -> str:
-    return heard(someone, *samples).lines(someone.policy, "", someone.now)[2]
+    return heard(someone, *samples).draw(someone.policy, "", someone.now)[2]
 
 
 def test_the_first_link_that_stops_it_is_named() -> None:
@@ -80,11 +80,11 @@ def test_the_first_link_that_stops_it_is_named() -> None:
 def test_a_stop_is_told_in_clear_words() -> None:
     someone = person()
     engaged = EStop(engaged=True, id=3, by="carer@tablet", reason="child")
-    lines = heard(someone, BASE, GUARD, engaged).lines(someone.policy, "STOPPED", someone.now)
+    lines = heard(someone, BASE, GUARD, engaged).draw(someone.policy, "STOPPED", someone.now)
     assert "STOPPED" in lines
     assert "EMERGENCY STOP, engaged by carer@tablet: child" in lines
     released = msgspec.structs.replace(engaged, engaged=False)
-    assert not any("STOP," in line for line in heard(someone, released).lines(someone.policy, "", someone.now))
+    assert not any("STOP," in line for line in heard(someone, released).draw(someone.policy, "", someone.now))
 
 
 def test_what_is_old_is_not_shown_as_if_it_were_now() -> None:
@@ -92,7 +92,7 @@ def test_what_is_old_is_not_shown_as_if_it_were_now() -> None:
     someone.hear("me", 3)
     all_of_it = heard(someone, BASE, GUARD, Battery(voltage=24.0))
     someone.wait(STALE + 0.1)
-    text = "\n".join(all_of_it.lines(someone.policy, "", someone.now))
+    text = "\n".join(all_of_it.draw(someone.policy, "", someone.now))
     assert "base not heard" in text
     assert "directions: the guard is not heard" in text
     for old in ("armed", "battery", "round trip", "obeys"):

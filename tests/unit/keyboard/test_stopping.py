@@ -50,7 +50,7 @@ def test_it_asks_until_base_confirms() -> None:
     assert stopping.poll(2.0)
     assert not stopping.asked
     assert "STOPPED" in stopping.text
-    assert "giraff estop reset" in stopping.text
+    assert "press r to release it" in stopping.text
     assert not stopping.poll(2.1)
 
 
