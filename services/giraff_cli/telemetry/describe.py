@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, NamedTuple
 
 from giraff_cli.telemetry.collector import Latest, Snapshot
 from giraff_schemas.messages import GuardState, Range, Verdict
@@ -10,6 +10,28 @@ from giraff_schemas.services import HANDS
 
 START_A_HAND: Final = f"start {' or '.join(f'giraff_{hand}' for hand in HANDS)} on the operator's machine"
 DIRECTIONS: Final = ("forward", "backward", "turn left", "turn right")
+
+
+class Moving(NamedTuple):
+    """What the robot does now. None: nothing tells."""
+
+    path: float | None
+    """m travelled, as odometry last had it."""
+    speed: float | None
+    """m/s."""
+    turn: float | None
+    """rad/s."""
+
+
+def moving(snapshot: Snapshot) -> Moving:
+    """As odometry has it; while that is silent, the wheels tell the speed. An old speed is none."""
+    odometry, wheels = snapshot.odometry, snapshot.wheels
+    path = None if odometry is None else odometry.sample.path
+    if odometry is not None and odometry.fresh:
+        return Moving(path, odometry.sample.linear_x, odometry.sample.angular_z)
+    if wheels is not None and wheels.fresh:
+        return Moving(path, (wheels.sample.left_velocity + wheels.sample.right_velocity) / 2.0, None)
+    return Moving(path, None, None)
 
 
 def range_text(seen: Latest[Range] | None) -> str:

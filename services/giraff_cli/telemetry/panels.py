@@ -19,8 +19,20 @@ from giraff_schemas.messages import Range
 _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
-_FREEDOM: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
+FREEDOM_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
 _BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}
+
+
+def pose(snapshot: Snapshot) -> Table:
+    """Where odometry has it."""
+    table = block("POSE", 4, right("", 8), left("", 1))
+    odometry = snapshot.odometry
+    pose = (None, None, None) if odometry is None else (odometry.sample.x, odometry.sample.y, odometry.sample.yaw)
+    x, y, yaw = pose
+    table.add_row("x", NONE if x is None else f"{x:z.3f}", unit("m"), style=dim(odometry))
+    table.add_row("y", NONE if y is None else f"{y:z.3f}", unit("m"), style=dim(odometry))
+    table.add_row("yaw", NONE if yaw is None else f"{math.degrees(yaw):z.1f}", unit("°"), style=dim(odometry))
+    return table
 
 
 def motion(path: float | None, speed: float | None, turn: float | None, style: str = "") -> Table:
@@ -65,7 +77,7 @@ def guard(snapshot: Snapshot) -> Table:
         return table
     for label, verdict in verdicts(seen.sample):
         why = printable(" · ".join(text for text in (verdict.reason, verdict.way_out) if text))
-        freedom = Text(verdict.freedom, style=_FREEDOM[verdict.freedom])
+        freedom = Text(verdict.freedom, style=FREEDOM_STYLE[verdict.freedom])
         table.add_row(label, f"{verdict.allowed:.2f}", _speed_unit(label), freedom, Text(why), style=dim(seen))
     return table
 

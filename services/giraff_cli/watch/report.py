@@ -7,8 +7,8 @@ from typing import Any
 import msgspec
 
 from giraff_cli.telemetry.collector import KeyRate, Latest
-from giraff_cli.telemetry.describe import base_text, limit_text
-from giraff_cli.watch.screen import WatchView, missing, moving
+from giraff_cli.telemetry.describe import base_text, limit_text, moving
+from giraff_cli.watch.screen import WatchView, missing
 
 
 class TopicReport(msgspec.Struct, frozen=True):

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 from rich.console import Group, RenderableType
 from rich.table import Table
@@ -12,7 +11,15 @@ from rich.text import Text
 
 from giraff_cli.telemetry import panels as blocks
 from giraff_cli.telemetry.collector import FRESH, Snapshot
-from giraff_cli.telemetry.describe import base_text, estop_text, forward_text, holder_text, limit_text, range_text
+from giraff_cli.telemetry.describe import (
+    base_text,
+    estop_text,
+    forward_text,
+    holder_text,
+    limit_text,
+    moving,
+    range_text,
+)
 from giraff_cli.telemetry.panels import dim
 from giraff_cli.terminal.layout import (
     NONE,
@@ -23,38 +30,14 @@ from giraff_cli.terminal.layout import (
     header,
     left,
     notice,
-    right,
     services,
     text_or_dash,
-    unit,
     why,
 )
 from giraff_schemas.services import ROBOTS_OWN
 
 _TOPIC_COLUMNS: Final = 2
 _NOTICES: Final = 1  # more would not fit 24 lines
-
-
-class Moving(NamedTuple):
-    """What the robot does now. None: nothing tells."""
-
-    path: float | None
-    """m travelled, as odometry last had it."""
-    speed: float | None
-    """m/s."""
-    turn: float | None
-    """rad/s."""
-
-
-def moving(snapshot: Snapshot) -> Moving:
-    """As odometry has it; while that is silent, the wheels tell the speed. An old speed is none."""
-    odometry, wheels = snapshot.odometry, snapshot.wheels
-    path = None if odometry is None else odometry.sample.path
-    if odometry is not None and odometry.fresh:
-        return Moving(path, odometry.sample.linear_x, odometry.sample.angular_z)
-    if wheels is not None and wheels.fresh:
-        return Moving(path, (wheels.sample.left_velocity + wheels.sample.right_velocity) / 2.0, None)
-    return Moving(path, None, None)
 
 
 def missing(snapshot: Snapshot) -> list[str]:
@@ -90,7 +73,9 @@ class WatchView:
             _header(self),
             services(_standings(snapshot)),
             beside(
-                _pose(snapshot), blocks.motion(*moving(snapshot), style=dim(snapshot.odometry)), _operator(snapshot)
+                blocks.pose(snapshot),
+                blocks.motion(*moving(snapshot), style=dim(snapshot.odometry)),
+                _operator(snapshot),
             ),
             Text(),
             beside(blocks.ranges(snapshot), blocks.base(snapshot, ("e-stop", text_or_dash(estop_text(snapshot))))),
@@ -139,17 +124,6 @@ def _standings(snapshot: Snapshot) -> list[tuple[str, Standing]]:
         count = snapshot.services.get(service, 0)
         found.append((service if count < 2 else f"{service} x{count}", "alive" if count else "silent"))
     return found
-
-
-def _pose(snapshot: Snapshot) -> Table:
-    table = block("POSE", 4, right("", 8), left("", 1))
-    odometry = snapshot.odometry
-    pose = (None, None, None) if odometry is None else (odometry.sample.x, odometry.sample.y, odometry.sample.yaw)
-    x, y, yaw = pose
-    table.add_row("x", NONE if x is None else f"{x:z.3f}", unit("m"), style=dim(odometry))
-    table.add_row("y", NONE if y is None else f"{y:z.3f}", unit("m"), style=dim(odometry))
-    table.add_row("yaw", NONE if yaw is None else f"{math.degrees(yaw):z.1f}", unit("°"), style=dim(odometry))
-    return table
 
 
 def _operator(snapshot: Snapshot) -> Table:

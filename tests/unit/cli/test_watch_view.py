@@ -11,9 +11,9 @@ import msgspec
 from rich.console import Console
 
 from giraff_cli.telemetry.collector import Telemetry
-from giraff_cli.telemetry.describe import limit_text
+from giraff_cli.telemetry.describe import limit_text, moving
 from giraff_cli.watch.report import ReportView
-from giraff_cli.watch.screen import WatchView, missing, moving
+from giraff_cli.watch.screen import WatchView, missing
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels
 from tests.unit.cli.samples import (
