@@ -6,6 +6,7 @@ import typer
 
 from giraff_cli.check.commands import check
 from giraff_cli.doctor.commands import doctor
+from giraff_cli.drive.commands import drive
 from giraff_cli.dst.commands import dst
 from giraff_cli.estop.commands import estop
 from giraff_cli.frames.commands import frames
@@ -30,7 +31,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, dst):
+for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, dst):
     app.command()(verb)
 for name, verbs in (
     ("estop", estop),

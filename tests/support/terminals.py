@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import pty
 import subprocess
@@ -30,6 +31,7 @@ class Screen:
         self._master, self._slave = pty.openpty()
         self._before = termios.tcgetattr(self._slave)
         os.set_blocking(self._master, False)
+        self._decoder = codecs.getincrementaldecoder("utf-8")()  # a read ends anywhere
         self.text = ""
         """All that has been shown since the last `forget`."""
         with log.open("wb") as errors:
@@ -46,7 +48,7 @@ class Screen:
         """Take what has been shown meanwhile; all since the last `forget`."""
         with suppress(BlockingIOError):
             while True:
-                self.text += os.read(self._master, 4096).decode()
+                self.text += self._decoder.decode(os.read(self._master, 4096))
         return self.text
 
     def forget(self) -> None:

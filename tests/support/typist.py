@@ -1,4 +1,4 @@
-"""The keyboard service in a terminal of its own, and somebody who types."""
+"""The keyboard service, or `giraff drive`, in a terminal of its own, and somebody who types."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from tests.support.process_robot import PATIENCE, ProcessRobot
 from tests.support.terminals import Screen, screen
 
 KEYBOARD = [sys.executable, "-m", "giraff_keyboard"]
+DRIVE = [sys.executable, "-m", "giraff_cli", "drive"]
+ARMED = ("keyboard drives   armed", "yours, armed")
+"""What the two show then."""
 REPEAT = 1.0 / 30.0  # s, as most keyboards repeat a key that is held
 
 
@@ -19,6 +22,18 @@ def keyboard(robot: ProcessRobot) -> Iterator[Screen]:
     """Beside a robot that has no other operator."""
     with screen(KEYBOARD, robot.directory / "keyboard.log", robot.environment) as shown:
         shown.wait_for("nobody drives", PATIENCE)
+        yield shown
+
+
+@contextmanager
+def drive(robot: ProcessRobot) -> Iterator[Screen]:
+    """The same, of somebody who has no robot file."""
+    network = {name: value for name, value in robot.environment.items() if not name.startswith("GIRAFF_")}
+    network |= {name: value for name, value in robot.environment.items() if name.startswith("GIRAFF_NETWORK_")}
+    with screen(
+        DRIVE, robot.directory / "drive.log", network | {"GIRAFF_CONFIG": "/dev/null", "TERM": "xterm"}
+    ) as shown:
+        shown.wait_for("nobody's: press an arrow", PATIENCE)
         yield shown
 
 
@@ -34,7 +49,7 @@ def take(shown: Screen) -> None:
     """Ask for the lease and let go, which arms; again where the robot was not yet heard when the key was pressed."""
     shown.forget()
     deadline = time.monotonic() + PATIENCE
-    while "keyboard drives   armed" not in shown.read():
+    while not any(armed in shown.read() for armed in ARMED):
         assert time.monotonic() < deadline, shown.text[-2000:]
         shown.type(b"c")
         time.sleep(1.0)

@@ -97,13 +97,11 @@ def say(text: str) -> None:
         discard_stdout()
 
 
-def as_svg(picture: RenderableType) -> str:
+def as_svg(picture: RenderableType, title: str = "giraff run", columns: int = _PICTURE_COLUMNS) -> str:
     """A live view as SVG, with the reader's own fonts."""
-    console = Console(
-        file=io.StringIO(), record=True, width=_PICTURE_COLUMNS, force_terminal=True, color_system="truecolor"
-    )
+    console = Console(file=io.StringIO(), record=True, width=columns, force_terminal=True, color_system="truecolor")
     console.print(picture)
-    return _WEB_FONTS.sub("", console.export_svg(title="giraff run"))
+    return _WEB_FONTS.sub("", console.export_svg(title=title))
 
 
 def _takes_more() -> bool:

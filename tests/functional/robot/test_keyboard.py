@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.process_robot import PATIENCE, ProcessRobot, process_robot
-from tests.support.typist import drive_by, hold, keyboard, take
+from tests.support.typist import drive, drive_by, hold, keyboard, take
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +51,34 @@ def test_it_takes_arms_drives_and_stops_by_the_space_bar(robot: ProcessRobot) ->
         shown.type(b"\x03")
         assert shown.process.wait(PATIENCE) == 0
         assert shown.is_restored()
+        assert stands_still(robot)
+
+
+def test_giraff_drive_takes_arms_drives_stops_and_releases_on_one_screen_without_a_robot_file(
+    robot: ProcessRobot,
+) -> None:
+    with drive(robot) as shown:
+        assert "yours" not in shown.read()  # nobody takes a robot by starting a program
+        take(shown)
+        drive_by(robot, shown, b"w")
+        robot.wait("standing", lambda: not robot.drives(), PATIENCE)
+        shown.type(b" ")
+        shown.wait_for("STOPPED: base has confirmed", PATIENCE)
+        confirmed_us = robot.simulator.now()
+        hold(shown, b"w", 0.5)
+        shown.forget()
+        shown.type(b"r")
+        shown.wait_for("RELEASE? y: yes", PATIENCE)
+        robot.run(1.0)  # to read what is asked
+        shown.type(b"y")
+        shown.wait_for("released; SPACE engages it", PATIENCE)
+        shown.wait_for("yours, armed", PATIENCE)
+        assert robot.simulator.record(confirmed_us).driven_ms == 0, "a release moves it"
+        drive_by(robot, shown, b"s")
+        shown.type(b"\x03")
+        assert shown.ended(PATIENCE) == 0
+        assert shown.is_restored()
+        assert shown.read().rstrip().endswith("\x1b[?2004l")
         assert stands_still(robot)
 
 

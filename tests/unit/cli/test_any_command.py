@@ -11,6 +11,7 @@ import pytest
 import typer.main
 
 import giraff_cli.doctor.examine
+import giraff_cli.drive.operate
 import giraff_cli.record.recorder
 import giraff_cli.terminal.screen
 from giraff_cli.main import app
@@ -27,6 +28,7 @@ SERVICES = ("base", "guard", "joystick", "odometry", "ranger")
 ASKING: dict[str, Words] = {
     "why": (),
     "watch": ("--for", "3"),
+    "drive": (),
     "estop status": (),
     "estop reset": (),
     "estop engage": (),
@@ -88,7 +90,7 @@ ROBOTLESS: Mapping[str, str] = {
     "keys list": "likewise",
 }
 """Those that ask no robot, and where below tests/ they are tried."""
-WAITING = {"watch", "record", "view"}
+WAITING = {"watch", "record", "view", "drive"}
 """They say so while they wait, and in the end."""
 
 
@@ -121,6 +123,8 @@ def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
     monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
+    monkeypatch.setattr(giraff_cli.drive.operate, "in_terminal", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())
     monkeypatch.setattr(giraff_cli.terminal.screen, "_takes_more", lambda: True)

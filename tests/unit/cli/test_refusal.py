@@ -14,6 +14,7 @@ import pytest
 import typer.main
 import zenoh
 
+import giraff_cli.drive.operate
 import giraff_cli.record.recorder
 from giraff_cli.main import app
 from giraff_client import NoRobotError, Robot
@@ -136,6 +137,8 @@ def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     monkeypatch.setattr(zenoh, "open", refuse)
     monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
+    monkeypatch.setattr(giraff_cli.drive.operate, "in_terminal", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.chdir(tmp_path)
     for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME"):

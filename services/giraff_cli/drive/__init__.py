@@ -1,0 +1,1 @@
+"""`giraff drive`: the keyboard as an operator, on one screen."""

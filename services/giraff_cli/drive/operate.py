@@ -1,0 +1,53 @@
+"""`giraff drive`: finds the robot, asks it for its limits, and is giraff_keyboard with a screen of its own."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Sequence
+from typing import Final
+
+from giraff_cli.drive.limits import ask_limits
+from giraff_cli.drive.terminal import DriveTerminal
+from giraff_cli.drive.view import DriveView
+from giraff_cli.network.command import print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_keyboard.config import KeyboardConfig
+from giraff_keyboard.main import go_on_asking, in_terminal, run_keyboard
+from giraff_node import Node
+from giraff_node.network.discovery import resolve_target
+from giraff_node.node import Settings
+from giraff_schemas.services import KEYBOARD
+
+_PATIENCE: Final = 3.0  # s, for a robot to be found
+
+_DONE: Final = 0
+_NOT_CONFIRMED: Final = 1
+
+
+def drive(robot: str | None, connect: Sequence[str]) -> int:
+    """Until Ctrl-C, or the terminal is gone; the exit code."""
+    if not in_terminal():
+        return print_error("drive: reads keys from a terminal, and draws on it; start it in one, without a pipe")
+    if os.environ.get("TERM", "dumb") == "dumb":
+        return print_error("drive: cannot draw on this terminal, of which TERM says that it is dumb")
+
+    def act(connection: RobotConnection) -> int:
+        limits = ask_limits(connection)
+        network = resolve_target(robot, connect).network
+        return _drive(connection, Settings(KeyboardConfig(), limits, network))
+
+    return run_with_robot(robot, connect, _PATIENCE, act)
+
+
+def _drive(connection: RobotConnection, settings: Settings[KeyboardConfig]) -> int:
+    # The services' runtime from here on, with its signals: whatever ends it, the robot is told first.
+    node = Node(KEYBOARD.name, settings, session=connection.session)
+    node.log.setLevel(logging.ERROR)  # the screen tells the rest
+    with node:
+        with DriveTerminal(node.fail) as terminal:
+            stopping = run_keyboard(node, terminal, DriveView(connection.robot, tuple(settings.robot.sensors)))
+        if unconfirmed := go_on_asking(stopping):
+            print_error(unconfirmed)
+            return _NOT_CONFIRMED
+    return _DONE

@@ -1,0 +1,183 @@
+"""What a person who drives sees at one moment, on 80 by 24 characters or wider. Nothing moves when a text grows."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Final
+
+from rich.console import Console, ConsoleOptions, Group, RenderableType
+from rich.text import Text
+
+from giraff_cli.drive.words import for_keys
+from giraff_cli.telemetry import panels as blocks
+from giraff_cli.telemetry.collector import FRESH, Snapshot
+from giraff_cli.telemetry.describe import DIRECTIONS, moving, verdicts
+from giraff_cli.terminal.layout import HEADING, beside, clock, header
+from giraff_cli.terminal.text import printable
+from giraff_schemas.wire import RANGE_SENSORS
+
+COLUMNS: Final = 80
+ROWS: Final = 24
+_LABEL: Final = 7  # characters
+_DIRECTION: Final = 11  # characters
+_ROWS_OF_A_TEXT: Final = 3
+_ROWS_OF_A_DIRECTION: Final = 2
+_HOW_TO_ARM: Final = re.compile(r"let go of all keys for [0-9.]+ s")
+_OF_THE_STOP: Final = "emergency stop by "
+_GOOD, _WAITS, _BAD, _ALARM = "green", "yellow", "red", "bold red"
+
+
+@dataclass(frozen=True)
+class Paragraph:
+    """Text that takes `rows` rows, however long it is; what is too long for them ends with `…`."""
+
+    head: Text
+    """What stands before it in the first row."""
+    text: str
+    style: str
+    rows: int
+    indent: int
+    """Of the other rows, characters."""
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[RenderableType]:
+        width, head = options.max_width, self.head.cell_len
+        lines = textwrap.wrap(
+            printable(self.text),
+            width,
+            initial_indent=" " * head,
+            subsequent_indent=" " * self.indent,
+            max_lines=self.rows,
+            placeholder=" …",
+        )
+        first, *more = lines or [""]
+        rows = [Text.assemble(self.head, (first[head:], self.style))]
+        rows += [Text.assemble(" " * self.indent, (line[self.indent :], self.style)) for line in more]
+        for row in islice([*rows, *[Text()] * self.rows], self.rows):
+            row.no_wrap, row.overflow = True, "ellipsis"
+            yield row
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrivePicture:
+    """The robot, and what becomes of the keys."""
+
+    robot: str
+    elapsed: float
+    """s since the screen was opened."""
+    snapshot: Snapshot
+    is_lost: bool
+    """The robot's clock is not heard."""
+    is_mine: bool
+    driver: str
+    """Whom the guard obeys; empty: nobody."""
+    why: str
+    """What stops the robot, with the way out; empty: nothing does."""
+    stop: str
+    """What became of an emergency stop, or of its release, that was asked for here."""
+    step: int
+    steps: int
+    speed: tuple[float, float]
+    """m/s and rad/s that a key asks for."""
+
+    def render(self) -> RenderableType:
+        snapshot = self.snapshot
+        few = replace(snapshot, ranges=dict(islice(snapshot.ranges.items(), RANGE_SENSORS)))
+        return Group(
+            self._header(),
+            _labelled("ROBOT", *self.standing(), rows=1),
+            _labelled("WHY", *self.reason()),
+            _labelled("STOP", *self.stopping()),
+            *_directions(snapshot),
+            Text(),
+            beside(
+                blocks.ranges(few),
+                blocks.motion(*moving(snapshot), style=blocks.dim(snapshot.odometry)),
+                blocks.pose(snapshot),
+            ),
+            Text(),
+            *self._keys(),
+        )
+
+    def standing(self) -> tuple[str, str]:
+        """Whose the robot is, whether it is armed, and what to do for it; and the style."""
+        base, estop = self.snapshot.base, self.snapshot.estop
+        if self.is_lost or base is None or not base.fresh:
+            return "not heard; waits for it, and does not move by itself when it is back", _BAD
+        if not self.is_mine:
+            if self.driver:
+                return f"not yours: {self.driver[:20]} drives; WHY says when you may", _WAITS
+            return "nobody's: press an arrow key or c to take it, then let go of all keys", _WAITS
+        if base.sample.armed:
+            return "yours, armed: hold an arrow key to drive", _GOOD
+        if estop is not None and estop.sample.engaged:
+            return "yours, not armed: see that it may move, then release the stop", _WAITS
+        how = _HOW_TO_ARM.search(for_keys(base.sample.reason))
+        return f"yours, not armed: {how.group() if how else 'WHY says what is missing'}", _WAITS
+
+    def reason(self) -> tuple[str, str]:
+        """What stops it, in a keyboard's words; and the style."""
+        if self.why.startswith(_OF_THE_STOP):
+            return "the emergency stop, as below", _WAITS
+        return (for_keys(self.why), _WAITS) if self.why else ("nothing: the robot obeys", _GOOD)
+
+    def stopping(self) -> tuple[str, str]:
+        """The emergency stop, with the way out; and the style."""
+        seen = self.snapshot.estop
+        estop = seen.sample if seen is not None and seen.fresh else None
+        if estop is not None and estop.engaged and estop.by not in self.stop:
+            told = self.stop or "ENGAGED; r asks to release it"
+            return for_keys(f"{told}. By {estop.by}: {estop.reason}"), _ALARM
+        if self.stop:
+            return for_keys(self.stop), _ALARM
+        if estop is None:
+            return "unknown, since base is not heard; SPACE asks for it all the same", _BAD
+        return "released; SPACE engages it", _GOOD
+
+    def _header(self) -> RenderableType:
+        snapshot = self.snapshot
+        parts = [(f"giraff drive · {self.robot[:24]} · {clock(self.elapsed)}", "bold")]
+        if snapshot.silence is not None and snapshot.silence > FRESH:
+            return header(*parts, (f" · not heard for {snapshot.silence:.0f} s", _ALARM))
+        if snapshot.battery is not None and snapshot.battery.fresh:
+            parts.append((f" · battery {snapshot.battery.sample.voltage:.1f} V", "bold"))
+        base = snapshot.base
+        if base is not None and base.fresh and base.sample.round_trip is not None:
+            parts.append((f" · command {base.sample.round_trip * 1000.0:.0f} ms old", "bold"))
+        return header(*parts)
+
+    def _keys(self) -> Iterator[RenderableType]:
+        linear, angular = self.speed
+        speed = f"{self.step}/{self.steps}: {linear:.2f} m/s, {angular:.2f} rad/s"
+        rows = (
+            (("← ↑ ↓ →", "or w a s d, held, drive"), ("SPACE", "stops"), ("r", "releases the stop")),
+            (("c", "takes it, stands"), ("+ -", f"speed {speed}"), ("Ctrl-C", "ends")),
+        )
+        for number, row in enumerate(rows):
+            text = Text(no_wrap=True, overflow="ellipsis")
+            text.append(f"{'KEYS' if number == 0 else '':<{_LABEL}}", style=HEADING)
+            for key, does in row:
+                text.append(f"{key} ", style="bold").append(f"{does}   ")
+            text.rstrip()
+            yield text
+
+
+def _labelled(label: str, text: str, style: str, rows: int = _ROWS_OF_A_TEXT) -> Paragraph:
+    return Paragraph(Text(f"{label:<{_LABEL}}", style=HEADING), text, style, rows, _LABEL)
+
+
+def _directions(snapshot: Snapshot) -> Iterator[Paragraph]:
+    """What the guard allows in each, with its whole reason."""
+    seen = snapshot.guard
+    for number, label in enumerate(DIRECTIONS):
+        head, why = Text.assemble((f"{label:<{_DIRECTION}}", "dim")), "the guard is not heard"
+        if seen is not None and seen.fresh:
+            verdict = verdicts(seen.sample)[number][1]
+            head.append(f"{verdict.freedom:<8}", style=blocks.FREEDOM_STYLE[verdict.freedom])
+            unit = "rad/s" if label.startswith("turn") else "m/s"
+            head.append(f"{verdict.allowed:.2f} {unit:<6}", style="default")
+            why = for_keys("; ".join(text for text in (verdict.reason, verdict.way_out) if text))
+        yield Paragraph(head, why, "default", _ROWS_OF_A_DIRECTION, _DIRECTION)

@@ -1,0 +1,56 @@
+"""Collects what a person who drives is shown."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from giraff_cli.drive.picture import DrivePicture
+from giraff_cli.telemetry.collector import Latest, SampleT, Telemetry, range_key
+from giraff_keyboard.policy import KeyboardPolicy
+from giraff_keyboard.status import what_stops
+from giraff_schemas.messages import Range, Sample
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, Topic
+
+
+class DriveView:
+    """Times are monotonic, s."""
+
+    topics: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY, ODOM, RANGE)
+
+    def __init__(self, robot: str, sensors: tuple[str, ...]) -> None:
+        """`sensors`: of the robot, in the order of its file."""
+        self._robot = robot
+        self._telemetry = Telemetry(sensors)
+        self._topics = {topic.schema: topic for topic in self.topics}
+        self._began: float | None = None
+
+    def take(self, sample: Sample, now: float) -> None:
+        topic = self._topics[type(sample)]
+        key = range_key(sample.sensor) if isinstance(sample, Range) else topic.key
+        self._telemetry.on_sample(topic, key, sample, _ns(now))
+
+    def draw(self, policy: KeyboardPolicy, stop: str, now: float) -> DrivePicture:
+        """What is to be seen now. `stop`: what became of a stop, or of its release, that was asked for here."""
+        self._began = now if self._began is None else self._began
+        snapshot = self._telemetry.snapshot(_ns(now))
+        return DrivePicture(
+            robot=self._robot,
+            elapsed=now - self._began,
+            snapshot=snapshot,
+            is_lost=policy.moment(now) is None,
+            is_mine=not policy.refusal,
+            driver=policy.driver,
+            why=what_stops(policy, _fresh(snapshot.base), _fresh(snapshot.guard), now),
+            stop=stop,
+            step=policy.step,
+            steps=policy.steps,
+            speed=policy.speed,
+        )
+
+
+def _fresh(seen: Latest[SampleT] | None) -> SampleT | None:
+    return seen.sample if seen is not None and seen.fresh else None
+
+
+def _ns(seconds: float) -> int:
+    return round(seconds * 1e9)

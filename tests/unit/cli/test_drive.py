@@ -1,0 +1,300 @@
+"""What a person who drives with keys sees, and what of a robot must be known before."""
+
+from __future__ import annotations
+
+import ast
+import io
+import os
+import re
+from typing import Any
+
+import msgspec
+import pytest
+from rich.console import Console
+
+from giraff_base.arming import HOW_TO_ARM
+from giraff_base.board import engaged_by
+from giraff_cli.drive import operate
+from giraff_cli.drive.limits import limits_of
+from giraff_cli.drive.picture import COLUMNS, ROWS, DrivePicture
+from giraff_cli.drive.view import DriveView
+from giraff_cli.drive.words import for_keys
+from giraff_cli.terminal.screen import as_svg
+from giraff_core.parameters.table import Parameters
+from giraff_guard.authority import _HOW_TO_ASK
+from giraff_keyboard.config import KeyboardConfig
+from giraff_keyboard.policy import Key
+from giraff_node.network.discovery import NoRobotError
+from giraff_schemas.codec import stamped
+from giraff_schemas.messages import Battery, EStop, GuardState, Lease, Sample, Verdict
+from giraff_schemas.params import ParamAnswer
+from giraff_schemas.wire import Latch
+from tests.rules.repository import ROOT
+from tests.support.robots import ROBOT
+from tests.unit.cli.samples import SENSORS, base, estop, guard, odometry, reading, verdict
+from tests.unit.cli.typed import typed
+from tests.unit.keyboard.keyboards import Person
+
+PICTURE = ROOT / "docs" / "pictures" / "drive.svg"
+ARM = f"not armed since base has just started; {HOW_TO_ARM} for 0.2 s"
+HELD = f"held by joystick (6542d227) until it rests for 30 s, is silent for 1 s or at fault for 2 s; then {_HOW_TO_ASK}"
+FROZEN = "front_right is frozen: it repeats one echo while the robot moves; check it, or look for slip"
+BLOCKED = verdict(0.0, "blocked", "front_right", FROZEN, "turn left or back up")
+STUCK = engaged_by(Latch.RIGHT_STUCK)
+
+
+def all_blocked(reason: Verdict = BLOCKED) -> GuardState:
+    return msgspec.structs.replace(guard(reason), backward=reason, turn_left=reason, turn_right=reason)
+
+
+class Desk:
+    """A keyboard's policy and its screen; a robot in order, until something of it is changed."""
+
+    def __init__(self, *, ticks: bool = True) -> None:
+        self.person = Person(KeyboardConfig())
+        self.person.wait(0.2, ticks=ticks)
+        self.view = DriveView("giraff", SENSORS)
+        self.stop, self.seq = "", 0
+        self.take(base(), guard(verdict()), estop(), Battery(voltage=24.3), odometry(0, 1.25, 0.5, 0.3))
+        self.take(reading("front_left", 1.23), reading("front_right", None, "clear"), reading("rear", 0.4))
+
+    def take(self, *samples: Sample) -> Desk:
+        for sample in samples:
+            self.view.take(stamped(sample, self.seq, 0, "m"), self.person.now)
+        self.seq += 1
+        return self
+
+    def holds(self, holder: str, operator: str, reason: str = "") -> Desk:
+        lease = Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason=reason, instance="g", seq=1)
+        self.person.policy.on_lease(lease)
+        return self
+
+    def mine(self) -> Desk:
+        return self.holds("me", "keyboard")
+
+    @property
+    def picture(self) -> DrivePicture:
+        return self.view.draw(self.person.policy, self.stop, self.person.now)
+
+
+def drawn(picture: DrivePicture, width: int = COLUMNS) -> list[str]:
+    console = Console(file=io.StringIO(), width=width, height=ROWS, color_system=None)
+    with console.capture() as capture:
+        console.print(picture.render())
+    return capture.get().splitlines()
+
+
+def told(desk: Desk) -> dict[str, str]:
+    """The three texts, by label."""
+    picture = desk.picture
+    return {"ROBOT": picture.standing()[0], "WHY": picture.reason()[0], "STOP": picture.stopping()[0]}
+
+
+NOBODYS = f"nobody drives, since joystick rested for 30 s; {_HOW_TO_ASK}"
+CASES: dict[str, tuple[Desk, dict[str, str]]] = {
+    "not heard": (
+        Desk(ticks=False),
+        {"ROBOT": "not heard; waits for it, and does not move by itself", "WHY": "no tick"},
+    ),
+    "nobody's": (
+        Desk().holds("", "", NOBODYS),
+        {
+            "ROBOT": "nobody's: press an arrow key or c to take it, then let go of all keys",
+            "WHY": "rested for 30 s; press an arrow key or c to ask, then let go of all keys to arm",
+        },
+    ),
+    "another's": (
+        Desk().holds("you", "joystick", HELD),
+        {"ROBOT": "not yours: joystick drives; WHY says when you may", "WHY": "then press an arrow key or c to ask"},
+    ),
+    "not armed": (
+        Desk().mine().take(base(armed=False, reason=ARM)),
+        {"ROBOT": "yours, not armed: let go of all keys for 0.2 s", "WHY": "base has just started; let go of all keys"},
+    ),
+    "never to be armed": (
+        Desk().mine().take(base(armed=False, reason="the wiring is not checked: lift the wheels and run it")),
+        {"ROBOT": "yours, not armed: WHY says what is missing", "WHY": "the wiring is not checked"},
+    ),
+    "armed": (
+        Desk().mine(),
+        {"ROBOT": "yours, armed", "WHY": "nothing: the robot obeys", "STOP": "released; SPACE engages it"},
+    ),
+    "blocked": (Desk().mine().take(all_blocked()), {"ROBOT": "yours, armed", "WHY": FROZEN}),
+    "stopped by another": (
+        Desk().mine().take(estop(engaged=True), base(armed=False, reason="emergency stop by ann@desk: smoke")),
+        {
+            "ROBOT": "yours, not armed: see that it may move, then release the stop",
+            "WHY": "the emergency stop, as below",
+            "STOP": "ENGAGED; r asks to release it. By ann@desk: smoke",
+        },
+    ),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_it_says_whose_the_robot_is_what_stops_it_and_what_to_do(case: str) -> None:
+    desk, expected = CASES[case]
+    says = told(desk)
+    for label, text in expected.items():
+        assert text in says[label]
+
+
+def test_a_stop_that_was_asked_for_here_comes_first_and_does_not_hide_another() -> None:
+    desk = Desk().mine()
+    desk.stop = "STOPPING, NOT CONFIRMED after 3 requests; if it moves, use the battery switch"
+    assert told(desk)["STOP"] == desk.stop
+    desk.stop = "STOPPED: base has confirmed; press r to release it"
+    desk.take(estop(engaged=True))
+    assert told(desk)["STOP"] == f"{desk.stop}. By ann@desk: smoke"
+    desk.stop = "RELEASE? y: yes, any other key: no. It is the stop by ann@desk: smoke"
+    assert told(desk)["STOP"] == desk.stop
+
+
+def test_no_way_out_is_that_of_a_hand() -> None:
+    """Of all that base and guard may say."""
+    of_a_hand = re.compile(r"\b(hand|level|tilt)\b")
+    sources = [path for part in ("base", "guard") for path in (ROOT / "services" / f"giraff_{part}").glob("*.py")]
+    texts = [text for path in sources for text in texts_of(path.read_text()) if of_a_hand.search(text)]
+    assert HOW_TO_ARM in texts
+    assert _HOW_TO_ASK in texts
+    assert [text for text in texts if of_a_hand.search(for_keys(text))] == []
+
+
+def texts_of(source: str) -> list[str]:
+    """What of a module a person may read: constants of more than a word, without the docstrings."""
+    tree = ast.parse(source)
+    silent = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    texts = [node for node in ast.walk(tree) if isinstance(node, ast.Constant) and id(node) not in silent]
+    return [node.value for node in texts if isinstance(node.value, str) and " " in node.value]
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("width", [COLUMNS, 200])
+def test_it_fills_24_rows_of_the_terminal_and_never_more(case: str, width: int) -> None:
+    rows = drawn(CASES[case][0].picture, width)
+    assert len(rows) == ROWS
+    assert all(len(row) <= width for row in rows)
+    assert "Ctrl-C ends" in rows[-1]
+
+
+@pytest.mark.parametrize("cause", [HELD, ARM, f"front_right and front_left: {FROZEN}"])
+def test_the_longest_reasons_are_whole_on_80_by_24(cause: str) -> None:
+    desk = Desk().mine().take(msgspec.structs.replace(all_blocked(), reason=cause), base(armed=False, reason=cause))
+    desk.take(EStop(engaged=True, id=3, by=STUCK.by, reason=STUCK.reason))
+    desk.stop = "STOPPED: base has confirmed; press r to release it"
+    rows = drawn(desk.picture)
+    assert len(rows) == ROWS
+    text = " ".join(" ".join(rows).split())
+    assert text.count(f"{FROZEN}; turn left or back up") == 4
+    assert for_keys(cause) in text
+    assert f"By the base board: {for_keys(STUCK.reason)}" in text
+    assert "…" not in text
+
+
+def test_what_the_network_says_can_neither_steer_the_terminal_nor_move_a_row() -> None:
+    bad = "a\x1b[2J\nb[bold]\u202e\u009b漢" * 40
+    desk = Desk().holds("x", bad, bad).take(estop(engaged=True), base(armed=False, reason=bad))
+    desk.take(all_blocked(verdict(0.0, "blocked", bad, bad, bad)), reading(bad, 1e300), Battery(voltage=1e300))
+    rows = drawn(desk.picture)
+    assert len(rows) == ROWS
+    assert all(row.isprintable() for row in rows)
+    assert "Ctrl-C ends" in rows[-1]
+
+
+def test_what_is_old_is_not_shown_as_if_it_were_now() -> None:
+    desk = Desk().mine()
+    desk.person.wait(3.0, ticks=False)
+    text = "\n".join(drawn(desk.picture))
+    assert "not heard for 3 s" in text
+    assert text.count("the guard is not heard") == 4
+    assert "unknown, since base is not heard" in text
+    for old in ("armed", "24.3 V", "ms old", "obeys", "1.23 m", "0.40 m/s"):
+        assert old not in text, old
+
+
+def test_a_guard_or_a_base_that_fell_silent_is_what_stops_it() -> None:
+    desk = Desk().mine()
+    desk.person.wait(3.0)
+    assert "the guard is not heard" in told(desk)["WHY"]
+    desk.take(guard(verdict()))
+    assert "base is not heard" in told(desk)["WHY"]
+    assert "not heard" in told(desk)["ROBOT"]
+
+
+def test_speed_path_pose_ranges_and_battery_are_told() -> None:
+    desk = Desk().mine()
+    desk.person.press(Key.FASTER)
+    text = "\n".join(drawn(desk.picture))
+    for wanted in (
+        r"battery 24\.3 V",
+        r"speed 3/5: 0\.36 m/s, 0\.94 rad/s",
+        r"path +1\.25 m",
+        r"speed +0\.40 m/s",
+        r"x +1\.250 m",
+        r"yaw +17\.2 °",
+        r"front left +1\.23 m",
+        r"front right +clear",
+        r"forward +free +1\.00 m/s",
+        r"turn left +free +1\.00 rad/s",
+    ):
+        assert re.search(wanted, text), f"{wanted} is not in\n{text}"
+
+
+def answer(**changes: Any) -> ParamAnswer:
+    """What a base of this robot says of its parameters."""
+    params = [
+        msgspec.structs.replace(param, value=changes.get(param.name, param.value))
+        for param in Parameters("base", KeyboardConfig(), ROBOT).describe()
+    ]
+    return ParamAnswer(service="base", instance="i", host="pi", done=True, reason="", params=tuple(params))
+
+
+def test_the_limits_are_those_that_base_goes_by() -> None:
+    assert limits_of(answer(), ROBOT.name) == ROBOT
+    slow = limits_of(answer(**{"robot.max_wheel_speed": 0.1}), ROBOT.name)
+    assert slow.max_wheel_speed == 0.1
+    newer = answer()
+    more = msgspec.structs.replace(newer.params[-1], name="robot.of_another_version")
+    assert limits_of(msgspec.structs.replace(newer, params=(*newer.params, more)), ROBOT.name) == ROBOT
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("robot.max_wheel_speed", 1e9), ("robot.max_wheel_speed", "fast"), ("robot.track_width", None)],
+)
+def test_limits_that_cannot_be_are_refused_with_the_way_out(name: str, value: Any) -> None:
+    with pytest.raises(NoRobotError, match=r"base of otto at pi tells limits that cannot be: .*; check its robot file"):
+        limits_of(answer(**{name: value}), "otto")
+    with pytest.raises(NoRobotError, match="limits that cannot be"):
+        limits_of(msgspec.structs.replace(answer(), params=()), "otto")
+
+
+@pytest.mark.parametrize(
+    ("is_terminal", "kind", "says"), [(False, "xterm", "start it in one, without a pipe"), (True, "dumb", "it is dumb")]
+)
+def test_without_a_terminal_it_says_so_and_asks_nobody(
+    is_terminal: bool, kind: str, says: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(operate, "in_terminal", lambda: is_terminal)
+    monkeypatch.setattr(operate, "run_with_robot", None)
+    monkeypatch.setenv("TERM", kind)
+    code, out, err = typed(monkeypatch, capsys, "drive")
+    assert (code, out) == (2, "")
+    assert says in err
+
+
+def test_the_picture_of_the_page_is_this_screen() -> None:
+    """`GIRAFF_WRITE_DOCS=1 pytest tests/unit/cli/test_drive.py` draws it anew."""
+    near = verdict(0.15, "slow", "front_left", "front_left sees something at 0.62 m", "turn right or back up")
+    desk = Desk().mine()
+    assert desk.picture.elapsed == 0.0
+    desk.person.wait(42.0)
+    samples = (base(), msgspec.structs.replace(guard(near), reason=""), estop(), Battery(voltage=24.3))
+    desk.take(*samples, odometry(0, 1.25, 0.5, 0.3))
+    for _ in range(3):
+        desk.person.wait(0.2)
+        desk.take(reading("front_left", 0.62), reading("front_right", None, "clear"), reading("rear", 1.04))
+    svg = as_svg(desk.picture.render(), title="giraff drive", columns=COLUMNS)
+    if os.environ.get("GIRAFF_WRITE_DOCS"):
+        PICTURE.write_text(svg)
+    assert PICTURE.read_text() == svg, "drawn by another screen: GIRAFF_WRITE_DOCS=1"
