@@ -10,7 +10,8 @@ import msgspec
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.robot import RobotConfig
-from giraff_node.network.discovery import NoRobotError, list_robots, not_found_text
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import BASE

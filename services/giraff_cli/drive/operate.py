@@ -15,7 +15,6 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.main import go_on_asking, in_terminal, run_keyboard
 from giraff_node import Node
-from giraff_node.network.discovery import resolve_target
 from giraff_node.node import Settings
 from giraff_schemas.services import KEYBOARD
 
@@ -34,10 +33,9 @@ def drive(robot: str | None, connect: Sequence[str]) -> int:
 
     def act(connection: RobotConnection) -> int:
         limits = ask_limits(connection)
-        network = resolve_target(robot, connect).network
-        return _drive(connection, Settings(KeyboardConfig(), limits, network))
+        return _drive(connection, Settings(KeyboardConfig(), limits, connection.network))
 
-    return run_with_robot(robot, connect, _PATIENCE, act)
+    return run_with_robot(robot, connect, _PATIENCE, act, moves=True)
 
 
 def _drive(connection: RobotConnection, settings: Settings[KeyboardConfig]) -> int:

@@ -96,7 +96,7 @@ def run_on_network(
         return print_error(str(error))
     except zenoh.ZError as error:
         return print_error(f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect")
-    connection = RobotConnection(way.robot, session, way.filed)
+    connection = RobotConnection(way.robot, session, way.filed, way.network)
     try:
         code = guard_stdout(lambda: act(connection))
     except MovedError:

@@ -10,6 +10,7 @@ from typing import Any, Final, Protocol
 
 import zenoh
 
+from giraff_core.network import NetworkConfig
 from giraff_node import robot_now_ns
 from giraff_node.network.session import close_session
 from giraff_schemas.codec import DecodeError, decode
@@ -18,6 +19,7 @@ from giraff_schemas.services import BASE
 from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
 
 _ASK_AGAIN: Final = 0.1  # s
+_ANY_NETWORK: Final = NetworkConfig()
 _MOST_WAITING: Final = 20_000  # reports, 40 s of them; a listener that stands still longer loses the oldest
 
 
@@ -38,12 +40,15 @@ Report = Callable[[Listener], None]
 class RobotConnection:
     """What Zenoh's threads hear waits in a queue, so that the listener has one thread."""
 
-    def __init__(self, robot: str, session: zenoh.Session, filed: str = "") -> None:
-        """`session`: of this connection alone, which closes it."""
+    def __init__(
+        self, robot: str, session: zenoh.Session, filed: str = "", network: NetworkConfig = _ANY_NETWORK
+    ) -> None:
+        """`session`: of this connection alone, which closes it, on `network`."""
         self.robot = robot
         self.filed = filed
         """The name in the robot file of the current folder, where nobody has named one; it counts if it is heard."""
         self.session = session
+        self.network = network
         self._heard: deque[Report] = deque(maxlen=_MOST_WAITING)
         self._declared: dict[str, Any] = {}  # by key; a subscriber that nobody references ends
         self._complaints: dict[str, tuple[int, str]] = {}

@@ -24,7 +24,7 @@ from giraff_core.parameters.table import Parameters
 from giraff_guard.authority import _HOW_TO_ASK
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import Key
-from giraff_node.network.discovery import NoRobotError
+from giraff_node.network.consent import NoRobotError
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Battery, EStop, GuardState, Lease, Sample, Verdict
 from giraff_schemas.params import ParamAnswer

@@ -128,6 +128,17 @@ def test_what_moves_starts_by_itself_only_with_the_simulation_of_this_host(
     assert told in said.complaint
 
 
+@pytest.mark.parametrize("verb", [MOVES, ("drive",), ("param", "set", "guard.margin", "0.3"), ("param", "save", "guard")])
+def test_nothing_is_moved_released_or_set_of_a_robot_that_nobody_has_named(
+    host: Host, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...]
+) -> None:
+    monkeypatch.setattr("giraff_cli.drive.operate.in_terminal", lambda: True)
+    monkeypatch.setenv("TERM", "xterm")
+    said = host.beside(OTHER).types(*verb)
+    assert said.code == 2
+    assert "nobody has named it" in said.complaint
+
+
 @pytest.mark.parametrize("named_by", ["option", "environment", "file"])
 def test_a_robot_that_is_named_is_meant(
     host: Host, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, named_by: str
