@@ -20,6 +20,8 @@ class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """Path of the board's serial port."""
     operator: Annotated[str, Tuning.READ_ONLY] = "joystick"
     """Name under which this operator's commands are published: `cmd_vel/<operator>`."""
+    asks_from_start: Annotated[bool, Tuning.READ_ONLY] = True
+    """Ask for the lease from the start; else only once the joystick is tilted, or its button pressed."""
     curve: Annotated[Curve, Tuning.READ_ONLY] = "angle"
     """`angle`: speed grows with the angle between `dead_zone_deg` and `full_tilt_deg`; yaw is capped at the
     robot's `max_angular_speed`. `source`: asks for the published curve, exactly: speed grows with the acceleration from

@@ -79,7 +79,7 @@ class JoystickPolicy:
     def __init__(self, config: JoystickConfig, robot: RobotConfig, instance: str) -> None:
         self._config = config
         self._robot = robot
-        self._operator = Operator(config.operator, instance)
+        self._operator = Operator(config.operator, instance, asks_from_start=config.asks_from_start)
         self._hand = HandDetector(config.stillness)
         self._clutch = Clutch()
         self.sensor_fault = ""

@@ -31,7 +31,9 @@ def drive(robot: ProcessRobot) -> Iterator[Screen]:
     network = {name: value for name, value in robot.environment.items() if not name.startswith("GIRAFF_")}
     network |= {name: value for name, value in robot.environment.items() if name.startswith("GIRAFF_NETWORK_")}
     with screen(
-        DRIVE, robot.directory / "drive.log", network | {"GIRAFF_CONFIG": "/dev/null", "TERM": "xterm"}
+        [*DRIVE, "--robot", robot.environment["GIRAFF_ROBOT_NAME"]],
+        robot.directory / "drive.log",
+        network | {"GIRAFF_CONFIG": "/dev/null", "TERM": "xterm"},
     ) as shown:
         shown.wait_for("nobody's: press an arrow", PATIENCE)
         yield shown

@@ -13,12 +13,12 @@ import zenoh
 
 from giraff_cli.doctor.findings import Finding, as_document, findings
 from giraff_cli.doctor.inspection import Inspection, Machine, Network, Robot
-from giraff_cli.doctor.interfaces import is_own
 from giraff_cli.doctor.machine import look_at_boards, look_at_machine, wiring_checked
 from giraff_cli.doctor.probe import call_all, scout
 from giraff_cli.doctor.robot import listen
 from giraff_cli.network.command import print_error
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.interfaces import is_own
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.text import counted, printable
 from giraff_core.network import NetworkConfig

@@ -6,6 +6,7 @@ from typing import Literal
 
 import msgspec
 
+from giraff_cli.network.interfaces import Interface
 from giraff_schemas.messages import BaseState, EStop, Health
 
 Outcome = Literal["answers", "refused", "silent", "no way", "untrusted"]
@@ -28,15 +29,6 @@ class Disk(msgspec.Struct, frozen=True, kw_only=True):
     free_bytes: int
     total_bytes: int
     problem: str = ""
-
-
-class Interface(msgspec.Struct, frozen=True, kw_only=True):
-    """One that is up, besides the loopback."""
-
-    name: str
-    address: str
-    """IPv4 with the length of its network's prefix."""
-    multicast: bool
 
 
 class Machine(msgspec.Struct, frozen=True, kw_only=True):

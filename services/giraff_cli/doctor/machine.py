@@ -15,7 +15,7 @@ from typing import Any, Final
 import msgspec
 
 from giraff_cli.doctor.inspection import Disk, Machine, Port
-from giraff_cli.doctor.interfaces import interfaces
+from giraff_cli.network.interfaces import interfaces
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read_tables

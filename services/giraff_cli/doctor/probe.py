@@ -15,8 +15,8 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_cli.doctor.inspection import Interface, Outcome, Probe
-from giraff_cli.doctor.interfaces import on_link
+from giraff_cli.doctor.inspection import Outcome, Probe
+from giraff_cli.network.interfaces import Interface, on_link
 from giraff_core.network import NetworkConfig, with_port
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
 

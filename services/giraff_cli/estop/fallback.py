@@ -5,8 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import shlex
-import shutil
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -14,6 +12,7 @@ from typing import Any, Final
 import msgspec
 import tomlkit
 
+from giraff_cli.terminal.program import called_here
 from giraff_core.network import NetworkConfig
 from giraff_node.config.misplaced import find_misplaced
 from giraff_node.config.robot_file import NO_FILE, ConfigError, RawSettings, expects_robot_file, read
@@ -56,7 +55,7 @@ def way_to_stop(robot: str | None, connect: Sequence[str], environment: Mapping[
     unset = sorted((wrong | other) - settings.keys())
     command = ["env", *(word for each in unset for word in ("-u", each)), f"GIRAFF_CONFIG={NO_FILE}"]
     command += [f"{variable}={text}" for variable, text in settings.items()]
-    command += [_giraff(), "estop", "engage", *(["--robot", name] if name else [])]
+    command += [*called_here(), "estop", "engage", *(["--robot", name] if name else [])]
     command += [word for address in connect for word in ("--connect", address)]
     told = [f"NOTHING IS STOPPED: use the battery switch, or without the file: {shlex.join(command)}"]
     told += [f"{word}: {meaning}" for word, meaning in _MEANING.items() if word in (name, *connect)]
@@ -117,8 +116,3 @@ def _text(value: Any) -> str:
         table.update(value)
         return table.as_string()
     return value if isinstance(value, str) else tomlkit.item(value).as_string()
-
-
-def _giraff() -> str:
-    """As it can be typed."""
-    return "giraff" if shutil.which("giraff") else sys.argv[0]

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import os
 import shlex
-import shutil
 import sys
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import Final
 
 import zenoh
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.output import guard_stdout
+from giraff_cli.terminal.program import called_here
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
@@ -58,13 +57,7 @@ def run_with_robot(
 
 def naming(robot: str) -> str:
     """The command that was typed, with the robot named in it."""
-    return shlex.join([*command_line(), "--robot", robot])
-
-
-def command_line() -> list[str]:
-    """The words that were typed, so that they can be typed again."""
-    name = Path(sys.argv[0]).name
-    return [name if shutil.which(name) else sys.argv[0], *sys.argv[1:]]
+    return shlex.join([*called_here(), *sys.argv[1:], "--robot", robot])
 
 
 def run_on_network(

@@ -25,6 +25,10 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     tilt_script: Annotated[
         Path | None, typer.Option(metavar="FILE", help="CSV rows t, x, y, z (s, m/s²) instead of the scripted hand.")
     ] = None,
+    hand: Annotated[
+        Literal["demo", "keyboard", "none"],
+        typer.Option(help="Who drives: a scripted hand, you in this terminal, or nobody as yet."),
+    ] = "demo",
     boards: Annotated[
         Literal["avr", "host"] | None,
         typer.Option(help="The real firmware on simavr, or the same C compiled for this machine.", show_default=False),
@@ -44,6 +48,7 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
             seed=seed,
             truth=truth,
             tilt_script=tilt_script,
+            hand=hand,
             boards=boards,
             summary=summary,
             picture=picture,

@@ -5,14 +5,19 @@ from __future__ import annotations
 import math
 import os
 import socket
+import sys
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
+import tomlkit
+
+from giraff_cli.run.demonstration import OPERATOR, with_demonstration
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.topics import require_chunk
@@ -25,6 +30,7 @@ from giraff_sim.world.room import RoomError, read_room
 from giraff_sim.world.world import World
 
 Boards = Literal["avr", "host"]
+Driver = Literal["demo", "keyboard", "none"]
 
 _NEEDED: Final[dict[Boards, tuple[str, ...]]] = {
     "avr": ("lockstep/lockstep.so", "firmware/base.elf", "firmware/joystick.elf", "firmware/ranger.elf"),
@@ -48,7 +54,10 @@ class Plan:
     """Of every process, but for what is known only at the start."""
     seconds: float | None
     world: Path
+    driver: Driver
+    """`demo`: also a tilt script."""
     hand: str
+    """The simulator's word for who holds the joystick."""
     seed: int
     truth: Level
     """How far the robot differs from its file."""
@@ -65,6 +74,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     world: Path | None,
     seed: int,
     tilt_script: Path | None,
+    hand: Driver,
     boards: Boards | None,
     summary: Path | None,
     picture: Path | None,
@@ -74,18 +84,25 @@ def make_plan(  # noqa: PLR0913  one argument an option
     """The plan, or PlanError."""
     if seconds is not None and not (math.isfinite(seconds) and seconds > 0.0):
         raise PlanError(f"--for {seconds:g}: give a positive number of seconds, or leave it out to go on until Ctrl-C")
+    if tilt_script is not None and hand != "demo":
+        raise PlanError(f"--hand {hand} --tilt-script {tilt_script}: there is one joystick; leave one of the two out")
+    if hand == "keyboard" and not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise PlanError(
+            "--hand keyboard: there is no terminal to read keys from; start it in one, without a pipe, or with "
+            "--hand none, and `giraff drive` in another"
+        )
     try:
-        environment = _environment(os.environ, local=local)
+        environment = _environment(os.environ, hand, local=local)
         robot = load("robot", RobotConfig, environment)
         network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
     except ConfigError as error:
         raise PlanError(str(error)) from error
     world = (world or ROOT / "deploy" / "worlds" / "living_room.toml").absolute()
-    hand = "demo" if tilt_script is None else str(tilt_script.absolute())
+    held_by = "still" if hand != "demo" else "demo" if tilt_script is None else str(tilt_script.absolute())
     try:
         room = read_room(world)
-        World(room, robot, sim, make_hand(hand, room, seed, 0.0), seed, truth=draw_truth(truth, sim.truth, seed))
+        World(room, robot, sim, make_hand(held_by, room, seed, 0.0), seed, truth=draw_truth(truth, sim.truth, seed))
     except RoomError as error:
         raise PlanError(f"--world: {error}") from error
     except ScriptError as error:
@@ -102,7 +119,8 @@ def make_plan(  # noqa: PLR0913  one argument an option
         environment=environment,
         seconds=seconds,
         world=world,
-        hand=hand,
+        driver=hand,
+        hand=held_by,
         seed=seed,
         truth=truth,
         boards=chosen,
@@ -126,7 +144,7 @@ def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
     raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make setup builds it")
 
 
-def _environment(given: Mapping[str, str], *, local: bool) -> dict[str, str]:
+def _environment(given: Mapping[str, str], hand: Driver, *, local: bool) -> dict[str, str]:
     environment = {**KNOWN, **given}
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")
@@ -139,6 +157,13 @@ def _environment(given: Mapping[str, str], *, local: bool) -> dict[str, str]:
         raise ConfigError(f"GIRAFF_ROBOT_NAME: {error}") from error
     if local:
         environment["GIRAFF_NETWORK_LOCAL"] = "true"
+    priorities = with_demonstration(load("guard", GuardConfig, environment).priorities)
+    table = tomlkit.inline_table()
+    table.update(priorities)
+    environment["GIRAFF_GUARD_PRIORITIES"] = table.as_string()
+    environment["GIRAFF_JOYSTICK_OPERATOR"] = OPERATOR
+    # A hand that only lies there does not take the robot from nobody: `c` in `giraff drive` would be refused.
+    environment["GIRAFF_JOYSTICK_ASKS_FROM_START"] = "true" if hand == "demo" else "false"
     return environment
 
 

@@ -8,28 +8,40 @@ from __future__ import annotations
 
 import math
 import os
+import socket
 import sys
 import time
-from typing import Final
+from pathlib import Path
+from typing import Any, Final
 
 import msgspec
 import zenoh
 
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.interfaces import interfaces
 from giraff_cli.network.ports import claim, free_port
+from giraff_cli.run.demonstration import DRIVES, FLAT, OPERATOR, Demonstration
 from giraff_cli.run.directory import RunDirectory
+from giraff_cli.run.driver import Driver
+from giraff_cli.run.invitation import Invitation, invite
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.screen import Frame, RunView
 from giraff_cli.run.simulated_robot import SIMULATOR, START_ORDER, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.terminal.layout import Standing
+from giraff_cli.terminal.program import called_anywhere
 from giraff_cli.terminal.screen import NullScreen, Screen, as_svg, open_screen, say
 from giraff_cli.terminal.signals import StopSignal
+from giraff_core.network import NetworkConfig
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.discovery import list_robots, simulated_name
+from giraff_node.network.query_client import request_estop
 from giraff_node.network.session import open_session
 from giraff_node.process.state import write_file_durably
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import LEASE, Topic
 from giraff_sim.control.client import SimulatorError
 
 _LOOK_EVERY: Final = 0.2  # s
@@ -64,7 +76,7 @@ def drive(plan: Plan) -> int:
             if token is not None:
                 code = _refuse(f"a robot called {robot} is on the network already ({token}){_WAY_OUT}")
             else:
-                code = _with_directory(plan, network.rendezvous, connection, stopping)
+                code = _with_directory(plan, network, connection, stopping)
         finally:
             is_closed = connection.close()
         if held is not None:
@@ -80,13 +92,18 @@ def _refuse(why: str) -> int:
     return _REFUSED
 
 
-def _with_directory(plan: Plan, rendezvous: str, connection: RobotConnection, stopping: StopSignal) -> int:
+def _with_directory(plan: Plan, network: NetworkConfig, connection: RobotConnection, stopping: StopSignal) -> int:
+    invitation = _invitation(plan, network, connection)
     say(f"starting {plan.robot.name} with {plan.boards} boards" + (f": {plan.why_boards}" if plan.why_boards else ""))
-    say(f"meanwhile, in another terminal: giraff why --robot {plan.robot.name} --connect tcp/{rendezvous}")
+    say("meanwhile, in another terminal: drive it, stop it, ask why it does not move, watch it")
+    for command in invitation.lines():
+        say(f"    {command}")
     directory = RunDirectory()
     code = _FAILED
     try:
-        code = Run(plan, SimulatedRobot(plan, rendezvous, directory.path), connection, stopping).run()
+        code = Run(
+            plan, SimulatedRobot(plan, network.rendezvous, directory.path), connection, stopping, invitation
+        ).run()
     finally:
         if code == _DONE:
             directory.remove()
@@ -96,14 +113,52 @@ def _with_directory(plan: Plan, rendezvous: str, connection: RobotConnection, st
     return code
 
 
+def _invitation(plan: Plan, network: NetworkConfig, connection: RobotConnection) -> Invitation:
+    return invite(
+        called_anywhere(),
+        plan.robot.name,
+        network,
+        Path(plan.environment["GIRAFF_CONFIG"]),
+        interfaces=interfaces(),
+        is_only_here=plan.robot.name == simulated_name(socket.gethostname()) and not list_robots(connection.session),
+    )
+
+
+class _Audience:
+    """Tells the demonstration, too."""
+
+    def __init__(self, telemetry: RunTelemetry, demonstration: Demonstration | None) -> None:
+        self._telemetry = telemetry
+        self._demonstration = demonstration
+
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        self._telemetry.on_sample(topic, key, sample, at_ns)
+        if self._demonstration is not None:
+            self._demonstration.on_sample(sample, at_ns * 1e-9)
+
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
+        self._telemetry.on_liveliness(service, instance, present=present)
+
+
 class Run:
     """From the first process to the summary."""
 
-    def __init__(self, plan: Plan, robot: SimulatedRobot, connection: RobotConnection, stopping: StopSignal) -> None:
+    def __init__(
+        self,
+        plan: Plan,
+        robot: SimulatedRobot,
+        connection: RobotConnection,
+        stopping: StopSignal,
+        invitation: Invitation,
+    ) -> None:
         self._plan = plan
         self._robot = robot
         self._connection = connection
         self._stopping = stopping
+        self._hint = f"drive it: {invitation.command('drive')}"
+        self._demonstration = Demonstration() if plan.driver == "demo" else None
+        self._grip = FLAT if self._demonstration is None else DRIVES
+        self._driver: Driver | None = None
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
         self._began_ns: int | None = None
@@ -120,6 +175,7 @@ class Run:
             self._note_ended()
             self._failures.append(str(error))
         finally:
+            self._end_driver()
             self._failures += self._robot.stop()
         self._failures += self._connection.decode_errors
         for failure in self._failures:
@@ -130,12 +186,16 @@ class Run:
 
     def _watch(self, telemetry: RunTelemetry) -> None:
         self._connection.subscribe_all()
-        self._screen = open_screen()
+        if self._plan.driver != "keyboard":  # whoever drives has the terminal
+            self._screen = open_screen()
         try:
             self._await_services(telemetry)
             self._began_ns = robot_now_ns()
             telemetry.begin()
+            if self._plan.driver == "keyboard" and not (self._stopping.asked or self._failures):
+                self._driver = self._robot.start_driver()
             self._drive(telemetry)
+            self._end_driver()
             if self._plan.picture is not None:
                 write_file_durably(self._plan.picture, as_svg(self._view(telemetry).render()).encode())
             self._come_to_rest(telemetry)
@@ -155,18 +215,29 @@ class Run:
         until = math.inf if self._plan.seconds is None else time.monotonic() + self._plan.seconds
         while self._look(telemetry):
             left = until - time.monotonic()
+            if self._driver is not None and not self._driver.is_there:
+                return
             if left <= 0.0 or self._stopping.wait(min(_LOOK_EVERY, left)):
                 return
 
     def _come_to_rest(self, telemetry: RunTelemetry) -> None:
-        """Lay the joystick flat and let odometry catch up: a moving robot is never where it was last heard of."""
+        """Have nobody drive and let odometry catch up: a moving robot is never where it was last heard of."""
         if SIMULATOR in self._robot.ended:
             return
-        self._robot.lay_joystick_flat()
+        if self._demonstration is not None:
+            self._demonstration.end()
+        self._hold_joystick()
+        stop = None
+        if _driver(telemetry) not in ("", OPERATOR):
+            stop = request_estop(
+                self._connection.session, self._plan.robot.name, by="giraff run", reason="the run ends"
+            )
         deadline = time.monotonic() + _REST_WITHIN
         asked = self._stopping.asked
         looks = 0
-        while looks < _LOOKS_AT_REST and time.monotonic() < deadline:
+        while looks < _LOOKS_AT_REST and (now := time.monotonic()) < deadline:
+            if stop is not None:
+                stop.poll(now)
             if self._stopping.wait(_LOOK_EVERY, patience=asked + 1) or not self._look(telemetry):
                 return
             looks = looks + 1 if telemetry.truth.is_at_rest else 0
@@ -176,7 +247,8 @@ class Run:
         self._note_ended()
         if SIMULATOR in self._robot.ended:
             return False
-        self._connection.dispatch(telemetry)
+        self._connection.dispatch(_Audience(telemetry, self._demonstration))
+        self._hold_joystick()
         telemetry.see(self._robot.truth())
         try:
             self._screen.show(self._view(telemetry))
@@ -184,6 +256,18 @@ class Run:
             self._screen = NullScreen()
             self._stopping.ask()
         return True
+
+    def _hold_joystick(self) -> None:
+        """As the demonstration has it now."""
+        grip = FLAT if self._demonstration is None else self._demonstration.grip(robot_now_ns() * 1e-9)
+        if grip != self._grip:
+            self._robot.hold_joystick(grip)
+            self._grip = grip
+
+    def _end_driver(self) -> None:
+        if self._driver is not None:
+            self._failures += filter(None, [self._driver.end()])
+            self._driver = None
 
     def _note_ended(self) -> None:
         self._failures += [str(ended) for ended in self._robot.reap()]
@@ -196,6 +280,8 @@ class Run:
             seed=self._plan.seed,
             elapsed=0.0 if self._began_ns is None else (now_ns - self._began_ns) * 1e-9,
             seconds=self._plan.seconds,
+            hint=self._hint,
+            note="" if self._demonstration is None else self._demonstration.note,
             services={service: self._standing(service, telemetry) for service in START_ORDER},
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )
@@ -222,3 +308,9 @@ class Run:
         say(to_text(summary))
         if self._plan.summary is not None:
             write_file_durably(self._plan.summary, to_json(summary).encode())
+
+
+def _driver(telemetry: RunTelemetry) -> str:
+    """Name of the operator that holds the lease; empty: none."""
+    lease = telemetry.newest(LEASE, robot_now_ns())
+    return "" if lease is None else lease.sample.operator

@@ -15,6 +15,7 @@ from giraff_cli.run.telemetry import RunSnapshot
 from giraff_cli.telemetry import panels as blocks
 from giraff_cli.telemetry.panels import dim
 from giraff_cli.terminal.layout import NONE, Standing, beside, block, clock, header, notice, right, services
+from giraff_cli.terminal.text import printable
 from giraff_core.kinematics.pose import Pose
 
 _TOPIC_COLUMNS: Final = 3
@@ -31,6 +32,10 @@ class Frame:
     """s since the run began."""
     seconds: float | None
     """How long it is to go on; None: until Ctrl-C."""
+    hint: str
+    """What a person can do, in one line."""
+    note: str
+    """What the demonstration does instead of driving; empty: it drives."""
     services: dict[str, Standing]
     notices: tuple[str, ...]
     """What went wrong so far, one line each."""
@@ -52,7 +57,8 @@ class RunView:
         return view(self.snapshot, self.frame)
 
     def line(self) -> str:
-        return line(self.snapshot, self.elapsed)
+        told = line(self.snapshot, self.elapsed)
+        return f"{told} | {self.frame.note}" if self.frame.note else told
 
 
 def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
@@ -60,10 +66,10 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
     truth = snapshot.truth
     return Group(
         _header(frame),
+        Text(printable(frame.note or frame.hint), style="green", no_wrap=True, overflow="ellipsis"),
         beside(_poses(snapshot), blocks.motion(truth.path, truth.speed, truth.turn), _hand(snapshot)),
         Text(),
         beside(blocks.ranges(snapshot), blocks.base(snapshot, ("command", _age(snapshot)))),
-        Text(),
         blocks.guard(snapshot),
         blocks.command(snapshot),
         blocks.topics(snapshot, _TOPIC_COLUMNS),

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from pathlib import Path
 from typing import Final
 
 import msgspec
 
+from giraff_cli.run.demonstration import Grip
+from giraff_cli.run.driver import Driver
 from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.processes import Ended, ProcessGroup
@@ -110,9 +113,17 @@ class SimulatedRobot:
             contacts=state.contacts,
         )
 
-    def lay_joystick_flat(self) -> None:
-        """What the operator does to end a drive. Raises SimulatorError."""
-        self._connected().hand("still")
+    def hold_joystick(self, grip: Grip) -> None:
+        """Raises SimulatorError."""
+        client = self._connected()
+        client.hand(self._plan.hand if grip.drives else "still")
+        client.button(pressed=grip.presses)
+
+    def start_driver(self) -> Driver:
+        """`giraff drive` for this robot, in the terminal of this process."""
+        environment = self._plan.environment | {"GIRAFF_NETWORK_RENDEZVOUS": self._rendezvous}
+        robot = ["--robot", self._plan.robot.name, "--connect", self._rendezvous]
+        return Driver([sys.executable, "-P", "-m", "giraff_cli", "drive", *robot], environment)
 
     def reap(self) -> list[Ended]:
         """The processes that have ended by themselves since the last call."""

@@ -128,7 +128,9 @@ def test_what_moves_starts_by_itself_only_with_the_simulation_of_this_host(
     assert told in said.complaint
 
 
-@pytest.mark.parametrize("verb", [MOVES, ("drive",), ("param", "set", "guard.margin", "0.3"), ("param", "save", "guard")])
+@pytest.mark.parametrize(
+    "verb", [MOVES, ("drive",), ("param", "set", "guard.margin", "0.3"), ("param", "save", "guard")]
+)
 def test_nothing_is_moved_released_or_set_of_a_robot_that_nobody_has_named(
     host: Host, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...]
 ) -> None:

@@ -12,7 +12,6 @@ from giraff_cli.doctor.inspection import (
     Disk,
     HealthReply,
     Inspection,
-    Interface,
     Machine,
     Network,
     Port,
@@ -20,7 +19,7 @@ from giraff_cli.doctor.inspection import (
     Rate,
     Robot,
 )
-from giraff_cli.doctor.interfaces import is_own, on_link
+from giraff_cli.network.interfaces import Interface, is_own, on_link
 from giraff_schemas.messages import Health
 from tests.unit.cli.samples import base, estop
 

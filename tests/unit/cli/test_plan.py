@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import io
 import math
 import os
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from giraff_cli.run.plan import Plan, PlanError, choose_boards, make_plan
+from giraff_guard.config import GuardConfig
+from giraff_joystick.config import JoystickConfig
+from giraff_node.config.robot_file import load
 from giraff_node.network.discovery import simulated_name
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
@@ -32,7 +37,7 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 def plan(**options: Any) -> Plan:
     defaults: dict[str, Any] = dict.fromkeys(("seconds", "world", "tilt_script", "boards", "summary", "picture"))
-    return make_plan(**defaults | {"seed": 1, "truth": "calibrated", "local": False} | options)
+    return make_plan(**defaults | {"seed": 1, "truth": "calibrated", "hand": "demo", "local": False} | options)
 
 
 def test_the_defaults_make_a_run() -> None:
@@ -43,6 +48,36 @@ def test_the_defaults_make_a_run() -> None:
     assert made.world.is_file()
     assert (made.hand, made.seconds) == ("demo", None)
     assert (made.boards, made.why_boards) == choose_boards(None, BUILD)
+
+
+@pytest.mark.parametrize(("priorities", "lowest"), [("", -2), ("{ keyboard = 1 }", -2), ("{ keyboard = -7 }", -8)])
+def test_the_demonstration_is_an_operator_below_everybody(
+    monkeypatch: pytest.MonkeyPatch, priorities: str, lowest: int
+) -> None:
+    if priorities:
+        monkeypatch.setenv("GIRAFF_GUARD_PRIORITIES", priorities)
+    made = plan()
+    assert made.environment["GIRAFF_JOYSTICK_OPERATOR"] == "demo"
+    assert load("guard", GuardConfig, made.environment).priorities["demo"] == lowest
+
+
+@pytest.mark.parametrize(("hand", "asks"), [("demo", True), ("none", False)])
+def test_a_hand_that_merely_lies_there_takes_the_robot_from_nobody(hand: str, asks: bool) -> None:
+    made = plan(hand=hand)
+    assert made.hand == ("demo" if asks else "still")
+    environment = made.environment | {"GIRAFF_JOYSTICK_PORT": "/dev/joystick"}
+    assert load("joystick", JoystickConfig, environment).asks_from_start == asks
+
+
+def test_there_is_one_joystick(tmp_path: Path) -> None:
+    with pytest.raises(PlanError, match=r"--hand none --tilt-script .*: there is one joystick"):
+        plan(hand="none", tilt_script=tmp_path / "script.csv")
+
+
+def test_a_keyboard_takes_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
+    with pytest.raises(PlanError, match=r"no terminal to read keys from; start it in one, .* or with --hand none"):
+        plan(hand="keyboard")
 
 
 def test_the_robot_may_be_named_and_kept_off_the_network(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -24,6 +24,7 @@ BAD_SCRIPT = "bad.csv"
         (["--tilt-script", BAD_SCRIPT], f"{BAD_SCRIPT}:2: x is 'up', not a number"),
         (["--summary", "missing/summary.json"], "cannot be written"),
         (["--boards", "wooden"], "'wooden'"),
+        (["--hand", "mine"], "'mine'"),
         (["--fast"], "giraff run: no such option: --fast"),
     ],
 )

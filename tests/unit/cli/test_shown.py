@@ -41,6 +41,8 @@ FRAME = Frame(
     seed=3,
     elapsed=12.3,
     seconds=600.0,
+    hint="drive it: .venv/bin/giraff drive",
+    note="",
     services={"joystick": "alive", "guard": "alive", "base": "alive", "ranger": "silent", "odometry": "ended"},
     notices=(),
 )

@@ -10,7 +10,7 @@ import struct
 from collections.abc import Iterator
 from typing import Final
 
-from giraff_cli.doctor.inspection import Interface
+import msgspec
 
 _FLAGS: Final = 0x8913  # linux/sockios.h, SIOCGIFFLAGS
 _ADDRESS: Final = 0x8915  # SIOCGIFADDR
@@ -19,6 +19,15 @@ _UP_AND_RUNNING: Final = 0x1 | 0x40  # linux/if.h
 _LOOPBACK: Final = 0x8
 _MULTICAST: Final = 0x1000
 _REQUEST: Final = struct.Struct("16s24x")  # struct ifreq
+
+
+class Interface(msgspec.Struct, frozen=True, kw_only=True):
+    """One that is up, besides the loopback."""
+
+    name: str
+    address: str
+    """IPv4 with the length of its network's prefix."""
+    multicast: bool
 
 
 def interfaces() -> tuple[Interface, ...]:

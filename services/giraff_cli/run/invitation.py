@@ -1,0 +1,63 @@
+"""What a person types in another terminal while a run goes on. Every line can be pasted, in any folder."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from giraff_cli.network.interfaces import Interface
+from giraff_core.network import NetworkConfig
+
+_VERBS = (("drive",), ("estop", "engage"), ("why",), ("watch",))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Invitation:
+    """Command lines that find the robot of the run."""
+
+    giraff: Sequence[str]
+    """The words that call it."""
+    robot: str
+    """Empty: it is found without its name, being the simulation of this host, and alone."""
+    connect: str
+    """Address at which the run is called; empty: it is found without."""
+    robot_file: Path | None
+    """The file that leads to its network; None: no file is needed."""
+
+    def command(self, *verb: str) -> str:
+        """A command line."""
+        file = [f"GIRAFF_CONFIG={self.robot_file}"] if self.robot_file else []
+        robot = ["--robot", self.robot] if self.robot else []
+        connect = ["--connect", self.connect] if self.connect else []
+        return shlex.join([*file, *self.giraff, *verb, *robot, *connect])
+
+    def lines(self) -> list[str]:
+        """Drive it, stop it, ask it why it does not move, watch it."""
+        return [self.command(*verb) for verb in _VERBS]
+
+
+def invite(
+    giraff: Sequence[str],
+    robot: str,
+    network: NetworkConfig,
+    robot_file: Path,
+    *,
+    interfaces: Sequence[Interface],
+    is_only_here: bool,
+) -> Invitation:
+    """`network`: of the run, with its rendezvous; `robot_file`: its own; `interfaces`: of this host.
+
+    `is_only_here`: it has the name of this host's simulation, and no other robot is heard.
+    """
+    is_plain = network.mode == "lan" and not network.session_file
+    is_announced = is_plain and not network.local and any(each.multicast for each in interfaces)
+    # A session file leads to the network alone, and a run has a rendezvous of its own, which no other file names.
+    connect = "" if is_announced or network.session_file else network.rendezvous
+    return Invitation(
+        giraff=giraff,
+        robot="" if is_only_here and is_announced else robot,
+        connect=connect,
+        robot_file=None if is_plain else robot_file,
+    )

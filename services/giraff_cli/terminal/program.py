@@ -1,0 +1,29 @@
+"""How this very program is called by a person."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from pathlib import Path
+from typing import Final
+
+_NAME: Final = "giraff"
+
+
+def called_here() -> list[str]:
+    """The words that call it in this terminal, as they were typed."""
+    name = Path(sys.argv[0]).name
+    return [name if shutil.which(name) else sys.argv[0]]
+
+
+def called_anywhere() -> list[str]:
+    """The words that call it in another terminal, which stands in any folder and knows nothing of this one's."""
+    program = Path(sys.executable).with_name(_NAME)
+    if not program.is_file():
+        return [sys.executable, "-m", "giraff_cli"]
+    on_path = shutil.which(_NAME)
+    # An activated environment is on the path of its own terminal alone.
+    if on_path is not None and not os.environ.get("VIRTUAL_ENV") and program.samefile(on_path):
+        return [_NAME]
+    return [str(program)]

@@ -1,0 +1,194 @@
+"""The demonstration and those it gives way to, around the robot in simulated time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any, Final, TypeVar
+
+import msgspec
+
+from giraff_cli.run.demonstration import OPERATOR, Demonstration, Grip, with_demonstration
+from giraff_core.inbox import Inbox
+from giraff_core.io import Service
+from giraff_core.retry import RetriedRequest
+from giraff_core.timer import Timer
+from giraff_guard.config import GuardConfig
+from giraff_joystick.config import JoystickConfig
+from giraff_keyboard.config import KeyboardConfig
+from giraff_keyboard.service import Keyboard
+from giraff_keyboard.status import StatusView
+from giraff_schemas.messages import EStopEngage, EStopReset
+from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, LEASE, OPERATOR_CMD_VEL, Query
+from giraff_sim.closed_loop import ClosedLoop
+from giraff_sim.hosts.process import Process
+from giraff_sim.settings import Settings
+from giraff_sim.world.demo_hand import DemoHand
+from giraff_sim.world.hand import StillHand
+from tests.loop.loops import closed_loop
+from tests.sim.robots import proving_room
+from tests.support.robots import ROBOT
+
+ServiceT = TypeVar("ServiceT", bound=Service)
+
+LOOK: Final = 0.2
+"""s between two looks of `giraff run`."""
+REPEAT: Final = 1.0 / 30.0
+"""s, of a key that is held."""
+SETTINGS: Final = Settings(
+    robot=ROBOT,
+    joystick=JoystickConfig(port="joystick", operator=OPERATOR),
+    guard=GuardConfig(deceleration=1.5, priorities=with_demonstration({})),
+)
+_STEP_US: Final = 4000
+_WAYPOINTS: Final = [(2.5, 0.0), (0.0, 2.5), (-2.5, 0.0), (0.0, -2.5)]
+
+
+class RunInPart:
+    """What `giraff run` does of the demonstration: it looks now and then, and holds the joystick."""
+
+    link = None
+
+    def __init__(self, process: Process, every: float) -> None:
+        self.demonstration = Demonstration()
+        self.grips: list[tuple[float, Grip]] = []
+        """Each other grip, with the moment (simulated s) since which it is held."""
+        self._process = process
+        self._heard: list[Inbox[Any]] = [process.inbox(topic) for topic in (OPERATOR_CMD_VEL, LEASE, ESTOP)]
+        self.timers = (Timer(1.0 / every),)
+
+    def turn(self, now: float) -> None:
+        if not self.timers[0].due(now):
+            return
+        for inbox in self._heard:
+            for sample in inbox.take():
+                self.demonstration.on_sample(sample, now)
+        grip = self.demonstration.grip(now)
+        if not self.grips or grip != self.grips[-1][1]:
+            seconds = self._process.loop.agenda.now_us * 1e-6
+            world = self._process.loop.simulation.world
+            world.hand = DemoHand(_WAYPOINTS, 1, seconds) if grip.drives else StillHand()
+            world.button = grip.presses
+            self.grips.append((seconds, grip))
+
+    def end(self) -> None:
+        """Nothing is left to say."""
+
+
+class _Desk:
+    """Where somebody types. Nobody reads what it shows."""
+
+    is_gone = False
+    typed = b""
+
+    def descriptor(self) -> int | None:
+        return None
+
+    def read(self) -> bytes:
+        typed, self.typed = self.typed, b""
+        return typed
+
+    def show(self, lines: list[str]) -> None:
+        del lines
+
+
+class _Stopper:
+    """`giraff estop`."""
+
+    link = None
+
+    def __init__(self, process: Process) -> None:
+        self._process = process
+        self._asking: list[RetriedRequest[Any]] = []
+        self.timers = (Timer(20.0),)
+
+    def ask(self, query: Query[Any, Any], request: msgspec.Struct) -> None:
+        self._asking.append(self._process.ask(query, request, lambda _: True))
+
+    def turn(self, now: float) -> None:
+        self.timers[0].due(now)
+        self._asking = [asking for asking in self._asking if asking.poll(now) is None]
+
+    def end(self) -> None:
+        """Nothing is left to say."""
+
+
+class Scene:
+    """A demonstration that drives, a keyboard that merely runs, and an emergency stop at hand."""
+
+    def __init__(self, loop: ClosedLoop, every: float) -> None:
+        self.loop = loop
+        self._desk = _Desk()
+        self.run_in_part = self._launch("run", lambda process: RunInPart(process, every))
+        self._launch("keyboard", lambda process: Keyboard(process, KeyboardConfig(), ROBOT, self._desk, StatusView()))
+        self._stopper = self._launch("stopper", _Stopper)
+
+    def _launch(self, name: str, make: Callable[[Process], ServiceT]) -> ServiceT:
+        made: list[ServiceT] = []
+
+        def start(process: Process) -> ServiceT:
+            made.append(make(process))
+            return made[0]
+
+        self.loop.launch(name, start, self.loop.hosts["operator"])
+        return made[0]
+
+    @property
+    def now(self) -> float:
+        """Simulated s."""
+        return self.loop.simulation.now_us * 1e-6
+
+    @property
+    def driver(self) -> str:
+        """Who holds the lease."""
+        return str(self.loop.newest["lease"].operator)
+
+    @property
+    def armed(self) -> bool:
+        return bool(self.loop.newest["base"].armed)
+
+    @property
+    def grip(self) -> Grip:
+        return self.run_in_part.grips[-1][1]
+
+    def run(self, seconds: float) -> None:
+        self.loop.run(seconds)
+
+    def hold(self, key: bytes, seconds: float) -> None:
+        """Hold a key of the keyboard down."""
+        until = self.now + seconds
+        while self.now < until:
+            self._desk.typed += key
+            self.loop.processes["keyboard"].wake()
+            self.loop.run(REPEAT)
+
+    def engage(self) -> None:
+        self._stopper.ask(ESTOP_ENGAGE, EStopEngage(by="test", reason="a cat"))
+
+    def reset(self) -> None:
+        newest = self.loop.newest
+        self._stopper.ask(ESTOP_RESET, EStopReset(by="test", id=newest["estop"].id, tick=newest["tick"].time))
+
+    def driven_ms(self, since: float, until: float | None = None) -> int:
+        """For how long a motor had any duty between two moments, s."""
+        record = self.loop.simulation.record
+        return record.verdict(round(since * 1e6), round((self.now if until is None else until) * 1e6)).driven_ms
+
+    def until_it_drives(self, within: float) -> float:
+        """The moment, s, at which a motor gets its first duty."""
+        since = self.now
+        while not self.driven_ms(since):
+            assert self.now - since < within, f"it does not drive: {self.loop.newest['base'].reason}"
+            self.run(0.1)
+        return self.now
+
+
+@contextmanager
+def scene(every: float = LOOK) -> Iterator[Scene]:
+    """`every`: s between two looks of the run."""
+    with closed_loop(proving_room(), SETTINGS, step_us=_STEP_US) as loop:
+        made = Scene(loop, every)
+        made.until_it_drives(6.0)
+        made.run(1.0)
+        assert (made.driver, made.grip.drives) == (OPERATOR, True)
+        yield made

@@ -1,0 +1,96 @@
+"""The demonstration of `giraff run` and who else drives, with the services themselves, in simulated time."""
+
+from __future__ import annotations
+
+import pytest
+
+from giraff_cli.run.demonstration import ASKS, DRIVES, FLAT, OPERATOR, QUIET, WARNING
+from tests.loop.operators import LOOK, scene
+
+STOPS = 0.12
+"""s from a word of the guard to PWM zero."""
+
+
+def test_a_key_takes_the_robot_and_the_demonstration_drives_on_30_s_after_the_last() -> None:
+    with scene() as it:
+        it.hold(b"w", 0.5)
+        taken = it.now - 0.5 + STOPS
+        assert (it.driver, it.armed, it.grip) == ("keyboard", False, FLAT)
+        it.hold(b"w", 1.0)
+        it.run(0.2)
+        assert it.driven_ms(taken) == 0, "a key that is held since the takeover must not drive"
+        it.run(1.0)
+        assert it.armed, "no key is pressed"
+        assert it.driven_ms(taken) == 0, "a robot that arms must not move"
+        it.hold(b"w", 1.0)
+        assert it.driven_ms(taken) > 300
+        last = it.now
+        it.run(0.6)
+        rested = it.now
+        it.run(QUIET - WARNING - 1.0)
+        assert it.run_in_part.demonstration.note.startswith("keyboard drives")
+        it.run(1.5)
+        assert "drives on in 3 s" in it.run_in_part.demonstration.note
+        drives = it.until_it_drives(8.0)
+        assert it.driver == OPERATOR
+        assert it.driven_ms(rested, last + QUIET) == 0
+        assert drives - last < QUIET + 4.0
+        assert [grip for _, grip in it.run_in_part.grips] == [DRIVES, FLAT, ASKS, FLAT, DRIVES]
+
+
+@pytest.mark.parametrize("late", [0.0, 0.05, 0.1, 0.15])
+def test_a_keyboard_that_ends_at_once_does_not_give_the_robot_back(late: float) -> None:
+    """Its lease ends after a second of silence: the hand is flat by then, whenever the run looks."""
+    with scene() as it:
+        it.run(late)
+        it.hold(b"w", 0.1)
+        assert it.driver == "keyboard"
+        taken = it.now
+        it.loop.kill("keyboard")
+        it.run(6.0)
+        assert it.driver == ""
+        assert it.driven_ms(taken + STOPS) == 0
+
+
+def test_a_run_that_looked_too_seldom_would_ask_again() -> None:
+    with scene(every=3.0) as it:
+        it.run(0.5)
+        it.hold(b"w", 0.1)
+        assert it.driver == "keyboard"
+        it.loop.kill("keyboard")
+        it.run(1.5)
+        assert it.driver == OPERATOR
+
+
+def test_asking_without_driving_stops_the_demonstration_too() -> None:
+    with scene() as it:
+        it.hold(b"c", 0.04)
+        it.run(LOOK)
+        assert it.grip == FLAT
+        it.run(0.3)
+        assert it.driven_ms(it.now - 0.1) == 0
+
+
+def test_an_emergency_stop_and_its_reset_move_nothing_for_30_s() -> None:
+    with scene() as it:
+        it.engage()
+        it.run(0.5)
+        stopped = it.now
+        assert it.grip == FLAT
+        it.run(QUIET + 5.0)
+        it.reset()
+        reset = it.now
+        it.run(QUIET)
+        assert not it.loop.newest["estop"].engaged
+        assert it.driven_ms(stopped) == 0
+        drives = it.until_it_drives(8.0)
+        assert drives - reset < QUIET + 4.0
+        assert it.driver == OPERATOR
+
+
+def test_a_keyboard_that_merely_runs_stops_nothing() -> None:
+    with scene() as it:
+        since = it.now
+        it.run(5.0)
+        assert it.grip == DRIVES
+        assert it.driven_ms(since) > 1000
