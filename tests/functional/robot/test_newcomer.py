@@ -1,0 +1,166 @@
+"""Somebody who has just typed `giraff run`, and pastes what it prints and what README says, in another folder."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import signal
+import subprocess
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from giraff_sim.board import ROOT
+from tests.support.elsewhere import GIRAFF
+from tests.support.process_robot import PATIENCE
+from tests.support.sites import Sites
+from tests.support.terminals import Screen, screen
+from tests.support.typist import REPEAT
+from tests.support.waiting import wait
+
+HOME = "home"
+GOES_ON = ("watch", "record")
+"""Until Ctrl-C."""
+_PATH = re.compile(r"path +(\d+\.\d+) m")
+_README = re.compile(r"## Stop it, and ask it why\n.*?```sh\n(.*?)```", re.DOTALL)
+
+
+class Newcomer:
+    """A run in one terminal, on a network where nobody else is, and a folder without any file for the other one."""
+
+    def __init__(self, home: Sites, folder: Path) -> None:
+        self._home = home
+        self.folder = folder
+        self.environment = {name: value for name, value in os.environ.items() if not name.startswith("GIRAFF_")}
+        self.environment |= {"TERM": "xterm", "PATH": f"{GIRAFF.parent}:{self.environment['PATH']}"}
+        self.environment.pop("VIRTUAL_ENV", None)
+        self._said = folder.with_name("said")
+
+    @contextmanager
+    def runs(self) -> Iterator[None]:
+        """Type `giraff run`; Ctrl-C at the end."""
+        # A terminal that has not activated anything: what is printed there has to work in another one as it is.
+        bare = self.environment | {"PATH": "/usr/bin:/bin"}
+        with self._said.open("wb") as output:
+            run = subprocess.Popen(self._at_home(str(GIRAFF), "run"), cwd=ROOT, env=bare, stdout=output, stderr=output)
+        try:
+            yield
+            run.send_signal(signal.SIGINT)
+            assert run.wait(PATIENCE) == 0, self.said
+        finally:
+            run.kill()
+            run.wait()
+
+    @property
+    def said(self) -> str:
+        """All that the run has printed."""
+        return self._said.read_text()
+
+    @property
+    def printed(self) -> dict[str, str]:
+        """The commands that it has printed, by their first word after `giraff`."""
+        lines = [line.strip() for line in self.said.splitlines() if line.startswith("    /")]
+        return {shlex.split(line)[1]: line for line in lines}
+
+    @property
+    def path(self) -> float:
+        """m that the robot has driven, by the world's truth."""
+        driven = _PATH.findall(self.said)
+        return float(driven[-1]) if driven else 0.0
+
+    def pastes(self, line: str) -> tuple[int, str]:
+        """Exit code, and what it said. What goes on is ended by Ctrl-C a second after its first word."""
+        command = self._at_home("sh", "-c", f"exec {line}")
+        with subprocess.Popen(
+            command,
+            cwd=self.folder,
+            env=self.environment,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        ) as process:
+            try:
+                assert process.stdout is not None
+                begins = ""
+                if any(verb in line for verb in GOES_ON):
+                    begins = next(process.stdout)
+                    time.sleep(1.0)  # something to watch, or to record
+                    process.send_signal(signal.SIGINT)
+                rest, _ = process.communicate(timeout=PATIENCE)
+            finally:
+                process.kill()
+        return process.returncode, begins + rest
+
+    @contextmanager
+    def opens(self, line: str) -> Iterator[Screen]:
+        """The same in a terminal, with a person in it."""
+        command = self._at_home("sh", "-c", f"cd {shlex.quote(str(self.folder))} && exec {line}")
+        with screen(["/usr/bin/env", *command], self.folder.with_name("errors"), self.environment) as shown:
+            yield shown
+
+    def _at_home(self, *words: str) -> list[str]:
+        return self._home.command(HOME, *words)
+
+
+@pytest.fixture
+def newcomer(tmp_path: Path) -> Iterator[Newcomer]:
+    folder = tmp_path / "elsewhere"
+    folder.mkdir()
+    with Sites(HOME) as home:
+        made = Newcomer(home, folder)
+        with made.runs():
+            wait(lambda: "base driving" in made.said, PATIENCE, what=lambda: made.said)
+            yield made
+
+
+def hold_until(newcomer: Newcomer, shown: Screen, key: bytes, metres: float) -> None:
+    """Hold a key down until the robot has driven so far."""
+    begins, deadline = newcomer.path, time.monotonic() + PATIENCE
+    while newcomer.path - begins < metres:
+        assert time.monotonic() < deadline, f"{newcomer.path - begins} m: {shown.read()[-3000:]}"
+        shown.type(key)
+        time.sleep(REPEAT)
+
+
+def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer: Newcomer) -> None:
+    printed = newcomer.printed
+    assert list(printed) == ["drive", "estop", "why", "watch"]
+
+    with newcomer.opens(printed["drive"]) as shown:
+        shown.wait_for("not yours: demo drives", PATIENCE)
+        until = time.monotonic() + 0.5
+        while time.monotonic() < until:
+            shown.type(b"\x1b[A")
+            time.sleep(REPEAT)
+        shown.wait_for("yours, armed", PATIENCE)
+        hold_until(newcomer, shown, b"\x1b[A", 1.0)
+        time.sleep(1.5)
+        stands = newcomer.path
+        time.sleep(1.5)
+        assert newcomer.path == stands, "it drives on with no key held"
+        shown.type(b"\x03")
+        assert shown.ended(PATIENCE) == 0
+        assert shown.is_restored()
+    assert "the demonstration waits for 30 s of quiet" in newcomer.said
+
+    code, told = newcomer.pastes(printed["estop"])
+    assert code == 0, told
+    assert ": STOPPED, latch " in told
+    code, told = newcomer.pastes(printed["why"])
+    assert code == 1, told
+    assert "e-stop: engaged by" in told
+    code, told = newcomer.pastes(printed["watch"])
+    assert code == 0, told
+
+    [listed] = _README.findall((ROOT / "README.md").read_text())
+    lines = [line.partition("#")[0].strip() for line in listed.splitlines()]
+    assert lines[0] == "giraff estop engage"
+    for line in lines:
+        code, told = newcomer.pastes(line)
+        assert code == (1 if line == "giraff why" else 0), f"{line}: {told}"  # something stops it: nobody drives
+    assert newcomer.path == stands, "what only asks, stops or releases has moved it"
