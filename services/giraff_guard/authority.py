@@ -14,6 +14,7 @@ _COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1
 _MOST_AHEAD: Final = 1000
 """Commands that a holder may have given since its last one, within the second after which silence ends its lease."""
 _HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
+_HOW_TO_TAKE: Final = "tilt or press a drive key to take it, then hold level with no key pressed to arm"
 
 
 class Authority:
@@ -103,6 +104,8 @@ class Authority:
         """For those who do not hold the lease: who does, or why nobody, and what they do now."""
         if self.holder:
             config = self._config
+            if self._rank(self.operator) < 0:
+                return f"held by {self.operator} ({self.holder[:8]}), which gives way to others: {_HOW_TO_TAKE}"
             return (
                 f"held by {self.operator} ({self.holder[:8]}) until it rests for {config.idle_release:g} s, is silent "
                 f"for {config.operator_release:g} s or at fault for {config.fault_release:g} s; then {_HOW_TO_ASK}"
@@ -121,9 +124,7 @@ class Authority:
             return
         if self.holder:
             # Only a human's wish takes the robot from another: a program that was merely started does not.
-            priorities = self._config.priorities
-            higher = priorities.get(command.operator, 0) > priorities.get(self.operator, 0)
-            if not higher or command.neutral:
+            if self._rank(command.operator) <= self._rank(self.operator) or command.neutral:
                 return
         self.holder, self.operator = command.instance, command.operator
         self.counter = self._next
@@ -132,6 +133,10 @@ class Authority:
         self._seq = command.seq
         self._heard_ns = self._hand_ns = self._wish_ns = now.robot_ns
         self._complaint = ""
+
+    def _rank(self, operator: str) -> int:
+        """Of who is not named it is 0."""
+        return self._config.priorities.get(operator, 0)
 
     def _count(self, command: DriveCommand, now: RobotTime) -> None:
         """Keep the lease alive by a fresh command of its holder."""

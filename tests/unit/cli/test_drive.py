@@ -21,7 +21,7 @@ from giraff_cli.drive.view import DriveView
 from giraff_cli.drive.words import for_keys
 from giraff_cli.terminal.screen import as_svg
 from giraff_core.parameters.table import Parameters
-from giraff_guard.authority import _HOW_TO_ASK
+from giraff_guard.authority import _HOW_TO_ASK, _HOW_TO_TAKE
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import Key
 from giraff_node.network.consent import NoRobotError
@@ -107,6 +107,13 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
         Desk().holds("you", "joystick", HELD),
         {"ROBOT": "not yours: joystick drives; WHY says when you may", "WHY": "then press an arrow key or c to ask"},
     ),
+    "another's, which gives way": (
+        Desk().holds("you", "demo", f"held by demo (6542d227), which gives way to others: {_HOW_TO_TAKE}"),
+        {
+            "ROBOT": "not yours: demo drives; WHY says when you may",
+            "WHY": "gives way to others: press an arrow key to take it, then let go of all keys to arm",
+        },
+    ),
     "not armed": (
         Desk().mine().take(base(armed=False, reason=ARM)),
         {"ROBOT": "yours, not armed: let go of all keys for 0.2 s", "WHY": "base has just started; let go of all keys"},
@@ -157,6 +164,7 @@ def test_no_way_out_is_that_of_a_hand() -> None:
     texts = [text for path in sources for text in texts_of(path.read_text()) if of_a_hand.search(text)]
     assert HOW_TO_ARM in texts
     assert _HOW_TO_ASK in texts
+    assert _HOW_TO_TAKE in texts
     assert [text for text in texts if of_a_hand.search(for_keys(text))] == []
 
 
@@ -289,11 +297,12 @@ def test_the_picture_of_the_page_is_this_screen() -> None:
     desk = Desk().mine()
     assert desk.picture.elapsed == 0.0
     desk.person.wait(42.0)
+    ranges = reading("front_left", 0.62), reading("front_right", None, "clear"), reading("rear", 1.04)
     samples = (base(), msgspec.structs.replace(guard(near), reason=""), estop(), Battery(voltage=24.3))
-    desk.take(*samples, odometry(0, 1.25, 0.5, 0.3))
+    desk.take(*samples, odometry(0, 1.25, 0.5, 0.3), *ranges)
     for _ in range(3):
         desk.person.wait(0.2)
-        desk.take(reading("front_left", 0.62), reading("front_right", None, "clear"), reading("rear", 1.04))
+        desk.take(*ranges)
     svg = as_svg(desk.picture.render(), title="giraff drive", columns=COLUMNS)
     if os.environ.get("GIRAFF_WRITE_DOCS"):
         PICTURE.write_text(svg)

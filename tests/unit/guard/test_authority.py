@@ -262,6 +262,14 @@ def test_a_higher_priority_takes_the_lease_by_a_wish(held: Room, name: str, line
         assert held.passes == 0.5
 
 
+def test_whoever_ranks_below_those_that_are_not_named_is_taken_from_and_the_reason_says_how(room: Room) -> None:
+    room.say("A", 0, name="child")
+    assert "held by child (A), which gives way to others: tilt or press a drive key" in room.authority.reason(room.now)
+    room.say("B", 0, 0.5)
+    assert room.holder == "B"
+    assert "until it rests" in room.authority.reason(room.now)
+
+
 def test_each_process_counts_its_own_commands(held: Room) -> None:
     held.say("A", FIRST, 0.5, seq=5000)
     held.say("B", 0, 0.5, name="carer", seq=3)
