@@ -122,10 +122,10 @@ class Authority:
             if not self.holder:
                 self._complaint, self._complaint_ns = f"{command.operator}: {command.reason}", now.robot_ns
             return
-        if self.holder:
-            # Only a human's wish takes the robot from another: a program that was merely started does not.
-            if self._rank(command.operator) <= self._rank(self.operator) or command.neutral:
-                return
+        outranks = self._rank(command.operator) > self._rank(self.operator)
+        # Only a human's wish takes the robot from another: a program that was merely started does not.
+        if self.holder and (command.neutral or not outranks):
+            return
         self.holder, self.operator = command.instance, command.operator
         self.counter = self._next
         self._next = self._next % _COUNTERS + 1
