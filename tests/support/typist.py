@@ -47,13 +47,16 @@ def hold(shown: Screen, key: bytes, seconds: float) -> None:
         time.sleep(REPEAT)
 
 
-def take(shown: Screen) -> None:
-    """Ask for the lease and let go, which arms; again where the robot was not yet heard when the key was pressed."""
+def take(shown: Screen, key: bytes = b"c") -> None:
+    """Ask for the lease and let go, which arms; again where the robot was not yet heard when the key was pressed.
+
+    `key`: one that drives takes it from who ranks lower, too.
+    """
     shown.forget()
     deadline = time.monotonic() + PATIENCE
     while not any(armed in shown.read() for armed in ARMED):
         assert time.monotonic() < deadline, shown.text[-2000:]
-        shown.type(b"c")
+        shown.type(key)
         time.sleep(1.0)
 
 

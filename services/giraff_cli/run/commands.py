@@ -38,8 +38,8 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:
     """Drive the simulated robot through the five services, and watch it."""
+    from giraff_cli.run.begin import drive  # noqa: PLC0415
     from giraff_cli.run.plan import PlanError, make_plan  # noqa: PLC0415
-    from giraff_cli.run.runner import drive  # noqa: PLC0415
 
     try:
         plan = make_plan(

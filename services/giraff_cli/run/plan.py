@@ -30,7 +30,7 @@ from giraff_sim.world.room import RoomError, read_room
 from giraff_sim.world.world import World
 
 Boards = Literal["avr", "host"]
-Driver = Literal["demo", "keyboard", "none"]
+Hand = Literal["demo", "keyboard", "none"]
 
 _NEEDED: Final[dict[Boards, tuple[str, ...]]] = {
     "avr": ("lockstep/lockstep.so", "firmware/base.elf", "firmware/joystick.elf", "firmware/ranger.elf"),
@@ -54,7 +54,7 @@ class Plan:
     """Of every process, but for what is known only at the start."""
     seconds: float | None
     world: Path
-    driver: Driver
+    driver: Hand
     """`demo`: also a tilt script."""
     hand: str
     """The simulator's word for who holds the joystick."""
@@ -74,7 +74,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     world: Path | None,
     seed: int,
     tilt_script: Path | None,
-    hand: Driver,
+    hand: Hand,
     boards: Boards | None,
     summary: Path | None,
     picture: Path | None,
@@ -144,7 +144,7 @@ def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
     raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make setup builds it")
 
 
-def _environment(given: Mapping[str, str], hand: Driver, *, local: bool) -> dict[str, str]:
+def _environment(given: Mapping[str, str], hand: Hand, *, local: bool) -> dict[str, str]:
     environment = {**KNOWN, **given}
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")

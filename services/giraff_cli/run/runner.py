@@ -1,140 +1,55 @@
-"""`giraff run`: the simulated robot and its five services as processes, watched from the network.
+"""A run of the simulated robot: its services as processes, watched from the network.
 
-The order matters. Nothing is started before the name is known to be free; services start when the simulator is
-ready, end before it, and the run is judged, with the robot at rest, before anything is told to end.
+The order matters. Services start when the simulator is ready, end before it, and the run is judged, with the robot at
+rest, before anything is told to end.
 """
 
 from __future__ import annotations
 
 import math
-import os
-import socket
 import sys
 import time
-from pathlib import Path
 from typing import Any, Final
 
-import msgspec
-import zenoh
-
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.network.interfaces import interfaces
-from giraff_cli.network.ports import claim, free_port
-from giraff_cli.run.demonstration import DRIVES, FLAT, OPERATOR, Demonstration
-from giraff_cli.run.directory import RunDirectory
+from giraff_cli.run.demonstration import OPERATOR
 from giraff_cli.run.driver import Driver
-from giraff_cli.run.invitation import Invitation, invite
+from giraff_cli.run.joystick import Joystick
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.screen import Frame, RunView
 from giraff_cli.run.simulated_robot import SIMULATOR, START_ORDER, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.terminal.layout import Standing
-from giraff_cli.terminal.program import called_anywhere
 from giraff_cli.terminal.screen import NullScreen, Screen, as_svg, open_screen, say
 from giraff_cli.terminal.signals import StopSignal
-from giraff_core.network import NetworkConfig
 from giraff_node import robot_now_ns
-from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import list_robots, simulated_name
 from giraff_node.network.query_client import request_estop
-from giraff_node.network.session import open_session
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import LEASE, Topic
 from giraff_sim.control.client import SimulatorError
 
 _LOOK_EVERY: Final = 0.2  # s
-_SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms
 _SERVICES_WITHIN: Final = 20.0  # s
 _REST_WITHIN: Final = 4.0  # s
 _LOOKS_AT_REST: Final = 4  # in a row, by when odometry has caught up
 _NOTICES: Final = 1  # more would not fit 24 lines
 
-_DONE: Final = 0
-_FAILED: Final = 1
-_REFUSED: Final = 2
-_WAY_OUT: Final = "; end it, or give this one another name with GIRAFF_ROBOT_NAME"
-
-
-def drive(plan: Plan) -> int:
-    """Do the run; the exit code."""
-    network = msgspec.structs.replace(plan.network, rendezvous=f"127.0.0.1:{free_port()}")
-    robot = plan.robot.name
-    with StopSignal() as stopping:
-        held = None if network.local else claim(robot)
-        if held is None and not network.local:
-            return _refuse(f"a run of {robot} is going on on this host{_WAY_OUT}")
-        try:
-            connection = RobotConnection(robot, open_session(network, robot))
-        except ConfigError as error:
-            return _refuse(str(error))
-        except zenoh.ZError as error:
-            return _refuse(f"no Zenoh session: {error}; check the table [network] of the robot file")
-        try:
-            token = None if network.local else connection.find_duplicate(_SEEK_NAMESAKE)
-            if token is not None:
-                code = _refuse(f"a robot called {robot} is on the network already ({token}){_WAY_OUT}")
-            else:
-                code = _with_directory(plan, network, connection, stopping)
-        finally:
-            is_closed = connection.close()
-        if held is not None:
-            held.close()
-        if not is_closed:  # Zenoh would hold the process, and nothing is left to do
-            sys.stdout.flush()
-            os._exit(code)
-        return code
-
-
-def _refuse(why: str) -> int:
-    print(f"giraff run: {why}", file=sys.stderr)
-    return _REFUSED
-
-
-def _with_directory(plan: Plan, network: NetworkConfig, connection: RobotConnection, stopping: StopSignal) -> int:
-    invitation = _invitation(plan, network, connection)
-    say(f"starting {plan.robot.name} with {plan.boards} boards" + (f": {plan.why_boards}" if plan.why_boards else ""))
-    say("meanwhile, in another terminal: drive it, stop it, ask why it does not move, watch it")
-    for command in invitation.lines():
-        say(f"    {command}")
-    directory = RunDirectory()
-    code = _FAILED
-    try:
-        code = Run(
-            plan, SimulatedRobot(plan, network.rendezvous, directory.path), connection, stopping, invitation
-        ).run()
-    finally:
-        if code == _DONE:
-            directory.remove()
-        else:
-            directory.keep()
-            print(f"giraff run: the logs are in {directory.path}", file=sys.stderr)
-    return code
-
-
-def _invitation(plan: Plan, network: NetworkConfig, connection: RobotConnection) -> Invitation:
-    return invite(
-        called_anywhere(),
-        plan.robot.name,
-        network,
-        Path(plan.environment["GIRAFF_CONFIG"]),
-        interfaces=interfaces(),
-        is_only_here=plan.robot.name == simulated_name(socket.gethostname()) and not list_robots(connection.session),
-    )
+DONE: Final = 0
+FAILED: Final = 1
 
 
 class _Audience:
-    """Tells the demonstration, too."""
+    """Whoever is told what is heard."""
 
-    def __init__(self, telemetry: RunTelemetry, demonstration: Demonstration | None) -> None:
+    def __init__(self, telemetry: RunTelemetry, joystick: Joystick) -> None:
         self._telemetry = telemetry
-        self._demonstration = demonstration
+        self._joystick = joystick
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         self._telemetry.on_sample(topic, key, sample, at_ns)
-        if self._demonstration is not None:
-            self._demonstration.on_sample(sample, at_ns * 1e-9)
+        self._joystick.on_sample(sample, at_ns * 1e-9)
 
     def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
         self._telemetry.on_liveliness(service, instance, present=present)
@@ -149,15 +64,16 @@ class Run:
         robot: SimulatedRobot,
         connection: RobotConnection,
         stopping: StopSignal,
-        invitation: Invitation,
+        *,
+        hint: str,
     ) -> None:
+        """`hint`: what a person can do, in one line."""
         self._plan = plan
         self._robot = robot
         self._connection = connection
         self._stopping = stopping
-        self._hint = f"drive it: {invitation.command('drive')}"
-        self._demonstration = Demonstration() if plan.driver == "demo" else None
-        self._grip = FLAT if self._demonstration is None else DRIVES
+        self._hint = hint
+        self._joystick = Joystick(robot, is_driven=plan.driver == "demo")
         self._driver: Driver | None = None
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
@@ -182,7 +98,7 @@ class Run:
             print(f"giraff run: {failure}", file=sys.stderr)
         if telemetry is not None:
             self._conclude(telemetry)
-        return _FAILED if self._failures else _DONE
+        return FAILED if self._failures else DONE
 
     def _watch(self, telemetry: RunTelemetry) -> None:
         self._connection.subscribe_all()
@@ -224,9 +140,7 @@ class Run:
         """Have nobody drive and let odometry catch up: a moving robot is never where it was last heard of."""
         if SIMULATOR in self._robot.ended:
             return
-        if self._demonstration is not None:
-            self._demonstration.end()
-        self._hold_joystick()
+        self._joystick.lay_flat()
         stop = None
         if _driver(telemetry) not in ("", OPERATOR):
             stop = request_estop(
@@ -247,8 +161,8 @@ class Run:
         self._note_ended()
         if SIMULATOR in self._robot.ended:
             return False
-        self._connection.dispatch(_Audience(telemetry, self._demonstration))
-        self._hold_joystick()
+        self._connection.dispatch(_Audience(telemetry, self._joystick))
+        self._joystick.hold(robot_now_ns() * 1e-9)
         telemetry.see(self._robot.truth())
         try:
             self._screen.show(self._view(telemetry))
@@ -256,13 +170,6 @@ class Run:
             self._screen = NullScreen()
             self._stopping.ask()
         return True
-
-    def _hold_joystick(self) -> None:
-        """As the demonstration has it now."""
-        grip = FLAT if self._demonstration is None else self._demonstration.grip(robot_now_ns() * 1e-9)
-        if grip != self._grip:
-            self._robot.hold_joystick(grip)
-            self._grip = grip
 
     def _end_driver(self) -> None:
         if self._driver is not None:
@@ -281,7 +188,7 @@ class Run:
             elapsed=0.0 if self._began_ns is None else (now_ns - self._began_ns) * 1e-9,
             seconds=self._plan.seconds,
             hint=self._hint,
-            note="" if self._demonstration is None else self._demonstration.note,
+            note=self._joystick.note,
             services={service: self._standing(service, telemetry) for service in START_ORDER},
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )

@@ -19,12 +19,13 @@ from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import PATIENCE
 from tests.support.sites import Sites
 from tests.support.terminals import Screen, screen
-from tests.support.typist import REPEAT
+from tests.support.typist import hold, take
 from tests.support.waiting import wait
 
 HOME = "home"
 GOES_ON = ("watch", "record")
 """Until Ctrl-C."""
+_UP = b"\x1b[A"
 _PATH = re.compile(r"path +(\d+\.\d+) m")
 _README = re.compile(r"## Stop it, and ask it why\n.*?```sh\n(.*?)```", re.DOTALL)
 
@@ -118,13 +119,15 @@ def newcomer(tmp_path: Path) -> Iterator[Newcomer]:
             yield made
 
 
-def hold_until(newcomer: Newcomer, shown: Screen, key: bytes, metres: float) -> None:
-    """Hold a key down until the robot has driven so far."""
+def drive(newcomer: Newcomer, shown: Screen, metres: float) -> None:
+    """Hold a key down until the robot has driven so far; let go and take it again where it was late, and stands."""
     begins, deadline = newcomer.path, time.monotonic() + PATIENCE
     while newcomer.path - begins < metres:
         assert time.monotonic() < deadline, f"{newcomer.path - begins} m: {shown.read()[-3000:]}"
-        shown.type(key)
-        time.sleep(REPEAT)
+        before = newcomer.path
+        hold(shown, _UP, 3.0)
+        if newcomer.path == before:
+            take(shown, _UP)
 
 
 def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer: Newcomer) -> None:
@@ -133,12 +136,8 @@ def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer:
 
     with newcomer.opens(printed["drive"]) as shown:
         shown.wait_for("not yours: demo drives", PATIENCE)
-        until = time.monotonic() + 0.5
-        while time.monotonic() < until:
-            shown.type(b"\x1b[A")
-            time.sleep(REPEAT)
-        shown.wait_for("yours, armed", PATIENCE)
-        hold_until(newcomer, shown, b"\x1b[A", 1.0)
+        take(shown, _UP)
+        drive(newcomer, shown, 1.0)
         time.sleep(1.5)
         stands = newcomer.path
         time.sleep(1.5)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.run import runner as run
+from giraff_cli.run import begin as run
 from giraff_cli.run.plan import Plan
 from giraff_sim.board import ROOT
 from tests.unit.cli.typed import typed

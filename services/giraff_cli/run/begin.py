@@ -1,0 +1,99 @@
+"""`giraff run`: nothing is started before the robot's name is known to be free."""
+
+from __future__ import annotations
+
+import os
+import socket
+import sys
+from pathlib import Path
+from typing import Final
+
+import msgspec
+import zenoh
+
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.interfaces import interfaces
+from giraff_cli.network.ports import claim, free_port
+from giraff_cli.run.directory import RunDirectory
+from giraff_cli.run.invitation import Invitation, invite
+from giraff_cli.run.plan import Plan
+from giraff_cli.run.runner import DONE, FAILED, Run
+from giraff_cli.run.simulated_robot import SimulatedRobot
+from giraff_cli.terminal.program import called_anywhere
+from giraff_cli.terminal.screen import say
+from giraff_cli.terminal.signals import StopSignal
+from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.discovery import list_robots, simulated_name
+from giraff_node.network.session import open_session
+
+_SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms
+
+_REFUSED: Final = 2
+_WAY_OUT: Final = "; end it, or give this one another name with GIRAFF_ROBOT_NAME"
+
+
+def drive(plan: Plan) -> int:
+    """Do the run; the exit code."""
+    network = msgspec.structs.replace(plan.network, rendezvous=f"127.0.0.1:{free_port()}")
+    robot = plan.robot.name
+    with StopSignal() as stopping:
+        held = None if network.local else claim(robot)
+        if held is None and not network.local:
+            return _refuse(f"a run of {robot} is going on on this host{_WAY_OUT}")
+        try:
+            connection = RobotConnection(robot, open_session(network, robot))
+        except ConfigError as error:
+            return _refuse(str(error))
+        except zenoh.ZError as error:
+            return _refuse(f"no Zenoh session: {error}; check the table [network] of the robot file")
+        try:
+            token = None if network.local else connection.find_duplicate(_SEEK_NAMESAKE)
+            if token is not None:
+                code = _refuse(f"a robot called {robot} is on the network already ({token}){_WAY_OUT}")
+            else:
+                code = _with_directory(plan, network, connection, stopping)
+        finally:
+            is_closed = connection.close()
+        if held is not None:
+            held.close()
+        if not is_closed:  # Zenoh would hold the process, and nothing is left to do
+            sys.stdout.flush()
+            os._exit(code)
+        return code
+
+
+def _refuse(why: str) -> int:
+    print(f"giraff run: {why}", file=sys.stderr)
+    return _REFUSED
+
+
+def _with_directory(plan: Plan, network: NetworkConfig, connection: RobotConnection, stopping: StopSignal) -> int:
+    invitation = _invitation(plan, network, connection)
+    say(f"starting {plan.robot.name} with {plan.boards} boards" + (f": {plan.why_boards}" if plan.why_boards else ""))
+    say("meanwhile, in another terminal: drive it, stop it, ask why it does not move, watch it")
+    for command in invitation.lines():
+        say(f"    {command}")
+    directory = RunDirectory()
+    code = FAILED
+    try:
+        robot = SimulatedRobot(plan, network.rendezvous, directory.path)
+        code = Run(plan, robot, connection, stopping, hint=f"drive it: {invitation.command('drive')}").run()
+    finally:
+        if code == DONE:
+            directory.remove()
+        else:
+            directory.keep()
+            print(f"giraff run: the logs are in {directory.path}", file=sys.stderr)
+    return code
+
+
+def _invitation(plan: Plan, network: NetworkConfig, connection: RobotConnection) -> Invitation:
+    return invite(
+        called_anywhere(),
+        plan.robot.name,
+        network,
+        Path(plan.environment["GIRAFF_CONFIG"]),
+        interfaces=interfaces(),
+        is_only_here=plan.robot.name == simulated_name(socket.gethostname()) and not list_robots(connection.session),
+    )
