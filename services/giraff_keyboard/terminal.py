@@ -34,6 +34,7 @@ class RawTerminal:
         attributes = termios.tcgetattr(self._input)
         attributes[0] &= ~(termios.IXON | termios.IXOFF)  # Ctrl-S would stop the program at its next line
         attributes[3] &= ~termios.IEXTEN
+        attributes[3] |= termios.NOFLSH  # else Ctrl-C throws output away, under a thread that waits to write more
         for character in (termios.VSUSP, termios.VQUIT):  # Ctrl-Z, Ctrl-\: would leave the terminal as it is now
             attributes[6][character] = _NO_CHARACTER
         termios.tcsetattr(self._input, termios.TCSANOW, attributes)
@@ -44,9 +45,15 @@ class RawTerminal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        with contextlib.suppress(OSError, termios.error):  # it may be gone
+        with contextlib.suppress(OSError):  # it may be gone
             _write(_PASTES_PLAIN)
-            termios.tcsetattr(self._input, termios.TCSAFLUSH, self._before)
+        self.restore()
+
+    def restore(self) -> None:
+        """Have keys read as before. Never waits: not for a terminal that takes nothing, as TCSAFLUSH would."""
+        with contextlib.suppress(termios.error):  # it may be gone
+            termios.tcflush(self._input, termios.TCIFLUSH)  # what was typed here is nobody's command line
+            termios.tcsetattr(self._input, termios.TCSANOW, self._before)
 
     def descriptor(self) -> int | None:
         return None if self.is_gone else self._input

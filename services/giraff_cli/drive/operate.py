@@ -45,7 +45,10 @@ def _drive(connection: RobotConnection, settings: Settings[KeyboardConfig]) -> i
     with node:
         with DriveTerminal(node.fail) as terminal:
             stopping = run_keyboard(node, terminal, DriveView(connection.robot, tuple(settings.robot.sensors)))
-        if unconfirmed := go_on_asking(stopping):
-            print_error(unconfirmed)
-            return _NOT_CONFIRMED
-    return _DONE
+        unconfirmed = go_on_asking(stopping)
+    code = _NOT_CONFIRMED if unconfirmed else _DONE
+    if terminal.is_stuck:
+        os._exit(code)  # a word of why would wait, too, and so would Python for what is still to be written
+    if unconfirmed:
+        print_error(unconfirmed)
+    return code

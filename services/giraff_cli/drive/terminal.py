@@ -1,12 +1,13 @@
 """The terminal of `giraff drive`: keys as they come, and a picture on the terminal's second page.
 
 The picture is drawn in a thread of its own. It takes some ms, more on a slow machine, and a terminal that takes nothing
-holds it up for good: neither may make a key late, or an emergency stop.
+holds it up for good: neither may make a key late, an emergency stop, or the end.
 """
 
 from __future__ import annotations
 
 import contextlib
+import threading
 from collections.abc import Callable
 from types import TracebackType
 from typing import Final
@@ -19,6 +20,7 @@ from giraff_cli.drive.picture import DrivePicture
 from giraff_keyboard.terminal import RawTerminal
 
 _PICTURES_HZ: Final = 5
+_LEAVES_WITHIN: Final = 1.0  # s
 
 
 class DriveTerminal(RawTerminal):
@@ -27,15 +29,20 @@ class DriveTerminal(RawTerminal):
     def __init__(self, on_failure: Callable[[BaseException], None]) -> None:
         """`on_failure`: told in another thread of what keeps the picture from being drawn: an old one must not stay."""
         super().__init__()
+        self.is_stuck = False
+        """It took nothing in the end, and waits with whatever would write to it."""
         self._picture: DrivePicture | None = None
         self._page = _Page(self._newest, on_failure)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        with contextlib.suppress(OSError):  # it may be gone
-            self._page.stop()
-        super().__exit__(kind, error, trace)
+        leaving = threading.Thread(target=self._leave, daemon=True)
+        leaving.start()
+        leaving.join(_LEAVES_WITHIN)
+        self.is_stuck = leaving.is_alive()
+        if self.is_stuck:
+            self.restore()
 
     def show(self, picture: DrivePicture) -> None:
         """Draw it from now on."""
@@ -46,6 +53,11 @@ class DriveTerminal(RawTerminal):
             self._page.start()
         except OSError:
             self.is_gone = True
+
+    def _leave(self) -> None:
+        with contextlib.suppress(OSError):  # it may be gone
+            self._page.stop()
+        super().__exit__(None, None, None)
 
     def _newest(self) -> RenderableType:
         return Text() if self._picture is None else self._picture.render()

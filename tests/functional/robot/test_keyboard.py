@@ -27,6 +27,11 @@ def stands_still(robot: ProcessRobot) -> bool:
     return robot.simulator.record(since_us + 20_000).driven_ms == 0
 
 
+def latch_of(robot: ProcessRobot) -> str:
+    says = robot.simulator.state().base
+    return "" if says is None else says.latch
+
+
 def test_it_takes_arms_drives_and_stops_by_the_space_bar(robot: ProcessRobot) -> None:
     with keyboard(robot) as shown:
         robot.run(1.0)
@@ -80,6 +85,18 @@ def test_giraff_drive_takes_arms_drives_stops_and_releases_on_one_screen_without
         assert shown.is_restored()
         assert shown.read().rstrip().endswith("\x1b[?2004l")
         assert stands_still(robot)
+
+
+def test_a_terminal_that_takes_nothing_holds_up_neither_the_stop_nor_the_end(robot: ProcessRobot) -> None:
+    with drive(robot) as shown:
+        take(shown)
+        robot.run(5.0)  # it shows 20 kB in a second, and the kernel keeps 64 for who does not read
+        shown.type(b" ")
+        robot.wait("the emergency stop", lambda: latch_of(robot) == "estop", PATIENCE)
+        shown.type(b"\x03")
+        assert shown.process.wait(PATIENCE) == 0
+        assert shown.is_restored()
+    assert robot.giraff("estop", "reset") == 0
 
 
 def test_what_is_typed_pasted_or_torn_while_it_sleeps_or_not_moves_nothing(robot: ProcessRobot) -> None:
