@@ -19,7 +19,9 @@ from giraff_schemas.topics import alive_key
 from giraff_sim.board import ROOT
 from giraff_sim.truth import Truth, TruthRanges, draw_truth
 from tests.support.process_robot import PATIENCE
-from tests.support.runs import PROCESSES, SMALL_ROOM, Command, command_in, line_of
+from tests.support.runs import GIRAFF, PROCESSES, SMALL_ROOM, Command, command_in, line_of
+from tests.support.terminals import screen
+from tests.support.typist import hold, take
 
 BACK_AND_FORTH = "t,x,y,z\n0,0,0,9.81\n" + "".join(
     f"{at + 1},{tilt},0,8.4\n{at + 3},{tilt},0,8.4\n{at + 3.5},0.1,0,9.81\n{at + 4},0,0,9.81\n"
@@ -52,6 +54,23 @@ def test_it_drives_around_the_room_and_sums_up_when_told_to_end(command: Command
     assert told["odom_sigma_m"] > 0.0
     assert f"distance  {told['distance_m']:.2f} m" in out
     assert "odometry off by" in out
+
+
+def test_who_starts_it_drives_in_the_same_terminal(command: Command) -> None:
+    words = [str(GIRAFF), "run", "--local", "--hand", "keyboard", "--summary", str(command.directory / "summary.json")]
+    errors = command.directory / "errors"
+    with screen(words, errors, command.environment | {"TERM": "xterm"}) as shown:
+        shown.wait_for("nobody's: press an arrow key", PATIENCE)
+        take(shown)
+        for _ in range(4):
+            hold(shown, b"w", 1.0)
+            shown.read()
+        shown.type(b"\x03")  # for both
+        assert shown.ended(PATIENCE) == 0, errors.read_text()
+        assert shown.is_restored()
+    assert errors.read_text() == ""
+    assert command.leaves_nothing()
+    assert command.summary()["distance_m"] > 0.1
 
 
 def test_a_service_that_dies_is_named_and_the_others_go_on_until_their_world_ends(command: Command) -> None:
