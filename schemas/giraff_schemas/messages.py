@@ -155,6 +155,8 @@ class EStop(Sample, frozen=True, kw_only=True):
     by: str
     """Who engaged it, or reset it."""
     reason: str
+    engaged_ns: int = 0
+    """Robot time at which it was newly asked for, also of a latch that was engaged already; 0: not since base began."""
 
 
 class SerialLine(Sample, frozen=True, kw_only=True):
@@ -190,6 +192,8 @@ class EStopReset(msgspec.Struct, frozen=True, kw_only=True):
     id: int
     tick: RobotTime | None
     """Of the human's wish: an old reset clears nothing newer."""
+    engaged_ns: int | None = None
+    """`EStop.engaged_ns` as it was shown: a stop that was asked for again since is not cleared. None: it was not."""
 
 
 class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):

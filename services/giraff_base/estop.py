@@ -47,7 +47,8 @@ class EStopControl:
             return f"latch {reset.id} is not the one engaged, which is {there}"
         if latch.engaged and age(reset.tick, now) > self._reset_budget:
             return f"the reset is not from within the last {self._reset_budget:g} s; ask again, with base heard"
-        if latch.engaged and reset.tick is not None and reset.tick.robot_ns < self._engaged_ns:
+        is_old = reset.tick is not None and reset.tick.robot_ns < self._engaged_ns
+        if latch.engaged and (is_old or reset.engaged_ns not in (None, self._engaged_ns)):
             return "the emergency stop was engaged again after this reset was asked for; ask again"
         return ""
 
@@ -61,4 +62,4 @@ class EStopControl:
 
     def sample(self) -> EStop:
         latch = self.latch
-        return EStop(engaged=latch.engaged, id=latch.id, by=latch.by, reason=latch.reason)
+        return EStop(engaged=latch.engaged, id=latch.id, by=latch.by, reason=latch.reason, engaged_ns=self._engaged_ns)

@@ -30,8 +30,8 @@ class _Question(NamedTuple):
 class ResetRequest:
     """Times are monotonic, s."""
 
-    def __init__(self, ask: Callable[[int, RobotTime], Request]) -> None:
-        """`ask` begins to ask base to clear the latch of this id; with the robot's time of the human's wish."""
+    def __init__(self, ask: Callable[[EStop, RobotTime], Request]) -> None:
+        """`ask` begins to ask base to clear the latch that is shown so; with the robot's time of the human's wish."""
         self.text = ""
         """What the person at the keyboard must know; empty: nothing."""
         self._ask = ask
@@ -86,12 +86,12 @@ class ResetRequest:
         latch, self.text = self._shown(now)
         if latch is None:
             return
-        if (latch.instance, latch.id) != (question.latch.instance, question.latch.id):
+        if _identity(latch) != _identity(question.latch):
             self.text = "Nothing is released: there is another stop now; press r to see it"
         elif moment is None:
             self.text = "Nothing is released: the robot is not heard; press r when it is"
         else:
-            self._request, self._requested = self._ask(latch.id, moment), now
+            self._request, self._requested = self._ask(latch, moment), now
             self.text = "RELEASING, not confirmed yet"
 
     def _shown(self, now: float) -> tuple[EStop | None, str]:
@@ -104,3 +104,8 @@ class ResetRequest:
             return None, f"Nothing is released: {len(states)} bases have this robot's name; end all but one"
         [state] = states
         return (state, "") if state.engaged else (None, "Nothing to release: the emergency stop is not engaged")
+
+
+def _identity(latch: EStop) -> tuple[str, int, int]:
+    """Another one: it is another base's, another cause's, or somebody has asked for it again."""
+    return latch.instance, latch.id, latch.engaged_ns

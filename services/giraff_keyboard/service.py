@@ -15,7 +15,7 @@ from giraff_keyboard.estop_request import EStopRequest, Request
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_keyboard.reset_request import ResetRequest
-from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime, Sample
+from giraff_schemas.messages import EStop, EStopEngage, EStopReset, RobotTime, Sample
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
@@ -73,8 +73,9 @@ class Keyboard(Generic[PictureT]):
         engage = EStopEngage(by=by, reason="space bar")
         self.stopping = EStopRequest(lambda: io.ask(ESTOP_ENGAGE, engage, is_confirmed_stop))
 
-        def reset(latch: int, moment: RobotTime) -> Request:
-            return io.ask(ESTOP_RESET, EStopReset(by=by, id=latch, tick=moment), lambda _: True)
+        def reset(shown: EStop, moment: RobotTime) -> Request:
+            asked = EStopReset(by=by, id=shown.id, tick=moment, engaged_ns=shown.engaged_ns)
+            return io.ask(ESTOP_RESET, asked, lambda _: True)
 
         self._resetting = ResetRequest(reset)
         self._ticks, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)

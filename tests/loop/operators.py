@@ -158,9 +158,13 @@ class Scene:
         """Hold a key of the keyboard down."""
         until = self.now + seconds
         while self.now < until:
-            self._desk.typed += key
-            self.loop.processes["keyboard"].wake()
+            self.type(key)
             self.loop.run(REPEAT)
+
+    def type(self, key: bytes) -> None:
+        """One press of the keyboard."""
+        self._desk.typed += key
+        self.loop.processes["keyboard"].wake()
 
     def engage(self) -> None:
         self._stopper.ask(ESTOP_ENGAGE, EStopEngage(by="test", reason="a cat"))

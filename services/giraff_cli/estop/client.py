@@ -115,7 +115,9 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
             UNKNOWN,
             f"NOT CLEARED, {what}: the robot's clock is not heard on {key_of(robot, TICK)}; restart giraff_base",
         )
-    asking = QueryClient(connection.session, robot, ESTOP_RESET, EStopReset(by=by, id=state.id, tick=tick))
+    asking = QueryClient(
+        connection.session, robot, ESTOP_RESET, EStopReset(by=by, id=state.id, tick=tick, engaged_ns=state.engaged_ns)
+    )
     answer = _answer(asking, deadline)
     if answer is None:
         return Result(

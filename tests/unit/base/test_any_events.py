@@ -184,9 +184,10 @@ class Events:
         """Somebody asks for a reset, of the right latch or not, now or long ago."""
         base = self.rig.base
         there: EStopLatch = base.latch
+        engaged_ns = base.estop().engaged_ns
         tick = RobotTime(epoch=EPOCH, robot_ns=self.rig.robot_ns - round(age * NS))
         answer = base.on_reset(EStopReset(by="somebody", id=there.id + id_error, tick=tick), self.rig.now)
-        if there.engaged and id_error == 0 and 0.0 <= age <= 1.0:
+        if there.engaged and id_error == 0 and 0.0 <= age <= 1.0 and tick.robot_ns >= engaged_ns:
             assert answer.done
             self.judge.latched, self.judge.releasing = False, True
             self.judge.reset_ns = self.rig.robot_ns

@@ -186,6 +186,22 @@ def test_a_reset_from_before_the_newest_engaging_clears_nothing_even_of_the_same
     assert reset(rig).done
 
 
+def test_a_stop_that_was_asked_for_again_since_it_was_seen_is_not_cleared_though_the_wish_is_newer() -> None:
+    rig = Rig()
+    engage(rig)
+    seen = rig.base.estop()
+    rig.run(1.0)
+    again = engage(rig)
+    assert (again.done, again.id) == (True, seen.id)
+    rig.run(0.1)
+    wish = EStopReset(by="carer", id=seen.id, tick=rig.now, engaged_ns=seen.engaged_ns)
+    answer = rig.base.on_reset(wish, rig.now)
+    assert (answer.done, answer.engaged) == (False, True)
+    assert "engaged again" in answer.reason
+    newest = msgspec.structs.replace(wish, engaged_ns=rig.base.estop().engaged_ns)
+    assert rig.base.on_reset(newest, rig.now).done
+
+
 def test_each_cause_is_a_latch_of_its_own_that_a_reset_of_the_one_before_leaves() -> None:
     rig = Rig()
     first = engage(rig)

@@ -13,8 +13,10 @@ from tests.unit.keyboard.keyboards import EPOCH, person
 RELEASED = EStopAnswer(done=True, engaged=False, id=4, reason="")
 
 
-def stop(latch: int = 4, *, engaged: bool = True, base: str = "b", by: str = "carer@tablet") -> EStop:
-    return EStop(engaged=engaged, id=latch, by=by, reason="child", instance=base)
+def stop(
+    latch: int = 4, *, engaged: bool = True, base: str = "b", by: str = "carer@tablet", engaged_ns: int = 7
+) -> EStop:
+    return EStop(engaged=engaged, id=latch, by=by, reason="child", instance=base, engaged_ns=engaged_ns)
 
 
 class Base:
@@ -23,7 +25,7 @@ class Base:
     def __init__(self) -> None:
         self.now = 50.0
         self.states = [stop()]
-        self.asked: list[tuple[int, RobotTime]] = []
+        self.asked: list[tuple[EStop, RobotTime]] = []
         self.attempts = 0
         self.fault = ""
         self.refusal: EStopAnswer | None = None
@@ -32,7 +34,7 @@ class Base:
         self.keys = ResetRequest(self.ask)
         self.wait(0.1)
 
-    def ask(self, latch: int, moment: RobotTime) -> Base:
+    def ask(self, latch: EStop, moment: RobotTime) -> Base:
         self.asked.append((latch, moment))
         return self
 
@@ -65,7 +67,7 @@ def test_r_asks_and_y_releases_the_latch_that_is_shown_with_the_robots_time_of_t
     assert base.press(Key.RESET) == "RELEASE? y: yes, any other key: no. It is the stop by carer@tablet: child"
     base.wait(1.0)
     assert base.press(Key.YES) == "RELEASING, not confirmed yet"
-    assert base.asked == [(4, base.moment)]
+    assert base.asked == [(stop(), base.moment)]
     base.wait(0.3)
     base.answer = RELEASED
     base.wait(0.1)
@@ -122,6 +124,7 @@ def test_a_question_that_nobody_answers_goes() -> None:
     ("meanwhile", "says"),
     [
         ([stop(5, by="another")], "another stop"),
+        ([stop(engaged_ns=8)], "another stop"),
         ([stop(4, base="restarted")], "2 bases"),
         ([stop(engaged=False)], "not engaged"),
     ],
