@@ -10,7 +10,7 @@ import signal
 import sys
 import termios
 import tty
-from types import TracebackType
+from types import FrameType, TracebackType
 from typing import Final, Self
 
 _READ: Final = 4096
@@ -26,11 +26,22 @@ class RawTerminal:
     def __init__(self) -> None:
         self._input = sys.stdin.fileno()
         self.is_gone = False
-        """Its other end was closed: no key can come any more."""
+        """Its other end was closed, or another program has the keys: none can come any more."""
+        self._has_slept = False
 
     def __enter__(self) -> Self:
         self._before = termios.tcgetattr(self._input)
-        tty.setcbreak(self._input, termios.TCSAFLUSH)  # what was typed before now is nobody's wish
+        self._take_keys()
+        signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed window shows as `is_gone`, and is told to the robot
+        signal.signal(signal.SIGCONT, self._on_continued)
+        for number in (signal.SIGTTIN, signal.SIGTTOU):  # in the background: stopped without a last word to the robot
+            signal.signal(number, signal.SIG_IGN)
+        _write(_PASTES_MARKED)
+        return self
+
+    def _take_keys(self) -> None:
+        termios.tcflush(self._input, termios.TCIFLUSH)  # what was typed before now is nobody's wish
+        tty.setcbreak(self._input, termios.TCSANOW)
         attributes = termios.tcgetattr(self._input)
         attributes[0] &= ~(termios.IXON | termios.IXOFF)  # Ctrl-S would stop the program at its next line
         attributes[3] &= ~termios.IEXTEN
@@ -38,9 +49,6 @@ class RawTerminal:
         for character in (termios.VSUSP, termios.VQUIT):  # Ctrl-Z, Ctrl-\: would leave the terminal as it is now
             attributes[6][character] = _NO_CHARACTER
         termios.tcsetattr(self._input, termios.TCSANOW, attributes)
-        signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed window shows as `is_gone`, and is told to the robot
-        _write(_PASTES_MARKED)
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -51,9 +59,16 @@ class RawTerminal:
 
     def restore(self) -> None:
         """Have keys read as before. Never waits: not for a terminal that takes nothing, as TCSAFLUSH would."""
-        with contextlib.suppress(termios.error):  # it may be gone
+        with contextlib.suppress(OSError, termios.error):  # it may be gone
+            if not self._is_in_front:
+                return  # the shell has set it for itself meanwhile
             termios.tcflush(self._input, termios.TCIFLUSH)  # what was typed here is nobody's command line
             termios.tcsetattr(self._input, termios.TCSANOW, self._before)
+
+    @property
+    def _is_in_front(self) -> bool:
+        """The keys are this program's, not the shell's."""
+        return os.tcgetpgrp(self._input) == os.getpgrp()
 
     def descriptor(self) -> int | None:
         return None if self.is_gone else self._input
@@ -62,12 +77,31 @@ class RawTerminal:
         """What has been typed since the last call. Never waits."""
         data = b""
         try:
+            if self._has_slept:
+                self._wake_up()
             if select.select((self._input,), (), (), 0.0)[0]:
                 data = os.read(self._input, _READ)
                 self.is_gone = not data
-        except OSError:
+        except (OSError, termios.error):
             self.is_gone = True
         return data
+
+    def show_anew(self) -> None:
+        """The shell has had the screen."""
+        _write(_PASTES_MARKED)
+
+    def _wake_up(self) -> None:
+        """A shell that had stopped this program has set the terminal as it likes, and SPACE would wait for a line."""
+        self._has_slept = False
+        if not self._is_in_front:
+            self.is_gone = True
+            return
+        self._take_keys()
+        self.show_anew()
+
+    def _on_continued(self, number: int, frame: FrameType | None) -> None:
+        del number, frame
+        self._has_slept = True
 
 
 class Terminal(RawTerminal):

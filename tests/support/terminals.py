@@ -82,6 +82,10 @@ class Screen:
         """The terminal is set as it was before the program."""
         return termios.tcgetattr(self._slave) == self._before
 
+    def set_as_before(self) -> None:
+        """As a shell does that has stopped the program."""
+        termios.tcsetattr(self._slave, termios.TCSANOW, self._before)
+
     def close(self) -> None:
         self.process.kill()
         self.process.wait()

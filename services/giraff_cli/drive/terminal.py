@@ -13,6 +13,7 @@ from types import TracebackType
 from typing import Final
 
 from rich.console import Console, RenderableType
+from rich.control import Control
 from rich.live import Live
 from rich.text import Text
 
@@ -54,6 +55,9 @@ class DriveTerminal(RawTerminal):
         except OSError:
             self.is_gone = True
 
+    def show_anew(self) -> None:
+        self._page.is_spoilt = True
+
     def _leave(self) -> None:
         with contextlib.suppress(OSError):  # it may be gone
             self._page.stop()
@@ -74,9 +78,14 @@ class _Page(Live):
             redirect_stderr=False,
         )
         self._on_failure = on_failure
+        self.is_spoilt = False
+        """The shell has had the screen."""
 
     def refresh(self) -> None:
         try:
+            if self.is_spoilt:
+                self.is_spoilt = False
+                self.console.control(Control.alt_screen(enable=True), Control.show_cursor(show=False))
             super().refresh()
         except OSError:
             pass  # it is gone: whoever reads the keys sees that, and ends

@@ -6,7 +6,8 @@ Each answers with an exit code and a word for people. Nothing is taken for done 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
@@ -14,6 +15,7 @@ from giraff_core.estop import RESET_COMMAND
 from giraff_node.config.robot_file import DEFAULT_FILE
 from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, others
 from giraff_node.network.query_client import QueryClient, request_estop
+from giraff_node.network.reach import find_silent
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Sample, Tick
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, AnswerT, RequestT, Topic, key_of
 
@@ -45,12 +47,32 @@ def engage(connection: RobotConnection, by: str, reason: str, timeout: float) ->
 
 
 def engage_all(
-    connection: RobotConnection, by: str, reason: str, timeout: float, tell: Callable[[Result], object]
+    connection: RobotConnection,
+    by: str,
+    reason: str,
+    timeout: float,
+    addresses: Sequence[str],
+    tell: Callable[[Result], object],
 ) -> int:
     """The same of every robot that is heard; the worst code. `tell` is given each result as soon as there is one.
 
-    Listens until a second after the last newcomer, and no longer than `timeout`.
+    Listens until a second after the last newcomer, and no longer than `timeout`. `addresses`: where somebody takes a
+    robot to be. One at which nobody answers stops no other robot's stop, and is told.
     """
+    with ThreadPoolExecutor(1) as pool:
+        silent = pool.submit(find_silent, addresses)
+        code = _engage_heard(connection, by, reason, timeout, tell)
+        for what in silent.result():
+            tell(
+                Result(UNKNOWN, f"--connect {what}; NOT REACHED: a robot there was NOT STOPPED, use its battery switch")
+            )
+            code = UNKNOWN
+    return code
+
+
+def _engage_heard(
+    connection: RobotConnection, by: str, reason: str, timeout: float, tell: Callable[[Result], object]
+) -> int:
     monitor = RobotMonitor(connection.session)
     asking: dict[str, QueryClient[EStopEngage, EStopAnswer]] = {}
     stopped: set[str] = set()

@@ -34,18 +34,21 @@ def engage(
     """
     from giraff_cli.estop import client as it  # noqa: PLC0415
     from giraff_cli.estop.fallback import way_to_stop  # noqa: PLC0415
-    from giraff_cli.network.command import run_on_network  # noqa: PLC0415
+    from giraff_cli.network.command import print_error, run_on_network  # noqa: PLC0415
     from giraff_cli.network.user import user_at_host  # noqa: PLC0415
+    from giraff_node.network.reach import misspelled  # noqa: PLC0415
+
+    usable = [address for address in connect or () if not misspelled(address)]
 
     def stop(connection: RobotConnection) -> int:
         if connection.robot:
+            for address in set(connect or ()) - set(usable):
+                print_error(f"--connect {address} is left out: {misspelled(address)}")
             return _print(it.engage(connection, user_at_host(), reason, timeout))
-        return it.engage_all(connection, user_at_host(), reason, timeout, _print)
+        return it.engage_all(connection, user_at_host(), reason, timeout, connect or (), _print)
 
     # A robot that is reached another way is stopped, whatever is wrong with the address that was typed.
-    raise typer.Exit(
-        run_on_network(robot, connect or (), stop, lambda: way_to_stop(robot, connect or ()), must_reach=False)
-    )
+    raise typer.Exit(run_on_network(robot, usable, stop, lambda: way_to_stop(robot, usable), must_reach=False))
 
 
 @estop.command()

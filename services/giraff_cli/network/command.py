@@ -70,13 +70,13 @@ def run_on_network(
 ) -> int:
     """The exit code of `act` on the network, whose connection has no robot where nobody has named one; or UNUSABLE.
 
-    `lost`: the way out where robot file or environment cannot tell which robot it is, or on which network.
+    `lost`: of a stop, the way out where robot file or environment cannot tell which robot it is, or on which network.
     `must_reach`: an address of `connect` that does not answer is an error: another robot would be found in its place.
     """
     try:
         way = resolve_target(robot, connect)
     except NoRobotError as error:
-        return print_error(str(error))
+        return print_error(f"NOTHING IS STOPPED: {error}" if lost else str(error))
     except ConfigError as error:
         return print_error(f"{error}; {lost() if lost else CORRECT_IT}")
     if must_reach and not os.environ.get(_CAME_BACK) and (silent := find_silent(connect)):

@@ -6,7 +6,7 @@ import socket
 from collections.abc import Sequence
 from typing import Final
 
-from giraff_core.network import with_port
+from giraff_core.network import NetworkConfig, with_port
 
 _ANSWERS_WITHIN: Final = 2.0  # s; a host on Wi-Fi takes up to one
 
@@ -16,7 +16,18 @@ def find_silent(addresses: Sequence[str]) -> list[str]:
     return [f"{address}: {why}" for address in addresses if (why := _silence(address))]
 
 
+def misspelled(address: str) -> str:
+    """Why this cannot be an address; empty: it can."""
+    try:
+        NetworkConfig(connect=(address,))
+    except ValueError as error:
+        return str(error).removeprefix("connect: ")
+    return ""
+
+
 def _silence(address: str) -> str:
+    if why := misspelled(address):
+        return why
     host, _, port = with_port(address).rpartition(":")
     try:
         socket.create_connection((host.strip("[]"), int(port)), _ANSWERS_WITHIN).close()

@@ -1,5 +1,7 @@
 """The terminal, as another process has it: unechoed keys, and as it was before at every kind of end."""
 
+import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -9,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.terminals import Screen, screen
+from tests.support.waiting import wait
 
 PROGRAM = """
 import os, signal, sys
@@ -21,6 +24,9 @@ with Terminal() as terminal:
             terminal.show([repr(data)])
         if data == b"q":
             break
+        if data == b"b":
+            os.tcgetpgrp = lambda _: 0  # a shell has put it into the background
+            os.kill(os.getpid(), signal.SIGCONT)
         if data == b"!":
             raise RuntimeError("broken")
 sys.exit(7 if terminal.is_gone else 0)
@@ -52,6 +58,29 @@ def test_keys_come_one_by_one_and_unechoed_and_none_suspends_or_stalls(tmp_path:
         assert "w" not in shown.text.replace("b'w'", "")
         shown.type(b"q")
         assert shown.process.wait(60.0) == 0
+
+
+def test_once_a_shell_has_had_the_terminal_keys_come_one_by_one_again(tmp_path: Path) -> None:
+    """Ctrl-Z does nothing, but anybody may stop a program, and `fg` continues it."""
+    with program(tmp_path / "log") as shown:
+        shown.process.send_signal(signal.SIGSTOP)
+        os.waitpid(shown.process.pid, os.WUNTRACED)
+        shown.set_as_before()
+        shown.type(b"w")
+        shown.process.send_signal(signal.SIGCONT)
+        wait(lambda: not shown.is_restored(), what="its own setting")
+        shown.type(b" ")
+        shown.wait_for(repr(b" "))
+        assert "b'w" not in shown.text, "it was typed while nobody read"
+        shown.type(b"q")
+        assert shown.process.wait(60.0) == 0
+        assert shown.is_restored()
+
+
+def test_in_the_background_it_ends(tmp_path: Path) -> None:
+    with program(tmp_path / "log") as shown:
+        shown.type(b"b")
+        assert shown.process.wait(60.0) == 7, (tmp_path / "log").read_text()
 
 
 def test_a_closed_terminal_shows(tmp_path: Path) -> None:

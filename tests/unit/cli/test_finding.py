@@ -224,7 +224,29 @@ def test_an_address_that_does_not_answer_is_an_error(
     said = host.beside(OWN).types(*verb, "--connect", "192.168.1.9")
     assert (said.code, said.asked) == (2, "")
     assert "--connect 192.168.1.9: Connection refused; check the address" in said.complaint
-    assert host.types(*STOPS, "--connect", "192.168.1.9").asked == OWN, "a stop finds its way all the same"
+
+
+@pytest.mark.parametrize(
+    ("address", "why"), [("192.168.1.9", "Connection refused"), ("", "is no address"), ("robot host", "is no address")]
+)
+def test_a_stop_finds_its_way_all_the_same_and_what_was_not_reached_is_not_done(
+    host: Host, monkeypatch: pytest.MonkeyPatch, address: str, why: str
+) -> None:
+    def refuse(*_: object) -> None:
+        raise ConnectionRefusedError(111, "Connection refused")
+
+    monkeypatch.setattr(socket, "create_connection", refuse)
+    said = host.beside(OWN).types(*STOPS, "--connect", address)
+    assert (said.code, said.asked) == (2, OWN)
+    assert f"--connect {address}: " in said.complaint
+    assert f"{why}" in said.complaint
+    assert "NOT REACHED: a robot there was NOT STOPPED" in said.complaint
+
+
+def test_a_stop_of_no_possible_robot_says_that_nothing_is_stopped(host: Host) -> None:
+    said = host.beside(OWN).types(*STOPS, "--robot", "sim vm")
+    assert (said.code, said.asked) == (2, "")
+    assert "NOTHING IS STOPPED" in said.complaint
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1:70000", "127.0.0.1:x", "no such host"])
