@@ -68,14 +68,14 @@ class Robot:
         self,
         name: str | None = None,
         *,
-        connect: Sequence[str] = (),
+        connect: str | Sequence[str] = (),
         operator: str = "script",
         patience: float = 5.0,
     ) -> None:
         self.name = name or ""
         """Of the robot; once it is found, if it was not given."""
         self._given = name
-        self._connect = connect
+        self._connect = [connect] if isinstance(connect, str) else connect
         self._operator = require_chunk(operator)
         self._patience = patience
         self._instance = secrets.token_hex(8)
@@ -153,7 +153,9 @@ class Robot:
         because somebody has reset something. A robot that nobody has named takes a typed yes, unless it is the
         simulation of this host. Raises RobotError.
         """
-        if not self._is_named and self._session is not None:
+        if self._session is None:
+            raise NoRobotError(_OUTSIDE)
+        if not self._is_named:
             try:
                 require_consent(self._session, self.name, f'Robot("{self.name}")')
             except UnknownRobotError as error:

@@ -114,7 +114,7 @@ class Authority:
             return complaint
         if self._ended:
             return f"nobody drives, since {self._ended}; {_HOW_TO_ASK}"
-        return "no operator is heard; start giraff_joystick or giraff_keyboard"
+        return "no operator is heard; start giraff drive or giraff_joystick"
 
     def _consider(self, command: DriveCommand, now: RobotTime) -> None:
         """Grant the lease to a fresh asker, if it may have it."""

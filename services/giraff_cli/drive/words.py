@@ -14,7 +14,7 @@ _OF_KEYS: Final = {
     "tilt or press a drive key to take it, then hold level with no key pressed to arm": (
         "press an arrow key to take it, then let go of all keys to arm"
     ),
-    "no operator is heard; start giraff_joystick or giraff_keyboard": (
+    "no operator is heard; start giraff drive or giraff_joystick": (
         "nobody drives; press an arrow key or c to ask, then let go of all keys to arm"
     ),
     RESET_COMMAND: "press r",

@@ -5,13 +5,14 @@ Each answers with an exit code and a word for people. Nothing is taken for done 
 
 from __future__ import annotations
 
+import shlex
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
-from giraff_core.estop import RESET_COMMAND
+from giraff_cli.terminal.program import called_here
 from giraff_node.config.robot_file import DEFAULT_FILE
 from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, others
 from giraff_node.network.query_client import QueryClient, request_estop
@@ -41,7 +42,7 @@ def engage(connection: RobotConnection, by: str, reason: str, timeout: float) ->
     asking = request_estop(connection.session, robot, by=by, reason=reason)
     answer = _answer(asking, deadline)
     if answer is not None:
-        return _confirmed(robot, answer)
+        return _confirmed(connection, robot, answer)
     code, text = _unconfirmed(robot, asking, timeout)
     return Result(code, text + others(connection.session, robot) if code == UNKNOWN else text)
 
@@ -85,7 +86,7 @@ def _engage_heard(
         for robot in sorted(asking.keys() - stopped):
             if (answer := asking[robot].poll(now)) is not None:
                 stopped.add(robot)
-                tell(_confirmed(robot, answer))
+                tell(_confirmed(connection, robot, answer))
         if asking and len(stopped) == len(asking) and now - newest > _NEWCOMERS:
             break
         time.sleep(_TURN)
@@ -102,8 +103,10 @@ def _engage_heard(
     return max(codes)
 
 
-def _confirmed(robot: str, answer: EStopAnswer) -> Result:
-    return Result(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{RESET_COMMAND}`")
+def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer) -> Result:
+    way = [word for address in connection.network.connect for word in ("--connect", address)]
+    release = shlex.join([*called_here(), "estop", "reset", "--robot", robot, *way])
+    return Result(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{release}`")
 
 
 def _unconfirmed(robot: str, asking: QueryClient[EStopEngage, EStopAnswer], timeout: float) -> Result:

@@ -57,7 +57,9 @@ def run_with_robot(
 
 def naming(robot: str) -> str:
     """The command that was typed, with the robot named in it."""
-    return shlex.join([*called_here(), *sys.argv[1:], "--robot", robot])
+    words = sys.argv[1:]
+    end = words.index("--") if "--" in words else len(words)  # what comes after it is no option
+    return shlex.join([*called_here(), *words[:end], "--robot", robot, *words[end:]])
 
 
 def run_on_network(

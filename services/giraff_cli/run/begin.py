@@ -78,7 +78,7 @@ def _with_directory(plan: Plan, network: NetworkConfig, connection: RobotConnect
     code = FAILED
     try:
         robot = SimulatedRobot(plan, network.rendezvous, directory.path)
-        code = Run(plan, robot, connection, stopping, hint=f"drive it: {invitation.command('drive')}").run()
+        code = Run(plan, robot, connection, stopping, hints=invitation.hints).run()
     finally:
         if code == DONE:
             directory.remove()

@@ -33,6 +33,11 @@ class Invitation:
         connect = ["--connect", self.connect] if self.connect else []
         return shlex.join([*file, *self.giraff, *verb, *robot, *connect])
 
+    @property
+    def hints(self) -> list[str]:
+        """What must be at hand at any moment."""
+        return [f"drive it: {self.command('drive')}", f"stop it:  {self.command('estop', 'engage')}"]
+
     def lines(self) -> list[str]:
         """Drive it, stop it, ask it why it does not move, watch it."""
         return [self.command(*verb) for verb in _VERBS]

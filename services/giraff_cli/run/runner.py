@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import sys
 import time
+from collections.abc import Sequence
 from typing import Any, Final
 
 from giraff_cli.network.connection import RobotConnection
@@ -65,14 +66,14 @@ class Run:
         connection: RobotConnection,
         stopping: StopSignal,
         *,
-        hint: str,
+        hints: Sequence[str],
     ) -> None:
-        """`hint`: what a person can do, in one line."""
+        """`hints`: what a person can do, a line each."""
         self._plan = plan
         self._robot = robot
         self._connection = connection
         self._stopping = stopping
-        self._hint = hint
+        self._hints = hints
         self._joystick = Joystick(robot, is_driven=plan.driver == "demo")
         self._driver: Driver | None = None
         self._screen: Screen = NullScreen()
@@ -187,7 +188,7 @@ class Run:
             seed=self._plan.seed,
             elapsed=0.0 if self._began_ns is None else (now_ns - self._began_ns) * 1e-9,
             seconds=self._plan.seconds,
-            hint=self._hint,
+            hints=self._hints,
             note=self._joystick.note,
             services={service: self._standing(service, telemetry) for service in START_ORDER},
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),

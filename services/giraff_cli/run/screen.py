@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -32,8 +33,8 @@ class Frame:
     """s since the run began."""
     seconds: float | None
     """How long it is to go on; None: until Ctrl-C."""
-    hint: str
-    """What a person can do, in one line."""
+    hints: Sequence[str]
+    """What a person can do, a line each."""
     note: str
     """What the demonstration does instead of driving; empty: it drives."""
     services: dict[str, Standing]
@@ -61,14 +62,19 @@ class RunView:
         return f"{told} | {self.frame.note}" if self.frame.note else told
 
 
+def _hints(frame: Frame) -> list[str]:
+    """As many rows whatever they say."""
+    first, *others = frame.hints
+    return [frame.note or first, *others]
+
+
 def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
     """The picture."""
     truth = snapshot.truth
     return Group(
         _header(frame),
-        Text(printable(frame.note or frame.hint), style="green", no_wrap=True, overflow="ellipsis"),
+        *(Text(printable(hint), style="green", no_wrap=True, overflow="ellipsis") for hint in _hints(frame)),
         beside(_poses(snapshot), blocks.motion(truth.path, truth.speed, truth.turn), _hand(snapshot)),
-        Text(),
         beside(blocks.ranges(snapshot), blocks.base(snapshot, ("command", _age(snapshot)))),
         blocks.guard(snapshot),
         blocks.command(snapshot),

@@ -185,10 +185,9 @@ def find_robot(session: zenoh.Session, filed: str, patience: float) -> str:
 def settle(session: zenoh.Session, found: Sequence[str], filed: str, *, asks: bool = True) -> str:
     """Which of these, at least one, that are there. Raises NoRobotError. `asks`: a person at a terminal."""
     robot, remark = choose(found, filed)
-    robot = robot or consent.pick(found, lambda name: host_of(session, name), asks=asks)
     if remark:
-        consent.tell(f"{remark}; this is {robot}")
-    return robot
+        consent.tell(f"{remark}; this is {robot}" if robot else remark)
+    return robot or consent.pick(found, lambda name: host_of(session, name), asks=asks)
 
 
 def require_consent(session: zenoh.Session, robot: str, line: str) -> None:

@@ -299,7 +299,7 @@ def test_the_picture_of_the_page_is_this_screen() -> None:
     desk.person.wait(42.0)
     ranges = reading("front_left", 0.62), reading("front_right", None, "clear"), reading("rear", 1.04)
     samples = (base(), msgspec.structs.replace(guard(near), reason=""), estop(), Battery(voltage=24.3))
-    desk.take(*samples, odometry(0, 1.25, 0.5, 0.3), *ranges)
+    desk.take(*samples, msgspec.structs.replace(odometry(0, 1.25, 0.5, 0.3), linear_x=0.15), *ranges)
     for _ in range(3):
         desk.person.wait(0.2)
         desk.take(*ranges)

@@ -15,6 +15,7 @@ import pytest
 import giraff_cli.estop.client as it
 from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
+from giraff_core.network import NetworkConfig
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Tick
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, alive_key, key_of
@@ -37,7 +38,8 @@ class Network:
     def __init__(self) -> None:
         self.clock = Clock()
         self.session = Session(self.clock)
-        self.connection = RobotConnection(ROBOT, cast(Any, self.session))
+        at = NetworkConfig(connect=("192.168.1.20",))
+        self.connection = RobotConnection(ROBOT, cast(Any, self.session), network=at)
 
     @contextmanager
     def base(
@@ -84,10 +86,13 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     return made
 
 
-def test_engaging_is_told_once_base_confirms_it(network: Network) -> None:
+def test_engaging_is_told_once_base_confirms_it(network: Network, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shutil.which", lambda _: None)
+    monkeypatch.setattr("sys.argv", ["/my clone/giraff", "estop", "engage"])
     with network.base() as asked:
         code, text = engage(network.connection, "me", "a cat", 10.0)
-    assert (code, text) == (0, f"{ROBOT}: STOPPED, latch 8; it stays so until `giraff estop reset`")
+    release = f"'/my clone/giraff' estop reset --robot {ROBOT} --connect 192.168.1.20"
+    assert (code, text) == (0, f"{ROBOT}: STOPPED, latch 8; it stays so until `{release}`")
     assert [request for request, _ in asked] == [EStopEngage(by="me", reason="a cat")]
     assert network.clock.monotonic() < 0.1
 
@@ -202,3 +207,16 @@ def test_silence_is_no_status(network: Network) -> None:
     for told in (status(network.connection, 0.3), reset(network.connection, "me", 0.3)):
         assert told.code == 2
         assert told.text.startswith(f"UNKNOWN: nothing is heard on {key_of(ROBOT, ESTOP)} after 0.3 s")
+
+
+def test_a_stop_of_all_is_not_done_where_an_address_does_not_answer_though_others_are_stopped(
+    network: Network, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told: list[it.Result] = []
+    monkeypatch.setattr(it, "_engage_heard", lambda *_: it.RELEASED)
+    monkeypatch.setattr(it, "find_silent", lambda addresses: [f"{address}: No route to host" for address in addresses])
+    for addresses, code in (((), 0), (("192.168.1.9",), 2)):
+        assert it.engage_all(network.connection, "me", "a cat", 10.0, addresses, told.append) == code
+    assert [result.text for result in told] == [
+        "--connect 192.168.1.9: No route to host; NOT REACHED: a robot there was NOT STOPPED, use its battery switch"
+    ]

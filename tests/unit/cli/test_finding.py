@@ -88,6 +88,7 @@ NOBODY: tuple[str, ...] = ()
         ((OWN,), REAL, OWN, f"{REAL}, which {FILE} names, is not heard; this is {OWN}"),
         ((OTHER,), "", OTHER, ""),
         ((REAL,), "", REAL, ""),
+        ((OWN, OTHER), REAL, "", f"{REAL}, which {FILE} names, is not heard\n"),
         ((REAL,), REAL, REAL, ""),
         ((OWN, REAL), REAL, REAL, ""),
         ((OWN, REAL), "", "", f"name one: --robot {REAL}, --robot {OWN} (or GIRAFF_ROBOT_NAME)"),
@@ -139,6 +140,12 @@ def test_nothing_is_moved_released_or_set_of_a_robot_that_nobody_has_named(
     said = host.beside(OTHER).types(*verb)
     assert said.code == 2
     assert "nobody has named it" in said.complaint
+
+
+def test_the_line_to_paste_is_one_that_names_the_robot(host: Host, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shutil.which", lambda name: name)
+    said = host.beside(REAL).types("param", "set", "--", "guard.margin", "0.3")
+    assert f"if it is meant: giraff param set --robot {REAL} -- guard.margin 0.3" in said.complaint
 
 
 @pytest.mark.parametrize("named_by", ["option", "environment", "file"])

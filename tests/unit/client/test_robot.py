@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Never
 
@@ -188,7 +188,7 @@ def test_a_blocked_way_is_told_to_who_asks(network: Network, robot: Robot) -> No
 
 def test_what_is_read_outside_of_its_block_says_so() -> None:
     robot = Robot("sim-test")
-    for read in (robot.odom, robot.ranges, robot.battery):
+    for read in (robot.odom, robot.ranges, robot.battery, robot.arm, lambda: robot.drive(0.1, 0.0)):
         with pytest.raises(NoRobotError, match=r"use it as `with Robot\(\) as robot:`"):
             read()
 
@@ -212,6 +212,22 @@ def test_a_robot_that_nobody_has_named_and_that_is_no_simulation_of_this_host_ta
         with found, pytest.raises(NoRobotError, match="nobody has named it"):
             found.drive(0.1, 0.0)
     assert asked == [("sim-test", 'Robot("sim-test")')] * 2
+
+
+def test_one_address_is_an_address(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[str] = []
+
+    def find_silent(addresses: Sequence[str]) -> list[str]:
+        asked.extend(addresses)
+        return ["192.168.1.9: Connection refused"]
+
+    monkeypatch.setattr(giraff_client.robot, "find_silent", find_silent)
+    with (
+        pytest.raises(NoRobotError, match=r"connect: 192\.168\.1\.9: Connection refused"),
+        Robot(connect="192.168.1.9"),
+    ):
+        pass
+    assert asked == ["192.168.1.9"]
 
 
 def test_it_can_be_used_again(network: Network) -> None:

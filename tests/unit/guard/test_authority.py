@@ -286,7 +286,7 @@ def test_a_higher_priority_at_fault_or_late_takes_nothing(held: Room) -> None:
 
 
 def test_while_nobody_drives_the_reason_is_the_newest_askers(room: Room) -> None:
-    assert "start giraff_joystick or giraff_keyboard" in room.authority.reason(room.now)
+    assert "start giraff drive or giraff_joystick" in room.authority.reason(room.now)
     room.say("A", 0, age=5.0)
     assert "joystick: its command is 5.0 s old; check its link" in room.authority.reason(room.now)
     room.wait(1.1)

@@ -30,7 +30,7 @@ def test_before_any_operator_nothing_passes() -> None:
     assert command.neutral
     assert not command.hand_neutral
     assert command.source == "fault"
-    assert "start giraff_joystick" in command.reason
+    assert "start giraff drive" in command.reason
     assert state.operator == ""
 
 
