@@ -156,7 +156,7 @@ class EStop(Sample, frozen=True, kw_only=True):
     """Who engaged it, or reset it."""
     reason: str
     engaged_ns: int = 0
-    """Robot time at which it was newly asked for, also of a latch that was engaged already; 0: not since base began."""
+    """Robot time of the newest request to stop, also of one that finds it engaged; 0: none since base began."""
 
 
 class SerialLine(Sample, frozen=True, kw_only=True):
@@ -193,7 +193,7 @@ class EStopReset(msgspec.Struct, frozen=True, kw_only=True):
     tick: RobotTime | None
     """Of the human's wish: an old reset clears nothing newer."""
     engaged_ns: int | None = None
-    """`EStop.engaged_ns` as it was shown: a stop that was asked for again since is not cleared. None: it was not."""
+    """`EStop.engaged_ns` as it was shown: base clears no stop that has a newer one. None: it was not shown."""
 
 
 class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):

@@ -56,7 +56,7 @@ class DriveTerminal(RawTerminal):
             self.is_gone = True
 
     def show_anew(self) -> None:
-        self._page.is_spoilt = True
+        self._page.has_lost_page = True
 
     def _leave(self) -> None:
         with contextlib.suppress(OSError):  # it may be gone
@@ -78,13 +78,13 @@ class _Page(Live):
             redirect_stderr=False,
         )
         self._on_failure = on_failure
-        self.is_spoilt = False
+        self.has_lost_page = False
         """The shell has had the screen."""
 
     def refresh(self) -> None:
         try:
-            if self.is_spoilt:
-                self.is_spoilt = False
+            if self.has_lost_page:
+                self.has_lost_page = False
                 self.console.control(Control.alt_screen(enable=True), Control.show_cursor(show=False))
             super().refresh()
         except OSError:

@@ -36,14 +36,14 @@ def engage(
     from giraff_cli.estop.fallback import way_to_stop  # noqa: PLC0415
     from giraff_cli.network.command import print_error, run_on_network  # noqa: PLC0415
     from giraff_cli.network.user import user_at_host  # noqa: PLC0415
-    from giraff_node.network.reach import misspelled  # noqa: PLC0415
+    from giraff_node.network.reach import address_fault  # noqa: PLC0415
 
-    usable = [address for address in connect or () if not misspelled(address)]
+    usable = [address for address in connect or () if not address_fault(address)]
 
     def stop(connection: RobotConnection) -> int:
         if connection.robot:
             for address in set(connect or ()) - set(usable):
-                print_error(f"--connect {address} is left out: {misspelled(address)}")
+                print_error(f"--connect {address} is left out: {address_fault(address)}")
             return _print(it.engage(connection, user_at_host(), reason, timeout))
         return it.engage_all(connection, user_at_host(), reason, timeout, connect or (), _print)
 

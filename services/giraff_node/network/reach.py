@@ -16,7 +16,7 @@ def find_silent(addresses: Sequence[str]) -> list[str]:
     return [f"{address}: {why}" for address in addresses if (why := _silence(address))]
 
 
-def misspelled(address: str) -> str:
+def address_fault(address: str) -> str:
     """Why this cannot be an address; empty: it can."""
     try:
         NetworkConfig(connect=(address,))
@@ -26,7 +26,7 @@ def misspelled(address: str) -> str:
 
 
 def _silence(address: str) -> str:
-    if why := misspelled(address):
+    if why := address_fault(address):
         return why
     host, _, port = with_port(address).rpartition(":")
     try:

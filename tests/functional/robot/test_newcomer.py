@@ -7,7 +7,6 @@ import re
 import shlex
 import signal
 import subprocess
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,8 +22,6 @@ from tests.support.typist import hold, take
 from tests.support.waiting import wait
 
 HOME = "home"
-GOES_ON = ("watch", "record")
-"""Until Ctrl-C."""
 _UP = b"\x1b[A"
 _PATH = re.compile(r"path +(\d+\.\d+) m")
 _README = re.compile(r"## Stop it, and ask it why\n.*?```sh\n(.*?)```", re.DOTALL)
@@ -68,13 +65,12 @@ class Newcomer:
         return {shlex.split(line)[1]: line for line in lines}
 
     @property
-    def path(self) -> float:
-        """m that the robot has driven, by the world's truth."""
-        driven = _PATH.findall(self.said)
-        return float(driven[-1]) if driven else 0.0
+    def paths(self) -> list[float]:
+        """m that the robot has driven, by the world's truth, second by second."""
+        return [float(path) for path in _PATH.findall(self.said)]
 
     def pastes(self, line: str) -> tuple[int, str]:
-        """Exit code, and what it said. What goes on is ended by Ctrl-C a second after its first word."""
+        """Exit code, and what it said. What goes on is ended by Ctrl-C."""
         command = self._at_home("sh", "-c", f"exec {line}")
         with subprocess.Popen(
             command,
@@ -88,9 +84,12 @@ class Newcomer:
             try:
                 assert process.stdout is not None
                 begins = ""
-                if any(verb in line for verb in GOES_ON):
+                if line.endswith("watch"):
+                    begins = next(process.stdout) + next(process.stdout)
+                    process.send_signal(signal.SIGINT)
+                if line.endswith("record"):
                     begins = next(process.stdout)
-                    time.sleep(1.0)  # something to watch, or to record
+                    wait(self._has_record, PATIENCE, what="nothing is recorded")
                     process.send_signal(signal.SIGINT)
                 rest, _ = process.communicate(timeout=PATIENCE)
             finally:
@@ -103,6 +102,9 @@ class Newcomer:
         command = self._at_home("sh", "-c", f"cd {shlex.quote(str(self.folder))} && exec {line}")
         with screen(["/usr/bin/env", *command], self.folder.with_name("errors"), self.environment) as shown:
             yield shown
+
+    def _has_record(self) -> bool:
+        return any(file.stat().st_size > 10_000 for file in self.folder.glob("*.mcap"))
 
     def _at_home(self, *words: str) -> list[str]:
         return self._home.command(HOME, *words)
@@ -121,13 +123,16 @@ def newcomer(tmp_path: Path) -> Iterator[Newcomer]:
 
 def drive(newcomer: Newcomer, shown: Screen, metres: float) -> None:
     """Hold a key down until the robot has driven so far; let go and take it again where it was late, and stands."""
-    begins, deadline = newcomer.path, time.monotonic() + PATIENCE
-    while newcomer.path - begins < metres:
-        assert time.monotonic() < deadline, f"{newcomer.path - begins} m: {shown.read()[-3000:]}"
-        before = newcomer.path
+    begins = newcomer.paths[-1]
+
+    def has_driven() -> bool:
+        before = newcomer.paths[-1]
         hold(shown, _UP, 3.0)
-        if newcomer.path == before:
+        if newcomer.paths[-1] == before:
             take(shown, _UP)
+        return newcomer.paths[-1] - begins >= metres
+
+    wait(has_driven, PATIENCE, what=lambda: f"{metres} m: {shown.read()[-3000:]}")
 
 
 def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer: Newcomer) -> None:
@@ -138,10 +143,10 @@ def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer:
         shown.wait_for("not yours: demo drives", PATIENCE)
         take(shown, _UP)
         drive(newcomer, shown, 1.0)
-        time.sleep(1.5)
-        stands = newcomer.path
-        time.sleep(1.5)
-        assert newcomer.path == stands, "it drives on with no key held"
+        wait(lambda: newcomer.paths[-1] == newcomer.paths[-2], PATIENCE, what="it drives on with no key held")
+        stands, seconds = newcomer.paths[-1], len(newcomer.paths)
+        wait(lambda: len(newcomer.paths) > seconds, PATIENCE, what="another second")
+        assert newcomer.paths[-1] == stands
         shown.type(b"\x03")
         assert shown.ended(PATIENCE) == 0
         assert shown.is_restored()
@@ -162,4 +167,4 @@ def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer:
     for line in lines:
         code, told = newcomer.pastes(line)
         assert code == (1 if line == "giraff why" else 0), f"{line}: {told}"  # something stops it: nobody drives
-    assert newcomer.path == stands, "what only asks, stops or releases has moved it"
+    assert newcomer.paths[-1] == stands, "what only asks, stops or releases has moved it"
