@@ -54,7 +54,7 @@ class Query(msgspec.Struct, Generic[RequestT, AnswerT], frozen=True):
 
 TICK = Topic("tick", m.Tick, 50, "control")
 TILT = Topic("tilt", m.Tilt, 50, "state")
-OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 30, "control", "operator")
+OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 50, "control", "operator")
 LEASE = Topic("lease", m.Lease, 10, "control")
 RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control", "sensor")
 CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control")

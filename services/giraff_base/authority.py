@@ -47,8 +47,8 @@ class Authority:
         """What is wrong, with the way out; empty where nothing is."""
         return {"guard": self.binding.intruder, "battery": self.battery.warning, "wiring": self._unchecked}
 
-    def on_command(self, command: GuardedCommand, now: RobotTime, at_rest: bool) -> None:
-        """Take a command of a guard. `at_rest`: the wheels stand still."""
+    def on_command(self, command: GuardedCommand, now: RobotTime, at_rest: bool) -> bool:
+        """Take a command of a guard; whether it counts. `at_rest`: the wheels stand still."""
         self._watch(now)
         if self._command is not None:
             self._disarm_if_stale(self._command, now)  # before a fresh one can hide it
@@ -56,10 +56,11 @@ class Authority:
         self._refused = self.binding.admit(command, now, at_rest)
         if self._refused:
             self._refused_ns = now.robot_ns
-            return
+            return False
         self._command = command
         if not self._forbid(now):
             self.arming.consider(command, now)
+        return True
 
     def wanted(self, now: RobotTime) -> tuple[float, float, str]:
         """The twist that may be driven now, and why it is less than the command."""

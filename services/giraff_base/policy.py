@@ -40,7 +40,7 @@ class BasePolicy:
     """The second of the four safety layers.
 
     Feed it what arrives (`on_…`) and send what `next_frame` answers: the board's reports are the clock of the loop,
-    because a frame is only as good as the board time it echoes.
+    because a frame is only as good as the board time it echoes. Between two of them a new command has one frame more.
     """
 
     def __init__(self, config: BaseConfig, robot: RobotConfig, latch: EStopLatch) -> None:
@@ -54,6 +54,7 @@ class BasePolicy:
         self._report: WheelsFrame | None = None
         self._reported_ns = 0
         self._answered = False
+        self._may_hurry = False  # a command may have a frame before the next report
         self._releasing = False  # a reset has not reached the board yet
         self._link_fault = ""
         self._session = 0
@@ -99,6 +100,7 @@ class BasePolicy:
             self._link_fault = ""
             self._report, self._reported_ns = report, now.robot_ns
             self._answered = False
+            self._may_hurry = True
             self._adopt_latch(report, now)
             if (battery := self.battery()) is not None:
                 self._authority.battery.take(battery.voltage, now.robot_ns)
@@ -107,8 +109,10 @@ class BasePolicy:
         return samples
 
     def on_command(self, command: GuardedCommand, now: RobotTime) -> None:
-        """Take a command of a guard."""
-        self._authority.on_command(command, now, self._reports.at_rest)
+        """Take a command of a guard. One that counts goes down at once, and the next ones with the board's report."""
+        if self._authority.on_command(command, now, self._reports.at_rest) and self._may_hurry:
+            self._may_hurry = False
+            self._answered = False
 
     def on_engage(self, asked: EStopEngage, now: RobotTime) -> EStopAnswer:
         """Stop, from the next frame on. Whether it is on disk is not answered here."""
@@ -132,7 +136,7 @@ class BasePolicy:
         return self._estop.answer(refusal)
 
     def next_frame(self, now: RobotTime) -> Frame | None:
-        """The answer to the board's newest report; None when it has been answered, or there is none."""
+        """The answer to the board's newest report; None when there is none, or no news since it was answered."""
         report = self._report
         if report is None or self._answered:
             return None

@@ -17,7 +17,7 @@ from giraff_schemas.wire import BASE_BAUD, BoardKind
 class Base:
     """Reads the base board, `cmd_vel` and what is asked of the emergency stop; writes `tick`, `wheels` and its state.
 
-    A report of the board makes a turn due: the answer to it is the frame that drives.
+    A report of the board makes a turn due, and so does a command: the frame that drives answers either.
     """
 
     def __init__(self, io: IO, config: BaseConfig, robot: RobotConfig, policy: type[BasePolicy] = BasePolicy) -> None:

@@ -1,4 +1,14 @@
-"""Fixed rates without bursts."""
+"""Fixed rates without bursts, and turns that need not wait for them."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+LEAST_GAP: Final = 0.005
+"""s between two early turns for one cause: a flood makes no more of them."""
+_PATIENCE: Final = 1.25
+"""Periods from an early turn to the next regular one."""
 
 
 class Timer:
@@ -22,3 +32,34 @@ class Timer:
     def wait(self, now: float) -> float:
         """Seconds until the next turn; 0 when it is due."""
         return 0.0 if self._next is None else max(0.0, self._next - now)
+
+
+class PromptTimer(Timer):
+    """A fixed rate, and at once what cannot wait for it.
+
+    An early turn puts off the next regular one, by a little more than a period: what comes at this very rate makes all
+    the turns by itself then, although it comes now and then a bit late.
+    """
+
+    def __init__(self, rate_hz: float) -> None:
+        super().__init__(rate_hz)
+        self._early_at: dict[str, float] = {}  # by cause, when the turn that it asks for is due
+        self._last: dict[str, float] = {}  # and when it had its last one
+
+    def hurry(self, cause: str, now: float) -> None:
+        """Have a turn come now, or `LEAST_GAP` after the last one for this cause."""
+        self._early_at.setdefault(cause, max(now, self._last.get(cause, -math.inf) + LEAST_GAP))
+
+    def due(self, now: float) -> bool:
+        early = [cause for cause, at in self._early_at.items() if at <= now]
+        if not (early or super().due(now)):
+            return False
+        if early:
+            self._last.update(dict.fromkeys(early, now))
+            self._next = now + _PATIENCE * self.period
+        self._early_at.clear()  # a turn takes all that has come, whoever asked for it
+        return True
+
+    def wait(self, now: float) -> float:
+        early = min(self._early_at.values(), default=math.inf)
+        return min(super().wait(now), max(0.0, early - now))

@@ -50,12 +50,12 @@ class Authority:
         """Judge by this from now on."""
         self._config = config
 
-    def on_command(self, command: DriveCommand, now: RobotTime) -> None:
-        """Take a command of any operator."""
+    def on_command(self, command: DriveCommand, now: RobotTime) -> bool:
+        """Take a command of any operator. True: it is the newest word of who holds the lease now."""
         self.review(now)
         theirs = bool(self.holder) and command.instance == self.holder
         if theirs and not self._seq < command.seq <= self._seq + _MOST_AHEAD:
-            return
+            return False
         if theirs:
             if command.source == "fault" and (self.command is None or self.command.source != "fault"):
                 self.faults += 1
@@ -68,6 +68,7 @@ class Authority:
             self._consider(command, now)
         elif theirs and command.lease_counter == self.counter:
             self._count(command, now)
+        return theirs or (bool(self.holder) and command.instance == self.holder)
 
     def review(self, now: RobotTime) -> None:
         """End a lease that nobody makes use of."""

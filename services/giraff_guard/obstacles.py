@@ -55,11 +55,14 @@ class Obstacles:
         for sensor in self._sensors.values():
             sensor.reconfigure(config)
 
-    def on_range(self, reading: Range, now: RobotTime) -> None:
-        """A reading newer than the last of its sensor. One of a sensor that the robot file lacks says nothing."""
+    def on_range(self, reading: Range, now: RobotTime) -> bool:
+        """A reading newer than the last of its sensor. One of a sensor that the robot file lacks says nothing.
+
+        True: less may pass now than has passed last.
+        """
         sensor = self._sensors.get(reading.sensor)
         if sensor is None:
-            return
+            return False
         self._motion.look(now)
         sensor.on_range(reading, self._motion, now)
         for direction in (self._forward, self._backward):
@@ -67,6 +70,10 @@ class Obstacles:
         ping = sensor.newest
         if ping is not None and self._motion.heard:
             self._echoes.take(sensor, ping, self._motion.travel)
+        self.judge(now)
+        allowed = self._limited(*self._asked, now)
+        passed = self._passed
+        return abs(allowed.linear_x) < abs(passed.linear_x) or abs(allowed.angular_z) < abs(passed.angular_z)
 
     def on_wheels(self, wheels: Wheels, now: RobotTime) -> None:
         """A report newer than the last; one of no known age says nothing."""
@@ -103,6 +110,13 @@ class Obstacles:
 
     def limit(self, linear_x: float, angular_z: float, now: RobotTime) -> Limited:
         """What is let through of a twist, by the verdicts of this turn."""
+        limited = self._limited(linear_x, angular_z, now)
+        self._asked, self._passed = (linear_x, angular_z), limited
+        self._motion.on_passed(limited.linear_x, limited.angular_z, now)
+        return limited
+
+    def _limited(self, linear_x: float, angular_z: float, now: RobotTime) -> Limited:
+        """What may be let through of a twist."""
         linear, angular, reason = self._within_the_robots_means(linear_x, angular_z)
         range_tick = None
         if linear != 0.0:
@@ -124,7 +138,6 @@ class Obstacles:
             if abs(angular) > turn.allowed:
                 angular = math.copysign(turn.allowed, angular)
                 reason = reason or f"turning slowed: {turn.reason}"
-        self._motion.on_passed(linear, angular, now)
         return Limited(linear, angular, reason, range_tick)
 
     def _begin(self) -> None:
@@ -137,6 +150,8 @@ class Obstacles:
         self._backward = Direction("backward", config, robot, sensors)
         unjudged = Verdict(allowed=0.0, freedom="blocked", sensor="", reason="nothing is judged yet", way_out="wait")
         self._verdicts = Verdicts(unjudged, unjudged, unjudged, unjudged, {})
+        self._asked = (0.0, 0.0)  # when it was limited last, and what has passed of it
+        self._passed = Limited(0.0, 0.0, "", None)
 
     def _turn(self) -> Verdict:
         """Turning in place sweeps nothing beyond the footprint's disc; what touches that is turned past slowly."""

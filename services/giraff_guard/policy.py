@@ -44,19 +44,20 @@ class GuardPolicy:
         if self._identity.on_tick(tick, robot_ns):
             self._obstacles.forget()
 
-    def on_range(self, reading: Range, robot_ns: int) -> None:
-        """Take a sensor's reading."""
-        if self._identity.admits_range(reading, robot_ns):
-            self._obstacles.on_range(reading, self._identity.now(robot_ns))
+    def on_range(self, reading: Range, robot_ns: int) -> bool:
+        """Take a sensor's reading. True: it blocks or slows a direction, which cannot wait for the next decision."""
+        if not self._identity.admits_range(reading, robot_ns):
+            return False
+        return self._obstacles.on_range(reading, self._identity.now(robot_ns))
 
     def on_wheels(self, wheels: Wheels, robot_ns: int) -> None:
         """Take what the wheels do."""
         if self._identity.admits_wheels(wheels, robot_ns):
             self._obstacles.on_wheels(wheels, self._identity.now(robot_ns))
 
-    def on_command(self, command: DriveCommand, robot_ns: int) -> None:
-        """Take an operator's command."""
-        self._authority.on_command(command, self._identity.now(robot_ns))
+    def on_command(self, command: DriveCommand, robot_ns: int) -> bool:
+        """Take an operator's command. True: it is a word of who drives, which cannot wait for the next decision."""
+        return self._authority.on_command(command, self._identity.now(robot_ns))
 
     def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
         """What to let through now, the verdict for each direction, and whom the guard obeys."""

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Timer
+from giraff_core.timer import PromptTimer, Timer
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
 from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, RANGE, TICK, WHEELS
 
 
 class Guard:
-    """Reads `tick`, `wheels`, `range/*` and `cmd_vel/*`; writes `cmd_vel`, and `lease` and `guard` about it."""
+    """Reads `tick`, `wheels`, `range/*` and `cmd_vel/*`; writes `cmd_vel`, and `lease` and `guard` about it.
+
+    It decides at once on what may stop or turn the robot, and at its rate on all the rest.
+    """
 
     link = None
 
@@ -25,22 +28,25 @@ class Guard:
         self._ticks, self._ranges = io.inbox(TICK), io.inbox(RANGE)
         self._wheels, self._commands = io.inbox(WHEELS), io.inbox(OPERATOR_CMD_VEL)
         self._guarded, self._states, self._leases = io.publisher(CMD_VEL), io.publisher(GUARD), io.publisher(LEASE)
-        self._timer, self._state_timer, self._lease_timer = (Timer(topic.rate_hz) for topic in (CMD_VEL, GUARD, LEASE))
+        self._timer = PromptTimer(CMD_VEL.rate_hz)
+        self._state_timer, self._lease_timer = Timer(GUARD.rate_hz), Timer(LEASE.rate_hz)
         self.timers = (self._timer,)
         self._reason, self._counter = "", 0
 
     def turn(self, now: float) -> None:
-        if not self._timer.due(now):
-            return
         policy, clock = self._policy, self._io.robot_ns
         for tick in self._ticks.take():
             policy.on_tick(tick, clock())
         for reading in self._ranges.take():
-            policy.on_range(reading, clock())
+            if policy.on_range(reading, clock()):
+                self._timer.hurry("range", now)
         for report in self._wheels.take():
             policy.on_wheels(report, clock())
         for command in self._commands.take():
-            policy.on_command(command, clock())
+            if policy.on_command(command, clock()):
+                self._timer.hurry("command", now)
+        if not self._timer.due(now):
+            return
         passed, state, lease = policy.decide(clock())
         self._guarded.put(passed)
         self._io.set_notice("identity", policy.fault)

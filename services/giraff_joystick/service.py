@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Timer
+from giraff_core.timer import PromptTimer
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, TILT
@@ -12,7 +12,10 @@ from giraff_schemas.wire import JOYSTICK_BAUD, BoardKind, TiltFrame
 
 
 class Joystick:
-    """Reads the joystick board, `lease`, and `tick`, which it hands down to the board; writes `tilt` and commands."""
+    """Reads the joystick board, `lease`, and `tick`, which it hands down to the board; writes `tilt` and commands.
+
+    It gives a command at once on each reading, and at its rate while there are none.
+    """
 
     def __init__(
         self, io: IO, config: JoystickConfig, robot: RobotConfig, policy: type[JoystickPolicy] = JoystickPolicy
@@ -24,7 +27,7 @@ class Joystick:
         self._clock, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)
         self._tilts = io.publisher(TILT)
         self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
-        self._timer = Timer(OPERATOR_CMD_VEL.rate_hz)
+        self._timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz)
         self.timers = (self._timer,)
 
     def turn(self, now: float) -> None:
@@ -32,6 +35,7 @@ class Joystick:
         for frame in link.poll(now):
             if isinstance(frame, TiltFrame):
                 self._tilts.put(policy.on_frame(frame, now))
+                self._timer.hurry("tilt", now)
         for lease in self._leases.take():
             policy.on_lease(lease)
         for tick in self._clock.take():

@@ -9,7 +9,7 @@ from giraff_core.estop import is_confirmed_stop
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO, Selectable
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Timer
+from giraff_core.timer import PromptTimer, Timer
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.estop_request import EStopRequest, Request
 from giraff_keyboard.keys import KeyReader
@@ -81,7 +81,7 @@ class Keyboard(Generic[PictureT]):
         self._ticks, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST) for topic in view.topics]
         self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
-        self._timer, self._status_timer = Timer(OPERATOR_CMD_VEL.rate_hz), Timer(_STATUS_HZ)
+        self._timer, self._status_timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz), Timer(_STATUS_HZ)
         self.timers = (self._timer,)
 
     def turn(self, now: float) -> None:
@@ -93,6 +93,7 @@ class Keyboard(Generic[PictureT]):
             return
         for key in pressed:
             policy.on_key(key, now)
+            self._timer.hurry("key", now)
             if key is Key.STOP:
                 self.stopping.engage()
             self._resetting.on_key(key, policy.moment(now), now, stopping=self.stopping.asked)
@@ -107,7 +108,7 @@ class Keyboard(Generic[PictureT]):
         self._resetting.poll(now)
         if self.stopping.poll(now):
             policy.on_stopped()
-        if self._timer.due(now) or pressed:
+        if self._timer.due(now):
             command = policy.command(now)
             self._commands.put(command)
             self._io.set_notice("keys", command.reason)

@@ -66,12 +66,12 @@ class Record:
         self._told: list[_Told] = []
         self._decoder = Decoder()
 
-    def note_drive(self, now_us: int, peak_counts: int) -> None:
-        """The largest duty of either motor in the millisecond that ends now."""
+    def note_drive(self, now_us: int, peak_counts: int, lasted_us: int = 1000) -> None:
+        """The largest duty of either motor in the milliseconds that end now."""
         if self._drives and self._drives[-1].peak == peak_counts:
             self._drives[-1].last_us = now_us
         else:
-            self._drives.append(_Drive(now_us, now_us, peak_counts))
+            self._drives.append(_Drive(now_us - lasted_us + 1000, now_us, peak_counts))
             if len(self._drives) % _FORGET_EVERY == 0:
                 del self._drives[: bisect_left(self._drives, now_us - WINDOW_US, key=_drive_ends)]
 

@@ -60,7 +60,7 @@ class Simulation:
             motors = self._base.model.motor
             self.peak_counts = max(motors[0].drive_peak, motors[1].drive_peak)
             motors[0].drive_peak = motors[1].drive_peak = 0
-            self.record.note_drive(self.now_us, self.peak_counts)
+            self.record.note_drive(self.now_us, self.peak_counts, self.world.step_us)
 
     def run(self, seconds: float) -> None:
         """Advance by simulated seconds."""

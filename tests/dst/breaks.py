@@ -194,7 +194,7 @@ class Break(NamedTuple):
 _MOTORS: Final = ("hal_motor_pwm", "hal_motor_direction", "hal_motor_off")
 
 BREAKS: Final = (
-    Break("joystick late", 1, "c", Services(joystick=partial(Joystick, policy=LateJoystick))),
+    Break("joystick late", 2, "c", Services(joystick=partial(Joystick, policy=LateJoystick))),
     Break("board triple", 0, "g", build=lambda: with_fault("triple_pwm", "hal_motor_pwm")),
     Break("board swapped", 0, "g", build=lambda: with_fault("swapped_motors", *_MOTORS)),
     Break("joystick inverted", 0, "c", Services(joystick=partial(Joystick, policy=InvertedJoystick))),

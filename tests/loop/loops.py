@@ -11,6 +11,7 @@ from giraff_joystick.config import JoystickConfig
 from giraff_sim.board import Implementation
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
+from giraff_sim.hosts.process import Observer
 from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth, draw_truth
@@ -42,11 +43,13 @@ def closed_loop(
     services: Services | None = None,
     truth: Truth | None = None,
     step_us: int = STEP_US,
+    *,
+    observer: Observer | None = None,
 ) -> Iterator[ClosedLoop]:
     """A robot that is exactly as its file says, unless another `truth` is given."""
     world = World(room, settings.robot, sim, StillHand(), seed, step_us, truth=truth or Truth())
     with simulation(world, implementation=implementation) as running:
-        yield ClosedLoop(running, settings, services)
+        yield ClosedLoop(running, settings, services, observer=observer)
 
 
 def hold(loop: ClosedLoop, x: float = 0.0, y: float = 0.0) -> None:

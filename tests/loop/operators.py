@@ -53,6 +53,7 @@ class RunInPart:
         self.demonstration = Demonstration()
         self.grips: list[tuple[float, Grip]] = []
         """Each other grip, with the moment (simulated s) since which it is held."""
+        self.looks = 0
         self._process = process
         self._heard: list[Inbox[Any]] = [process.inbox(topic) for topic in (OPERATOR_CMD_VEL, LEASE, ESTOP)]
         self.timers = (Timer(1.0 / every),)
@@ -60,6 +61,7 @@ class RunInPart:
     def turn(self, now: float) -> None:
         if not self.timers[0].due(now):
             return
+        self.looks += 1
         for inbox in self._heard:
             for sample in inbox.take():
                 self.demonstration.on_sample(sample, now)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import pytest
 
 from giraff_sim.board import Implementation
@@ -20,8 +22,14 @@ def test_seven_forward_is_thirty_five_on_both_wheels(implementation: Implementat
     with closed_loop(proving_room(), SOURCE_CURVE, implementation) as loop:
         arm(loop)
         hold(loop, x=7.0)
-        loop.run(2.0)
-        assert pwm_counts(loop) == (35, 35)
+        loop.run(1.0)
+        given: Counter[tuple[int, int]] = Counter()
+        for _ in range(10):
+            loop.run(0.1)
+            given[pwm_counts(loop)] += 1
+        # The hand that holds it trembles: a level more or less now and then.
+        assert given.most_common(1)[0][0] == (35, 35)
+        assert all(abs(level - 35) <= 1 for pair in given for level in pair)
         assert loop.simulation.world.plant.pose.x > 0.2
 
 
@@ -52,8 +60,8 @@ def test_a_start_is_ramped_and_a_stop_is_immediate() -> None:
         begin = loop.simulation.now_us
         while pwm_counts(loop) != (0, 0):
             loop.step()
-        # Hand to board: 8 ms sensor, 20 ms frame, 33 ms command, 20 ms guard, 10 ms base, 10 ms report.
-        assert loop.simulation.now_us - begin < 110_000
+        # Hand to board: 8 ms sensor, 20 ms frame, 5 ms on its wire, 2 ms on the base board's; 10 ms to its next report.
+        assert loop.simulation.now_us - begin < 45_000
 
 
 def test_nothing_moves_before_a_neutral_hand() -> None:

@@ -93,7 +93,7 @@ def test_odometry_is_wrong_by_what_the_robot_file_does_not_know(truth: Truth, ha
         arm(loop)
         loop.simulation.world.room.remove("walls")
         hold(loop, *hand)
-        loop.run(10.0)
+        loop.run(12.0)
         hold(loop)
         loop.run(1.5)
         odom, pose = loop.newest["odom"], loop.simulation.world.plant.pose

@@ -29,7 +29,7 @@ def test_who_steps_in_stops_the_robot_and_who_goes_lets_it_go_on() -> None:
     resume = max(each.resume for each in intrusions)
     blocked = sum(each.blocked_turns for each in intrusions) / sum(each.turns for each in intrusions)
     print(f"intrusions: stopped within {reaction:.3f} s, blocked {blocked:.2%}, resumed in {resume:.2f} s")
-    assert reaction <= 0.06
+    assert reaction <= 0.04
     assert blocked >= 0.99
     assert max(each.fastest_release for each in intrusions) <= 0.1
     assert resume <= 0.9

@@ -138,14 +138,74 @@ def test_of_many_reports_at_once_only_the_newest_is_answered() -> None:
     assert rig.base.next_frame(rig.now) is None
 
 
-def test_without_a_report_there_is_nothing_to_send() -> None:
+def test_a_new_command_goes_down_at_once() -> None:
     rig = Rig()
     rig.drive(0.6)
+    rig.linear = 0.0
+    rig.say(rig.command())
+    frame = rig.base.next_frame(rig.now)
+    assert isinstance(frame, DriveFrame)
+    assert (frame.left_level, frame.right_level) == (0, 0)
+    assert rig.base.next_frame(rig.now) is None
+
+
+def test_a_command_that_does_not_count_has_no_frame() -> None:
+    rig = Rig()
+    rig.drive(0.6)
+    for refused in (
+        msgspec.structs.replace(rig.command(), guard_tick=rig.ago(0.3)),
+        msgspec.structs.replace(rig.command(), instance="another guard"),
+        msgspec.structs.replace(rig.command(), seq=0),
+    ):
+        rig.say(refused)
+        assert rig.base.next_frame(rig.now) is None
+
+
+def test_between_two_reports_only_one_command_has_a_frame_of_its_own() -> None:
+    """A flood of commands does not fill the line; the newest goes down with the next report."""
+    rig = Rig()
+    rig.drive(0.6)
+    frames = []
+    for number in range(50):
+        rig.linear = 0.6 if number < 49 else 0.0
+        rig.say(rig.command())
+        frames.append(rig.base.next_frame(rig.now))
+    assert [frame is not None for frame in frames] == [True] + [False] * 49
+    rig.base.on_frames([rig.board.report()], rig.now)
+    answer = rig.base.next_frame(rig.now)
+    assert isinstance(answer, DriveFrame)
+    assert (answer.left_level, answer.right_level) == (0, 0)
+
+
+def test_a_frame_between_two_reports_does_not_hasten_a_start() -> None:
+    """The ramp goes by time, not by frames."""
+    plain, hurried = Rig(), Rig()
+    for rig in (plain, hurried):
+        rig.arm()
+        rig.linear = 0.6
+    for _ in range(40):
+        plain.step()
+        hurried.step()
+        hurried.robot_ns += 5_000_000
+        hurried.say(hurried.command())
+        frame = hurried.base.next_frame(hurried.now)
+        hurried.robot_ns -= 5_000_000
+        assert isinstance(frame, DriveFrame)
+    assert 0 < hurried.board.levels[0] <= plain.board.levels[0] + 1
+
+
+def test_without_a_report_there_is_nothing_to_send() -> None:
+    """But once: the board refuses what echoes an old report."""
+    rig = Rig()
+    rig.drive(0.6)
+    frames = []
     for _ in range(10):
         rig.robot_ns += 10_000_000
         rig.say(rig.command())
-        assert rig.base.next_frame(rig.now) is None
+        frames.append(rig.base.next_frame(rig.now))
+    assert [frame is not None for frame in frames] == [True] + [False] * 9
     rig.base.on_link_lost("unplugged")
+    rig.say(rig.command())
     assert rig.base.next_frame(rig.now) is None
 
 

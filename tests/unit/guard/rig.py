@@ -45,6 +45,8 @@ class Rig:
         self.lease: Lease | None = None
         """As of the newest `decide`."""
         self.robot_ns = 1_000_000_000_000
+        self.hurries = False
+        """Whether the newest command, or a reading of the newest ones, cannot wait for the next decision."""
         self._seq = 0
         self._ticking = ticking
         if ticking:
@@ -81,9 +83,10 @@ class Rig:
     ) -> None:
         """A reading of one sensor, or of all; None: nothing within reach."""
         self._seq += 1
+        self.hurries = False
         for name in [sensor] if sensor else self.robot.sensors:
             measured = None if fault else distance
-            self.guard.on_range(
+            self.hurries |= self.guard.on_range(
                 Range(
                     seq=self._seq if seq is None else seq,
                     instance=ranger,
@@ -136,7 +139,7 @@ class Rig:
             reason=reason,
             tick=self.ago(age) if tick is None else tick,
         )
-        self.guard.on_command(command, self.robot_ns)
+        self.hurries = self.guard.on_command(command, self.robot_ns)
         return command
 
     def move(self, velocity: float, age: float = 0.0, turning: float = 0.0, base: int = EPOCH) -> None:

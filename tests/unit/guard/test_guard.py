@@ -304,8 +304,13 @@ def test_only_readings_and_wheels_of_those_it_is_bound_to_are_judged(monkeypatch
     rig = Rig()
     rig.hear(FAR)
     judged: list[Range | Wheels] = []
+
+    def judge(sample: Range | Wheels, _now: RobotTime) -> bool:
+        judged.append(sample)
+        return False
+
     for name in ("on_range", "on_wheels"):
-        monkeypatch.setattr(rig.guard._obstacles, name, lambda sample, _now: judged.append(sample))
+        monkeypatch.setattr(rig.guard._obstacles, name, judge)
     rig.hear(NEAR, "rear_right")  # the robot file knows no such sensor
     rig.hear(NEAR, age=0.6)
     rig.hear(NEAR, ranger="ranger-2")

@@ -71,7 +71,7 @@ class Judge(Ledger):
         self._contrary = Contrary(simulation.world.plant)
         self._driver = ""  # instance of the operator whom the newest frame with a level explains
         self.freedom = Freedom(simulation.world, settings)
-        self._level_us = 0  # when base last sent a level
+        self._level_us = 0  # when base last sent a level to the board as it is now
         # What disarmed last, and whose held neutral has been found since.
         self._disarmed_us, self._disarmed_by = 0, "base has just started"
         self._armed_for = ""
@@ -136,6 +136,7 @@ class Judge(Ledger):
         super().on_reset(kind)
         if kind is BoardKind.BASE:
             self._disarmed("the base board was reset")
+            self._level_us = self._agenda.now_us - _OUTLIVES_US
 
     def opened(self, process: Process, kind: BoardKind) -> None:
         if kind is BoardKind.BASE:
@@ -206,6 +207,8 @@ class Judge(Ledger):
         self._pins.asked(frame, now_us)
         if not (frame.left_level or frame.right_level):
             return
+        if not self.is_of_this_boot(BoardKind.BASE, frame.boot_id):
+            return  # base does not know of the board's reset yet, and no motor may have power by this
         self._level_us = now_us
         if self._engaged_us is not None:
             self._violated("d", f"{base.instance} sends {frame.left_level}, {frame.right_level} while stopped")

@@ -121,6 +121,10 @@ class Ledger(Observer):
         """A board begins anew: so does its clock."""
         self._boots[kind].append(self._agenda.now_us)
 
+    def is_of_this_boot(self, kind: BoardKind, boot_id: int) -> bool:
+        """Whether a board has not been reset since it had this boot."""
+        return boot_id == len(self._boots[kind])
+
     def held(self, process: Process, acceleration: Vector) -> None:
         self.wishes.hold(process.instance, acceleration, self._agenda.now_us)
 

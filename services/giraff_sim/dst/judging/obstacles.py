@@ -23,7 +23,7 @@ from giraff_sim.world.world import World
 REST: Final = 0.20
 """m that are left of the guard's margin before a wall, whatever the robot's truth is."""
 
-_REACTION_US: Final = 70_000  # from the first short reading at the guard to a zero frame: 60 ms, and a report's period
+_REACTION_US: Final = 50_000  # from the first short reading at the guard to a zero frame: 40 ms, and a report's period
 _TWO_CYCLES_US: Final = 2 * RANGE_SENSORS * RANGE_SLOT_MS * 1000
 _SAME_US: Final = 12_000  # between a ping and the moment that its reading tells: steps of the world
 _SAME: Final = 0.10  # m between two echoes of one surface

@@ -1,0 +1,99 @@
+"""No service waits for its own pace: from what a board says to what another is told, in simulated time."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Any, Final
+
+import pytest
+
+from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK
+from giraff_schemas.wire import DriveFrame, Frame, RangeFrame, TiltFrame
+from giraff_sim.hosts.process import Observer, Process
+from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
+from tests.sim.robots import proving_room
+
+PROMPT_US: Final = 3000
+"""From a frame's arrival at one service to the drive frame that follows from it."""
+
+
+class Watch(Observer):
+    """Notes when frames come and go, and how often each kind of sample is published."""
+
+    def __init__(self) -> None:
+        self.came: list[tuple[int, TiltFrame | RangeFrame]] = []
+        self.went: list[tuple[int, DriveFrame]] = []
+        self.said_by: Counter[str] = Counter()
+
+    def read(self, process: Process, frame: Frame) -> None:
+        if isinstance(frame, TiltFrame | RangeFrame):
+            self.came.append((process.loop.agenda.now_us, frame))
+
+    def wrote(self, process: Process, frame: Frame) -> None:
+        if isinstance(frame, DriveFrame):
+            self.went.append((process.loop.agenda.now_us, frame))
+
+    def said(self, process: Process, sample: Any) -> None:
+        self.said_by[f"{process.name} {type(sample).__name__}"] += 1
+
+    def forget(self) -> None:
+        self.came.clear()
+        self.went.clear()
+        self.said_by.clear()
+
+    def first_zero_us(self) -> int:
+        return next(at for at, frame in self.went if (frame.left_level, frame.right_level) == (0, 0))
+
+
+@pytest.mark.parametrize("phase_ms", range(0, 20, 3))
+def test_a_level_hand_is_at_the_motors_board_as_soon_as_its_frame_has_come(phase_ms: int) -> None:
+    watch = Watch()
+    with closed_loop(proving_room(), observer=watch) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(1.0 + phase_ms * 1e-3)
+        watch.forget()
+        hold(loop)
+        loop.run(0.1)
+    level_us = next(at for at, frame in watch.came if isinstance(frame, TiltFrame) and abs(frame.x) < 100)
+    assert watch.first_zero_us() - level_us <= PROMPT_US
+
+
+@pytest.mark.parametrize("phase_ms", range(0, 180, 36))
+def test_a_wall_stops_the_robot_as_soon_as_its_echo_has_come(phase_ms: int) -> None:
+    watch = Watch()
+    with closed_loop(proving_room(), observer=watch) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(1.0 + phase_ms * 1e-3)
+        place = loop.simulation.world.plant.pose
+        loop.simulation.world.room.add_wall("sudden", [(place.x + 0.55, -1.0), (place.x + 0.55, 1.0)])
+        watch.forget()
+        loop.run(0.4)
+    short_us = next(at for at, frame in watch.came if isinstance(frame, RangeFrame) and 0 < frame.echo_us < 2500)
+    assert watch.first_zero_us() - short_us <= PROMPT_US
+
+
+def test_nobody_speaks_twice_as_often_for_it() -> None:
+    """A second of driving where nothing is near: each early turn puts off the one by pace."""
+    watch = Watch()
+    with closed_loop(proving_room(), observer=watch) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT / 2.0)
+        loop.run(1.0)
+        watch.forget()
+        loop.run(1.0)
+    assert abs(watch.said_by["joystick DriveCommand"] - OPERATOR_CMD_VEL.rate_hz) <= 1
+    assert CMD_VEL.rate_hz - 1 <= watch.said_by["guard GuardedCommand"] <= CMD_VEL.rate_hz + 10
+    assert abs(watch.said_by["base Tick"] - TICK.rate_hz) <= 1
+    assert len(watch.went) <= 100 + 60 + 1  # an answer to each report, and a frame for each command
+
+
+def test_without_a_hand_the_robot_side_keeps_its_pace() -> None:
+    watch = Watch()
+    with closed_loop(proving_room(), observer=watch) as loop:
+        arm(loop)
+        loop.kill("joystick")
+        watch.forget()
+        loop.run(1.0)
+    assert abs(watch.said_by["guard GuardedCommand"] - CMD_VEL.rate_hz) <= 1
