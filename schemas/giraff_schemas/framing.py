@@ -50,6 +50,17 @@ class Decoder:
         self._unfinished = unfinished[: _LONGEST_ENCODED + 1]
         return [frame for part in ended if part and (frame := self._decode(part)) is not None]
 
+    @property
+    def missing(self) -> int:
+        """Bytes that the frame under way still lacks, its 0x00 among them; 0 when none is, or it is of no known kind.
+
+        One that is torn ends sooner, but not as a frame.
+        """
+        # No kind is 0, so COBS leaves it as it is: the first code, 2 or more, stands before it.
+        code, kind = self._unfinished[:1], self._unfinished[1:2]
+        known = FRAME_CLASSES.get(kind[0]) if kind and code > b"\1" else None
+        return 0 if known is None else max(0, 1 + known.layout.size + _CRC_SIZE + 1 - len(self._unfinished))
+
     def _decode(self, encoded: bytes) -> Frame | None:
         data = _decode_cobs(encoded) if len(encoded) <= _LONGEST_ENCODED else None
         if data is None or len(data) <= _CRC_SIZE:

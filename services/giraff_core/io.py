@@ -30,6 +30,14 @@ class Selectable(Protocol):
     def descriptor(self) -> int | None: ...
 
 
+class Paced(Protocol):
+    """Something that makes a turn due when its moment has come, like a timer."""
+
+    def wait(self, now: float) -> float:
+        """Seconds until then; inf: never. `now`: monotonic, s."""
+        ...
+
+
 class Publisher(Protocol[SampleT_contra]):
     """Of the samples of one topic."""
 

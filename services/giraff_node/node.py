@@ -21,12 +21,11 @@ import msgspec
 import zenoh
 
 from giraff_core.inbox import MOST_REQUESTS, Inbox
-from giraff_core.io import PendingQuery, Selectable, Service
+from giraff_core.io import Paced, PendingQuery, Selectable, Service
 from giraff_core.network import NetworkConfig
 from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import Timer
 from giraff_node.boards.board_link import BoardLink
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_node.network.decode_errors import DecodeErrors
@@ -151,6 +150,7 @@ class Node(Generic[ConfigT]):
         self._router = RouterLink(network.router, network.site, self._sees_router) if routed else None
         own = network.local or network.session_file
         self._link_repair = None if own else LinkRepair(self.session, network, self.robot.name, visits=not steady)
+        self._boards: list[BoardLink] = []
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
     @property
@@ -249,7 +249,9 @@ class Node(Generic[ConfigT]):
         return QueryClient(self.session, self.robot.name, query, request, settles)
 
     def board(self, path: str, baud: int, kind: BoardKind) -> BoardLink:
-        return BoardLink(path, baud, kind)
+        link = BoardLink(path, baud, kind)
+        self._boards.append(link)
+        return link
 
     def monotonic(self) -> float:
         return time.monotonic()
@@ -269,12 +271,14 @@ class Node(Generic[ConfigT]):
             service.turn(now)
         service.end()
 
-    def turns(self, *timers: Timer, link: Selectable | None = None) -> Iterator[float]:
+    def turns(self, *timers: Paced, link: Selectable | None = None) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or an inbox was filled.
+
+        A board that rests is due when it no longer does.
 
         Ends on SIGTERM or SIGINT, and raises what a callback raised.
         """
-        return self._process.turns(*timers, link=link, look=self._look)
+        return self._process.turns(*timers, *self._boards, link=link, look=self._look)
 
     def set_fault(self, name: str, message: str) -> None:
         """State what is wrong with `name` of this service itself, or with "" that nothing is.

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
+from math import inf
+from typing import Final
+
 from giraff_node.boards.serial_link import SerialLink
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, Frame, HelloFrame, HelloRequestFrame
 
 HELLO_PERIOD = 0.25  # s between two requests while none was answered
 SILENCE = 1.0  # s without a frame after which the port is opened again: a stale descriptor outlives a replug
+_BITS: Final = 10  # of a byte on the line, with its start and its stop
 
 
 class BoardLink:
-    """Frames from and to the board of `kind`. None is passed on before a matching `hello`."""
+    """Frames from and to the board of `kind`. None is passed on before a matching `hello`.
+
+    Between a frame's first bytes and the moment at which the line can have carried its last one it rests, so that a
+    loop is not woken by each byte: it has no descriptor, and `wait` says for how long. A whole frame is late by that
+    only behind a torn one, or out of an adapter that held up its start: by less than the longest frame takes.
+    """
 
     def __init__(self, path: str, baud: int, kind: BoardKind, serial: SerialLink | None = None) -> None:
         """`serial`: instead of a port of this machine."""
@@ -19,6 +28,9 @@ class BoardLink:
         self.hello: HelloFrame | None = None
         self._serial = serial or SerialLink(path, baud)
         self._decoder = Decoder()
+        self._received = 0  # bytes
+        self._ends_at = 0  # of these bytes, with the last of the frame under way
+        self._rests_until = inf  # s, monotonic; inf: does not rest
         self._seq = 0
         self._heard = 0.0
         self._next_request = 0.0
@@ -27,7 +39,12 @@ class BoardLink:
         self._reporting = False  # the board has said more than hello since the port was opened
 
     def descriptor(self) -> int | None:
-        return self._serial.descriptor()
+        """None while the port is closed, and while it rests."""
+        return self._serial.descriptor() if self._rests_until == inf else None
+
+    def wait(self, now: float) -> float:
+        """Seconds until the rest is over, and `poll` is due; inf when it does not rest. `now`: monotonic."""
+        return max(0.0, self._rests_until - now)
 
     @property
     def opened(self) -> int:
@@ -58,12 +75,14 @@ class BoardLink:
             self._heard = now
             self._next_request = now
         self._serial.flush()
-        arrived = self._decoder.feed(self._serial.read())
+        data = self._serial.read()
+        arrived = self._decoder.feed(data)
+        self._rest(len(data), now)
         if arrived:
             self._heard = now
             self._silence = ""
         frames = [frame for frame in arrived if self._accept(frame)]
-        if self.descriptor() is not None:
+        if self._serial.descriptor() is not None:
             if now - self._heard > SILENCE:
                 self._silence = f"{self._serial.path}: silent for {SILENCE:g} s; check the board's power and cable"
                 self._serial.close(self._silence)
@@ -80,6 +99,17 @@ class BoardLink:
     def close(self) -> None:
         """Let go of the port."""
         self._serial.close(f"{self._serial.path}: closed")
+
+    def _rest(self, received: int, now: float) -> None:
+        """Begin to rest once for each frame, when its kind is known; end when its last byte may be there."""
+        self._received += received
+        missing = self._decoder.missing
+        ends_at = self._received + missing
+        if ends_at != self._ends_at or not missing:  # else it is the same, and late if the rest is over
+            self._ends_at = ends_at
+            self._rests_until = now + missing * _BITS / self._serial.baud
+        if now >= self._rests_until:
+            self._rests_until = inf
 
     def _accept(self, frame: Frame) -> bool:
         if isinstance(frame, HelloFrame):

@@ -14,8 +14,7 @@ from typing import Final, NoReturn
 
 import zenoh
 
-from giraff_core.io import Selectable
-from giraff_core.timer import Timer
+from giraff_core.io import Paced, Selectable
 from giraff_node.network.session import close_session
 from giraff_node.process.health import HealthState
 from giraff_node.process.health_socket import HealthSocket
@@ -55,7 +54,7 @@ class Process:
         signal.set_wakeup_fd(self._waker.for_signals, warn_on_full_buffer=False)
 
     def turns(
-        self, *timers: Timer, link: Selectable | None = None, look: Callable[[float], None] = lambda _: None
+        self, *timers: Paced, link: Selectable | None = None, look: Callable[[float], None] = lambda _: None
     ) -> Iterator[float]:
         """Yield the monotonic time (s) whenever a timer may be due, the link is readable or somebody called `wake`.
 

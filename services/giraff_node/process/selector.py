@@ -43,7 +43,9 @@ class Selector:
     """Of these things; ended by `with`."""
 
     def __init__(self, *watched: Selectable) -> None:
-        self._selector = selectors.DefaultSelector()
+        # Not epoll, which wakes up to a millisecond late. It serves descriptors below 1024 only: what is watched here
+        # is a handful that a process opens as it starts, and ports.
+        self._selector = selectors.SelectSelector()
         self._descriptors: dict[Selectable, int | None] = dict.fromkeys(watched)
 
     def __enter__(self) -> Self:
