@@ -116,8 +116,11 @@ class IO(Protocol):
     @property
     def store(self) -> Store: ...
 
-    def inbox(self, topic: Topic[SampleT], limit: int = 200) -> Inbox[SampleT]:
-        """Each sample of a topic, or the newest with a `limit` of 1; its arrival makes a turn due."""
+    def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]:
+        """Each sample of a topic, or the newest with a `limit` of 1.
+
+        `wakes`: its arrival makes a turn due; else it waits for the next, which the service's timers must bring.
+        """
         ...
 
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]: ...

@@ -25,8 +25,8 @@ class Guard:
         self._policy = policy(config, robot, first_lease=io.token())
         io.on_reconfigured = self._policy.reconfigure
         # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
-        self._ticks, self._ranges = io.inbox(TICK), io.inbox(RANGE)
-        self._wheels, self._commands = io.inbox(WHEELS), io.inbox(OPERATOR_CMD_VEL)
+        self._ticks, self._ranges = io.inbox(TICK, wakes=False), io.inbox(RANGE)
+        self._wheels, self._commands = io.inbox(WHEELS, wakes=False), io.inbox(OPERATOR_CMD_VEL)
         self._guarded, self._states, self._leases = io.publisher(CMD_VEL), io.publisher(GUARD), io.publisher(LEASE)
         self._timer = PromptTimer(CMD_VEL.rate_hz)
         self._state_timer, self._lease_timer = Timer(GUARD.rate_hz), Timer(LEASE.rate_hz)

@@ -181,15 +181,15 @@ class Node(Generic[ConfigT]):
         self._process.condition.publishes.append(topic.key)
         return Publisher(self.session, self.robot.name, topic, self.instance)
 
-    def inbox(self, topic: Topic[SampleT], limit: int = 200) -> Inbox[SampleT]:
-        """Each sample of a topic, or the newest with a `limit` of 1; its arrival wakes the loop."""
+    def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]:
+        """Each sample of a topic, or the newest with a `limit` of 1; its arrival wakes the loop, if it `wakes`."""
         inbox: Inbox[SampleT] = Inbox(limit)
 
         def take_and_wake(sample: SampleT) -> None:
             inbox.accept(sample)
             self._process.wake()
 
-        self.subscribe(topic, take_and_wake)
+        self.subscribe(topic, take_and_wake if wakes else inbox.accept)
         return inbox
 
     def subscribe(self, topic: Topic[SampleT], callback: Callable[[SampleT], None]) -> None:

@@ -105,9 +105,9 @@ class Process:
 
     # What a service has of it.
 
-    def inbox(self, topic: Topic[SampleT], limit: int = 200) -> Inbox[SampleT]:
+    def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]:
         inbox: Inbox[SampleT] = _Inbox(limit, partial(self.loop.observer.heard, self))
-        self._subscribe(topic.key, lambda message: inbox.accept(message.body))  # type: ignore[arg-type]  # its key says
+        self._subscribe(topic.key, lambda message: inbox.accept(message.body), wakes)  # type: ignore[arg-type]  # its key says
         return inbox
 
     def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]:
@@ -231,12 +231,12 @@ class Process:
         self.loop.observer.said(self, whole)
         self.loop.network.publish(self, Message(key, whole))
 
-    def _subscribe(self, key: str, accept: Callable[[Message], None]) -> None:
+    def _subscribe(self, key: str, accept: Callable[[Message], None], wakes: bool = True) -> None:
         def accept_and_wake(message: Message) -> None:
             accept(message)
             self.wake()
 
-        self.loop.network.join(Subscription(self, key, accept_and_wake))
+        self.loop.network.join(Subscription(self, key, accept_and_wake if wakes else accept))
 
     def _awake(self) -> None:
         now_us = self.loop.agenda.now_us

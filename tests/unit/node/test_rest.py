@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from math import inf
-from types import SimpleNamespace
-from typing import Any, cast
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from giraff_core.io import Paced
-from giraff_core.timer import Timer
-from giraff_node import Node
 from giraff_node.boards.board_link import SILENCE
 from giraff_node.boards.serial_link import REOPEN_PERIOD
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.wire import BASE_BAUD, FRAME_CLASSES, BoardKind, Frame, FrameType, WheelsFrame
+from giraff_schemas.wire import FRAME_CLASSES, Frame, FrameType, WheelsFrame
 from tests.unit.node.board_lines import BYTE, HELLO, LATE, FakeLoop, carried
 
 WHEELS = WheelsFrame(*range(1, 17))
@@ -183,18 +177,3 @@ def test_a_port_that_is_opened_anew_before_the_rest_is_over_does_not_rest() -> N
     assert loop.link.opened == 2
     assert loop.link.descriptor() is not None
     assert loop.link.wait(START + 1e-3) == inf
-
-
-def test_a_node_turns_when_a_board_of_it_no_longer_rests() -> None:
-    paced: list[Paced] = []
-
-    def turns(*timers: Paced, **_: object) -> Iterator[float]:
-        paced.extend(timers)
-        return iter(())
-
-    node: Node[Any] = Node.__new__(Node)  # no session: nobody is spoken to
-    node._boards = []
-    node._process = cast(Any, SimpleNamespace(turns=turns))
-    timer, link = Timer(50.0), node.board("board", BASE_BAUD, BoardKind.BASE)
-    assert list(node.turns(timer, link=link)) == []
-    assert paced == [timer, link]

@@ -1,0 +1,61 @@
+"""What makes a turn of a node due, and what does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, cast
+
+import pytest
+
+from giraff_core.io import Paced
+from giraff_core.timer import Timer
+from giraff_node import Node
+from giraff_schemas.messages import Tick
+from giraff_schemas.topics import TICK, Topic
+from giraff_schemas.wire import BASE_BAUD, BoardKind
+
+
+class FakeProcess:
+    """Turns never, and knows what for."""
+
+    def __init__(self) -> None:
+        self.paced: list[Paced] = []
+        self.wakes = 0
+
+    def turns(self, *timers: Paced, **_: object) -> Iterator[float]:
+        self.paced.extend(timers)
+        return iter(())
+
+    def wake(self) -> None:
+        self.wakes += 1
+
+
+class FakeNode(Node[Any]):
+    """Has no session: what arrives is said here."""
+
+    def __init__(self) -> None:
+        self.process = FakeProcess()
+        self._process = cast(Any, self.process)
+        self._boards = []
+        self.callbacks: list[Callable[[Any], None]] = []
+
+    def subscribe(self, topic: Topic[Any], callback: Callable[[Any], None]) -> None:  # noqa: ARG002  whichever
+        self.callbacks.append(callback)
+
+
+def test_a_board_that_no_longer_rests_makes_one_due() -> None:
+    node = FakeNode()
+    timer, link = Timer(50.0), node.board("board", BASE_BAUD, BoardKind.BASE)
+    assert list(node.turns(timer, link=link)) == []
+    assert node.process.paced == [timer, link]
+
+
+@pytest.mark.parametrize("wakes", [True, False])
+def test_a_sample_makes_one_due_if_its_inbox_wakes_and_is_there_in_any_case(wakes: bool) -> None:
+    node = FakeNode()
+    inbox = node.inbox(TICK, wakes=wakes)
+    tick = Tick(epoch=1, robot_ns=2)
+    for callback in node.callbacks:
+        callback(tick)
+    assert node.process.wakes == wakes
+    assert list(inbox.take()) == [tick]
