@@ -157,13 +157,18 @@ class BasePolicy:
             return self._frames.estop(report, self._session, engage=False)
         return self._drive_frame(report, now)
 
+    @property
+    def reason(self) -> str:
+        """Why the robot does not do what is commanded; empty when it does."""
+        return self._estop.stops or self._link_fault or self._reason
+
     def state(self) -> BaseState:
         """Of the newest drive frame."""
         report, authority = self._report, self._authority
         return BaseState(
             armed=authority.arming.armed,
             driving=self._levels != (0, 0),
-            reason=self._estop.stops or self._link_fault or self._reason,
+            reason=self.reason,
             guard=authority.binding.guard,
             round_trip=authority.round_trip if report else None,
             budget_left=authority.budget_left if report else None,

@@ -79,10 +79,9 @@ class _States:
     def put(self, now: float) -> None:
         """`now`: monotonic, s."""
         policy = self._policy
-        state = policy.state()
-        if self._base_timer.due(now) or state.reason != self._reason:
-            self._reason = state.reason
-            self._base.put(state)
+        if self._base_timer.due(now) or policy.reason != self._reason:
+            self._reason = policy.reason
+            self._base.put(policy.state())
         if self._estop_timer.due(now) or policy.latch != self._latch:
             self._latch = policy.latch
             self._estop.put(policy.estop())

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 from functools import partial
+from typing import Any
 
 import pytest
 
+from giraff_base.policy import BasePolicy
+from giraff_base.service import Base
+from giraff_schemas.messages import BaseState
 from giraff_schemas.topics import CMD_VEL, LEASE, OPERATOR_CMD_VEL, TICK, TILT, WHEELS
 from giraff_schemas.wire import RANGE_SLOT_MS
 from giraff_sim.closed_loop import ClosedLoop
+from giraff_sim.settings import Services
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import proving_room
 
@@ -52,3 +57,27 @@ def test_a_robot_that_drives_turns_for_what_comes_and_no_more(monkeypatch: pytes
     print("turns a second:", rates)
     assert {name: rate for name, rate in rates.items() if rate > MOST[name] * FEW} == {}
     assert min(rates.values()) > 50
+
+
+def test_base_makes_its_state_when_it_tells_it_and_tells_a_new_reason_at_once() -> None:
+    made: list[BaseState] = []
+
+    class Counting(BasePolicy):
+        def state(self) -> BaseState:
+            made.append(super().state())
+            return made[-1]
+
+    with closed_loop(proving_room(), services=Services(base=partial(Base, policy=Counting))) as loop:
+        base: Any = loop.processes["base"]._service
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(1.0)
+        loop.kill("guard")
+        reasons = set()
+        until = loop.simulation.now_us + 1_000_000
+        while loop.simulation.now_us < until:
+            loop.step()
+            assert loop.newest["base"].reason == base._policy.reason
+            reasons.add(base._policy.reason)
+        assert len(reasons) >= 2
+        assert loop.newest["base"].seq + 1 == len(made)

@@ -19,7 +19,7 @@ from giraff_node.network.session import close_session
 from giraff_node.process.health import HealthState
 from giraff_node.process.health_socket import HealthSocket
 from giraff_node.process.logs import service_logger
-from giraff_node.process.selector import Selector, Waker
+from giraff_node.process.selector import Waker, wait_for
 from giraff_node.process.systemd import Notifier
 
 _LONGEST_WAIT: Final = 0.1  # s; bounds how late a turn notices what has no descriptor
@@ -60,20 +60,21 @@ class Process:
 
         `look` is given each turn's time before health is told. Raises what `fail` was given.
         """
-        asked: set[Selectable] = set()
-        with Selector(self._waker, self._health_socket, *([link] if link is not None else [])) as watch:
-            while not self._stopping:
-                now = time.monotonic()
-                look(now)
-                # After a whole turn, so that nobody is told of a state that nothing has looked at yet.
-                self._tell_how_it_is(now, asked=self._health_socket in asked)
-                wait = min((timer.wait(now) for timer in timers), default=_LONGEST_WAIT)
-                asked = watch.wait(min(wait, _LONGEST_WAIT))
+        watched: tuple[Selectable, ...] = (self._waker, self._health_socket, *([link] if link is not None else []))
+        readable: set[Selectable] = set()
+        while not self._stopping:
+            now = time.monotonic()
+            look(now)
+            # After a whole turn, so that nobody is told of a state that nothing has looked at yet.
+            self._tell_how_it_is(now, asked=self._health_socket in readable)
+            wait = min((timer.wait(now) for timer in timers), default=_LONGEST_WAIT)
+            readable = wait_for(watched, min(wait, _LONGEST_WAIT))
+            if self._waker in readable:
                 self._waker.drain()
-                if self._failure is not None:
-                    raise self._failure
-                if not self._stopping:
-                    yield time.monotonic()
+            if self._failure is not None:
+                raise self._failure
+            if not self._stopping:
+                yield time.monotonic()
 
     def wake(self) -> None:
         """Make a turn due, from any thread."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import selectors
+import select
 import socket
-from typing import Self
+from collections.abc import Iterable
 
 from giraff_core.io import Selectable
 
@@ -39,31 +39,10 @@ class Waker:
             self._read_end.recv(4096)
 
 
-class Selector:
-    """Of these things; ended by `with`."""
-
-    def __init__(self, *watched: Selectable) -> None:
-        # Not epoll, which wakes up to a millisecond late. It serves descriptors below 1024 only: what is watched here
-        # is a handful that a process opens as it starts, and ports.
-        self._selector = selectors.SelectSelector()
-        self._descriptors: dict[Selectable, int | None] = dict.fromkeys(watched)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._selector.close()
-
-    def wait(self, seconds: float) -> set[Selectable]:
-        """Wait at most `seconds`; which of them are readable."""
-        for watched, before in self._descriptors.items():
-            now = watched.descriptor()
-            if now == before:
-                continue
-            if before is not None:
-                with contextlib.suppress(KeyError, ValueError):
-                    self._selector.unregister(before)
-            if now is not None:
-                self._selector.register(now, selectors.EVENT_READ, watched)
-            self._descriptors[watched] = now
-        return {key.data for key, _ in self._selector.select(seconds)}
+def wait_for(watched: Iterable[Selectable], seconds: float) -> set[Selectable]:
+    """Wait at most `seconds` until one of these is readable; which are."""
+    there = {descriptor: each for each in watched if (descriptor := each.descriptor()) is not None}
+    # Not epoll, which wakes up to a millisecond late. It serves descriptors below 1024 only: what is watched here is a
+    # handful that a process opens as it starts, and ports.
+    readable, _, _ = select.select(there, (), (), seconds)
+    return {there[descriptor] for descriptor in readable}

@@ -27,6 +27,8 @@ class Notifier:
 
     def turn(self, now: float, status: str) -> None:
         """The loop turns. `now`: monotonic, s; `status`: one line for people."""
+        if not self._address:
+            return
         news = []
         if not self._ready:
             news.append("READY=1")
