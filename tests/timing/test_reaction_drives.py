@@ -18,7 +18,7 @@ from tests.support.report import report
 from tests.timing.faults import FORWARD, Scenario
 from tests.timing.sleepers import Stalls, stalls_seen
 from tests.timing.stalled import STALL, by_the_wall
-from tests.timing.trials import back_to_the_middle
+from tests.timing.trials import back_to_the_middle, wall_clock_offset_us
 
 DRIVES: Final = 10
 BOUND: Final = 0.060
@@ -40,17 +40,6 @@ class Reaction(msgspec.Struct, frozen=True, kw_only=True):
     clearance: float
     """m, at rest."""
     contacts: int
-
-
-def wall_clock_offset_us(robot: ProcessRobot) -> float:
-    """Simulated us less those of the wall's clock, from the quickest of some looks."""
-    looks = []
-    for _ in range(20):
-        before = time.time_ns()
-        now_us = robot.simulator.now()
-        after = time.time_ns()
-        looks.append((after - before, now_us - (before + after) / 2e3))
-    return min(looks)[1]
 
 
 def react(robot: ProcessRobot, heard: list[Range], phase: float, stalls: Stalls) -> Reaction:

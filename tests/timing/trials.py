@@ -26,6 +26,7 @@ _MIDDLE = 0.5  # m
 _WAY_BACK = 8.0  # s
 _FORGETS = 10.5
 """s after which the guard has forgotten what echoed about the former place; a deaf sensor does not contradict it."""
+_LOOKS = 20
 
 
 class Figures(msgspec.Struct, frozen=True, kw_only=True):
@@ -163,6 +164,15 @@ def back_to_the_middle(robot: ProcessRobot, scenario: Scenario) -> None:
     if math.hypot(state.x, state.y) > _MIDDLE:
         robot.simulator.place(0.0, 0.0, state.yaw)
         robot.run(_FORGETS if scenario.does == "slows" else 1.0)
+
+
+def wall_clock_offset_us(robot: ProcessRobot) -> float:
+    """Simulated us less those of the wall's clock, from the look that was answered soonest after its millisecond.
+
+    Requests wait for the end of a simulated millisecond, answers for nothing.
+    """
+    looks = ((robot.simulator.now(), time.time_ns()) for _ in range(_LOOKS))
+    return max(now_us - after_ns / 1e3 for now_us, after_ns in looks)
 
 
 def judge_levels(scenario: Scenario, figures: Figures) -> None:

@@ -14,7 +14,8 @@ from giraff_sim.world.room import Room, RoomError
 from giraff_sim.world.sonar import SILENT_US, sonars
 
 STEP_US: Final = 1000
-_HAND_US: Final = 8000  # the accelerometer takes no more samples than one in that time
+HAND_US: Final = 8000
+"""What the hand does acts from a multiple of this on: the accelerometer takes no more samples than one in that time."""
 _ADC_FULL_SCALE: Final = 1023
 _ADC_VOLTS: Final = 5.0
 _UNCALIBRATED_VOLTS_PER_COUNT: Final = 30.0 / _ADC_FULL_SCALE  # a divider that a 24 V battery fits into
@@ -58,7 +59,7 @@ class World:
 
     def step(self, left_duty: float, right_duty: float) -> None:
         """Advance by `step_us` with each motor's signed duty, of 255."""
-        if self.now_us % _HAND_US == 0:
+        if self.now_us % HAND_US == 0:
             self._feel(self.now_us * 1e-6)
         self.now_us += self.step_us
         self.plant.step(self.step_us * 1e-6, left_duty, right_duty)
