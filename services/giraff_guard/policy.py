@@ -5,6 +5,7 @@ from __future__ import annotations
 from giraff_core.robot import RobotConfig
 from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
+from giraff_guard.flood import FloodWatch
 from giraff_guard.identity import Identity
 from giraff_guard.obstacles import Obstacles
 from giraff_schemas.messages import (
@@ -30,9 +31,12 @@ class GuardPolicy:
         self._identity = Identity(config, robot)
         self._authority = Authority(config, first_lease)
         self._obstacles = Obstacles(config, robot)
+        self._floods = FloodWatch()
         self._replacements = 0  # how often `fault` has come to be
         self.fault = ""
         """Two processes where one may be, as `decide` found it, with the way out; empty when there are not."""
+        self.flood = ""
+        """Whose commands flood the guard, as `decide` found it, with the way out; empty: nobody's."""
 
     def reconfigure(self, config: GuardConfig) -> None:
         """Judge by this from now on."""
@@ -57,6 +61,7 @@ class GuardPolicy:
 
     def on_command(self, command: DriveCommand, robot_ns: int) -> bool:
         """Take an operator's command. True: it is a word of who drives, which cannot wait for the next decision."""
+        self._floods.count(command, robot_ns)
         return self._authority.on_command(command, self._identity.now(robot_ns))
 
     def decide(self, robot_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
@@ -66,6 +71,7 @@ class GuardPolicy:
         authority.review(now)
         before, self.fault = self.fault, self._identity.fault(robot_ns)
         self._replacements += bool(self.fault) and not before
+        self.flood = self._floods.look(robot_ns)
         verdicts = self._obstacles.judge(now)
         asked, refusal = self._asked(now)
         wish = (asked.linear_x, asked.angular_z) if asked is not None else (0.0, 0.0)

@@ -50,6 +50,7 @@ class Guard:
         passed, state, lease = policy.decide(clock())
         self._guarded.put(passed)
         self._io.set_notice("identity", policy.fault)
+        self._io.set_notice("flood", policy.flood)
         if lease.counter != self._counter or self._lease_timer.due(now):
             self._counter = lease.counter
             self._leases.put(lease)

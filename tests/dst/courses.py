@@ -15,6 +15,7 @@ from giraff_sim.dst.people import typist
 from giraff_sim.record import Verdict
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
+from tests.support.floods import Stranger
 
 
 def kill(name: str) -> Begin:
@@ -127,6 +128,14 @@ def typing(drill: Drill, chance: Random) -> Course:
     fingers = Fingers(chance, begin, 100.0)
     drill.loop.launch("keyboard", lambda process: typist(process, fingers), drill.loop.hosts["operator"])
     yield "somebody types"
+
+
+def flooding(drill: Drill, chance: Random) -> Course:
+    """Ten thousand commands a second of an operator who does not drive."""
+    del chance
+    drill.loop.launch("stranger", Stranger, drill.loop.hosts["operator"])
+    yield "a stranger floods the guard"
+    drill.loop.kill("stranger")
 
 
 def typing_a_stop(drill: Drill, chance: Random) -> Course:

@@ -7,8 +7,9 @@ from typing import Final, NamedTuple
 import pytest
 
 from giraff_schemas.wire import BoardKind, ResetCause
-from giraff_sim.dst.drill import Begin
+from giraff_sim.dst.drill import Befall, Begin
 from giraff_sim.record import Verdict
+from giraff_sim.settings import Services
 from giraff_sim.world.bno055 import Bno055Fault, Vector
 from giraff_sim.world.hand import LEVEL, ScriptedHand
 from giraff_sim.world.sonar import SonarFault
@@ -21,6 +22,7 @@ from tests.dst.courses import (
     engage,
     fail_sonar,
     fail_tilt_sensor,
+    flooding,
     kill,
     pause,
     reset_of,
@@ -28,6 +30,7 @@ from tests.dst.courses import (
     watch,
 )
 from tests.dst.stage import BACKWARD, FORWARD, SET_OFF, at, hall, stage
+from tests.support.floods import FloodingJoystick
 
 LEFT: Final[Vector] = (0.0, 4.0, 8.96)
 FAULT: Final = 3.6
@@ -88,9 +91,11 @@ ROWS: Final = {
     "base board reset (external) + guard killed": Row(0.55, (_BASE_RESET, kill("guard"))),
 }
 """By the names of docs/safety.md."""
+FLOODED: Final = ("guard suspended", "joystick suspended", "ranger suspended", "e-stop engaged")
+"""One for each way that a stop takes."""
 
 
-def driven_ms(row: Row) -> float:
+def driven_ms(row: Row, *others: Befall, services: Services | None = None) -> float:
     """Once the bound has passed, of a robot that drove until the fault."""
     before: list[Verdict] = []
     after: list[Verdict] = []
@@ -98,6 +103,8 @@ def driven_ms(row: Row) -> float:
         at(FAULT - 0.1, watch(before), 0.1),
         *(at(FAULT + row.apart * place, befall, row.bound + WATCHED) for place, befall in enumerate(row.befalls)),
         at(FAULT + row.bound, watch(after), WATCHED),
+        *others,
+        services=services,
         hand=ScriptedHand([0.0, SET_OFF], [LEVEL, row.tilt]),
         room=hall(4.0 if row.tilt == BACKWARD else 1.0),
         seconds=FAULT + row.bound + WATCHED + 0.02,
@@ -110,6 +117,16 @@ def driven_ms(row: Row) -> float:
 @pytest.mark.parametrize("name", ROWS)
 def test_a_fault_stops_the_robot_within_its_bound(name: str) -> None:
     assert driven_ms(ROWS[name]) == 0
+
+
+@pytest.mark.parametrize("name", FLOODED)
+def test_a_flood_of_who_drives_changes_no_bound(name: str) -> None:
+    assert driven_ms(ROWS[name], services=Services(joystick=FloodingJoystick)) == 0
+
+
+@pytest.mark.parametrize("name", FLOODED)
+def test_a_flood_of_a_stranger_changes_no_bound(name: str) -> None:
+    assert driven_ms(ROWS[name], at(SET_OFF, flooding, 20.0)) == 0
 
 
 @pytest.mark.parametrize(("bound", "tilt"), [(1.5, FORWARD), (1.5, BACKWARD), (5.5, LEFT)], ids=str)

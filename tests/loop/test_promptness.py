@@ -7,11 +7,14 @@ from typing import Any, Final
 
 import pytest
 
-from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK
+from giraff_core.timer import LEAST_GAP
+from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK, WHEELS
 from giraff_schemas.wire import DriveFrame, Frame, RangeFrame, TiltFrame
 from giraff_sim.hosts.process import Observer, Process
+from giraff_sim.settings import Services
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import proving_room
+from tests.support.floods import RATE, FloodingJoystick
 
 PROMPT_US: Final = 3000
 """From a frame's arrival at one service to the drive frame that follows from it."""
@@ -87,6 +90,24 @@ def test_nobody_speaks_twice_as_often_for_it() -> None:
     assert CMD_VEL.rate_hz - 1 <= watch.said_by["guard GuardedCommand"] <= CMD_VEL.rate_hz + 10
     assert abs(watch.said_by["base Tick"] - TICK.rate_hz) <= 1
     assert len(watch.went) <= 100 + 60 + 1  # an answer to each report, and a frame for each command
+
+
+def test_a_flood_of_who_drives_makes_few_turns_and_no_delay() -> None:
+    watch = Watch()
+    with closed_loop(proving_room(), services=Services(joystick=FloodingJoystick), observer=watch) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT / 2.0)
+        loop.run(1.0)
+        watch.forget()
+        loop.run(1.0)
+        assert watch.said_by["joystick DriveCommand"] > RATE
+        assert watch.said_by["guard GuardedCommand"] <= 1.0 / LEAST_GAP + 20  # and what readings take away
+        assert len(watch.went) <= 2 * WHEELS.rate_hz + 1
+        watch.forget()
+        hold(loop)
+        loop.run(0.1)
+    level_us = next(at for at, frame in watch.came if isinstance(frame, TiltFrame) and abs(frame.x) < 100)
+    assert watch.first_zero_us() - level_us <= PROMPT_US + LEAST_GAP * 1e6
 
 
 def test_without_a_hand_the_robot_side_keeps_its_pace() -> None:

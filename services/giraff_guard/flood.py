@@ -1,0 +1,47 @@
+"""Whose commands flood the guard. They change no bound, and take the processor that others need."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import Final
+
+from giraff_schemas.messages import DriveCommand
+from giraff_schemas.topics import OPERATOR_CMD_VEL
+
+_MOST: Final = 250
+"""Commands a second of all operators, whatever they are: three hands beside keys that are held."""
+_SECOND_NS: Final = 1_000_000_000
+_LASTS: Final = 2
+"""Seconds in a row; one may be what a link that was cut has held, and hands over."""
+
+
+class FloodWatch:
+    """Counts the commands of each second by who gave them."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[tuple[str, str]] = Counter()
+        self._since_ns = 0
+        self._in_a_row = 0
+        self._told = ""
+
+    def count(self, command: DriveCommand, robot_ns: int) -> None:
+        """One has come."""
+        self.look(robot_ns)
+        self._counts[command.operator, command.instance] += 1
+
+    def look(self, robot_ns: int) -> str:
+        """Whose flood it is, by the last whole seconds, with the way out; empty: there is none."""
+        if robot_ns - self._since_ns >= _SECOND_NS:
+            is_flood = self._counts.total() > _MOST and robot_ns - self._since_ns < 2 * _SECOND_NS
+            self._in_a_row = self._in_a_row + 1 if is_flood else 0
+            self._told = self._tell() if self._in_a_row >= _LASTS else ""
+            self._counts.clear()
+            self._since_ns = robot_ns
+        return self._told
+
+    def _tell(self) -> str:
+        (operator, instance), _ = self._counts.most_common(1)[0]
+        return (
+            f"more than {_MOST} commands a second come, most of them from {operator} ({instance[:8]}); "
+            f"one operator gives {OPERATOR_CMD_VEL.rate_hz:g}: end that program"
+        )
