@@ -6,7 +6,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_schemas.messages import require_finite
+from giraff_schemas.checks import require_finite
 
 ODOM_FRAME: Final = "odom"
 """Where the robot was when odometry began."""
@@ -33,4 +33,4 @@ class Transform(msgspec.Struct, frozen=True, kw_only=True):
     """It is a part's place on the robot, and stays; else it is where the robot is now."""
 
     def __post_init__(self) -> None:
-        require_finite(x=self.x, y=self.y, yaw=self.yaw)
+        require_finite(self, self.x, self.y, self.yaw)

@@ -2,14 +2,18 @@
 
 A sample is a MessagePack map, so that any language reads it without this module. Unknown fields are ignored on
 decoding (an older reader keeps working); a missing field, a wrong type or a number that is not finite is an error.
+
+`__post_init__` checks a sample once on each side: where it is made, so that no maker says what is not finite, and where
+it arrives. `codec.stamped` makes its copy without it.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Literal
 
 import msgspec
+
+from giraff_schemas.checks import require_finite, require_moment
 
 
 class RobotTime(msgspec.Struct, frozen=True):
@@ -25,8 +29,7 @@ class RobotTime(msgspec.Struct, frozen=True):
     """CLOCK_BOOTTIME of base's host, ns: it goes on while the machine is suspended."""
 
     def __post_init__(self) -> None:
-        if not (0 <= self.epoch < 1 << 32 and 0 <= self.robot_ns < 1 << 64):
-            raise ValueError(f"epoch {self.epoch}, robot_ns {self.robot_ns}: not the boards' 32 and 64 bits")
+        require_moment(self.epoch, self.robot_ns)
 
 
 class Sample(msgspec.Struct, frozen=True, kw_only=True):
@@ -47,7 +50,8 @@ class Tick(Sample, frozen=True, kw_only=True):
     robot_ns: int
 
     def __post_init__(self) -> None:
-        if self.time.epoch == 0:
+        require_moment(self.epoch, self.robot_ns)
+        if self.epoch == 0:
             raise ValueError("epoch is 0, which is nobody's")
 
     @property
@@ -69,7 +73,7 @@ class Tilt(Sample, frozen=True, kw_only=True):
     """Newest moment the board held when it began the reading."""
 
     def __post_init__(self) -> None:
-        require_finite(x=self.x, y=self.y, z=self.z)
+        require_finite(self, self.x, self.y, self.z)
 
 
 Source = Literal["hand", "fault"]
@@ -94,7 +98,7 @@ class DriveCommand(Sample, frozen=True, kw_only=True):
     """Of the measurement or human event, never renewed. None: the operator has not heard the robot yet."""
 
     def __post_init__(self) -> None:
-        require_finite(linear_x=self.linear_x, angular_z=self.angular_z)
+        require_finite(self, self.linear_x, self.angular_z)
 
     @property
     def neutral(self) -> bool:
@@ -126,7 +130,7 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Why this is less than the operator asked for; empty when it is not."""
 
     def __post_init__(self) -> None:
-        require_finite(linear_x=self.linear_x, angular_z=self.angular_z)
+        require_finite(self, self.linear_x, self.angular_z)
 
     @property
     def neutral(self) -> bool:
@@ -229,7 +233,7 @@ class Range(Sample, frozen=True, kw_only=True):
         if (self.range is not None) != (self.state == "echo"):
             raise ValueError(f"range {self.range!r} does not go with state {self.state!r}")
         if self.range is not None:
-            require_finite(range=self.range)
+            require_finite(self, self.range)
 
 
 class Wheels(Sample, frozen=True, kw_only=True):
@@ -251,7 +255,7 @@ class Wheels(Sample, frozen=True, kw_only=True):
     """When base read the report."""
 
     def __post_init__(self) -> None:
-        require_finite(left_velocity=self.left_velocity, right_velocity=self.right_velocity)
+        require_finite(self, self.left_velocity, self.right_velocity)
 
 
 class Odometry(Sample, frozen=True, kw_only=True):
@@ -272,8 +276,7 @@ class Odometry(Sample, frozen=True, kw_only=True):
     tick: RobotTime
 
     def __post_init__(self) -> None:
-        require_finite(x=self.x, y=self.y, yaw=self.yaw, linear_x=self.linear_x, angular_z=self.angular_z)
-        require_finite(path=self.path, **{f"covariance[{i}]": value for i, value in enumerate(self.covariance)})
+        require_finite(self, self.x, self.y, self.yaw, self.linear_x, self.angular_z, self.path, *self.covariance)
 
 
 class BoardState(msgspec.Struct, frozen=True, kw_only=True):
@@ -306,7 +309,7 @@ class BaseState(Sample, frozen=True, kw_only=True):
     board: BoardState
 
     def __post_init__(self) -> None:
-        require_finite(round_trip=self.round_trip or 0.0, budget_left=self.budget_left or 0.0)
+        require_finite(self, self.round_trip or 0.0, self.budget_left or 0.0)
 
 
 class Battery(Sample, frozen=True, kw_only=True):
@@ -314,7 +317,7 @@ class Battery(Sample, frozen=True, kw_only=True):
     """V."""
 
     def __post_init__(self) -> None:
-        require_finite(voltage=self.voltage)
+        require_finite(self, self.voltage)
 
 
 Direction = Literal["forward", "backward", "turn_left", "turn_right"]
@@ -333,7 +336,7 @@ class Verdict(msgspec.Struct, frozen=True, kw_only=True):
     way_out: str
 
     def __post_init__(self) -> None:
-        require_finite(allowed=self.allowed)
+        require_finite(self, self.allowed)
 
 
 class GuardState(Sample, frozen=True, kw_only=True):
@@ -380,9 +383,3 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """Of the program: its number, and a digest of what all services share."""
     stamp_ns: int = 0
     """Wall clock of its host when it answered, ns since 1970."""
-
-
-def require_finite(**values: float) -> None:
-    for name, value in values.items():
-        if not math.isfinite(value):
-            raise ValueError(f"{name} is {value}, not a finite number")
