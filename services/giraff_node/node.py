@@ -119,10 +119,12 @@ class Node(Generic[ConfigT]):
         config: type[ConfigT] | Settings[ConfigT],
         *,
         steady: bool = False,
+        records: bool = False,
         session: zenoh.Session | None = None,
     ) -> None:
         """`config`: the type of its table, which is then loaded, or what is known without a robot file.
 
+        `records`: it hears what is no sample of ours (`session_config`).
         `session`: one on this network, which this closes in the end; None: it opens its own.
         """
         self.service = service
@@ -132,7 +134,7 @@ class Node(Generic[ConfigT]):
         try:
             filed, self.robot, network = config if isinstance(config, Settings) else Settings.load(service, config)
             self._addresses = None if network.local else AddressWatch(host_addresses())
-            self.session = session or open_session(network, self.robot.name)
+            self.session = session or open_session(network, self.robot.name, records=records)
         except ConfigError as error:
             self.log.error("%s", error)
             sys.exit(2)

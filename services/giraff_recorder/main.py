@@ -32,7 +32,7 @@ _FOLDER: Final = "incidents"
 
 def main() -> None:
     lower_priority()
-    with Node("recorder", RecorderConfig) as node, listening(node) as subscriber:
+    with Node("recorder", RecorderConfig, records=True) as node, listening(node) as subscriber:
         incidents, memory = IncidentDetector(node.config), Memory(node.config)
         others = Others(node)
         folder = state_directory(node.robot.name) / _FOLDER

@@ -69,11 +69,13 @@ def run_on_network(
     lost: Callable[[], str] | None = None,
     *,
     must_reach: bool = True,
+    records: bool = False,
 ) -> int:
     """The exit code of `act` on the network, whose connection has no robot where nobody has named one; or UNUSABLE.
 
     `lost`: of a stop, the way out where robot file or environment cannot tell which robot it is, or on which network.
     `must_reach`: an address of `connect` that does not answer is an error: another robot would be found in its place.
+    `records`: it hears what is no sample of ours (`session_config`).
     """
     try:
         way = resolve_target(robot, connect)
@@ -86,7 +88,7 @@ def run_on_network(
     if way.warning:
         print_error(f"not everything of robot file and environment counts: {way.warning}")
     try:
-        session = open_session(way.network, way.robot or "*", visiting=True)
+        session = open_session(way.network, way.robot or "*", visiting=True, records=records)
     except ConfigError as error:
         return print_error(str(error))
     except zenoh.ZError as error:

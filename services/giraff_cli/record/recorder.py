@@ -62,7 +62,10 @@ def record(
         except NoRobotError as error:
             return print_error(str(error))
         return run_on_network(
-            robot, connect, lambda connection: _record(connection, stopping, path, wanted, limits, as_json=as_json)
+            robot,
+            connect,
+            lambda connection: _record(connection, stopping, path, wanted, limits, as_json=as_json),
+            records=True,
         )
 
 

@@ -1,7 +1,7 @@
 """The Zenoh session of a process: table `[network]` of the robot file.
 
-What the session says to Zenoh, and why, is in the files of `deploy/zenoh`: `peer.toml` for every network, and one file
-for each mode. Here this host's own endpoints, certificates and rules are put in.
+What the session says to Zenoh, and why, is in the files of `deploy/zenoh`: `peer.toml` for every network, one file
+for each mode, and `recorder.toml` for who records. Here this host's own endpoints, certificates and rules are put in.
 """
 
 from __future__ import annotations
@@ -33,13 +33,15 @@ CERTIFICATES: Final = {
 """Zenoh's name -> file of the host's bundle, as `giraff keys host` makes it."""
 
 
-def session_config(network: NetworkConfig, robot: str, *, visiting: bool = False) -> dict[str, Any]:
+def session_config(
+    network: NetworkConfig, robot: str, *, visiting: bool = False, records: bool = False
+) -> dict[str, Any]:
     """The Zenoh configuration of a peer of `robot`, as nested dictionaries. Raises ConfigError.
 
     `visiting`: it is gone in a moment, and leaves the rendezvous to those who stay. A session that waits for the
-    rendezvous to become free does not come back from its close, either.
+    rendezvous to become free does not come back from its close, either. `records`: it hears what is no sample of ours.
     """
-    config = settings("peer", network.mode)
+    config = settings("peer", network.mode, *(("recorder",) if records else ()))
     _, _, port = network.rendezvous.rpartition(":")
     protocol = "tls" if network.mode == "secured" else "tcp"
     reach = "127.0.0.1" if network.local else "0.0.0.0"  # noqa: S104  other hosts are to reach it
@@ -73,11 +75,13 @@ def session_config(network: NetworkConfig, robot: str, *, visiting: bool = False
     return config
 
 
-def open_session(network: NetworkConfig, robot: str, *, visiting: bool = False) -> zenoh.Session:
-    """Join the network of `robot`, or visit it. Raises `zenoh.ZError` and ConfigError."""
+def open_session(network: NetworkConfig, robot: str, *, visiting: bool = False, records: bool = False) -> zenoh.Session:
+    """Join the network of `robot`, or visit it (`session_config`). Raises `zenoh.ZError` and ConfigError."""
     if network.session_file:
         return zenoh.open(zenoh.Config.from_file(network.session_file))
-    return zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network, robot, visiting=visiting))))
+    return zenoh.open(
+        zenoh.Config.from_json5(json.dumps(session_config(network, robot, visiting=visiting, records=records)))
+    )
 
 
 def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> bool:
