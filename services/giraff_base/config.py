@@ -25,7 +25,7 @@ class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     arm_time: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.05, 10.0, "s")] = 0.2
     """s that a neutral hand must be held to arm the robot."""
     neutral_gap: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.01, 1.0, "s")] = 0.1
-    """s; longest gap within that time: one lost command of 30 a second, not a hand that was elsewhere."""
+    """s; longest gap within that time: some lost commands of 50 a second, not a hand that was elsewhere."""
     disarm_time: Annotated[float, Tuning.READ_ONLY, Bounds(0.1, 10.0, "s")] = 1.0
     """s of stale command or range, or of a silent board, after which the robot must be armed again."""
     guard_silence: Annotated[float, Tuning.READ_ONLY, Bounds(0.1, 10.0, "s")] = 0.5

@@ -54,7 +54,7 @@ class OperatorPolicy:
         self._neutral_since = None
 
     def step(self, now: float) -> DriveCommand | None:
-        """The next command on the way to an armed robot, thirty times a second; None once it is armed.
+        """The next command on the way to an armed robot, fifty times a second; None once it is armed.
 
         Raises RobotError where it will not come to that.
         """

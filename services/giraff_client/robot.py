@@ -174,7 +174,7 @@ class Robot:
         raise self._policy.gave_up()
 
     def drive(self, linear_x: float, angular_z: float) -> None:
-        """Drive so from now on, m/s and rad/s (left positive), and return after 1/30 s.
+        """Drive so from now on, m/s and rad/s (left positive), and return after 1/50 s.
 
         It holds for 0.4 s, fading out in the second half: a script that does not call again in time, because it
         hangs, waits or has died, stops the robot. The guard may let through less, or nothing, see `check_way`; it is

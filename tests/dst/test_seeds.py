@@ -32,7 +32,6 @@ DRAWN: Final[dict[int, tuple[str, ...]]] = {
         "fault: parameter",
         "fault: reset",
         "fault: emergency stop",
-        "stop: backward blocked",
         "answer: released",
         "parameter: set",
         "parameter: refused",
@@ -62,10 +61,11 @@ DRAWN: Final[dict[int, tuple[str, ...]]] = {
     173: ("fault: cut", "fault: sonar", "stop: forward blocked"),
     229: ("fault: loss", "fault: suspend", "stop: the guard is not heard"),
     183: ("fault: disorder", "stop: the base board is in state command_timeout"),
-    123: ("fault: obstacle", "stop: the guard's command is too old"),
+    20: ("stop: the guard's command is too old",),
+    123: ("fault: obstacle",),
     111: ("fault: delay", "fault: unplug"),
     364: ("answer: latch N is not the one engaged",),
-    77: ("stop: forward slowed",),
+    312: ("stop: forward slowed",),
     64: ("answer: the disk hangs",),
     19: ("fault: battery", "stop: a second guard"),
     216: ("stop: the battery is empty",),
@@ -81,7 +81,8 @@ DRAWN: Final[dict[int, tuple[str, ...]]] = {
         "answer: the emergency stop was engaged again after this reset was asked for",
     ),
     90: ("stop: backward slowed",),
-    **dict.fromkeys((38, 113, 212, 318), ()),
+    318: ("stop: backward blocked",),
+    **dict.fromkeys((38, 77, 113, 212), ()),
 }
 """Each is there for what it counts, which begins so. Where it no longer does, another seed does (`giraff dst`)."""
 ONCE_FAILED: Final = (

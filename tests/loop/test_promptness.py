@@ -13,6 +13,7 @@ from giraff_schemas.wire import DriveFrame, Frame, RangeFrame, TiltFrame
 from giraff_sim.hosts.process import Observer, Process
 from giraff_sim.settings import Services
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
+from tests.loop.operators import scene
 from tests.sim.robots import proving_room
 from tests.support.floods import RATE, FloodingJoystick
 
@@ -118,3 +119,13 @@ def test_without_a_hand_the_robot_side_keeps_its_pace() -> None:
         watch.forget()
         loop.run(1.0)
     assert abs(watch.said_by["guard GuardedCommand"] - CMD_VEL.rate_hz) <= 1
+
+
+def test_a_press_is_told_in_the_turn_that_it_makes_due() -> None:
+    with scene() as it:
+        for phase in range(5):
+            it.run(1.0 + 0.004 * phase)
+            assert it.loop.newest["cmd_vel/keyboard"].neutral
+            it.type(b"w")
+            it.loop.step()
+            assert not it.loop.newest["cmd_vel/keyboard"].neutral
