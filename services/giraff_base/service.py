@@ -37,7 +37,7 @@ class Base:
 
     def turn(self, now: float) -> None:
         policy, link = self._policy, self.link
-        if self._tick_timer.due(now):
+        if is_due := self._tick_timer.due(now):
             self._ticks.put(Tick(epoch=self._epoch, robot_ns=self._io.robot_ns()))
         frames = link.poll(now)
         if link.opened != self._opened:
@@ -54,14 +54,18 @@ class Base:
         if (frame := policy.next_frame(robot_time)) is not None:
             link.send(frame)
         self._server.turn(robot_time)
-        self._io.set_fault("board", link.fault)
-        self._io.set_fault("estop", self._server.fault)
-        for name, message in policy.faults.items():  # of the robot, and of a second guard
-            self._io.set_notice(name, message)
         self._states.put(now)
+        if is_due:
+            self._tell_what_is_wrong()
 
     def end(self) -> None:
         """Nothing is left to say: the board stops by itself."""
+
+    def _tell_what_is_wrong(self) -> None:
+        self._io.set_fault("board", self.link.fault)
+        self._io.set_fault("estop", self._server.fault)
+        for name, message in self._policy.faults.items():  # of the robot, and of a second guard
+            self._io.set_notice(name, message)
 
 
 class _States:

@@ -70,9 +70,10 @@ class Obstacles:
         ping = sensor.newest
         if ping is not None and self._motion.heard:
             self._echoes.take(sensor, ping, self._motion.travel)
+        if self._asked == (0.0, 0.0):
+            return False
         self.judge(now)
-        allowed = self._limited(*self._asked, now)
-        passed = self._passed
+        allowed, passed = self._limited(*self._asked, now), self._passed
         return abs(allowed.linear_x) < abs(passed.linear_x) or abs(allowed.angular_z) < abs(passed.angular_z)
 
     def on_wheels(self, wheels: Wheels, now: RobotTime) -> None:

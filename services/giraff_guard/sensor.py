@@ -35,6 +35,10 @@ class Sensor:
     def __init__(self, name: str, pose: SensorPose, config: GuardConfig) -> None:
         self.name = name
         self.pose = pose
+        self.offset = pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)
+        """m the sensor sits ahead of base_link, along its own axis."""
+        self.aside = pose.y * math.cos(pose.yaw) - pose.x * math.sin(pose.yaw)
+        """m it sits to the left of base_link, seen along its axis."""
         self._config = config
         self._pings: deque[Ping] = deque(maxlen=_KEPT)
         self._reading: Range | None = None
@@ -169,16 +173,6 @@ class Sensor:
             return False
         here, there = self.offset + ping.distance, other.offset + witness.distance
         return there > here + self._config.agreement + self._walked(ping, witness)
-
-    @property
-    def offset(self) -> float:
-        """m the sensor sits ahead of base_link, along its own axis."""
-        return self.pose.x * math.cos(self.pose.yaw) + self.pose.y * math.sin(self.pose.yaw)
-
-    @property
-    def aside(self) -> float:
-        """m it sits to the left of base_link, seen along its axis."""
-        return self.pose.y * math.cos(self.pose.yaw) - self.pose.x * math.sin(self.pose.yaw)
 
     def _note_loss(self, ping: Ping) -> None:
         """Before `ping` is taken: whether it loses an echo that was sure and nearly touched."""

@@ -61,6 +61,8 @@ class HealthState:
         return "; ".join((*self._faults.values(), *self._notices.values())) or "well"
 
     def _set(self, told: dict[str, str], name: str, message: str) -> None:
+        if told.get(name, "") == message:
+            return
         message = message.encode(errors="replace").decode()  # a port's path may be no text, and JSON is
         if told.get(name, "") == message:
             return
