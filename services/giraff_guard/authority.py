@@ -53,7 +53,7 @@ class Authority:
     def on_command(self, command: DriveCommand, now: RobotTime) -> bool:
         """Take a command of any operator. True: it is the newest word of who holds the lease now."""
         self.review(now)
-        theirs = bool(self.holder) and command.instance == self.holder
+        theirs = self._holds(command)
         if theirs and not self._seq < command.seq <= self._seq + _MOST_AHEAD:
             return False
         if theirs:
@@ -68,7 +68,7 @@ class Authority:
             self._consider(command, now)
         elif theirs and command.lease_counter == self.counter:
             self._count(command, now)
-        return theirs or (bool(self.holder) and command.instance == self.holder)
+        return theirs or self._holds(command)
 
     def review(self, now: RobotTime) -> None:
         """End a lease that nobody makes use of."""
@@ -134,6 +134,10 @@ class Authority:
         self._seq = command.seq
         self._heard_ns = self._hand_ns = self._wish_ns = now.robot_ns
         self._complaint = ""
+
+    def _holds(self, command: DriveCommand) -> bool:
+        """Whether who gave it holds the lease now."""
+        return bool(self.holder) and command.instance == self.holder
 
     def _rank(self, operator: str) -> int:
         """Of who is not named it is 0."""
