@@ -38,7 +38,7 @@ class Limited(NamedTuple):
 
 
 class Obstacles:
-    """Feed it admitted readings and wheel reports; judge, then limit, once a turn."""
+    """Feed it admitted readings and wheel reports; judge, then limit, once a decision."""
 
     def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
         self._config = config

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import PromptTimer
+from giraff_core.timer import PromptTimer, Timer
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, TILT
@@ -28,7 +28,7 @@ class Joystick:
         self._tilts = io.publisher(TILT)
         self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
         self._timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz)
-        self.timers = (self._timer,)
+        self.timers: tuple[Timer, ...] = (self._timer,)
 
     def turn(self, now: float) -> None:
         policy, link = self._policy, self.link

@@ -93,30 +93,33 @@ class LateRanger(RangerPolicy):
 class OptimisticGuard(GuardPolicy):
     """Believes everything to be 0.6 m farther away."""
 
-    def on_range(self, reading: Range, robot_ns: int) -> None:
+    def on_range(self, reading: Range, robot_ns: int) -> bool:
         if reading.range is not None:
             reading = msgspec.structs.replace(reading, range=reading.range + 0.6)
-        super().on_range(reading, robot_ns)
+        return super().on_range(reading, robot_ns)
 
 
 class TurnedGuard(GuardPolicy):
     """Takes the sensors in front for the one behind, and the other way round."""
 
-    def on_range(self, reading: Range, robot_ns: int) -> None:
+    def on_range(self, reading: Range, robot_ns: int) -> bool:
         names = {"front_left": ["rear"], "front_right": [], "rear": ["front_left", "front_right"]}
+        hurries = False
         for name in names[reading.sensor]:
-            super().on_range(msgspec.structs.replace(reading, sensor=name), robot_ns)
+            hurries |= super().on_range(msgspec.structs.replace(reading, sensor=name), robot_ns)
+        return hurries
 
 
 class HalfGuard(GuardPolicy):
     """Takes what the left sensor hears for what the right one does, too."""
 
-    def on_range(self, reading: Range, robot_ns: int) -> None:
+    def on_range(self, reading: Range, robot_ns: int) -> bool:
         if reading.sensor == "front_right":
-            return
-        super().on_range(reading, robot_ns)
+            return False
+        hurries = super().on_range(reading, robot_ns)
         if reading.sensor == "front_left":
-            super().on_range(msgspec.structs.replace(reading, sensor="front_right"), robot_ns)
+            hurries |= super().on_range(msgspec.structs.replace(reading, sensor="front_right"), robot_ns)
+        return hurries
 
 
 class CloseGuard(GuardPolicy):

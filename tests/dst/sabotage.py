@@ -101,13 +101,14 @@ class EagerBase(BasePolicy):
 class OpenGuard(GuardPolicy):
     """Obeys whoever wishes to drive, in the name of the holder, and no level hand."""
 
-    def on_command(self, command: DriveCommand, robot_ns: int) -> None:
+    def on_command(self, command: DriveCommand, robot_ns: int) -> bool:
         authority = self._authority
         if command.neutral and authority.command is not None and not authority.command.neutral:
-            return
-        super().on_command(command, robot_ns)
+            return False
+        hurries = super().on_command(command, robot_ns)
         if authority.holder and not command.neutral:
             authority.command = msgspec.structs.replace(command, lease_counter=authority.counter)
+        return hurries
 
 
 class DeafBase(BasePolicy):
@@ -140,10 +141,10 @@ class AmnesiacBase(BasePolicy):
 class BlindGuard(GuardPolicy):
     """Takes what is near for far."""
 
-    def on_range(self, reading: Range, robot_ns: int) -> None:
+    def on_range(self, reading: Range, robot_ns: int) -> bool:
         if reading.range is not None:
             reading = msgspec.structs.replace(reading, range=reading.range + 2.0)
-        super().on_range(reading, robot_ns)
+        return super().on_range(reading, robot_ns)
 
 
 class GrudgingGuard(GuardPolicy):

@@ -31,7 +31,7 @@ _CELL: Final = 0.1  # m
 _WRIST_S: Final = 0.15  # s, time constant: a hand that jerks is taken for a joystick that is shaken
 _STUCK_S: Final = 3.0  # s without 5 cm of way, though forward is allowed
 _SURE: Final = math.cos(math.radians(25.0))  # of the incidence
-_REACTION_US: Final = 60_000
+_REACTION_US: Final = 40_000
 NEARLY: Final = 0.06  # m between an echo and the surface that gave it, with what the robot moved meanwhile
 
 Cell = tuple[int, int]
@@ -197,7 +197,7 @@ class Crossing(msgspec.Struct, frozen=True):
     contacts: int
     towards_an_echo: int
     """Contacts against invariant (e): of a robot driven towards what had echoed in the last two cycles, and was closer
-    than its stopping distance, 60 ms after that echo."""
+    than its stopping distance, 40 ms after that echo."""
     why: str
 
 

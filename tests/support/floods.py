@@ -23,7 +23,7 @@ class FloodingJoystick(Joystick):
     def __init__(self, *what: Any, **more: Any) -> None:
         super().__init__(*what, **more)
         self._bursts = Timer(_BURSTS_HZ)
-        self.timers = (*self.timers, self._bursts)  # type: ignore[assignment]
+        self.timers = (*self.timers, self._bursts)
 
     def turn(self, now: float) -> None:
         super().turn(now)

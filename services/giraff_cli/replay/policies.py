@@ -26,6 +26,7 @@ from giraff_schemas.messages import (
     Lease,
     Odometry,
     Range,
+    RobotTime,
     Sample,
     Tick,
     Wheels,
@@ -124,6 +125,7 @@ class _Inputs:
             type_: said.of(type_)[::-1] for type_ in (Tick, Range, Wheels, DriveCommand)
         }
         self._newest: dict[str, Range] = {}
+        self._last_tick: RobotTime | None = None  # of the holder's newest command that was taken
 
     def until(self, turn: GuardedCommand) -> Iterator[Sample]:
         """Those that are new in this turn, in the order in which the guard takes them."""
@@ -132,14 +134,19 @@ class _Inputs:
                 sample = waiting.pop()
                 if isinstance(sample, Range):
                     self._newest[sample.sensor] = sample
+                if isinstance(sample, DriveCommand) and sample.instance == turn.operator:
+                    self._last_tick = sample.tick
                 yield sample
 
     def _taken(self, type_: type[Sample], sample: Any, turn: GuardedCommand) -> bool:
         if type_ is Tick and turn.guard_tick is not None and turn.guard_tick.epoch == sample.epoch:
             return bool(sample.robot_ns <= turn.guard_tick.robot_ns)
-        of_holder = type_ is DriveCommand and sample.instance == turn.operator
-        if of_holder and turn.operator_tick is not None and sample.tick is not None and _near(sample, turn):
-            return bool(sample.tick.robot_ns <= turn.operator_tick.robot_ns)
+        is_holders = type_ is DriveCommand and sample.instance == turn.operator and _near(sample, turn)
+        moment: RobotTime | None = sample.tick if is_holders else None
+        used = turn.operator_tick
+        # One more of the same moment is told from the one before by its stamp alone.
+        if moment is not None and used is not None and not moment == used == self._last_tick:
+            return moment.robot_ns <= used.robot_ns
         if type_ is Range and turn.range_tick is not None and _near(sample, turn):
             last = self._newest.get(sample.sensor)
             if turn.range_tick in (sample.tick, last.tick if last is not None else None):
@@ -176,7 +183,7 @@ class _Guard:
     def turn(self, inputs: Iterable[Sample], now_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
         """What it says now."""
         policy = self._policy
-        take: dict[type[Sample], Callable[[Any, int], None]] = {
+        take: dict[type[Sample], Callable[[Any, int], object]] = {
             Tick: policy.on_tick,
             Range: policy.on_range,
             Wheels: policy.on_wheels,

@@ -6,8 +6,12 @@ import contextlib
 import select
 import socket
 from collections.abc import Iterable
+from typing import Final
 
 from giraff_core.io import Selectable
+
+_SELECTABLE: Final = 1024
+"""Descriptors below it are served by select."""
 
 
 class Waker:
@@ -42,7 +46,11 @@ class Waker:
 def wait_for(watched: Iterable[Selectable], seconds: float) -> set[Selectable]:
     """Wait at most `seconds` until one of these is readable; which are."""
     there = {descriptor: each for each in watched if (descriptor := each.descriptor()) is not None}
-    # Not epoll, which wakes up to a millisecond late. It serves descriptors below 1024 only: what is watched here is a
-    # handful that a process opens as it starts, and ports.
-    readable, _, _ = select.select(there, (), (), seconds)
-    return {there[descriptor] for descriptor in readable}
+    # Not poll, which wakes up to a millisecond late: only where there are more descriptors than select serves.
+    if max(there, default=0) < _SELECTABLE:
+        readable, _, _ = select.select(there, (), (), seconds)
+        return {there[descriptor] for descriptor in readable}
+    poll = select.poll()
+    for descriptor in there:
+        poll.register(descriptor, select.POLLIN)
+    return {there[descriptor] for descriptor, _ in poll.poll(seconds * 1000.0)}

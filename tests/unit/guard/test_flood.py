@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from giraff_core.lease import ASK
 from tests.unit.guard.rig import Rig
 
 
@@ -26,8 +27,21 @@ def ask(rig: Rig, seconds: float, rates: dict[str, float]) -> set[str]:
 def test_a_flood_is_told_by_who_makes_it(flooder: str) -> None:
     rig = Rig()
     ask(rig, 3.5, {"joystick": 50, flooder: 2000})
-    assert f"most of them from {flooder} ({flooder[:8]}" in rig.guard.flood
-    assert "end that program" in rig.guard.flood
+    assert f"most of them from {flooder};" in rig.guard.flood
+
+
+def test_a_flooder_of_many_instances_or_names_is_not_taken_for_the_hand() -> None:
+    for many_names in (False, True):
+        rig = Rig()
+        for number in range(7000):
+            rig.robot_ns += 500_000
+            who = f"stranger{number}" if many_names else "stranger"
+            rig.ask(0.1, operator=f"instance-{number}", name=who, age=0.0, counter=ASK)
+            if number % 40 == 0:
+                rig.tick()
+                rig.ask(0.1, age=0.0)
+                rig.decide()
+        assert ("under many" if many_names else "from stranger;") in rig.guard.flood
 
 
 def test_hands_and_held_keys_are_none() -> None:

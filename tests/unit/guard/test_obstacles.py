@@ -77,7 +77,7 @@ def test_before_anything_is_judged_nothing_passes() -> None:
 
 
 def test_a_reading_counts_from_the_turn_after_it() -> None:
-    """Each turn of 20 ms judges what has come: a short reading is at zero well within 60 ms."""
+    """A short reading is at zero in the turn that takes it."""
     senses = opened()
     senses.asked = (0.6, 0.0)
     senses.wait(0.1)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
+import resource
 from collections.abc import Callable, Iterator
 from typing import Any, cast
 
@@ -10,6 +13,7 @@ import pytest
 from giraff_core.io import Paced
 from giraff_core.timer import Timer
 from giraff_node import Node
+from giraff_node.process.selector import wait_for
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, Topic
 from giraff_schemas.wire import BASE_BAUD, BoardKind
@@ -59,3 +63,29 @@ def test_a_sample_makes_one_due_if_its_inbox_wakes_and_is_there_in_any_case(wake
         callback(tick)
     assert node.process.wakes == wakes
     assert list(inbox.take()) == [tick]
+
+
+class Pipe:
+    """Readable, at a descriptor that select does not serve."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._descriptor = descriptor
+
+    def descriptor(self) -> int:
+        return self._descriptor
+
+
+@pytest.mark.parametrize("says", [b"", b"x"], ids=["silent", "readable"])
+def test_a_process_of_many_descriptors_waits_as_any_other(says: bytes) -> None:
+    most, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (max(most, 1100), hard))
+    ours, theirs = os.pipe()
+    far = fcntl.fcntl(ours, fcntl.F_DUPFD_CLOEXEC, 1024)
+    try:
+        os.write(theirs, says)
+        pipe = Pipe(far)
+        assert wait_for([pipe], 0.0) == ({pipe} if says else set())
+    finally:
+        for descriptor in (ours, theirs, far):
+            os.close(descriptor)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))

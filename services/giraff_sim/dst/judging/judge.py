@@ -207,11 +207,11 @@ class Judge(Ledger):
         self._pins.asked(frame, now_us)
         if not (frame.left_level or frame.right_level):
             return
+        if self._engaged_us is not None:
+            self._violated("d", f"{base.instance} sends {frame.left_level}, {frame.right_level} while stopped")
         if not self.is_of_this_boot(BoardKind.BASE, frame.boot_id):
             return  # base does not know of the board's reset yet, and no motor may have power by this
         self._level_us = now_us
-        if self._engaged_us is not None:
-            self._violated("d", f"{base.instance} sends {frame.left_level}, {frame.right_level} while stopped")
         twist = Twist(frame, self._settings.robot)
         wrong, passed = self._explainer.why_not(twist, self.heard_by_base(base), now_us)
         if passed is None:
