@@ -7,7 +7,9 @@ from typing import Any
 
 import msgspec
 
-from giraff_schemas.topics import SampleT, Topic
+from giraff_schemas.frames import Transform
+from giraff_schemas.messages import Health
+from giraff_schemas.topics import PARAM_QUERIES, QUERIES, TOPICS, SampleT, Topic
 
 
 class DecodeError(ValueError):
@@ -61,3 +63,15 @@ def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None
 @cache
 def _decoder(type_: type[msgspec.Struct]) -> msgspec.msgpack.Decoder[Any]:
     return msgspec.msgpack.Decoder(type_)
+
+
+# All of them here, where one thread runs: msgspec begins to use what it knows of a type, and of the types in it, before
+# that is complete. Of Zenoh's threads that decoded their first samples at one moment, one read NULL, which ended the
+# process.
+for _type in (
+    *(topic.schema for topic in TOPICS),
+    *(type_ for query in (*QUERIES, *PARAM_QUERIES) for type_ in (query.request, query.answer)),
+    Health,
+    Transform,
+):
+    _decoder(_type)
