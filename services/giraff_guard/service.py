@@ -13,7 +13,7 @@ from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, RANGE
 class Guard:
     """Reads `tick`, `wheels`, `range/*` and `cmd_vel/*`; writes `cmd_vel`, and `lease` and `guard` about it.
 
-    It decides at once on what may stop or turn the robot, and at its rate on all the rest.
+    It decides at once on a word of who drives and on a reading that lets less pass, and else at its rate.
     """
 
     link = None

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from typing import Any, Final
 
-from giraff_core.freshness import TickFilter
+import msgspec
+
 from giraff_core.io import IO
 from giraff_core.lease import ASK
+from giraff_core.operator import Operator
 from giraff_core.timer import Timer
 from giraff_joystick.service import Joystick
-from giraff_schemas.messages import DriveCommand, RobotTime
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK
 
 RATE: Final = 10_000
@@ -42,29 +43,20 @@ class Stranger:
         self._commands = io.publisher(OPERATOR_CMD_VEL.at("stranger"))
         self._bursts = Timer(_BURSTS_HZ)
         self.timers = (self._bursts,)
-        self._clock = TickFilter()
-        self._tick: RobotTime | None = None
-        self._counter = ASK
+        self._operator = Operator("stranger", io.instance)
+        self._counter = ASK  # of who drives
 
     def turn(self, now: float) -> None:
-        for heard in self._ticks.take():
-            if self._clock.is_newer(heard, now):
-                self._tick = heard.time
+        for tick in self._ticks.take():
+            self._operator.on_tick(tick, now)
         for lease in self._leases.take():
             self._counter = lease.counter
         if self._bursts.due(now):
-            for number in range(_BURST):
-                self._commands.put(
-                    DriveCommand(
-                        operator="stranger",
-                        lease_counter=ASK if number % 2 else self._counter,
-                        linear_x=-0.6,
-                        angular_z=0.0,
-                        source="hand",
-                        reason="",
-                        tick=self._tick,
-                    )
-                )
+            asks = self._operator.command(-0.6, 0.0, tick=self._operator.tick, wishes=True)
+            forged = msgspec.structs.replace(asks, lease_counter=self._counter)
+            for _ in range(_BURST // 2):
+                self._commands.put(asks)
+                self._commands.put(forged)
 
     def end(self) -> None:
         """Nothing is left to say."""

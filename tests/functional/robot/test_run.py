@@ -62,7 +62,7 @@ def test_who_starts_it_drives_in_the_same_terminal(command: Command) -> None:
     with screen(words, errors, command.environment | {"TERM": "xterm"}) as shown:
         shown.wait_for("nobody's: press an arrow key", PATIENCE)
         take(shown)
-        seconds = 0
+        seconds, told = 0, ""
         for _ in range(12):
             shown.forget()
             hold(shown, b"w", 1.0)
