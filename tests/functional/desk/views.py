@@ -16,8 +16,8 @@ from tests.support.process_robot import ProcessRobot
 from tests.support.waiting import wait
 
 
-def view(robot: ProcessRobot, *words: str, timeout: float = 100.0) -> subprocess.CompletedProcess[str]:
-    """The command, once it has ended."""
+def view(robot: ProcessRobot, *words: str, timeout: float = 200.0) -> subprocess.CompletedProcess[str]:
+    """The command, once it has ended: with more patience than it has itself with a slow viewer."""
     return subprocess.run(
         [str(GIRAFF), "view", *words],
         cwd=robot.directory,
