@@ -20,7 +20,12 @@ static void on_configure(const void *body)
 
 static void on_drive(const void *body)
 {
-    drive_on_command(body, boot_id(), clock_ms());
+    drive_on_levels(body, boot_id(), clock_ms());
+}
+
+static void on_speed(const void *body)
+{
+    drive_on_speeds(body, boot_id(), clock_ms());
 }
 
 static void on_estop(const void *body)
@@ -32,6 +37,7 @@ static const struct link_handler handlers[] = {
     { FRAME_HELLO_REQUEST, sizeof(struct hello_request), hello_on_request },
     { FRAME_CONFIGURE, sizeof(struct configure), on_configure },
     { FRAME_DRIVE, sizeof(struct drive), on_drive },
+    { FRAME_SPEED, sizeof(struct speed), on_speed },
     { FRAME_ESTOP, sizeof(struct estop), on_estop },
 };
 
@@ -45,6 +51,8 @@ static void send_wheels(void)
     uint8_t wiring = drive_wiring();
     struct drive_report report = drive_report();
     struct encoders_reading read = encoders_read();
+    uint16_t battery = hal_battery_counts();
+    drive_on_battery(battery);
     struct wheels wheels = {
         .type = FRAME_WHEELS,
         .seq = link_next_seq(),
@@ -62,7 +70,10 @@ static void send_wheels(void)
         .accepted = report.accepted,
         .refused = report.refused,
         .line_errors = link_errors(),
-        .battery_adc_counts = hal_battery_counts(),
+        .battery_adc_counts = battery,
+        .left_um_s = report.um_s[LEFT],
+        .right_um_s = report.um_s[RIGHT],
+        .speed_flags = report.speed_flags,
     };
     link_send(&wheels, sizeof wheels);
 }
@@ -94,8 +105,12 @@ void firmware_on_millisecond(void)
 {
     clock_on_millisecond();
     hal_enable_interrupts();        /* the encoders' edges do not wait for the rest; the next millisecond is far */
-    const uint16_t ticks[2] = { encoders_low(0), encoders_low(1) };
-    drive_on_millisecond(ticks);
+    const struct encoders_edge newest[2] = { encoders_newest(0), encoders_newest(1) };
+    uint16_t now;
+    ATOMICALLY {                    /* after the edges: one newer than now would count as silent for a second */
+        now = clock_stamp();
+    }
+    drive_on_millisecond(newest, now);
     motors_on_millisecond(0, drive_level(0));
     motors_on_millisecond(1, drive_level(1));
 }

@@ -8,6 +8,7 @@ _Static_assert(BAUD == BASE_BAUD, "the wire's baud is declared in protocol.h");
 
 /* Timer 0 divides 18.432 MHz by 256: 72 counts a millisecond, exactly. */
 #define CLOCK_COUNTS_PER_MS 72
+_Static_assert(CLOCK_COUNTS_PER_MS == STAMPS_PER_MS, "an edge's time is declared in protocol.h");
 #define CLOCK_US(counts) ((uint16_t)((counts) * 222u / 16u))       /* 13.889 each, at most 2 us short */
 
 #endif

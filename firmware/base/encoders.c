@@ -5,6 +5,7 @@
 #include "start_values.h"
 
 static volatile uint32_t counts[2];     /* unsigned: they wrap */
+static volatile uint16_t stamps[2];
 
 void encoders_start(void)
 {
@@ -14,6 +15,7 @@ void encoders_start(void)
 
 void encoders_on_edge_0(bool a, bool b)
 {
+    stamps[0] = clock_stamp();
     if (a != b)
         counts[0]++;
     else
@@ -22,19 +24,21 @@ void encoders_on_edge_0(bool a, bool b)
 
 void encoders_on_edge_1(bool a, bool b)
 {
+    stamps[1] = clock_stamp();
     if (a == b)
         counts[1]++;
     else
         counts[1]--;
 }
 
-uint16_t encoders_low(uint8_t encoder)
+struct encoders_edge encoders_newest(uint8_t encoder)
 {
-    uint16_t low;
+    struct encoders_edge newest;
     ATOMICALLY {
-        low = (uint16_t)counts[encoder];
+        newest.ticks = (uint16_t)counts[encoder];
+        newest.stamp = stamps[encoder];
     }
-    return low;
+    return newest;
 }
 
 struct encoders_reading encoders_read(void)

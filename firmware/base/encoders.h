@@ -11,7 +11,13 @@ struct encoders_reading {       /* of one instant */
 
 void encoders_start(void);
 struct encoders_reading encoders_read(void);
-uint16_t encoders_low(uint8_t encoder);         /* the low half of its count: enough for what turns in a second */
+
+struct encoders_edge {          /* the newest of an encoder */
+    uint16_t ticks;             /* low half of the count after it: enough for what turns in a second */
+    uint16_t stamp;             /* clock_stamp() when it came */
+};
+
+struct encoders_edge encoders_newest(uint8_t encoder);
 
 /* From the interrupt at each edge of the encoder's channel A, with the channels' levels just after it. */
 void encoders_on_edge_0(bool a, bool b);

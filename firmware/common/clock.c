@@ -1,8 +1,10 @@
+#include "board.h"
 #include "clock.h"
 #include "hal.h"
 #include "start_values.h"
 
 static volatile uint32_t ms;
+static volatile uint16_t stamp;     /* at the last millisecond */
 static volatile uint32_t us;        /* at the last millisecond: counted, since ms * 1000 would wrap elsewhere */
 
 void clock_start(void)
@@ -16,6 +18,7 @@ void clock_on_millisecond(void)
 {
     ms++;
     us += 1000;
+    stamp += CLOCK_COUNTS_PER_MS;
 }
 
 uint32_t clock_ms(void)
@@ -34,6 +37,11 @@ uint32_t clock_us(void)
         now = us + hal_clock_us();
     }
     return now;
+}
+
+uint16_t clock_stamp(void)
+{
+    return (uint16_t)(stamp + hal_clock_counts());
 }
 
 bool clock_due(uint32_t *last_ms, uint16_t period_ms)

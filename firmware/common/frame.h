@@ -12,6 +12,7 @@ union any_frame {
     struct hello_request hello_request;
     struct configure configure;
     struct drive drive;
+    struct speed speed;
     struct estop estop;
     struct tick tick;
 };

@@ -36,6 +36,7 @@ void hal_enable_interrupts(void);
 
 void hal_start_clock(void);                 /* firmware_on_millisecond from now on, each millisecond */
 uint16_t hal_clock_us(void);                /* since the last millisecond that was counted; interrupts off */
+uint8_t hal_clock_counts(void);             /* the same in CLOCK_COUNTS_PER_MS of board.h, some more than one ms at most */
 
 void hal_start_uart(void);
 void hal_transmit(void);                    /* fetch bytes by uart_on_transmit until it has none */

@@ -25,7 +25,8 @@ enum frame_type {
     FRAME_CONFIGURE = 0x12,     /* base */
     FRAME_DRIVE = 0x13,         /* base */
     FRAME_TICK = 0x14,          /* joystick, ranger */
-    FRAME_ESTOP = 0x15          /* base */
+    FRAME_ESTOP = 0x15,         /* base */
+    FRAME_SPEED = 0x16          /* base */
 };
 
 /* Why the base board drives, or does not. */
@@ -34,7 +35,18 @@ enum drive_state {
     DRIVE_NOT_CONFIGURED = 1,   /* no host has proved protocol and configuration since the boot */
     DRIVE_AWAITING_ZERO = 2,    /* configured; waits for a first zero drive frame */
     DRIVE_COMMAND_TIMEOUT = 3,  /* no accepted drive frame for COMMAND_TIMEOUT_MS; waits for a zero one */
-    DRIVE_LATCHED = 4           /* `latch` says why; waits for a release, then for a zero drive frame */
+    DRIVE_LATCHED = 4,          /* `latch` says why; waits for a release, then for a zero drive frame */
+    DRIVE_HELD = 5              /* something held the wheel that `speed_flags` names; waits for a zero speed frame whose
+                                 * host knows */
+};
+
+/* Bits of wheels.speed_flags: how the speed control gets on. */
+enum speed_flag {
+    SPEED_AT_LIMIT = 1,         /* a wheel cannot do what is asked; both are asked for less, so that the curve stays */
+    SPEED_LEFT_OVERDUE = 2,     /* an edge is overdue: plain feed-forward */
+    SPEED_RIGHT_OVERDUE = 4,
+    SPEED_LEFT_HELD = 8,        /* why DRIVE_HELD, or the newest time that it was so */
+    SPEED_RIGHT_HELD = 16
 };
 
 /* What holds the base board's motors at zero until an estop frame releases it. Kept in EEPROM, over every reset and
@@ -42,7 +54,8 @@ enum drive_state {
 enum latch {
     LATCH_NONE = 0,
     LATCH_ESTOP = 1,            /* a host engaged it */
-    LATCH_LEFT_STUCK = 2,       /* |level| >= stall_level for STUCK_MS, and never STUCK_EDGES ticks away from where it was */
+    LATCH_LEFT_STUCK = 2,       /* |level| >= stall_level for STUCK_MS, and never STUCK_EDGES ticks away from where it
+                                 * was; or held HELD_TIMES within HELD_WITHIN_MS */
     LATCH_RIGHT_STUCK = 3,
     LATCH_LEFT_OPPOSITE = 4,    /* turned against its level for OPPOSITE_MS and not ever slower: wired the other way */
     LATCH_RIGHT_OPPOSITE = 5
@@ -57,7 +70,7 @@ enum refusal {
     REFUSAL_SEQUENCE = 4,       /* not newer than the last one that was fresh */
     REFUSAL_NOT_CONFIGURED = 5, /* no session; to a release, another one than it names */
     REFUSAL_AWAITING_ZERO = 6,  /* fresh, but the latch opens for a zero frame only */
-    REFUSAL_LEVEL = 7,          /* a level beyond the configured maximum */
+    REFUSAL_LEVEL = 7,          /* a level or a speed beyond the configured maximum */
     REFUSAL_LATCHED = 8         /* fresh, but latched: nothing drives before a release */
 };
 
@@ -102,6 +115,18 @@ enum {
     STUCK_MS = 500,
     STUCK_EDGES = 10,
     OPPOSITE_MS = 200,
+    SPEED_PERIOD_MS = 10,           /* of the speed control */
+    STAMPS_PER_MS = 72,             /* of the base board's clock: how fine it tells an edge's time */
+    OVERDUE_INTERVALS = 3,          /* an edge is overdue after so many of the newest interval, */
+    OVERDUE_MS = 30,                /* and not before */
+    SILENT_MS = 200,                /* without an edge, asked for HELD_FROM_UM_S or more: held */
+    HELD_FROM_UM_S = 100000,        /* slower wheels are not judged to be held */
+    HELD_REACH_MS = 600,            /* asked for HELD_FROM_UM_S or more, at less than half of what is asked: held */
+    HELD_FALLEN_MS = 30,            /* at less than half of the speed it had: held */
+    HELD_TIMES = 3,                 /* within HELD_WITHIN_MS: latched as stuck */
+    HELD_WITHIN_MS = 60000,
+    PWM_OVER_PERCENT = 30,          /* above feed-forward and dead zone at most, */
+    PWM_OVER_BLIND_PERCENT = 50,    /* where the battery's voltage is unknown */
     WHEELS_PERIOD_MS = 10,
     TILT_PERIOD_MS = 20,
     RANGE_SLOT_MS = 60,             /* between two pings, of whichever sensor: echoes have died down by then */
@@ -140,6 +165,9 @@ struct PACKED wheels {
     uint16_t refused;               /* drive, configure and release frames refused since the boot; wraps */
     uint16_t line_errors;           /* frames with a wrong CRC or shape, bytes lost; wraps */
     uint16_t battery_adc_counts;    /* 10 bit, of AVCC */
+    int32_t left_um_s;              /* speed, from the edges and the time between them; forward positive */
+    int32_t right_um_s;
+    uint8_t speed_flags;            /* enum speed_flag */
 };
 
 struct PACKED tilt {
@@ -187,8 +215,23 @@ struct PACKED configure {
     uint32_t board_ms;              /* newest one read from `wheels` */
     uint32_t session;               /* random, not 0 */
     uint8_t wiring;                 /* enum wiring */
-    uint8_t level_max;              /* largest |level| a drive frame may ask for, 1..255 */
+    uint8_t level_max;              /* largest |level| a drive frame may ask for; 0 = only zero: speeds are asked for */
     uint8_t stall_level;            /* |level| from which a wheel that stands still is stuck, 1..255 */
+    uint32_t left_counts_per_km;    /* of left_ticks, in 1000 m of its rim's way; 0 = not known: no speeds at all */
+    uint32_t right_counts_per_km;
+    uint32_t speed_max_um_s;        /* largest |speed| a speed frame may ask of a wheel; 0 = only zero: levels */
+    uint32_t acceleration_um_s2;    /* of a wheel's increases only */
+    uint32_t nominal_um_s;          /* speed of a wheel that turns freely at nominal_level, */
+    uint8_t nominal_level;          /* 1..255, */
+    uint16_t nominal_adc_counts;    /* and such a battery; 0 = its divider is not known */
+    uint16_t motor_ms;              /* time constant of a motor with its share of the robot */
+    uint8_t pwm_max;                /* most PWM counts that the speed control gives a wheel, 1..255 */
+    uint8_t stall_pwm;              /* most that it gives one that stands, or has an edge overdue */
+    uint8_t dead_pwm;               /* feed-forward's least for one that is to turn: less only makes it hum */
+    uint16_t speed_p;               /* gains of each wheel's loop: PWM counts for each m/s, */
+    uint16_t speed_i;               /* and for each m */
+    uint16_t turn_p;                /* of the loop that couples them, by right minus left */
+    uint16_t turn_i;
 };
 
 struct PACKED drive {
@@ -198,6 +241,16 @@ struct PACKED drive {
     uint32_t board_ms;              /* newest one read from `wheels` */
     int16_t left_level;             /* PWM counts of 255, forward positive */
     int16_t right_level;
+};
+
+/* The same in speeds, which the board's own loops hold. */
+struct PACKED speed {
+    uint8_t type;
+    uint16_t seq;                   /* one count with `drive` */
+    uint32_t boot_id;
+    uint32_t board_ms;              /* newest one read from `wheels` */
+    int32_t left_um_s;              /* forward positive */
+    int32_t right_um_s;
 };
 
 /* Latches or releases. Latching is obeyed whatever boot, time and session it names: an old one can only stop. A

@@ -163,10 +163,15 @@ void hal_start_clock(void)
     machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
 }
 
-uint16_t hal_clock_us(void)
+uint8_t hal_clock_counts(void)
 {
     uint64_t since_ns = machine_now_ns() - millisecond_began_ns;
-    return CLOCK_US((unsigned)(since_ns * CLOCK_COUNTS_PER_MS / MS_NS));
+    return (uint8_t)(since_ns * CLOCK_COUNTS_PER_MS / MS_NS);
+}
+
+uint16_t hal_clock_us(void)
+{
+    return CLOCK_US(hal_clock_counts());
 }
 
 void hal_start_uart(void)

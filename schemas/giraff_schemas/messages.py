@@ -243,7 +243,7 @@ class Wheels(Sample, frozen=True, kw_only=True):
     """Signed 32-bit counter, wraps; forward positive. Comparable only within one `boot_id`."""
     right_ticks: int
     left_velocity: float
-    """m/s over the last report, from the board's own time; 0 after a gap."""
+    """m/s, as the board measures it: from the encoder's edges and the time between them."""
     right_velocity: float
     left_pwm_counts: int
     """What the motor gets, of 255; forward positive."""
@@ -297,13 +297,13 @@ class BaseState(Sample, frozen=True, kw_only=True):
 
     armed: bool
     driving: bool
-    """The newest drive frame asked for motion."""
+    """The newest frame to the board asked for motion."""
     reason: str
     """Why the robot does not do what the guard let through, and the way out; empty when it does."""
     guard: str
     """Instance of the guard that base is bound to; empty: none yet."""
     round_trip: float | None
-    """s from the operator's measurement to base's newest drive frame (age of its tick)."""
+    """s from the operator's measurement to base's newest frame to the board (age of its tick)."""
     budget_left: float | None
     """s until the first of the ticks in use is too old; negative: it is."""
     board: BoardState

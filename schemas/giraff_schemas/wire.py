@@ -8,7 +8,7 @@ from typing import ClassVar, Final, Self
 
 import msgspec
 
-PROTOCOL_HASH: Final = 0x2ACB542E
+PROTOCOL_HASH: Final = 0xE3932941
 
 BASE_BAUD: Final = 115200
 JOYSTICK_BAUD: Final = 500000
@@ -18,6 +18,18 @@ ECHO_MAX_AGE_MS: Final = 150
 STUCK_MS: Final = 500
 STUCK_EDGES: Final = 10
 OPPOSITE_MS: Final = 200
+SPEED_PERIOD_MS: Final = 10
+STAMPS_PER_MS: Final = 72
+OVERDUE_INTERVALS: Final = 3
+OVERDUE_MS: Final = 30
+SILENT_MS: Final = 200
+HELD_FROM_UM_S: Final = 100000
+HELD_REACH_MS: Final = 600
+HELD_FALLEN_MS: Final = 30
+HELD_TIMES: Final = 3
+HELD_WITHIN_MS: Final = 60000
+PWM_OVER_PERCENT: Final = 30
+PWM_OVER_BLIND_PERCENT: Final = 50
 WHEELS_PERIOD_MS: Final = 10
 TILT_PERIOD_MS: Final = 20
 RANGE_SLOT_MS: Final = 60
@@ -46,6 +58,7 @@ class FrameType(IntEnum):
     DRIVE = 19
     TICK = 20
     ESTOP = 21
+    SPEED = 22
 
 
 class DriveState(IntEnum):
@@ -56,6 +69,17 @@ class DriveState(IntEnum):
     AWAITING_ZERO = 2
     COMMAND_TIMEOUT = 3
     LATCHED = 4
+    HELD = 5
+
+
+class SpeedFlag(IntFlag):
+    """enum speed_flag"""
+
+    AT_LIMIT = 1
+    LEFT_OVERDUE = 2
+    RIGHT_OVERDUE = 4
+    LEFT_HELD = 8
+    RIGHT_HELD = 16
 
 
 class Latch(IntEnum):
@@ -166,7 +190,7 @@ class WheelsFrame(Frame, frozen=True):
     """struct wheels"""
 
     type: ClassVar[FrameType] = FrameType.WHEELS
-    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIiihhBBBHHHH")
+    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIiihhBBBHHHHiiB")
 
     board_us: int
     board_ms: int
@@ -183,6 +207,9 @@ class WheelsFrame(Frame, frozen=True):
     refused: int
     line_errors: int
     battery_adc_counts: int
+    left_um_s: int
+    right_um_s: int
+    speed_flags: int
 
 
 class TiltFrame(Frame, frozen=True):
@@ -233,7 +260,7 @@ class ConfigureFrame(Frame, frozen=True):
     """struct configure"""
 
     type: ClassVar[FrameType] = FrameType.CONFIGURE
-    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIBBB")
+    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIBBBIIIIIBHHBBBHHHH")
 
     protocol_hash: int
     boot_id: int
@@ -242,6 +269,21 @@ class ConfigureFrame(Frame, frozen=True):
     wiring: int
     level_max: int
     stall_level: int
+    left_counts_per_km: int
+    right_counts_per_km: int
+    speed_max_um_s: int
+    acceleration_um_s2: int
+    nominal_um_s: int
+    nominal_level: int
+    nominal_adc_counts: int
+    motor_ms: int
+    pwm_max: int
+    stall_pwm: int
+    dead_pwm: int
+    speed_p: int
+    speed_i: int
+    turn_p: int
+    turn_i: int
 
 
 class DriveFrame(Frame, frozen=True):
@@ -254,6 +296,18 @@ class DriveFrame(Frame, frozen=True):
     board_ms: int
     left_level: int
     right_level: int
+
+
+class SpeedFrame(Frame, frozen=True):
+    """struct speed"""
+
+    type: ClassVar[FrameType] = FrameType.SPEED
+    layout: ClassVar[struct.Struct] = struct.Struct("<BHIIii")
+
+    boot_id: int
+    board_ms: int
+    left_um_s: int
+    right_um_s: int
 
 
 class EstopFrame(Frame, frozen=True):
@@ -286,6 +340,7 @@ FRAME_CLASSES: Final[dict[int, type[Frame]]] = {
     FrameType.HELLO_REQUEST: HelloRequestFrame,
     FrameType.CONFIGURE: ConfigureFrame,
     FrameType.DRIVE: DriveFrame,
+    FrameType.SPEED: SpeedFrame,
     FrameType.ESTOP: EstopFrame,
     FrameType.TICK: TickFrame,
 }

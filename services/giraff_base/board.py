@@ -7,7 +7,7 @@ from typing import Final
 
 from giraff_core.estop import RESET_COMMAND
 from giraff_schemas.messages import BoardState, EStopEngage
-from giraff_schemas.wire import DriveState, Latch, Refusal, WheelsFrame
+from giraff_schemas.wire import DriveState, Latch, Refusal, SpeedFlag, WheelsFrame
 
 _STUCK: Final = "wheel stuck: free it, check its motor and its encoder's cable"
 _OPPOSITE: Final = "wheel turned against its motor: lift the wheels and run giraff check wheels"
@@ -18,6 +18,7 @@ _LATCHED_BY: Final[dict[int, str]] = {
     Latch.LEFT_OPPOSITE: f"left {_OPPOSITE}",
     Latch.RIGHT_OPPOSITE: f"right {_OPPOSITE}",
 }
+_AT_LIMIT: Final = "at its limit: the wheels cannot do what is asked; the battery may be low"
 
 
 def word(kind: type[IntEnum], value: int) -> str:
@@ -29,6 +30,21 @@ def engaged_by(latch: int) -> EStopEngage:
     """What a latch of the board that base did not order means to base."""
     why = _LATCHED_BY.get(latch, f"latched for an unknown cause, {latch}: reflash the board")
     return EStopEngage(by="the base board", reason=f"{why}, then {RESET_COMMAND}")
+
+
+def held(report: WheelsFrame) -> str:
+    """Which wheel something held, with the way out; empty while the board says that none was."""
+    if report.drive_state != DriveState.HELD:
+        return ""
+    sides = ((SpeedFlag.LEFT_HELD, "left"), (SpeedFlag.RIGHT_HELD, "right"))
+    names = [side for flag, side in sides if report.speed_flags & flag]
+    which = f"the {names[0]} wheel was" if len(names) == 1 else "both wheels were" if names else "a wheel was"
+    return f"{which} held: clear the way"
+
+
+def limit(report: WheelsFrame) -> str:
+    """Why the wheels do less than they are asked for; empty when they need not."""
+    return _AT_LIMIT if report.speed_flags & SpeedFlag.AT_LIMIT else ""
 
 
 def board_state(report: WheelsFrame | None) -> BoardState:

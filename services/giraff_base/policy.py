@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from giraff_base.authority import Authority
-from giraff_base.board import board_state, engaged_by, word
+from giraff_base.board import board_state, engaged_by, held, limit, word
 from giraff_base.config import BaseConfig
-from giraff_base.drive import Ramp, wheel_levels
+from giraff_base.drive import Ramp, WheelDemand
 from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.wheels import WheelReports
 from giraff_core.base_commands import BaseCommands
@@ -23,17 +23,11 @@ from giraff_schemas.messages import (
     RobotTime,
     Wheels,
 )
-from giraff_schemas.wire import (
-    DriveFrame,
-    DriveState,
-    Frame,
-    Latch,
-    Refusal,
-    WheelsFrame,
-)
+from giraff_schemas.wire import DriveState, Frame, Latch, Refusal, WheelsFrame
 
 _CONFIGURE_PERIOD_NS = 50_000_000
 _NO_REPORT = "no report from the base board yet"
+_ZERO = (0, 0)
 
 
 class BasePolicy:
@@ -49,8 +43,7 @@ class BasePolicy:
         self._estop = EStopControl(latch, config.reset_budget)
         self._authority = Authority(config, robot, self._estop)
         self._ramp = Ramp(config.linear_acceleration, config.angular_acceleration)
-        self._levels = (0, 0)  # of the newest drive frame
-        self._reports = WheelReports(robot)
+        self._reports = WheelReports()
         self._report: WheelsFrame | None = None
         self._reported_ns = 0
         self._answered = False
@@ -59,6 +52,11 @@ class BasePolicy:
         self._link_fault = ""
         self._session = 0
         self._frames = BaseCommands()
+        self._wheels = WheelDemand(robot, self._frames)
+        self._demand = _ZERO  # of the newest frame
+        # The faster wheel's, where driving and turning start at once. The ramp here may be made gentler live.
+        _, acceleration = robot.drive.wheel_speeds(config.linear_acceleration, config.angular_acceleration)
+        self._board_settings = robot.board_settings(acceleration)
         self._next_configure_ns = 0
         self._reason = _NO_REPORT
 
@@ -150,8 +148,7 @@ class BasePolicy:
             if now.robot_ns < self._next_configure_ns:
                 return None
             self._next_configure_ns = now.robot_ns + _CONFIGURE_PERIOD_NS
-            robot = self._robot
-            return self._frames.configure(report, self._session, robot.wiring, robot.max_level, robot.stall_level)
+            return self._frames.configure(report, self._session, self._board_settings)
         if self._releasing:
             self._stand_still("the base board is being released")
             return self._frames.estop(report, self._session, engage=False)
@@ -163,11 +160,11 @@ class BasePolicy:
         return self._estop.stops or self._link_fault or self._reason
 
     def state(self) -> BaseState:
-        """Of the newest drive frame."""
+        """Of the newest drive or speed frame."""
         report, authority = self._report, self._authority
         return BaseState(
             armed=authority.arming.armed,
-            driving=self._levels != (0, 0),
+            driving=self._demand != _ZERO,
             reason=self.reason,
             guard=authority.binding.guard,
             round_trip=authority.round_trip if report else None,
@@ -200,8 +197,10 @@ class BasePolicy:
         self._authority.arming.disarm(why)
 
     def _compare(self, report: WheelsFrame, now: RobotTime) -> None:
-        """Disarm if this is not the board of the last report, at work without a break since."""
+        """Disarm if something held a wheel, or this is not the board of the last report, at work ever since."""
         last, arming = self._report, self._authority.arming
+        if by := held(report):
+            arming.disarm(by)
         if last is None:
             return
         if report.boot_id != last.boot_id:
@@ -219,17 +218,19 @@ class BasePolicy:
         elif not self._estop.latch.engaged and not self._releasing:
             self._engage(engaged_by(report.latch), now)
 
-    def _drive_frame(self, report: WheelsFrame, now: RobotTime) -> DriveFrame:
+    def _drive_frame(self, report: WheelsFrame, now: RobotTime) -> Frame:
         linear, angular, self._reason = self._authority.wanted(now)
         # Within the wheels first: a ramp up to what is scaled down later would leap where the other part ends.
         self._ramp.follow(*self._robot.drive.within_limits(linear, angular), now.robot_ns)
         if report.drive_state != DriveState.ACTIVE:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
             self._stand_still(self._reason or f"the base board is in state {word(DriveState, report.drive_state)}")
-        self._levels = wheel_levels(self._ramp.linear, self._ramp.angular, self._robot)
-        return self._frames.drive(report, *self._levels)
+        self._demand = self._wheels.of(self._ramp.linear, self._ramp.angular)
+        if self._demand != _ZERO:
+            self._reason = self._reason or limit(report)
+        return self._wheels.frame(report, self._demand)
 
     def _stand_still(self, reason: str) -> None:
         self._reason = reason
         self._ramp.stop()
-        self._levels = (0, 0)
+        self._demand = _ZERO

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, DriveFrame, EstopFrame, WheelsFrame, Wiring
+import msgspec
+
+from giraff_schemas.wire import ConfigureFrame, DriveFrame, EstopFrame, SpeedFrame, WheelsFrame
 
 
 class BaseCommands:
@@ -11,19 +13,10 @@ class BaseCommands:
     def __init__(self) -> None:
         self._seq = 0
 
-    def configure(
-        self, report: WheelsFrame, session: int, wiring: Wiring, level_max: int, stall_level: int
-    ) -> ConfigureFrame:
-        """Opens a session; levels are PWM counts of 255."""
-        return ConfigureFrame(
-            seq=self._next_seq(),
-            protocol_hash=PROTOCOL_HASH,
-            boot_id=report.boot_id,
-            board_ms=report.board_ms,
-            session=session,
-            wiring=wiring,
-            level_max=level_max,
-            stall_level=stall_level,
+    def configure(self, report: WheelsFrame, session: int, settings: ConfigureFrame) -> ConfigureFrame:
+        """Opens a session with such settings, whatever frame they were made for."""
+        return msgspec.structs.replace(
+            settings, seq=self._next_seq(), boot_id=report.boot_id, board_ms=report.board_ms, session=session
         )
 
     def drive(self, report: WheelsFrame, left: int, right: int) -> DriveFrame:
@@ -34,6 +27,16 @@ class BaseCommands:
             board_ms=report.board_ms,
             left_level=left,
             right_level=right,
+        )
+
+    def speed(self, report: WheelsFrame, left: int, right: int) -> SpeedFrame:
+        """Asks for speeds: µm/s, forward positive."""
+        return SpeedFrame(
+            seq=self._next_seq(),
+            boot_id=report.boot_id,
+            board_ms=report.board_ms,
+            left_um_s=left,
+            right_um_s=right,
         )
 
     def estop(self, report: WheelsFrame, session: int, *, engage: bool) -> EstopFrame:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Final
 
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.tuning import Tuning
+from giraff_core.wheel_control import UM_PER_M, SpeedControl, WheelControl, by_levels
 from giraff_schemas.topics import require_chunk
-from giraff_schemas.wire import RANGE_SENSORS, Wiring
+from giraff_schemas.wire import RANGE_SENSORS, ConfigureFrame, Wiring
+
+ADC_COUNTS: Final = 1023
+"""The most that the base board reads of its battery."""
 
 
 class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -47,6 +51,12 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """m: a disc about `base_link` that holds the whole robot."""
     battery_volts_per_count: Annotated[float, Bounds(0.0, 0.5, "V")]
     """V per ADC count of the base board; 0 = not calibrated, no battery is published."""
+    battery_nominal: Annotated[float, Bounds(1.0, 100.0, "V")] = 24.0
+    """V at which `max_level` stands for `max_wheel_speed`."""
+    wheel_control: WheelControl = "level"
+    """What base asks of its board: `level`, a PWM level that stands for a speed, or `speed`, which the board holds."""
+    speed_control: SpeedControl = SpeedControl()
+    """How the board holds a speed, where it is asked for one."""
     stall_level: Annotated[int, Bounds(1, 255)] = 25
     """Level from which a wheel that does not turn is stuck: one at which each wheel turns for certain, of 255."""
     # How motors and encoders are soldered. None: nobody has checked, and base does not arm.
@@ -66,6 +76,8 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
                 f"stall_level is {self.stall_level} and max_level {self.max_level}: "
                 "no wheel would ever count as stuck; it must be max_level at most"
             )
+        if self.asks_for_speeds:
+            self._check_speed_control()
         for sensor, pose in self.sensors.items():
             require_chunk(sensor)
             if not 0 <= pose.index < RANGE_SENSORS:
@@ -78,6 +90,11 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     def drive(self) -> DifferentialDrive:
         """How its wheels move it."""
         return DifferentialDrive(self.track_width, self.max_wheel_speed)
+
+    @property
+    def asks_for_speeds(self) -> bool:
+        """Whether the base board is asked for speeds; else for levels."""
+        return self.wheel_control == "speed"
 
     @property
     def wiring_checked(self) -> bool:
@@ -101,3 +118,60 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             if is_set:
                 result |= bit
         return result
+
+    def board_settings(self, acceleration: float) -> ConfigureFrame:
+        """What the base board is told of this robot. `acceleration`: m/s² by which a wheel that is asked for a speed
+        may get faster.
+        """
+        per_km = round(self.ticks_per_metre * 1000)
+        by_levels_only = msgspec.structs.replace(
+            by_levels(self.wiring, self.max_level, self.stall_level),
+            left_counts_per_km=per_km,
+            right_counts_per_km=per_km,
+        )
+        if not self.asks_for_speeds:
+            return by_levels_only
+        control = self.speed_control
+        # Rounded up: what is rounded of a speed within the limit is within it, too.
+        fastest = math.ceil(self.max_wheel_speed * UM_PER_M)
+        return msgspec.structs.replace(
+            by_levels_only,
+            level_max=0,
+            speed_max_um_s=fastest,
+            acceleration_um_s2=round(acceleration * UM_PER_M),
+            nominal_um_s=fastest,
+            nominal_level=self.max_level,
+            nominal_adc_counts=self._nominal_adc_counts,
+            motor_ms=round(control.motor_time * 1000),
+            pwm_max=control.max_pwm,
+            stall_pwm=control.stall_pwm,
+            dead_pwm=control.dead_pwm,
+            speed_p=round(control.speed_p),
+            speed_i=round(control.speed_i),
+            turn_p=round(control.turn_p),
+            turn_i=round(control.turn_i),
+        )
+
+    @property
+    def _nominal_adc_counts(self) -> int:
+        """0 where the divider is not known."""
+        return round(self.battery_nominal / self.battery_volts_per_count) if self.battery_volts_per_count else 0
+
+    def _check_speed_control(self) -> None:
+        """ValueError where what the board is to do is beyond it."""
+        control = self.speed_control
+        if self.max_level > control.max_pwm:
+            raise ValueError(
+                f"speed_control.max_pwm is {control.max_pwm} and max_level {self.max_level}: "
+                "max_wheel_speed could not be reached; it must be max_level at least"
+            )
+        if self.stall_level > control.stall_pwm:
+            raise ValueError(
+                f"stall_level is {self.stall_level} and speed_control.stall_pwm {control.stall_pwm}: "
+                "no wheel that stands would ever count as stuck; it must be stall_pwm at most"
+            )
+        if self._nominal_adc_counts > ADC_COUNTS:
+            raise ValueError(
+                f"battery_nominal is {self.battery_nominal:g} V, {self._nominal_adc_counts} counts by "
+                f"battery_volts_per_count: the board reads {ADC_COUNTS} at most"
+            )

@@ -7,9 +7,11 @@ from typing import Any, TypeVar
 
 import msgspec
 
+from giraff_core.wheel_control import by_levels
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, DriveFrame, EstopFrame, Frame, WheelsFrame
+from giraff_schemas.wire import ConfigureFrame, DriveFrame, EstopFrame, Frame, SpeedFrame, WheelsFrame, Wiring
 from giraff_sim.board import Board
+from tests.support.robots import ROBOT
 
 FrameT = TypeVar("FrameT", bound=Frame)
 
@@ -84,15 +86,9 @@ class BaseBench(Bench):
 
     def configure_frame(self, **changes: int) -> ConfigureFrame:
         wheels = self.wheels()
-        good = ConfigureFrame(
-            seq=0,
-            protocol_hash=PROTOCOL_HASH,
-            boot_id=wheels.boot_id,
-            board_ms=wheels.board_ms,
-            session=7,
-            wiring=0,
-            level_max=70,
-            stall_level=255,  # no test's level: wheels here only turn when a test turns them
+        # No test's level is the stall level: wheels here only turn when a test turns them.
+        good = msgspec.structs.replace(
+            by_levels(Wiring(0), 70, 255), boot_id=wheels.boot_id, board_ms=wheels.board_ms, session=7
         )
         return msgspec.structs.replace(good, **changes)
 
@@ -118,7 +114,7 @@ class BaseBench(Bench):
     def configure(self, **changes: int) -> None:
         """Open a session and wait until telemetry tells of it."""
         self.send(self.configure_frame(**changes))
-        self.run(20)
+        self.run(22)  # a frame of 6 ms, up to 10 ms until the next telemetry, and 6 ms of that
 
     def drive(self, left: int, right: int, milliseconds: int = 20) -> None:
         """Ask for levels every 20 ms."""
@@ -141,3 +137,75 @@ class BaseBench(Bench):
         self.drive(0, 0)
         self.drive(left, right, 60)
         assert self.duties() == (left, right)
+
+
+SPEED_ROBOT = msgspec.structs.replace(ROBOT, wheel_control="speed")
+ACCELERATION = 1.2
+"""m/s², at which its wheels may speed up."""
+_MOTOR_MS = 150.0
+
+
+class SpeedBench(BaseBench):
+    """The base board, wheels that turn by what their motors get, and a host that asks for their speeds."""
+
+    def __init__(self, board: Board) -> None:
+        self.strength = [1.0, 1.0]
+        """Of the speed that the robot's file expects of each motor."""
+        self.speed = [0.0, 0.0]
+        """m/s of each wheel."""
+        self.hands: list[Callable[[int], float] | None] = [None, None]
+        """What turns each wheel in the place of its motor: m/s, at a time in ms."""
+        self.volts(SPEED_ROBOT.battery_nominal, board)
+        super().__init__(board)
+        self.before_each_ms = self._turn
+
+    def volts(self, volts: float, board: Board | None = None) -> None:
+        """Give the battery so many."""
+        self._voltage_ratio = volts / SPEED_ROBOT.battery_nominal
+        count = SPEED_ROBOT.battery_volts_per_count
+        (board or self.board).model.battery_volts = (volts / count + 0.5) * 5 / 1024
+
+    def _turn(self) -> None:
+        for number, motor in enumerate(self.model.motor):
+            hand = self.hands[number]
+            full = SPEED_ROBOT.max_wheel_speed / SPEED_ROBOT.max_level * self.strength[number]
+            aim = motor.drive * full * self._voltage_ratio
+            self.speed[number] += (aim - self.speed[number]) / _MOTOR_MS
+            if hand is not None:
+                self.speed[number] = hand(self.now_ms)
+            motor.position += self.speed[number] * SPEED_ROBOT.ticks_per_metre * 2 / 1000
+
+    def configure_frame(self, **changes: int) -> ConfigureFrame:
+        wheels = self.wheels()
+        good = msgspec.structs.replace(
+            SPEED_ROBOT.board_settings(ACCELERATION), boot_id=wheels.boot_id, board_ms=wheels.board_ms, session=7
+        )
+        return msgspec.structs.replace(good, **changes)
+
+    def speed_frame(self, left: float, right: float, **changes: int) -> SpeedFrame:
+        """The next frame of a healthy host, made from the newest telemetry, but for `changes`; m/s."""
+        self.seq = (self.seq + 1) & 0xFFFF
+        wheels = self.wheels()
+        good = SpeedFrame(
+            seq=self.seq,
+            boot_id=wheels.boot_id,
+            board_ms=wheels.board_ms,
+            left_um_s=round(left * 1e6),
+            right_um_s=round(right * 1e6),
+        )
+        return msgspec.structs.replace(good, **changes)
+
+    def go(self, left: float, right: float, milliseconds: int = 20, each_ms: Callable[[], None] = lambda: None) -> None:
+        """Ask for speeds, m/s, every 20 ms; `each_ms` looks at what comes of it."""
+        for millisecond in range(milliseconds):
+            if millisecond % 20 == 0:
+                self.send(self.speed_frame(left, right))
+            self.run(1)
+            each_ms()
+
+    def begin(self, left: float = 0.0, right: float = 0.0, milliseconds: int = 1500, **settings: int) -> None:
+        """From power-on to going at these speeds."""
+        self.configure(**settings)
+        self.go(0.0, 0.0)
+        if left or right:
+            self.go(left, right, milliseconds)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -67,8 +68,8 @@ def built(directory: Path, start_values: Path, *targets: str) -> None:
     finished(["make", "--silent", "-C", FIRMWARE, *settings, *targets], check=True)
 
 
-def shared_library(library: Path, *sources: Path) -> Path:
+def shared_library(library: Path, *sources: Path, includes: Sequence[Path] = ()) -> Path:
     """Parts of the boards' C for this machine."""
-    options = ["-std=gnu11", "-O1", "-fPIC", "-shared", "-DPROTOCOL_HASH=0"]
+    options = ["-std=gnu11", "-O1", "-fPIC", "-shared", "-DPROTOCOL_HASH=0", *(f"-I{path}" for path in includes)]
     finished(["cc", *options, *sources, "-o", library], check=True)
     return library

@@ -20,13 +20,21 @@ from giraff_schemas.wire import (
     Frame,
     HelloRequestFrame,
     RangeFrame,
+    SpeedFrame,
     TickFrame,
     TiltFrame,
     WheelsFrame,
 )
 from giraff_sim.board import Board
 
-HOST_FRAMES: tuple[type[Frame], ...] = (HelloRequestFrame, ConfigureFrame, DriveFrame, EstopFrame, TickFrame)
+HOST_FRAMES: tuple[type[Frame], ...] = (
+    HelloRequestFrame,
+    ConfigureFrame,
+    DriveFrame,
+    SpeedFrame,
+    EstopFrame,
+    TickFrame,
+)
 
 
 def noise(chance: random.Random) -> bytes:

@@ -17,6 +17,7 @@ from tests.firmware.bench import BaseBench
 
 TELEMETRY_MS = 15  # within which telemetry tells of what has happened
 FRAME_MS = 2  # within which a drive frame has come over the line
+CONFIGURE_MS = 6  # within which a configure frame has: it is 65 bytes long
 
 
 def board_ms_on_arrival(base: BaseBench) -> int:
@@ -72,16 +73,17 @@ def test_a_configure_frame_that_proves_nothing_is_refused(
 
 def test_a_configure_frame_may_echo_a_time_as_old_as_a_drive_frame_may(base: BaseBench) -> None:
     base.run(300)
-    base.configure(board_ms=base.now_ms - ECHO_MAX_AGE_MS - 1)
+    oldest = CONFIGURE_MS - 1 - ECHO_MAX_AGE_MS  # from now: as old as it may be when the frame has come
+    base.configure(board_ms=base.now_ms + oldest - 1)
     assert base.wheels().last_refusal == Refusal.STALE
-    base.configure(board_ms=base.now_ms - ECHO_MAX_AGE_MS + 3)
+    base.configure(board_ms=base.now_ms + oldest)
     assert base.wheels().session == 7
 
 
 def test_a_refused_configure_frame_leaves_the_session_as_it_is(base: BaseBench) -> None:
     base.start(40, 40)
     base.send(base.configure_frame(session=8, protocol_hash=1))
-    base.run(TELEMETRY_MS)
+    base.run(CONFIGURE_MS + TELEMETRY_MS)
     assert base.duties() == (40, 40)
     assert (base.wheels().session, base.wheels().refused) == (7, 1)
 
@@ -243,7 +245,7 @@ def test_a_stop_takes_the_time_of_its_frame_and_no_more(base: BaseBench) -> None
 def test_a_new_session_stops_forgets_numbers_and_wants_a_zero(base: BaseBench) -> None:
     base.start(40, 40)
     base.send(base.configure_frame(session=8, level_max=20))
-    base.run(TELEMETRY_MS)
+    base.run(CONFIGURE_MS + TELEMETRY_MS)
     assert base.duties() == (0, 0)
     assert (base.wheels().drive_state, base.wheels().session) == (DriveState.AWAITING_ZERO, 8)
     base.seq = 0

@@ -173,6 +173,6 @@ def test_a_body_too_long_for_the_wire_is_refused() -> None:
 
 
 def test_frames_have_the_layout_of_the_packed_structs() -> None:
-    wheels = WheelsFrame(*range(1, 17))
+    wheels = WheelsFrame(*range(1, 20))
     assert wheels.pack()[:7] == b"\x02" + (1).to_bytes(2, "little") + (2).to_bytes(4, "little")
     assert WheelsFrame.unpack(wheels.pack()) == wheels

@@ -1,8 +1,7 @@
-"""Noise on the line neither crashes a board nor drives a motor: the boards' C under sanitizers."""
+"""Noise neither crashes a board nor drives a motor, nor do extremes overflow one: the boards' C under sanitizers."""
 
 import os
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -11,6 +10,7 @@ from tests.firmware.builds import sanitized
 from tests.support.tools import finished
 
 MILLISECONDS = 20_000
+SESSIONS = 60
 
 
 def sanitizer_runtime() -> str:
@@ -18,14 +18,23 @@ def sanitizer_runtime() -> str:
     return finished(command, check=True).stdout.strip()
 
 
-def throw_noise(library: Path, seed: str, milliseconds: int) -> int:
-    """How much of it has reached the board."""
+def told_by(program: str, board: str, *arguments: str) -> list[int]:
+    """What a program prints that does something to a board's C under sanitizers."""
     # Python itself is not sanitized: the runtime comes first, and Python's own leaks are not this test's business.
     environment = os.environ | {"LD_PRELOAD": sanitizer_runtime(), "ASAN_OPTIONS": "detect_leaks=0"}
-    command = [sys.executable, "-m", "tests.firmware.noise", str(library), seed, str(milliseconds)]
-    return int(finished(command, env=environment, cwd=ROOT, check=True).stdout)
+    library = sanitized() / "host" / f"{board}.so"
+    command = [sys.executable, "-m", f"tests.firmware.{program}", str(library), *arguments]
+    return [int(word) for word in finished(command, env=environment, cwd=ROOT, check=True).stdout.split()]
 
 
 @pytest.mark.parametrize("board", ["base", "joystick", "ranger"])
 def test_noise_does_nothing(board: str) -> None:
-    assert throw_noise(sanitized() / "host" / f"{board}.so", board, MILLISECONDS) > 100
+    (line_errors,) = told_by("noise", board, board, str(MILLISECONDS))
+    assert line_errors > 100
+
+
+def test_no_settings_and_no_wheels_overflow_the_speed_control() -> None:
+    """Nor does any of them give a motor more than its most, or anything of the other sign."""
+    opened, driven = told_by("extremes", "base", "1", str(SESSIONS))
+    assert opened > SESSIONS / 3
+    assert driven > SESSIONS / 4

@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeVar
 
+import msgspec
+
+from giraff_core.wheel_control import by_levels
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
-    PROTOCOL_HASH,
     BoardKind,
     ConfigureFrame,
     DriveFrame,
     EstopFrame,
     Frame,
     HelloFrame,
+    SpeedFrame,
     WheelsFrame,
+    Wiring,
 )
 from giraff_sim.simulation import Simulation
 
@@ -62,9 +66,12 @@ class Line:
 
     def pull(self) -> None:
         """Take what the board has sent."""
-        data = self.simulation.read(self._kind)
+        self.take(self.simulation.read(self._kind), self.simulation.now_us)
+
+    def take(self, data: bytes, at_us: int) -> None:
+        """Take what has been read of the board elsewhere, at a simulated us."""
         self.received += data
-        self.frames += ((self.simulation.now_us, frame) for frame in self._decoder.feed(data))
+        self.frames += ((at_us, frame) for frame in self._decoder.feed(data))
 
     def run(self, seconds: float, each_step: Callable[[], None] | None = None) -> None:
         for _ in range(round(seconds * 1000)):
@@ -99,17 +106,14 @@ class BaseLine(Line):
         return self.last(HelloFrame)
 
     def configure(self, *, wiring: int = 0, level_max: int = 70, stall_level: int = 25, session: int = 7) -> None:
+        """Open a session of levels and wait until the board knows it."""
+        self.begin_session(by_levels(Wiring(wiring), level_max, stall_level), session)
+
+    def begin_session(self, settings: ConfigureFrame, session: int = 7) -> None:
         """Open a session and wait until the board knows it."""
         self.send(
-            ConfigureFrame(
-                seq=0,
-                protocol_hash=PROTOCOL_HASH,
-                boot_id=self.wheels.boot_id,
-                board_ms=self.wheels.board_ms,
-                session=session,
-                wiring=wiring,
-                level_max=level_max,
-                stall_level=stall_level,
+            msgspec.structs.replace(
+                settings, boot_id=self.wheels.boot_id, board_ms=self.wheels.board_ms, session=session
             )
         )
         self.run(0.03)
@@ -132,6 +136,25 @@ class BaseLine(Line):
         for step in range(max(1, round(seconds * 1000))):
             if step % 20 == 0:
                 self.send(self.drive_frame(left, right))
+            self.step()
+
+    def speed_frame(self, left: float, right: float) -> SpeedFrame:
+        """The next frame, made from the newest telemetry; m/s."""
+        self._seq += 1
+        wheels = self.wheels
+        return SpeedFrame(
+            seq=self._seq & 0xFFFF,
+            boot_id=wheels.boot_id,
+            board_ms=wheels.board_ms,
+            left_um_s=round(left * 1e6),
+            right_um_s=round(right * 1e6),
+        )
+
+    def go(self, left: float, right: float, seconds: float = 0.0) -> None:
+        """Ask for speeds, m/s, every 20 ms, for a while; once without one."""
+        for step in range(max(1, round(seconds * 1000))):
+            if step % 20 == 0:
+                self.send(self.speed_frame(left, right))
             self.step()
 
     def estop(self, *, engage: bool) -> None:

@@ -25,6 +25,9 @@ def telemetry(seq: int, accepted: int, refused: int = 0, boot_id: int = 1) -> by
         refused=refused,
         line_errors=0,
         battery_adc_counts=0,
+        left_um_s=0,
+        right_um_s=0,
+        speed_flags=0,
     )
     return encode(frame.pack())
 

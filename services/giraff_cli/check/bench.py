@@ -15,6 +15,7 @@ from giraff_cli.check.wiring import Counted
 from giraff_core.base_commands import BaseCommands
 from giraff_core.counters import signed32
 from giraff_core.estop import RESET_COMMAND
+from giraff_core.wheel_control import by_levels
 from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.wire import (
     BASE_BAUD,
@@ -101,9 +102,10 @@ class WheelBench:
     def _configured(self, wiring: Wiring, level_max: int, stall_level: int) -> WheelsFrame:
         """Open a session and its latches; the report of a board that would drive now."""
         self._session = random.randrange(1, 1 << 32)
+        settings = by_levels(wiring, level_max, stall_level)
 
         def configure(report: WheelsFrame) -> None:
-            self._link.send(self._frames.configure(report, self._session, wiring, level_max, stall_level))
+            self._link.send(self._frames.configure(report, self._session, settings))
 
         def release(report: WheelsFrame) -> None:
             self._link.send(self._frames.estop(report, self._session, engage=False))

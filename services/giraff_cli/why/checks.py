@@ -150,7 +150,7 @@ def board(chain: ChainState) -> Link:
     if state.latch != "none":
         text = f"latched: {state.latch}; to release it: {RESET_COMMAND}"
         return link_from("board", "waits" if chain.broken("e-stop") else "STOPS", heard, text)
-    if state.drive_state == "not_configured":
+    if state.drive_state in ("not_configured", "held"):
         return link_from("board", "STOPS", heard, reason)
     return link_from("board", "ok", heard, f"{state.drive_state}, {state.line_errors} line errors")
 

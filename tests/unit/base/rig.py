@@ -21,11 +21,14 @@ from giraff_schemas.wire import (
     Frame,
     Latch,
     Refusal,
+    SpeedFlag,
+    SpeedFrame,
     WheelsFrame,
 )
 from tests.support import robots
 
 ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
+BY_SPEED = msgspec.structs.replace(ROBOT, wheel_control="speed")
 CONFIG = BaseConfig(port="unused")
 EPOCH = 7
 STEP_NS = WHEELS_PERIOD_MS * 1_000_000
@@ -37,7 +40,10 @@ _STICTION = 0.01  # m/s
 
 
 class Board:
-    """What firmware/base does with frames, and wheels that follow their levels with inertia."""
+    """What firmware/base does with frames, and wheels that follow their levels with inertia.
+
+    Of a speed it makes the level that stands for it.
+    """
 
     def __init__(self, board_us: int = 0) -> None:
         self.boot_id = 1
@@ -52,6 +58,7 @@ class Board:
         self.battery_adc_counts = 800
         self.refusal = Refusal.NONE
         self.levels = (0, 0)
+        self.speed_flags = SpeedFlag(0)
         self.speeds = [0.0, 0.0]
         self._ticks = [0.0, 0.0]
         self._last_seq: int | None = None
@@ -78,6 +85,11 @@ class Board:
     def engage(self, latch: Latch) -> None:
         """Latch, by itself or by order."""
         self.latch, self.drive_state, self.levels = latch, DriveState.LATCHED, (0, 0)
+
+    def hold(self, wheel: SpeedFlag) -> None:
+        """Something holds a wheel."""
+        self.drive_state, self.levels = DriveState.HELD, (0, 0)
+        self.speed_flags = wheel
 
     def report(self) -> WheelsFrame:
         """Go on for one period; the report at its end."""
@@ -110,6 +122,9 @@ class Board:
             refused=self._counts["refused"],
             line_errors=0,
             battery_adc_counts=self.battery_adc_counts,
+            left_um_s=round(self.speeds[0] * 1e6),
+            right_um_s=round(self.speeds[1] * 1e6),
+            speed_flags=self.speed_flags,
         )
 
     def receive(self, frame: Frame) -> None:
@@ -118,7 +133,7 @@ class Board:
         if isinstance(frame, ConfigureFrame) and not self.ignores_configure:
             self.configured.append(frame)
             self._judge(self._configure(frame))
-        elif isinstance(frame, DriveFrame):
+        elif isinstance(frame, DriveFrame | SpeedFrame):
             self._judge(self._drive(frame))
         elif isinstance(frame, EstopFrame):
             self._estop(frame)
@@ -139,7 +154,7 @@ class Board:
             self.refusal = refusal
 
     def _configure(self, frame: ConfigureFrame) -> Refusal:
-        if frame.protocol_hash != self.protocol_hash or not frame.session or not frame.level_max:
+        if frame.protocol_hash != self.protocol_hash or not frame.session:
             return Refusal.PROTOCOL
         if frame.boot_id != self.boot_id:
             return Refusal.BOOT_ID
@@ -147,43 +162,60 @@ class Board:
         self.drive_state, self.levels = DriveState.LATCHED if self.latch else DriveState.AWAITING_ZERO, (0, 0)
         return Refusal.NONE
 
-    def _drive(self, frame: DriveFrame) -> Refusal:
-        levels = (frame.left_level, frame.right_level)
+    def _drive(self, frame: DriveFrame | SpeedFrame) -> Refusal:
+        asked, configured = demand(frame), self.configured[-1] if self.configured else None
         if frame.boot_id != self.boot_id:
             return Refusal.BOOT_ID
         if (self.board_ms - frame.board_ms) & 0xFFFFFFFF > ECHO_MAX_AGE_MS:
             return Refusal.STALE
-        if not self.session:
+        if not self.session or configured is None:
             return Refusal.NOT_CONFIGURED
         if self._last_seq is not None and not 0 < (frame.seq - self._last_seq) & 0xFFFF < 0x8000:
             return Refusal.SEQUENCE
-        if max(map(abs, levels)) > ROBOT.max_level:
+        by_speed = isinstance(frame, SpeedFrame)
+        if max(map(abs, asked)) > (configured.speed_max_um_s if by_speed else configured.level_max):
             return Refusal.LEVEL
         self._last_seq = frame.seq
         if self.latch:
             return Refusal.LATCHED
-        if levels != (0, 0) and self.drive_state != DriveState.ACTIVE:
+        opens = asked == (0, 0) and (by_speed or self.drive_state != DriveState.HELD)
+        if not opens and self.drive_state != DriveState.ACTIVE:
             return Refusal.AWAITING_ZERO
-        self.drive_state, self.levels = DriveState.ACTIVE, levels
+        left, right = asked
+        scale = ROBOT.max_level / (ROBOT.max_wheel_speed * 1e6) if by_speed else 1
+        self.drive_state, self.levels = DriveState.ACTIVE, (round(left * scale), round(right * scale))
         self._time_left_ms = COMMAND_TIMEOUT_MS
         return Refusal.NONE
 
 
+def demand(frame: DriveFrame | SpeedFrame) -> tuple[int, int]:
+    """What the left and the right wheel are asked for: levels, or µm/s."""
+    if isinstance(frame, SpeedFrame):
+        return frame.left_um_s, frame.right_um_s
+    return frame.left_level, frame.right_level
+
+
 class Sent(msgspec.Struct, frozen=True):
-    """A drive frame with what base went by."""
+    """A drive or speed frame with what base went by."""
 
     robot_ns: int
     report: WheelsFrame
-    frame: DriveFrame
+    frame: DriveFrame | SpeedFrame
     state: BaseState
 
     @property
     def levels(self) -> tuple[int, int]:
-        return self.frame.left_level, self.frame.right_level
+        assert isinstance(self.frame, DriveFrame)
+        return demand(self.frame)
+
+    @property
+    def um_s(self) -> tuple[int, int]:
+        assert isinstance(self.frame, SpeedFrame)
+        return demand(self.frame)
 
     @property
     def moves(self) -> bool:
-        return self.levels != (0, 0)
+        return demand(self.frame) != (0, 0)
 
 
 class Rig:
@@ -263,12 +295,12 @@ class Rig:
         frame = self.base.next_frame(self.now)
         if frame is not None:
             self.board.receive(frame)
-        if isinstance(frame, DriveFrame):
+        if isinstance(frame, DriveFrame | SpeedFrame):
             self.sent.append(Sent(self.robot_ns, report, frame, self.base.state()))
         return frame
 
     def run(self, seconds: float) -> list[Sent]:
-        """Go on for a while; the drive frames of it."""
+        """Go on for a while; the drive or speed frames of it."""
         before = len(self.sent)
         for _ in range(round(seconds * 1e9) // STEP_NS):
             self.step()

@@ -10,13 +10,12 @@ from hypothesis import strategies as st
 
 from giraff_base.estop import EStopLatch
 from giraff_schemas.messages import EStopEngage, EStopReset, GuardedCommand, RobotTime
-from giraff_schemas.wire import DriveState, Latch
-from tests.unit.base.rig import EPOCH, ROBOT, Rig, Sent
+from giraff_schemas.wire import DriveFrame, DriveState, Frame, Latch, SpeedFlag, SpeedFrame
+from tests.unit.base.rig import BY_SPEED, EPOCH, ROBOT, Board, Rig, Sent, demand
 
 NS = 1_000_000_000
 FULL, EMPTY = 800, 600
 """ADC counts of a battery at 24 and at 18 V."""
-UNCHECKED = msgspec.structs.replace(ROBOT, invert_left_motor=None)
 
 
 class Judge:
@@ -47,13 +46,15 @@ class Judge:
                 self.reset_ns = now_ns + 1
         self.heard.append((now_ns, command))
 
-    def see(self, latch: Latch, counts: int, now_ns: int) -> None:
+    def see(self, board: Board, now_ns: int) -> None:
         """What a report says."""
-        if latch == Latch.NONE:
+        if board.latch == Latch.NONE:
             self.releasing = False
         elif not self.releasing:
             self.latched = True
-        if counts == FULL:
+        if board.drive_state == DriveState.HELD:
+            self.reset_ns = now_ns
+        if board.battery_adc_counts == FULL:
             self._drained_ns = None
             if self.empty:
                 self.empty, self.reset_ns = False, now_ns
@@ -109,9 +110,12 @@ class Judge:
 class Events:
     """Anything at all happens to base, and each frame is judged."""
 
-    def __init__(self, checked: bool = True) -> None:
+    def __init__(self, checked: bool, by_speed: bool) -> None:
         self.checked = checked
-        self.rig = Rig(robot=ROBOT if checked else UNCHECKED)
+        robot = BY_SPEED if by_speed else ROBOT
+        self.frames: type[Frame] = SpeedFrame if by_speed else DriveFrame
+        self.most = 600_000 if by_speed else ROBOT.max_level
+        self.rig = Rig(robot=robot if checked else msgspec.structs.replace(robot, invert_left_motor=None))
         self.judge = Judge()
         self.session = 99
 
@@ -120,7 +124,7 @@ class Events:
             speaks, self.rig.guard_speaks = self.rig.guard_speaks, False
             before = len(self.rig.sent)
             if self.rig.connected:
-                self.judge.see(self.rig.board.latch, self.rig.board.battery_adc_counts, self.rig.robot_ns + 10_000_000)
+                self.judge.see(self.rig.board, self.rig.robot_ns + 10_000_000)
             self.rig.step()
             self.rig.guard_speaks = speaks
             for each in self.rig.sent[before:]:
@@ -180,6 +184,10 @@ class Events:
     def latch_board(self, latch: Latch) -> None:
         self.rig.board.engage(latch)
 
+    def hold_wheel(self, wheel: SpeedFlag) -> None:
+        if self.rig.board.drive_state == DriveState.ACTIVE and self.frames is SpeedFrame:
+            self.rig.board.hold(wheel)
+
     def reset(self, id_error: int, age: float) -> None:
         """Somebody asks for a reset, of the right latch or not, now or long ago."""
         base = self.rig.base
@@ -226,7 +234,8 @@ class Events:
         elif asked is None or not asked.neutral:
             assert sent.state.reason
         assert (sent.frame.board_ms, sent.frame.boot_id) == (sent.report.board_ms, sent.report.boot_id)
-        assert max(map(abs, sent.levels)) <= ROBOT.max_level
+        assert isinstance(sent.frame, self.frames)
+        assert max(map(abs, demand(sent.frame))) <= self.most
 
 
 def changes(attribute: str, *values: object) -> st.SearchStrategy[tuple[Callable[..., None], tuple[object, ...]]]:
@@ -258,6 +267,7 @@ EVENTS = st.one_of(
         ]
     ),
     st.tuples(st.just(Events.latch_board), st.tuples(st.sampled_from([each for each in Latch if each]))),
+    st.tuples(st.just(Events.hold_wheel), st.tuples(st.sampled_from([SpeedFlag.LEFT_HELD, SpeedFlag.RIGHT_HELD]))),
     st.tuples(st.just(Events.reset), st.tuples(st.sampled_from([0, 1, -1]), st.sampled_from([0.0, 1.0, 1.01, 8.0]))),
     st.tuples(st.just(Events.jump), st.tuples(st.sampled_from([-2.0, -0.3, -0.01, 0.3, 3.0, 3600.0]))),
     st.tuples(st.just(Events.replay), st.tuples(st.integers(1, 300), st.booleans())),
@@ -268,11 +278,12 @@ EVENTS = st.one_of(
 @given(
     episodes=st.lists(st.lists(st.tuples(EVENTS, st.integers(1, 120)), min_size=1, max_size=5), max_size=4),
     checked=st.sampled_from([True, True, True, False]),
+    by_speed=st.booleans(),
 )
 def test_whatever_happens_only_an_armed_robot_with_fresh_commands_moves(
-    episodes: list[list[tuple[tuple[Callable[..., None], tuple[object, ...]], int]]], checked: bool
+    episodes: list[list[tuple[tuple[Callable[..., None], tuple[object, ...]], int]]], checked: bool, by_speed: bool
 ) -> None:
-    events = Events(checked)
+    events = Events(checked, by_speed)
     for episode in episodes:
         events.recover()
         for (happen, arguments), steps in episode:

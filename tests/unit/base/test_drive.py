@@ -1,4 +1,4 @@
-"""From a twist to PWM levels."""
+"""From a twist to what the wheels are asked for."""
 
 from __future__ import annotations
 
@@ -9,12 +9,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_base.drive import Ramp, ramped, wheel_levels
-from tests.unit.base.rig import ROBOT
+from giraff_base.drive import Ramp, WheelDemand, ramped
+from giraff_core.base_commands import BaseCommands
+from giraff_core.robot import RobotConfig
+from tests.unit.base.rig import BY_SPEED, ROBOT
 
 LINEAR = st.floats(-3.0, 3.0)
 ANGULAR = st.floats(-10.0, 10.0)
 HALF_TRACK = ROBOT.track_width / 2
+
+
+def demand(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple[int, int]:
+    return WheelDemand(robot, BaseCommands()).of(linear_x, angular_z)
 
 
 @pytest.mark.parametrize(
@@ -34,19 +40,43 @@ HALF_TRACK = ROBOT.track_width / 2
     ],
 )
 def test_table_of_twists(linear_x: float, angular_z: float, levels: tuple[int, int]) -> None:
-    assert wheel_levels(linear_x, angular_z, ROBOT) == levels
+    assert demand(linear_x, angular_z, ROBOT) == levels
+
+
+@pytest.mark.parametrize(
+    ("linear_x", "angular_z", "um_s"),
+    [
+        (0.0, 0.0, (0, 0)),
+        (0.1234567, 0.0, (123_457, 123_457)),
+        (-0.6, 0.0, (-600_000, -600_000)),
+        (1.2, 0.0, (600_000, 600_000)),
+        (0.0, 1.0, (-235_000, 235_000)),
+        (0.3, -1.0, (535_000, 65_000)),
+        (0.6, 0.3 / HALF_TRACK, (200_000, 600_000)),
+    ],
+)
+def test_table_of_twists_by_speed(linear_x: float, angular_z: float, um_s: tuple[int, int]) -> None:
+    assert demand(linear_x, angular_z, BY_SPEED) == um_s
+
+
+@given(linear_x=LINEAR, angular_z=ANGULAR, max_wheel_speed=st.floats(0.02, 5.0))
+def test_no_wheel_is_asked_for_more_than_the_board_grants(
+    linear_x: float, angular_z: float, max_wheel_speed: float
+) -> None:
+    robot = msgspec.structs.replace(BY_SPEED, max_wheel_speed=max_wheel_speed)
+    assert max(map(abs, demand(linear_x, angular_z, robot))) <= robot.board_settings(0.0).speed_max_um_s
 
 
 @given(linear_x=LINEAR, angular_z=ANGULAR, max_level=st.integers(1, 255))
 def test_no_wheel_gets_more_than_the_largest_level(linear_x: float, angular_z: float, max_level: int) -> None:
     robot = msgspec.structs.replace(ROBOT, max_level=max_level, stall_level=1)
-    assert max(map(abs, wheel_levels(linear_x, angular_z, robot))) <= max_level
+    assert max(map(abs, demand(linear_x, angular_z, robot))) <= max_level
 
 
 @given(linear_x=LINEAR, angular_z=ANGULAR)
 def test_scaling_keeps_the_curvature(linear_x: float, angular_z: float) -> None:
     robot = msgspec.structs.replace(ROBOT, max_level=255)
-    left, right = wheel_levels(linear_x, angular_z, robot)
+    left, right = demand(linear_x, angular_z, robot)
     wanted = (linear_x - angular_z * HALF_TRACK, linear_x + angular_z * HALF_TRACK)
     share = min(1.0, robot.max_wheel_speed / max(*map(abs, wanted), robot.max_wheel_speed))
     for level, speed in zip((left, right), wanted, strict=True):
@@ -55,9 +85,9 @@ def test_scaling_keeps_the_curvature(linear_x: float, angular_z: float) -> None:
 
 @given(linear_x=LINEAR, angular_z=ANGULAR)
 def test_the_mirrored_twist_gives_the_mirrored_levels(linear_x: float, angular_z: float) -> None:
-    left, right = wheel_levels(linear_x, angular_z, ROBOT)
-    assert wheel_levels(linear_x, -angular_z, ROBOT) == (right, left)
-    assert wheel_levels(-linear_x, -angular_z, ROBOT) == (-left, -right)
+    left, right = demand(linear_x, angular_z, ROBOT)
+    assert demand(linear_x, -angular_z, ROBOT) == (right, left)
+    assert demand(-linear_x, -angular_z, ROBOT) == (-left, -right)
 
 
 @pytest.mark.parametrize(

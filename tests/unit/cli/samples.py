@@ -119,11 +119,13 @@ def guard(forward: Verdict) -> GuardState:
     )
 
 
-def base(*, armed: bool = True, reason: str = "", line_errors: int = 0, latch: str = "none") -> BaseState:
+def base(
+    *, armed: bool = True, reason: str = "", line_errors: int = 0, latch: str = "none", drive_state: str = "active"
+) -> BaseState:
     board = BoardState(
         connected=True,
         boot_id=1,
-        drive_state="active",
+        drive_state=drive_state,
         latch=latch,
         last_refusal="none",
         accepted=1,

@@ -29,6 +29,7 @@ from tests.unit.cli.samples import (
 
 NOW = 10_000 * MS
 HAND = "hand"
+HELD = "not armed since the left wheel was held: clear the way; hold the hand level for 0.2 s"
 SERVICES: tuple[str, ...] = ("joystick", "guard", "base", "ranger", "odometry")
 
 Sent = tuple[Topic[Any], str, Any, str]
@@ -290,6 +291,11 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
         lambda s: s.put(topics.BASE, base(armed=False, reason="latched", latch="left_stuck"), "b"),
         "board",
         "latched: left_stuck; to release it: giraff estop reset",
+    ),
+    "held wheel": (
+        lambda s: s.put(topics.BASE, base(armed=False, reason=HELD, drive_state="held"), "b"),
+        "board",
+        HELD,
     ),
     "not armed": (
         lambda s: s.put(topics.BASE, base(armed=False, reason="not armed since a reset; hold the hand level"), "b"),

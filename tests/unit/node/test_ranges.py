@@ -13,6 +13,7 @@ import pytest
 from giraff_base.config import BaseConfig
 from giraff_core.bounds import Bounds, bounds_of
 from giraff_core.robot import RobotConfig, SensorPose
+from giraff_core.wheel_control import SpeedControl
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig
@@ -49,7 +50,7 @@ def convert(table: str, **fields: object) -> msgspec.Struct:
     return msgspec.convert({**DEPLOYED.get(table, {}), **fields}, TABLES[table], strict=False)
 
 
-@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, TruthRanges])
+@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, SpeedControl, TruthRanges])
 def test_each_number_has_a_range(config: type[msgspec.Struct]) -> None:
     hints = get_type_hints(config)
     numbers = {name for name, hint in hints.items() if hint in (int, float, float | None)}

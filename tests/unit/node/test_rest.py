@@ -14,7 +14,7 @@ from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import FRAME_CLASSES, Frame, FrameType, WheelsFrame
 from tests.unit.node.board_lines import BYTE, HELLO, LATE, FakeLoop, carried
 
-WHEELS = WheelsFrame(*range(1, 17))
+WHEELS = WheelsFrame(*range(1, 20))
 REPORT = encode(WHEELS.pack())
 PERIOD = 0.01
 """s between two reports."""

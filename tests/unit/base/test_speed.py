@@ -1,0 +1,150 @@
+"""Base and a board that holds speeds: what is asked of it, a wheel that is held, and one at its limit."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import msgspec
+import pytest
+
+from giraff_core.robot import RobotConfig
+from giraff_schemas.wire import DriveFrame, DriveState, Frame, SpeedFlag, SpeedFrame
+from tests.unit.base.rig import BY_SPEED, CONFIG, ROBOT, Rig, moving
+
+FULL_UM_S = 600_000
+HELD = [
+    (SpeedFlag.LEFT_HELD, "the left wheel was held: clear the way"),
+    (SpeedFlag.RIGHT_HELD, "the right wheel was held: clear the way"),
+    (SpeedFlag.LEFT_HELD | SpeedFlag.RIGHT_HELD, "both wheels were held: clear the way"),
+    (SpeedFlag(0), "a wheel was held: clear the way"),
+    (SpeedFlag.LEFT_HELD | SpeedFlag.AT_LIMIT, "the left wheel was held: clear the way"),
+]
+
+
+def at_speed() -> Rig:
+    rig = Rig(robot=BY_SPEED)
+    rig.drive(0.6)
+    return rig
+
+
+def test_the_board_is_told_what_it_needs_to_hold_a_speed() -> None:
+    rig = at_speed()
+    asked = rig.board.configured[0]
+    assert (asked.session, asked.boot_id) == (99, 1)
+    # 0.6 m/s² and 2.5 rad/s² at half the track, at once.
+    expected = BY_SPEED.board_settings(0.6 + 2.5 * 0.235)
+    assert msgspec.structs.replace(asked, seq=0, boot_id=0, board_ms=0, session=0) == expected
+
+
+def test_the_board_lets_a_wheel_start_as_fast_as_base_does() -> None:
+    rig = Rig(robot=BY_SPEED)
+    rig.arm()
+    rig.tilt(0.6, 1.0)
+    steps = [after.um_s[1] - before.um_s[1] for before, after in pairwise(rig.run(0.3))]
+    per_report = rig.board.configured[0].acceleration_um_s2 // 100
+    assert per_report - 1 <= max(steps) <= per_report + 1
+
+
+def test_starts_are_ramped_and_stops_are_not() -> None:
+    rig = at_speed()
+    start = [each.um_s for each in moving(rig.sent)]
+    assert all(left == right for left, right in start)
+    assert start.index((FULL_UM_S, FULL_UM_S)) == pytest.approx(100, abs=4)  # 0.6 m/s at 0.6 m/s²
+    rig.tilt(0.0)
+    assert rig.run(0.03)[-1].um_s == (0, 0)
+    rig.tilt(0.0, 1.0)
+    assert rig.run(1.0)[-1].um_s == (-235_000, 235_000)
+
+
+@pytest.mark.parametrize(("robot", "kind"), [(BY_SPEED, SpeedFrame), (ROBOT, DriveFrame)])
+def test_each_robot_gets_frames_of_one_kind(robot: RobotConfig, kind: type[Frame]) -> None:
+    rig = Rig(robot=robot)
+    rig.drive(0.6, 0.5)
+    rig.guard_speaks = False
+    rig.run(0.5)
+    assert {type(each.frame) for each in rig.sent} == {kind}
+    assert not rig.sent[-1].moves
+    assert rig.base.state().board.refused == 0
+
+
+def test_driving_is_that_a_wheel_is_asked_to_turn() -> None:
+    rig = Rig(robot=BY_SPEED)
+    rig.arm()
+    assert not rig.base.state().driving
+    rig.tilt(0.004)  # slower than anything can tell from standing
+    assert rig.run(1.0)[-1].um_s == (0, 0)
+    assert not rig.base.state().driving
+    rig.tilt(0.006)
+    assert rig.run(1.0)[-1].um_s == (6000, 6000)
+    assert rig.base.state().driving
+
+
+@pytest.mark.parametrize(("wheels", "why"), HELD)
+def test_a_held_wheel_does_not_resume_by_itself(wheels: SpeedFlag, why: str) -> None:
+    rig = at_speed()
+    rig.board.hold(wheels)
+    sent = rig.run(3.0)  # the hand asks to drive all the time
+    assert moving(sent) == []
+    assert not sent[0].state.armed
+    assert sent[0].state.board.drive_state == "held"
+    assert {each.state.reason for each in sent} == {f"not armed since {why}; hold the hand level for 0.2 s"}
+    # The board has opened for the zero frame, and that changes nothing.
+    assert rig.board.drive_state == DriveState.ACTIVE
+    rig.tilt(0.0)
+    rig.run(0.15)
+    rig.tilt(0.6)
+    assert moving(rig.run(1.0)) == []
+    rig.tilt(0.0)
+    rig.run(0.4)
+    assert rig.base.state().armed
+    rig.tilt(0.6)
+    again = rig.run(1.5)
+    assert again[-1].um_s == (FULL_UM_S, FULL_UM_S)
+    assert moving(again)[0].um_s[0] < 20_000  # from rest
+
+
+def test_a_held_wheel_counts_where_newer_reports_hide_it() -> None:
+    """Of many reports at once base answers the newest, and passes over none."""
+    rig = at_speed()
+    before = rig.board.report()
+    held = msgspec.structs.replace(before, drive_state=DriveState.HELD, speed_flags=SpeedFlag.LEFT_HELD)
+    rig.base.on_frames([before, held, before], rig.now)
+    assert not rig.base.state().armed
+    assert moving(rig.run(1.0)) == []
+
+
+def test_a_flag_that_stays_after_the_hold_disarms_nobody() -> None:
+    rig = at_speed()
+    rig.board.hold(SpeedFlag.LEFT_HELD)
+    rig.run(0.1)
+    rig.drive(0.6)
+    assert rig.board.speed_flags == SpeedFlag.LEFT_HELD
+    assert rig.base.state().reason == ""
+
+
+def test_a_wheel_at_its_limit_is_named_and_drives_on() -> None:
+    rig = at_speed()
+    rig.board.speed_flags = SpeedFlag.AT_LIMIT
+    sent = rig.run(1.0)
+    assert {each.um_s for each in sent} == {(FULL_UM_S, FULL_UM_S)}
+    state = sent[0].state
+    assert (state.armed, state.driving) == (True, True)
+    assert state.reason == "at its limit: the wheels cannot do what is asked; the battery may be low"
+    rig.board.speed_flags = SpeedFlag(0)
+    assert rig.run(0.01)[-1].state.reason == ""
+
+
+def test_a_limit_is_named_after_all_else_and_of_a_robot_that_drives() -> None:
+    rig = at_speed()
+    rig.board.speed_flags = SpeedFlag.AT_LIMIT
+    rig.reason = "slowed: front sees something at 0.90 m"
+    rig.run(0.04)
+    assert rig.base.state().reason == rig.reason
+    rig.reason = ""
+    rig.tilt(0.0)
+    rig.run(0.04)
+    assert rig.base.state().reason == ""
+    rig.run(CONFIG.arm_time)
+    rig.source = "fault"
+    rig.run(0.04)
+    assert rig.base.state().reason == "the operator's side reports a fault"

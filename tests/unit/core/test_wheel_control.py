@@ -1,0 +1,122 @@
+"""What the base board is told of a robot, and which robots cannot be told of."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+
+from giraff_core.robot import RobotConfig
+from giraff_core.wheel_control import SpeedControl, by_levels
+from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
+from tests.support.robots import ROBOT
+
+CONTROL = SpeedControl(max_pwm=120, stall_pwm=41, dead_pwm=6, speed_p=170.4, speed_i=1100.6, turn_p=51.0, turn_i=401.0)
+BY_SPEED = msgspec.structs.replace(ROBOT, wheel_control="speed", swap_motors=True, speed_control=CONTROL)
+
+
+def test_by_levels_nothing_is_told_of_speeds() -> None:
+    told = by_levels(Wiring.SWAP_ENCODERS, 70, 25)
+    numbers = msgspec.structs.asdict(told)
+    assert numbers.pop("protocol_hash") == PROTOCOL_HASH
+    assert {name: value for name, value in numbers.items() if value} == {
+        "wiring": Wiring.SWAP_ENCODERS,
+        "level_max": 70,
+        "stall_level": 25,
+    }
+
+
+def test_a_robot_by_levels_is_told_of_its_wheels_so_that_it_measures_their_speeds() -> None:
+    told = ROBOT.board_settings(1.2)
+    by_hand = by_levels(ROBOT.wiring, 70, 25)
+    assert told == msgspec.structs.replace(by_hand, left_counts_per_km=2_002_059, right_counts_per_km=2_002_059)
+
+
+def test_a_robot_by_speed_is_told_all_that_it_takes() -> None:
+    assert BY_SPEED.board_settings(1.1875) == ConfigureFrame(
+        seq=0,
+        protocol_hash=PROTOCOL_HASH,
+        boot_id=0,
+        board_ms=0,
+        session=0,
+        wiring=Wiring.SWAP_MOTORS,
+        level_max=0,
+        stall_level=25,
+        left_counts_per_km=2_002_059,
+        right_counts_per_km=2_002_059,
+        speed_max_um_s=600_000,
+        acceleration_um_s2=1_187_500,
+        nominal_um_s=600_000,
+        nominal_level=70,
+        nominal_adc_counts=800,
+        motor_ms=150,
+        pwm_max=120,
+        stall_pwm=41,
+        dead_pwm=6,
+        speed_p=170,
+        speed_i=1101,
+        turn_p=51,
+        turn_i=401,
+    )
+
+
+def test_a_battery_whose_divider_is_not_known_is_not_told_of() -> None:
+    robot = msgspec.structs.replace(BY_SPEED, battery_volts_per_count=0.0)
+    assert robot.board_settings(1.0).nominal_adc_counts == 0
+
+
+@pytest.mark.parametrize("acceleration", [0.01, 10.0 + 100.0])
+@pytest.mark.parametrize("ticks_per_metre", [50.0, 200_000.0])
+@pytest.mark.parametrize("max_wheel_speed", [0.02, 5.0])
+@pytest.mark.parametrize("control", [CONTROL, SpeedControl(speed_p=3900, speed_i=3900, turn_p=3900, turn_i=3900)])
+def test_each_robot_within_the_ranges_fits_into_the_frame(
+    acceleration: float, ticks_per_metre: float, max_wheel_speed: float, control: SpeedControl
+) -> None:
+    robot = msgspec.structs.replace(
+        BY_SPEED,
+        ticks_per_metre=ticks_per_metre,
+        max_wheel_speed=max_wheel_speed,
+        battery_volts_per_count=24.0 / 1023,
+        speed_control=control,
+    )
+    told = robot.board_settings(acceleration)
+    assert ConfigureFrame.unpack(told.pack()) == told
+
+
+def refused(**fields: object) -> str:
+    """Why such a robot by speed is none. By levels it is one."""
+    values = {**msgspec.to_builtins(BY_SPEED), **fields}
+    msgspec.convert({**values, "wheel_control": "level"}, RobotConfig)
+    with pytest.raises(msgspec.ValidationError) as told:
+        msgspec.convert(values, RobotConfig)
+    return str(told.value)
+
+
+def test_what_is_beyond_the_board_is_refused_where_it_is_asked_for_speeds() -> None:
+    assert "speed_control.max_pwm is 120 and max_level 121: max_wheel_speed could not be reached" in refused(
+        max_level=121
+    )
+    assert "stall_level is 42 and speed_control.stall_pwm 41: no wheel that stands would ever" in refused(
+        stall_level=42
+    )
+    assert "battery_nominal is 30.75 V, 1025 counts by battery_volts_per_count: the board reads 1023" in refused(
+        battery_nominal=30.75
+    )
+    for fields in ({"max_level": 120}, {"stall_level": 41}, {"battery_nominal": 30.69}):
+        msgspec.structs.replace(BY_SPEED, **fields)
+
+
+@pytest.mark.parametrize(
+    ("fields", "told"),
+    [
+        ({"max_pwm": 39}, "stall_pwm is 40: it must be max_pwm at most, which is 39"),
+        ({"stall_pwm": 4}, "dead_pwm is 5: it must be stall_pwm at most, which is 4"),
+        ({"dead_pwm": 41}, "dead_pwm is 41: it must be stall_pwm at most, which is 40"),
+    ],
+)
+def test_each_of_the_boards_bounds_is_within_the_next(fields: dict[str, int], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        SpeedControl(**fields)
+
+
+def test_bounds_may_be_equal() -> None:
+    SpeedControl(max_pwm=40, stall_pwm=40, dead_pwm=40)
