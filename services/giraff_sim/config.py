@@ -16,6 +16,7 @@ KNOWN: Final = {
     "GIRAFF_ROBOT_INVERT_RIGHT_MOTOR": "false",
     "GIRAFF_ROBOT_INVERT_LEFT_ENCODER": "false",
     "GIRAFF_ROBOT_INVERT_RIGHT_ENCODER": "false",
+    "GIRAFF_ROBOT_WHEEL_CONTROL": "speed",
     "GIRAFF_GUARD_DECELERATION": "1.5",
 }
 """What is measured on a real robot before it may drive, and known of the simulated one: for its services'
@@ -33,8 +34,6 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """PWM counts of 255 below which a motor only hums."""
     battery_volts: float = 24.5
     """V with nothing connected."""
-    battery_nominal_volts: float = 24.0
-    """V at which `max_level` stands for `max_wheel_speed`."""
     battery_sag_volts: float = 2.0
     """V lost with both motors at full duty."""
     sonar_crosstalk: float = 0.0
@@ -48,7 +47,7 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """How far the robot may differ from its file."""
 
     def __post_init__(self) -> None:
-        require_positive(self, "motor_time_constant", "battery_volts", "battery_nominal_volts")
+        require_positive(self, "motor_time_constant", "battery_volts")
         require_not_negative(
             self, "wheel_friction", "dead_zone_counts", "battery_sag_volts", "tilt_noise", "hand_tremor"
         )

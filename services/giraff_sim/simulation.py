@@ -11,6 +11,7 @@ from giraff_sim.board import BUILD, Board, Implementation, open_board
 from giraff_sim.record import Record
 from giraff_sim.soldering import RIGHT, Soldering
 from giraff_sim.world.bno055 import Bno055
+from giraff_sim.world.plant import Wheel
 from giraff_sim.world.world import World
 
 
@@ -95,8 +96,15 @@ class Simulation:
 
     def block_wheel(self, wheel: int, *, is_blocked: bool) -> None:
         """Hold a wheel so that it does not turn whatever its motor gets, or let it go."""
+        self._wheel(wheel).is_blocked = is_blocked
+
+    def brake_wheel(self, wheel: int, brake: float) -> None:
+        """Hold a wheel back by so many m/s² at its rim, as a hand does; 0 lets it go."""
+        self._wheel(wheel).brake = brake
+
+    def _wheel(self, wheel: int) -> Wheel:
         plant = self.world.plant
-        (plant.right if wheel == RIGHT else plant.left).is_blocked = is_blocked
+        return plant.right if wheel == RIGHT else plant.left
 
     def solder(self, wiring: Wiring) -> None:
         """Solder motors and encoders anew, so that `configure.wiring` must be this for the robot to drive well."""

@@ -28,6 +28,8 @@ class TrueWheel(msgspec.Struct, frozen=True, kw_only=True):
     """m truly rolled for each metre that the file's `ticks_per_metre` makes of the encoder's counts."""
     strength: float = 1.0
     """Of the speed that the file expects at a level."""
+    drag: float = 0.0
+    """m/s² by which the floor holds it more than the one on which the file's speeds were measured."""
     phase: float = 0.0
     """Where between two counts, 0..1, the encoder stands at power-on."""
     threshold_slip: float = 0.0
@@ -67,6 +69,8 @@ class TruthRanges(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """What it leaves of `track_scale`."""
     motor_weakness: Annotated[float, _SHARE] = 0.15
     """Share by which either motor may be weaker than the file says."""
+    drag: Annotated[float, Bounds(0.0, 1.0, "m/s²")] = 0.1
+    """m/s², at most, by which a carpet holds both wheels more than a hard floor: an estimate."""
     turn_slip: Annotated[float, _SHARE] = 0.01
     """Largest share of a turn that is lost: an estimate, for castors that scrub."""
     threshold_slip: Annotated[float, Bounds(0.0, 0.1, "m")] = 0.02
@@ -100,8 +104,11 @@ def draw_truth(level: Level, ranges: TruthRanges, seed: int) -> Truth:
     def either_way(largest: float) -> float:
         return chance.uniform(-largest, largest)
 
+    drag = random.Random(f"{seed}/drag").uniform(0.0, ranges.drag)
+
     def wheel() -> TrueWheel:
         return TrueWheel(
+            drag=drag,
             scale=1.0 + either_way(wheel_scale),
             strength=1.0 - chance.uniform(0.0, ranges.motor_weakness),
             phase=chance.random(),

@@ -20,7 +20,7 @@ from giraff_joystick.service import Joystick
 from giraff_ranger.policy import RangerPolicy
 from giraff_ranger.service import Ranger
 from giraff_schemas.messages import DriveCommand, Range, RobotTime
-from giraff_schemas.wire import DriveFrame, Frame, RangeFrame
+from giraff_schemas.wire import Frame, RangeFrame, SpeedFrame
 from giraff_sim.board import BUILD
 from giraff_sim.settings import Services
 from tests.firmware.builds import with_fault
@@ -138,27 +138,27 @@ class SuddenBase(BasePolicy):
 
 
 class MirroredBase(BasePolicy):
-    """Gives the left level to the right wheel."""
+    """Gives the left wheel's speed to the right one."""
 
     def next_frame(self, now: RobotTime) -> Frame | None:
         frame = super().next_frame(now)
-        if isinstance(frame, DriveFrame):
-            return msgspec.structs.replace(frame, left_level=frame.right_level, right_level=frame.left_level)
+        if isinstance(frame, SpeedFrame):
+            return msgspec.structs.replace(frame, left_um_s=frame.right_um_s, right_um_s=frame.left_um_s)
         return frame
 
 
 class LazyBase(BasePolicy):
     """Goes on for 0.3 s after it should stop."""
 
-    _level: tuple[int, int, int] = 0, 0, 0
+    _asked: tuple[int, int, int] = 0, 0, 0
 
     def next_frame(self, now: RobotTime) -> Frame | None:
         frame = super().next_frame(now)
-        if isinstance(frame, DriveFrame):
-            if frame.left_level or frame.right_level:
-                self._level = now.robot_ns, frame.left_level, frame.right_level
-            elif now.robot_ns - self._level[0] < 300_000_000:
-                return msgspec.structs.replace(frame, left_level=self._level[1], right_level=self._level[2])
+        if isinstance(frame, SpeedFrame):
+            if frame.left_um_s or frame.right_um_s:
+                self._asked = now.robot_ns, frame.left_um_s, frame.right_um_s
+            elif now.robot_ns - self._asked[0] < 300_000_000:
+                return msgspec.structs.replace(frame, left_um_s=self._asked[1], right_um_s=self._asked[2])
         return frame
 
 
@@ -206,7 +206,7 @@ BREAKS: Final = (
     Break("base sudden", 0, "g", Services(base=partial(Base, policy=SuddenBase))),
     Break("guard turned", 5, "e", Services(guard=partial(Guard, policy=TurnedGuard))),
     Break("joystick lingering", 0, "c", Services(joystick=partial(Joystick, policy=LingeringJoystick))),
-    Break("ranges late", 5, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
+    Break("ranges late", 0, "e", Services(ranger=partial(Ranger, policy=LateRanger))),
     Break("guard half", 61, "e", Services(guard=partial(Guard, policy=HalfGuard))),
     Break("guard close", 5, "e", Services(guard=partial(Guard, policy=CloseGuard))),
     Break("base mirrored", 0, "c", Services(base=partial(Base, policy=MirroredBase))),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from random import Random
+from typing import Final
 
 import msgspec
 
@@ -16,6 +17,9 @@ from giraff_sim.record import Verdict
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
 from tests.support.floods import Stranger
+
+HAND: Final = 5.0
+"""m/s² at its rim, of a hand that holds a wheel back: more than the speed control makes good, too little to stop it."""
 
 
 def kill(name: str) -> Begin:
@@ -285,6 +289,30 @@ def cut_encoder(wheel: int) -> Begin:
         drill.loop.simulation.cut_encoder(wheel, is_cut=True)
         yield f"encoder {wheel} is cut"
         drill.loop.simulation.cut_encoder(wheel, is_cut=False)
+
+    return course
+
+
+def block_wheel(wheel: int) -> Begin:
+    """Hold a wheel so that it does not turn."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        drill.loop.simulation.block_wheel(wheel, is_blocked=True)
+        yield f"wheel {wheel} is blocked"
+        drill.loop.simulation.block_wheel(wheel, is_blocked=False)
+
+    return course
+
+
+def brake_wheel(wheel: int, brake: float) -> Begin:
+    """Hold a wheel back by so many m/s², as a hand does."""
+
+    def course(drill: Drill, chance: Random) -> Course:
+        del chance
+        drill.loop.simulation.brake_wheel(wheel, brake)
+        yield f"wheel {wheel} is held back"
+        drill.loop.simulation.brake_wheel(wheel, 0.0)
 
     return course
 

@@ -8,9 +8,8 @@ from collections import deque
 import pytest
 
 from giraff_schemas.messages import Range
-from giraff_schemas.wire import DriveFrame
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.judging.explain import Twist
+from giraff_sim.dst.judging.explain import Asked, Twist
 from giraff_sim.dst.judging.ledger import Heard
 from giraff_sim.dst.judging.obstacles import Obstacles
 from giraff_sim.world.hand import StillHand
@@ -22,11 +21,11 @@ from tests.dst.stage import SETTINGS
 SENSOR = SETTINGS.robot.sensors["front_left"]
 RADIUS = SETTINGS.robot.footprint_radius
 HEARD_US, NOW_US = 1_000_000, 1_100_000
-SLOWLY, FAST = 30, 70
-"""Levels: 0.26 and 0.60 m/s, which stop within 0.02 and 0.12 m."""
+SLOWLY, FAST = 0.257, 0.6
+"""m/s; they stop within 0.02 and 0.12 m."""
 
 
-def ahead(room: Room, level: int, fault: SonarFault = SonarFault.NONE) -> str:
+def ahead(room: Room, speed: float, fault: SonarFault = SonarFault.NONE) -> str:
     """What the judge finds in a frame 0.1 s after the left sensor's ping, whatever a service made of that."""
     world = World(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
     obstacles = Obstacles(world, SETTINGS)
@@ -37,7 +36,7 @@ def ahead(room: Room, level: int, fault: SonarFault = SonarFault.NONE) -> str:
     reading = Range(sensor="front_left", state="clear", range=None, echo_us=1, reason="", tick=None)
     readings = {name: deque[Heard]() for name in SETTINGS.robot.sensors}
     readings["front_left"].append(Heard(reading, HEARD_US, HEARD_US))
-    return obstacles.ahead(Twist(DriveFrame(0, 0, 0, level, level), SETTINGS.robot).linear, readings, NOW_US)
+    return obstacles.ahead(Twist(Asked(speed, speed, 0.0), SETTINGS.robot).linear, readings, NOW_US)
 
 
 def room_with_wall(clearance: float) -> Room:
@@ -48,13 +47,13 @@ def room_with_wall(clearance: float) -> Room:
 
 
 @pytest.mark.parametrize(
-    ("clearance", "level", "found"),
+    ("clearance", "speed", "found"),
     [(0.31, FAST, True), (0.33, FAST, False), (0.21, SLOWLY, True), (0.23, SLOWLY, False), (0.01, SLOWLY, True)],
 )
 def test_a_wall_ahead_nearer_than_the_stopping_distance_and_the_rest_of_the_margin_is_found(
-    clearance: float, level: int, found: bool
+    clearance: float, speed: float, found: bool
 ) -> None:
-    told = ahead(room_with_wall(clearance), level)
+    told = ahead(room_with_wall(clearance), speed)
     assert bool(told) is found
     if found:
         assert f"now {clearance:.2f} m from the body" in told

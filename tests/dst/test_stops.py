@@ -14,6 +14,9 @@ from giraff_sim.world.bno055 import Bno055Fault, Vector
 from giraff_sim.world.hand import LEVEL, ScriptedHand
 from giraff_sim.world.sonar import SonarFault
 from tests.dst.courses import (
+    HAND,
+    block_wheel,
+    brake_wheel,
     cut_both_ways,
     cut_encoder,
     delay,
@@ -76,7 +79,12 @@ ROWS: Final = {
     "tilt sensor self_test + joystick board reset (external)": Row(
         0.45, (fail_tilt_sensor(Bno055Fault.SELF_TEST), _JOYSTICK_RESET)
     ),
-    "left encoder cut": Row(0.55, (cut_encoder(0),)),
+    "left encoder cut": Row(0.35, (cut_encoder(0),)),
+    "right encoder cut": Row(0.35, (cut_encoder(1),)),
+    "left wheel blocked": Row(0.35, (block_wheel(0),)),
+    "right wheel blocked": Row(0.35, (block_wheel(1),)),
+    "left wheel held back": Row(0.35, (brake_wheel(0, HAND),)),
+    "right wheel held back": Row(0.35, (brake_wheel(1, HAND),)),
     "battery at 18 V": Row(5.5, (discharge(18.0),), LEFT),
     "e-stop engaged": Row(0.35, (engage,)),
     "e-stop engaged + base killed": Row(0.35, (engage, kill("base")), apart=0.05),
@@ -130,3 +138,19 @@ def test_a_flood_of_a_stranger_changes_no_bound(name: str) -> None:
 @pytest.mark.parametrize(("bound", "tilt"), [(1.5, FORWARD), (1.5, BACKWARD), (5.5, LEFT)], ids=str)
 def test_without_a_fault_it_drives_on(bound: float, tilt: Vector) -> None:
     assert driven_ms(Row(bound, (), tilt)) > 900 * WATCHED
+
+
+def test_a_wheel_that_is_held_three_times_within_a_minute_engages_the_emergency_stop() -> None:
+    """Each time its operator has held the hand level and tilted it again; after the third that moves nothing."""
+    tilts = [moment for start in (SET_OFF, 5.0, 7.5, 10.0) for moment in ((start - 1.0, LEVEL), (start, FORWARD))]
+    after: list[Verdict] = []
+    outcome = stage(
+        *(at(moment, brake_wheel(1, HAND), 0.3) for moment in (3.5, 6.0, 8.5)),
+        at(9.0, watch(after), 3.0),
+        hand=ScriptedHand([0.0, *(moment for moment, _ in tilts)], [LEVEL, *(tilt for _, tilt in tilts)]),
+        seconds=12.1,
+    )
+    assert outcome.violations == ()
+    assert outcome.counts["stop: not armed since the right wheel was held"] == 2
+    assert outcome.counts["stop: emergency stop by the base board"] == 1
+    assert after[0].driven_ms == 0

@@ -14,18 +14,18 @@ from typing import Final
 
 import msgspec
 
+from giraff_core.wheel_control import by_levels
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     ECHO_MAX_AGE_MS,
-    PROTOCOL_HASH,
     BoardKind,
-    ConfigureFrame,
     DriveFrame,
     DriveState,
     EstopFrame,
     Frame,
     TickFrame,
     WheelsFrame,
+    Wiring,
 )
 from giraff_sim.board import Board
 from tests.firmware.noise import noise
@@ -74,9 +74,7 @@ class SoundHost:
         self.seq = (self.seq + 1) & 0xFFFF
         at = {"seq": self.seq, "boot_id": wheels.boot_id, "board_ms": wheels.board_ms}
         if wheels.session != _SESSION:
-            return ConfigureFrame(
-                **at, protocol_hash=PROTOCOL_HASH, session=_SESSION, wiring=0, level_max=_LEVEL_MAX, stall_level=255
-            )
+            return msgspec.structs.replace(by_levels(Wiring(0), _LEVEL_MAX, 255), **at, session=_SESSION)
         if wheels.latch:
             return EstopFrame(**at, session=_SESSION, engage=0)
         return DriveFrame(**at, left_level=0, right_level=0)

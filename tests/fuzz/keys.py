@@ -134,13 +134,15 @@ def deliver(loop: ClosedLoop, key: str, message: msgspec.Struct) -> None:
 def drive(loop: ClosedLoop) -> None:
     """Whatever was thrown at it left no damage."""
     steer(loop, 1.0, x=FULL_TILT)
-    assert loop.newest["wheels"].left_pwm_counts > 0, loop.newest["base"].reason
+    assert loop.newest["wheels"].left_velocity > 0.1, loop.newest["base"].reason
 
 
 def rest(loop: ClosedLoop) -> None:
     """Back up to about where it drove from, and stand in a level hand for longer than anything counts of that."""
     hold(loop, x=-FULL_TILT)
-    loop.run(1.4)
+    until_us = loop.simulation.now_us + 3_000_000
+    while loop.simulation.world.plant.pose.x > 0.3 and loop.simulation.now_us < until_us:
+        loop.step()
     hold(loop)
     loop.run(2.0)
 

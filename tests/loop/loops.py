@@ -21,8 +21,9 @@ from giraff_sim.world.world import STEP_US, World
 from tests.sim.robots import EXACT
 from tests.support.robots import ROBOT
 
-SETTINGS = Settings(robot=ROBOT)
-SOURCE_CURVE = msgspec.structs.replace(SETTINGS, joystick=JoystickConfig(port="joystick", curve="source"))
+SETTINGS = Settings(robot=msgspec.structs.replace(ROBOT, wheel_control="speed"))
+BY_LEVELS = Settings(robot=ROBOT)
+SOURCE_CURVE = msgspec.structs.replace(BY_LEVELS, joystick=JoystickConfig(port="joystick", curve="source"))
 GRAVITY = 9.81
 FULL_TILT = 7.5
 """m/s² along one axis: more than the default curve's full speed needs."""

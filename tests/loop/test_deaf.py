@@ -55,8 +55,9 @@ def test_what_a_sensor_heard_now_and_then_before_it_is_deaf_is_touched_slowly(
     )
     outcome = run_drive(drive, room)
     assert [told(outcome, touch) for touch in outcome.breaks] == []
-    assert {touch.kind for touch in outcome.touches} <= {Kind.HEARD, Kind.WOULD}
     assert outcome.touches
+    assert outcome.touches[0].kind in (Kind.HEARD, Kind.WOULD)
+    assert max(touch.speed for touch in outcome.touches) < 0.16  # also once it has stood there for 10 s
 
 
 def test_the_judge_sees_what_a_guard_that_lets_all_pass_touches(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -59,7 +59,7 @@ def driving(loop: ClosedLoop, delay_ms: int) -> None:
     arm(loop)
     hold(loop, x=FULL_TILT)
     loop.run(1.5 + delay_ms * 1e-3)
-    assert loop.newest["wheels"].left_pwm_counts == 70
+    assert loop.newest["wheels"].left_velocity == pytest.approx(0.6, rel=0.02)
 
 
 @pytest.mark.parametrize("mishap", MISHAPS)

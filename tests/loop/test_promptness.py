@@ -9,7 +9,7 @@ import pytest
 
 from giraff_core.timer import LEAST_GAP
 from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK, WHEELS
-from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, ResetCause, TiltFrame
+from giraff_schemas.wire import BoardKind, Frame, RangeFrame, ResetCause, SpeedFrame, TiltFrame
 from giraff_sim.hosts.process import Observer, Process
 from giraff_sim.settings import Services
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
@@ -26,7 +26,7 @@ class Watch(Observer):
 
     def __init__(self) -> None:
         self.came: list[tuple[int, TiltFrame | RangeFrame]] = []
-        self.went: list[tuple[int, DriveFrame]] = []
+        self.went: list[tuple[int, SpeedFrame]] = []
         self.said_by: Counter[str] = Counter()
 
     def read(self, process: Process, frame: Frame) -> None:
@@ -34,7 +34,7 @@ class Watch(Observer):
             self.came.append((process.loop.agenda.now_us, frame))
 
     def wrote(self, process: Process, frame: Frame) -> None:
-        if isinstance(frame, DriveFrame):
+        if isinstance(frame, SpeedFrame):
             self.went.append((process.loop.agenda.now_us, frame))
 
     def said(self, process: Process, sample: Any) -> None:
@@ -46,7 +46,7 @@ class Watch(Observer):
         self.said_by.clear()
 
     def first_zero_us(self) -> int:
-        return next(at for at, frame in self.went if (frame.left_level, frame.right_level) == (0, 0))
+        return next(at for at, frame in self.went if (frame.left_um_s, frame.right_um_s) == (0, 0))
 
 
 @pytest.mark.parametrize("phase_ms", range(0, 20, 3))

@@ -17,6 +17,7 @@ from giraff_schemas.topics import ESTOP_ENGAGE
 from giraff_sim.control.messages import BoardName, Wheel
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
+from tests.dst.courses import HAND
 from tests.support.process_robot import FULL_TILT, ProcessRobot
 
 ROBOT_SIDE: Final = 0.35
@@ -177,7 +178,6 @@ def encoder_cut(wheel: Wheel) -> Fault:
         f"{wheel} encoder cut",
         lambda robot: robot.simulator.cut_encoder(wheel, cut=True),
         lambda robot: robot.simulator.cut_encoder(wheel, cut=False),
-        latches=True,
     )
 
 
@@ -186,7 +186,14 @@ def wheel_blocked(wheel: Wheel) -> Fault:
         f"{wheel} wheel blocked",
         lambda robot: robot.simulator.block_wheel(wheel, blocked=True),
         lambda robot: robot.simulator.block_wheel(wheel, blocked=False),
-        latches=True,
+    )
+
+
+def wheel_held_back(wheel: Wheel) -> Fault:
+    return Fault(
+        f"{wheel} wheel held back",
+        lambda robot: robot.simulator.brake_wheel(wheel, HAND),
+        lambda robot: robot.simulator.brake_wheel(wheel, 0.0),
     )
 
 

@@ -37,6 +37,7 @@ from tests.timing.faults import (
     tilt_sensor,
     unplugged,
     wheel_blocked,
+    wheel_held_back,
 )
 
 _SERVICES: Final = {"base": ROBOT_SIDE, "guard": ROBOT_SIDE, "joystick": OPERATORS, "ranger": OPERATORS}
@@ -87,8 +88,6 @@ _BOARDS: Final = (
     Scenario(faults=(reset("ranger"),), does="dips"),
 )
 
-_STUCK: Final = 0.55
-"""s: the board waits for 0.5 s of level without edges."""
 _LAID_DOWN: Final = 1.0 + OPERATORS
 _CUTOFF: Final = 5.0 + 0.5
 """s: held for 5 s, of a voltage that is read twice a second."""
@@ -168,10 +167,11 @@ _SENSORS: Final = (
 )
 
 _MOTORS: Final = (
-    *(Scenario(faults=(encoder_cut(wheel),), bound=_STUCK) for wheel in ("left", "right")),
-    *(Scenario(faults=(wheel_blocked(wheel),), bound=_STUCK) for wheel in ("left", "right")),
-    Scenario(faults=(encoder_cut("left"),), bound=_STUCK, tilt=LEFT),
-    Scenario(faults=(wheel_blocked("right"),), bound=_STUCK, tilt=BACKWARD),
+    *(Scenario(faults=(encoder_cut(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
+    *(Scenario(faults=(wheel_blocked(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
+    *(Scenario(faults=(wheel_held_back(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
+    Scenario(faults=(encoder_cut("left"),), bound=ROBOT_SIDE, tilt=LEFT),
+    Scenario(faults=(wheel_blocked("right"),), bound=ROBOT_SIDE, tilt=BACKWARD),
     Scenario(faults=(battery(18.0),), bound=_CUTOFF, lasts=7.0, tilt=LEFT),
 )
 

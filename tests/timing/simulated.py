@@ -11,7 +11,6 @@ _KILLS: Final = "tests/loop/test_kills.py::test_pwm_is_zero_within_the_bound"
 _MISHAPS: Final = "tests/loop/test_mishaps.py::test_a_mishap_stops_the_robot_within_its_bound"
 _RESTARTED: Final = "tests/dst/test_doubles.py::test_a_restarted_board"
 _SECOND: Final = "tests/dst/test_doubles.py::test_a_second_process"
-_BLOCKED: Final = "tests/sim/test_base_faults.py::test_a_blocked_wheel_gets_pwm_for_half_a_second"
 _DEAF: Final = "tests/loop/test_deaf.py::test_what_a_deaf_sensor_has_heard_or_would_have_is_touched_slowly"
 
 _BY_STOPS: Final = (
@@ -27,6 +26,11 @@ _BY_STOPS: Final = (
     "tilt sensor wrong_chip + joystick board reset (external)",
     "tilt sensor self_test + joystick board reset (external)",
     "left encoder cut",
+    "right encoder cut",
+    "left wheel blocked",
+    "right wheel blocked",
+    "left wheel held back",
+    "right wheel held back",
     "battery at 18 V",
     "e-stop engaged",
     "e-stop engaged + base killed",
@@ -54,11 +58,6 @@ SIMULATED: Final = {
     "joystick dropped": f"{_MISHAPS}[dropped]",
     "joystick shaken": f"{_MISHAPS}[shaken]",
     "joystick laid down": f"{_MISHAPS}[laid down]",
-    "left wheel blocked": _BLOCKED,
-    "right wheel blocked": _BLOCKED,
-    "right encoder cut": (
-        "tests/sim/test_base_faults.py::test_a_cut_encoder_stops_the_robot_in_half_a_second_whenever_it_is_cut"
-    ),
     "sonar 0 deaf": f"{_DEAF}[132]",
     "sonar 2 deaf": f"{_DEAF}[338]",
     "sonar 0 and 1 deaf": f"{_DEAF}[17]",

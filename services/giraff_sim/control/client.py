@@ -113,6 +113,10 @@ class SimulatorClient:
         """Hold a wheel so that it does not turn, or let it go."""
         return self._ask(messages.BlockWheel(wheel=wheel, blocked=blocked)).now_us
 
+    def brake_wheel(self, wheel: Wheel, brake: float) -> int:
+        """Hold a wheel back by so many m/s² at its rim, as a hand does; 0 lets it go."""
+        return self._ask(messages.BrakeWheel(wheel=wheel, brake=brake)).now_us
+
     def solder(self, wiring: Wiring) -> int:
         """Solder motors and encoders so that `configure.wiring` must be this."""
         return self._ask(messages.Solder(wiring=int(wiring))).now_us

@@ -157,6 +157,11 @@ class Control:
     def _block_wheel(self, request: messages.BlockWheel) -> None:
         self._simulation.block_wheel(_WHEELS[request.wheel], is_blocked=request.blocked)
 
+    def _brake_wheel(self, request: messages.BrakeWheel) -> None:
+        if not (math.isfinite(request.brake) and request.brake >= 0.0):
+            raise ValueError(f"nothing holds a wheel back by {request.brake} m/s²")
+        self._simulation.brake_wheel(_WHEELS[request.wheel], request.brake)
+
     def _solder(self, request: messages.Solder) -> None:
         self._simulation.solder(Wiring(request.wiring))
 

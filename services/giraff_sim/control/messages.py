@@ -112,6 +112,14 @@ class BlockWheel(Request, frozen=True, kw_only=True, tag="block"):
     blocked: bool
 
 
+class BrakeWheel(Request, frozen=True, kw_only=True, tag="brake"):
+    """Hold a wheel back, as a hand does, or let it go."""
+
+    wheel: Wheel
+    brake: float
+    """m/s² at its rim, against its motion; 0 lets it go."""
+
+
 class Solder(Request, frozen=True, kw_only=True, tag="solder"):
     """Solder motors and encoders anew."""
 
@@ -159,6 +167,7 @@ AnyRequest = (
     | FailSonar
     | CutEncoder
     | BlockWheel
+    | BrakeWheel
     | Solder
     | Battery
     | Unplug

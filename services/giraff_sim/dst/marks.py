@@ -23,6 +23,7 @@ MARKS: Final = (
     "stop: the base board is in state command_timeout",
     "stop: emergency stop by the base board",
     "stop: emergency stop by keyboard",
+    "stop: not armed since the left wheel was held",
     "stop: the battery is empty",
     "answer: stopped",
     "answer: released",

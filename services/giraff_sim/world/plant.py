@@ -30,8 +30,11 @@ class Wheel:
         """m that the rim has truly turned so far, forward positive."""
         self.is_blocked = False
         """It does not turn, whatever the motor gets."""
+        self.brake = 0.0
+        """m/s² by which something holds it back, as a hand does."""
         self._lag = sim.motor_time_constant
         self._friction = sim.wheel_friction
+        self._drag = true.drag
         self._dead_zone = sim.dead_zone_counts
         self._speed_per_count = robot.max_wheel_speed / robot.max_level * true.strength * true.scale
         self._states_per_metre = robot.ticks_per_metre * STATES_PER_TICK / true.scale
@@ -72,9 +75,10 @@ class Wheel:
             aim = effective * self._speed_per_count + math.copysign(self._friction * self._lag, effective)
         pull = (aim - self.speed) / self._lag
         slide = self.speed or pull
-        if self.speed == 0.0 and abs(pull) <= self._friction:
+        held = self._friction + self._drag + self.brake
+        if self.speed == 0.0 and abs(pull) <= held:
             return
-        speed = self.speed + (pull - math.copysign(self._friction, slide)) * duration
+        speed = self.speed + (pull - math.copysign(held, slide)) * duration
         if self.speed * speed < 0.0:
             speed = 0.0  # friction stops a wheel, it does not turn it back
         self.travel += (self.speed + speed) / 2.0 * duration
@@ -103,7 +107,7 @@ class Plant:
         self._track_width = robot.track_width * truth.track_scale
         self._turn_grip = 1.0 - truth.turn_slip
         self._radius = robot.footprint_radius
-        self._nominal_volts = sim.battery_nominal_volts
+        self._nominal_volts = robot.battery_nominal
         self._sag_volts = sim.battery_sag_volts
         self._room = room
         self._touching = False

@@ -3,26 +3,49 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final
+from typing import Final, NamedTuple, Self
 
 from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
-from giraff_schemas.wire import DriveFrame
+from giraff_schemas.wire import DriveFrame, SpeedFrame
 from giraff_sim.dst.judging.ledger import Ledger, Passed
 from giraff_sim.dst.judging.sensors import looks_along
 
-_LEVELS_OFF: Final = 1.0  # by rounding
+_SPEED_OFF: Final = 2e-6  # m/s: a frame has whole micrometres a second
+
+
+class Asked(NamedTuple):
+    """What base asks of the wheels, m/s."""
+
+    left: float
+    right: float
+    off: float
+    """By rounding."""
+
+    @classmethod
+    def by(cls, frame: DriveFrame | SpeedFrame, robot: RobotConfig) -> Self:
+        """What a frame stands for."""
+        if isinstance(frame, SpeedFrame):
+            return cls(frame.left_um_s * 1e-6, frame.right_um_s * 1e-6, _SPEED_OFF)
+        speed_per_level = robot.max_wheel_speed / robot.max_level
+        return cls(frame.left_level * speed_per_level, frame.right_level * speed_per_level, speed_per_level)
+
+    def __str__(self) -> str:
+        return f"{self.left:+.3f}, {self.right:+.3f} m/s"
+
+    @property
+    def is_nothing(self) -> bool:
+        return self.left == self.right == 0.0
 
 
 class Twist:
-    """What a drive frame's levels stand for."""
+    """What the wheels' speeds stand for."""
 
-    def __init__(self, frame: DriveFrame, robot: RobotConfig) -> None:
-        speed_per_level = robot.max_wheel_speed / robot.max_level
-        self.linear = (frame.left_level + frame.right_level) / 2.0 * speed_per_level
-        self.angular = (frame.right_level - frame.left_level) * speed_per_level / robot.track_width
-        self.linear_off = speed_per_level * _LEVELS_OFF
-        self.angular_off = 2.0 * speed_per_level * _LEVELS_OFF / robot.track_width
+    def __init__(self, asked: Asked, robot: RobotConfig) -> None:
+        self.linear = (asked.left + asked.right) / 2.0
+        self.angular = (asked.right - asked.left) / robot.track_width
+        self.linear_off = asked.off
+        self.angular_off = 2.0 * asked.off / robot.track_width
         self.goes = abs(self.linear) > self.linear_off
 
     def is_within(self, linear: float, angular: float) -> bool:

@@ -7,7 +7,8 @@
 (d) none is sent, and no motor has power, under an engaged emergency stop, or while the disk does not say released;
 (e) none goes towards something that a sound sensor must have heard, and that is nearer than the stopping distance;
 (f) a robot that may move, and is asked to where it is free, moves;
-(g) no motor gets more than the largest level, what base has not asked for, or more speed than the ramp allows;
+(g) no motor gets more than the most that the robot file allows, or what base has not asked for, and no wheel more
+    speed than the ramp allows;
 (h) what a sensor that is deaf now has heard twice within the last 10 s is touched at 0.16 m/s at most.
 """
 
@@ -17,9 +18,9 @@ from typing import Any, Final, NamedTuple
 
 from giraff_schemas.messages import BaseState, EStopAnswer, EStopEngage, EStopReset, GuardedCommand, Lease
 from giraff_schemas.params import ParamAnswer, ParamSave
-from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame
+from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame, SpeedFrame
 from giraff_sim.dst.judging.contrary import Contrary
-from giraff_sim.dst.judging.explain import Explainer, Twist
+from giraff_sim.dst.judging.explain import Asked, Explainer, Twist
 from giraff_sim.dst.judging.freedom import Freedom
 from giraff_sim.dst.judging.latch import LatchWatch
 from giraff_sim.dst.judging.ledger import BASE, Ledger, Passed
@@ -55,7 +56,7 @@ class Judge(Ledger):
     def __init__(self, agenda: EventQueue, simulation: Simulation, settings: Settings, story: Story) -> None:
         super().__init__(agenda, Wishes(settings.joystick, simulation.world.truth.accelerometer_offset))
         self.violations: list[Violation] = []
-        self.stops = Stops(simulation)
+        self.stops = Stops(simulation, by_speed=settings.robot.asks_for_speeds)
         """The faults that must stop the robot now."""
         self._simulation = simulation
         self._world = simulation.world
@@ -69,9 +70,9 @@ class Judge(Ledger):
         self._obstacles = Obstacles(simulation.world, settings)
         self._pins = Pins(simulation, settings.robot, settings.base, _OUTLIVES_US)
         self._contrary = Contrary(simulation.world.plant)
-        self._driver = ""  # instance of the operator whom the newest frame with a level explains
+        self._driver = ""  # instance of the operator whom the newest frame that asks for motion explains
         self.freedom = Freedom(simulation.world, settings)
-        self._level_us = 0  # when base last sent a level to the board as it is now
+        self._asked_us = 0  # when base last asked the board as it is now for motion
         # What disarmed last, and whose held neutral has been found since.
         self._disarmed_us, self._disarmed_by = 0, "base has just started"
         self._armed_for = ""
@@ -108,6 +109,7 @@ class Judge(Ledger):
         self._look_at_latch(disk, now_us)
         self._obstacles.note(now_us)
         self.freedom.note(now_us)
+        self._pins.note(now_us)
         self._look_at_contacts(now_us)
         against = self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us)
         if self._simulation.peak_counts == 0:
@@ -121,8 +123,10 @@ class Judge(Ledger):
             self._violated("c", against)
         if overdue := self.stops.overdue(now_us):
             self._violated("a", overdue)
-        if now_us - self._level_us > _OUTLIVES_US:
-            self._violated("b", f"power {(now_us - self._level_us) / 1e6:.3f} s after the last frame with a level")
+        if now_us - self._asked_us > _OUTLIVES_US:
+            self._violated(
+                "b", f"power {(now_us - self._asked_us) / 1e6:.3f} s after the last frame that asked for any"
+            )
         if wrong := self._latch.power(now_us):
             self._violated("d", wrong)
         if self._engaged_us is not None and now_us - self._engaged_us > ROBOT_US:
@@ -136,7 +140,7 @@ class Judge(Ledger):
         super().on_reset(kind)
         if kind is BoardKind.BASE:
             self._disarmed("the base board was reset")
-            self._level_us = self._agenda.now_us - _OUTLIVES_US
+            self._asked_us = self._agenda.now_us - _OUTLIVES_US
 
     def opened(self, process: Process, kind: BoardKind) -> None:
         if kind is BoardKind.BASE:
@@ -202,20 +206,21 @@ class Judge(Ledger):
             self._story.log(f"stops: {state.reason or 'the operator wishes so'}")
             self._story.count(f"stop: {kind_of(state.reason) or 'the operator wishes so'}")
 
-    def on_drive(self, base: Process, frame: DriveFrame) -> None:
+    def on_drive(self, base: Process, frame: DriveFrame | SpeedFrame) -> None:
         now_us = self._agenda.now_us
-        self._pins.asked(frame, now_us)
-        if not (frame.left_level or frame.right_level):
+        asked = Asked.by(frame, self._settings.robot)
+        self._pins.asked(asked, now_us)
+        if asked.is_nothing:
             return
         if self._engaged_us is not None:
-            self._violated("d", f"{base.instance} sends {frame.left_level}, {frame.right_level} while stopped")
+            self._violated("d", f"{base.instance} asks for {asked} while stopped")
         if not self.is_of_this_boot(BoardKind.BASE, frame.boot_id):
             return  # base does not know of the board's reset yet, and no motor may have power by this
-        self._level_us = now_us
-        twist = Twist(frame, self._settings.robot)
+        self._asked_us = now_us
+        twist = Twist(asked, self._settings.robot)
         wrong, passed = self._explainer.why_not(twist, self.heard_by_base(base), now_us)
         if passed is None:
-            self._violated(wrong[0], f"{frame.left_level}, {frame.right_level} at the board: {wrong[3:]}")
+            self._violated(wrong[0], f"{asked} at the board: {wrong[3:]}")
         else:
             self._driver = passed.command.operator
             self._expect_armed(passed.command.operator, twist)

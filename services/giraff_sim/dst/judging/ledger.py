@@ -18,7 +18,7 @@ from giraff_schemas.messages import (
     Lease,
     Range,
 )
-from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, TiltFrame, WheelsFrame
+from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, SpeedFrame, TiltFrame, WheelsFrame
 from giraff_sim.dst.judging.wishes import Wishes
 from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Observer, Process
@@ -181,7 +181,7 @@ class Ledger(Observer):
                 self.on_reset_asked(sample)
 
     def wrote(self, process: Process, frame: Frame) -> None:
-        if isinstance(frame, DriveFrame):
+        if isinstance(frame, DriveFrame | SpeedFrame):
             self.on_drive(process, frame)
 
     def passed(self, command: GuardedCommand) -> Passed:
@@ -212,7 +212,7 @@ class Ledger(Observer):
     def on_reset_asked(self, asked: EStopReset) -> None:
         """Base is asked to release."""
 
-    def on_drive(self, base: Process, frame: DriveFrame) -> None:
+    def on_drive(self, base: Process, frame: DriveFrame | SpeedFrame) -> None:
         """Base sends a drive frame."""
 
     def _on_given(self, process: Process, sample: DriveCommand) -> None:

@@ -2,60 +2,92 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
-from giraff_schemas.wire import BoardKind, DriveFrame
+from giraff_schemas.wire import PWM_OVER_BLIND_PERCENT, PWM_OVER_PERCENT, BoardKind
+from giraff_sim.dst.judging.explain import Asked
 from giraff_sim.simulation import Simulation
 
 _WINDOW_US: Final = 100_000  # over which a ramp is measured
 _STEPS_US: Final = 12_000  # of the simulation and of the board's reports, at both ends of it
 _ROUNDING: Final = 2.5  # PWM counts: of two levels, and of the drive's mean over a step
+DRIVE_AND_TURN: Final = "drive", "turn"
+_OVERSHOOT: Final = 0.06  # m/s: a tenth of the largest speed
 
 
 class Pins:
-    """Asked after each step while a motor has power. Counts are PWM counts of 255."""
+    """Asked after each step. Counts are PWM counts of 255."""
 
     def __init__(self, simulation: Simulation, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> None:
         """`outlives_us`: for so long a frame may have effect."""
         self._simulation = simulation
-        self._max_level = robot.max_level
-        counts_per_speed = robot.max_level / robot.max_wheel_speed
-        self._rises = Rises(
-            config.linear_acceleration * counts_per_speed,
-            config.angular_acceleration * robot.track_width / 2.0 * counts_per_speed,
-        )
+        self._robot = robot
+        self._by_speed = robot.asks_for_speeds
+        self._most_counts = robot.speed_control.max_pwm if self._by_speed else robot.max_level
+        self._counts_per_speed = robot.max_level / robot.max_wheel_speed
+        turn = config.angular_acceleration * robot.track_width / 2.0
+        self._speeds_up = (config.linear_acceleration + turn) * robot.speed_control.motor_time
+        if self._by_speed:
+            # By wheels: where something holds one, the robot turns, and none has risen.
+            wheel = config.linear_acceleration + turn
+            self._rises = Rises(wheel, wheel, _OVERSHOOT, "m/s", names=("the left wheel", "the right wheel"))
+        else:
+            per_speed = self._counts_per_speed
+            self._rises = Rises(config.linear_acceleration * per_speed, turn * per_speed, _ROUNDING, "counts")
+        self._rises_wrongly = ""
         self._outlives_us = outlives_us
-        self._asked: deque[tuple[int, int, int]] = deque()  # when, left, right
+        self._asked: deque[tuple[int, Asked]] = deque()  # with their times
 
-    def asked(self, frame: DriveFrame, now_us: int) -> None:
-        """Base has sent a drive frame."""
-        self._asked.append((now_us, frame.left_level, frame.right_level))
+    def asked(self, asked: Asked, now_us: int) -> None:
+        """Base has asked the board for this."""
+        self._asked.append((now_us, asked))
+
+    def note(self, now_us: int) -> None:
+        """Remember how the wheels turn, also without power."""
+        if self._by_speed:
+            plant = self._simulation.world.plant
+            self._rises_wrongly = self._rises.look(plant.left.speed, plant.right.speed, now_us)
 
     def look(self, now_us: int) -> str:
-        """What is wrong with the drive of this step; empty when nothing is."""
+        """What is wrong with the drive of this step, in which a motor has power; empty when nothing is."""
         motors = self._simulation.boards[BoardKind.BASE].model.motor
         left, right = float(motors[0].drive), float(motors[1].drive)
-        return self._too_much() or self._unasked(left, right, now_us) or self._rises.look(left, right, now_us)
+        if not self._by_speed:
+            self._rises_wrongly = self._rises.look(left, right, now_us)
+        return self._too_much() or self._unasked(left, right, now_us) or self._rises_wrongly
 
     def _too_much(self) -> str:
-        peak = self._simulation.peak_counts
-        return f"{peak} counts at a motor, where {self._max_level} is the most" if peak > self._max_level else ""
+        peak, most = self._simulation.peak_counts, self._most_counts
+        return f"{peak} counts at a motor, where {most} is the most" if peak > most else ""
 
     def _unasked(self, left: float, right: float, now_us: int) -> str:
         asked = self._asked
         while asked and now_us - asked[0][0] > self._outlives_us:
             asked.popleft()
-        for name, given, levels in (
-            ("left", left, [level for _, level, _ in asked]),
-            ("right", right, [level for _, _, level in asked]),
+        for name, given, speeds in (
+            ("left", left, [each.left for _, each in asked]),
+            ("right", right, [each.right for _, each in asked]),
         ):
             # From 0 on: a motor that stops within a step has had less in the mean.
-            if not min((0, *levels)) - _ROUNDING <= given <= max((0, *levels)) + _ROUNDING:
+            counts = (0.0, *map(self._counts_for, speeds))
+            if not min(counts) - _ROUNDING <= given <= max(counts) + _ROUNDING:
                 return f"{given:+.0f} counts at the {name} motor, for which base has not asked"
         return ""
+
+    def _counts_for(self, speed: float) -> float:
+        """What a speed is worth; of a wheel that is to hold it, the most that it may take."""
+        if not self._by_speed or speed == 0.0:
+            return speed * self._counts_per_speed
+        plant, robot = self._simulation.world.plant, self._robot
+        over = PWM_OVER_PERCENT if robot.battery_volts_per_count else PWM_OVER_BLIND_PERCENT
+        counts = (abs(speed) + self._speeds_up) * self._counts_per_speed
+        if robot.battery_volts_per_count:
+            counts *= robot.battery_nominal / plant.volts
+        return math.copysign((counts + robot.speed_control.dead_pwm) * (1.0 + over / 100.0), speed)
 
 
 class _Given(NamedTuple):
@@ -65,22 +97,31 @@ class _Given(NamedTuple):
     is_whole: bool
     """Not of a step in which a motor reverses: it is off for a moment then, and nothing rises from there."""
 
-    @property
-    def parts(self) -> tuple[float, float]:
-        """Driving and turning: mean and half difference."""
+    def parts(self, names: tuple[str, str]) -> tuple[float, float]:
+        """Driving and turning, which are mean and half difference; else the wheels."""
+        if names != DRIVE_AND_TURN:
+            return self.left, self.right
         return (self.left + self.right) / 2.0, (self.right - self.left) / 2.0
 
 
 class Rises:
-    """How fast driving and turning rise at the motors."""
+    """How fast driving and turning rise, or both wheels."""
 
-    def __init__(self, drive: float, turn: float) -> None:
-        """Both in counts a second, at the most."""
-        self._most = drive, turn
+    def __init__(
+        self,
+        first: float,
+        second: float,
+        off: float = _ROUNDING,
+        unit: str = "counts",
+        names: tuple[str, str] = DRIVE_AND_TURN,
+    ) -> None:
+        """What both may rise by in a second, in the unit; `off`, in the unit, does not count."""
+        self._most = first, second
+        self._off, self._unit, self._names = off, unit, names
         self._given: deque[_Given] = deque()
 
     def look(self, left: float, right: float, now_us: int) -> str:
-        """What rises too fast, of these counts at the motors. Asked after each step while one of them has power."""
+        """What rises too fast, of what the motors get or the wheels do. Asked after each step in which they do."""
         given = self._given
         if given and now_us - given[-1].at_us > _STEPS_US:
             given.clear()  # without power in between: from rest
@@ -94,8 +135,9 @@ class Rises:
         if now_us - given[0].at_us < _WINDOW_US - _STEPS_US:
             start = _Given(now_us - _WINDOW_US, 0.0, 0.0, is_whole=True)
         seconds = (now_us - start.at_us + _STEPS_US) * 1e-6
-        for name, now, then, most in zip(("drive", "turn"), given[-1].parts, start.parts, self._most, strict=True):
+        names = self._names
+        for name, now, then, most in zip(names, given[-1].parts(names), start.parts(names), self._most, strict=True):
             begin = abs(then) if now * then > 0.0 else 0.0
-            if abs(now) > begin + most * seconds + _ROUNDING:
-                return f"{name} rises from {begin:.0f} to {abs(now):.0f} counts within {_WINDOW_US / 1e6:g} s"
+            if abs(now) > begin + most * seconds + self._off:
+                return f"{name} rises from {begin:.4g} to {abs(now):.4g} {self._unit} within {_WINDOW_US / 1e6:g} s"
         return ""

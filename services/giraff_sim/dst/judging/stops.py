@@ -17,6 +17,7 @@ TWO_US: Final = 550_000
 
 _STEPS_US: Final = 8_000  # of the simulation, at both ends
 _CREEPING_COUNTS: Final = 4  # of both motors: less is what rounding leaves of a turn in place
+_CREEPING: Final = 0.02  # m/s
 
 Way = Literal["any", "travel", "forward", "backward"]
 
@@ -36,8 +37,10 @@ class Stop(NamedTuple):
 class Stops:
     """Those in force, and whether one is overdue."""
 
-    def __init__(self, simulation: Simulation) -> None:
+    def __init__(self, simulation: Simulation, *, by_speed: bool = False) -> None:
+        """`by_speed`: the board holds speeds, and gives unlike motors unlike power to turn in place."""
         self._simulation = simulation
+        self._by_speed = by_speed
         self._stops: list[Stop] = []
         self._changed_us = -TWO_US  # when one that applied ended
 
@@ -86,6 +89,9 @@ class Stops:
             return True
         motors = self._simulation.boards[BoardKind.BASE].model.motor
         counts = motors[0].drive + motors[1].drive
+        speed = self._simulation.world.plant.speed
+        if self._by_speed and not (abs(speed) > _CREEPING and counts * speed > 0.0):
+            return False  # no power keeps the middle going: it turns, or what it had is slowed down
         if way == "forward":
             return bool(counts > _CREEPING_COUNTS)
         if way == "backward":
