@@ -15,7 +15,6 @@ from giraff_sim.simulation import Simulation
 _WINDOW_US: Final = 100_000  # over which a ramp is measured
 _STEPS_US: Final = 12_000  # of the simulation and of the board's reports, at both ends of it
 _ROUNDING: Final = 2.5  # PWM counts: of two levels, and of the drive's mean over a step
-DRIVE_AND_TURN: Final = "drive", "turn"
 _OVERSHOOT: Final = 0.06  # m/s: a tenth of the largest speed
 
 
@@ -34,7 +33,7 @@ class Pins:
         if self._by_speed:
             # By wheels: where something holds one, the robot turns, and none has risen.
             wheel = config.linear_acceleration + turn
-            self._rises = Rises(wheel, wheel, _OVERSHOOT, "m/s", names=("the left wheel", "the right wheel"))
+            self._rises = Rises(wheel, wheel, _OVERSHOOT, "m/s", by_wheel=True)
         else:
             per_speed = self._counts_per_speed
             self._rises = Rises(config.linear_acceleration * per_speed, turn * per_speed, _ROUNDING, "counts")
@@ -97,12 +96,6 @@ class _Given(NamedTuple):
     is_whole: bool
     """Not of a step in which a motor reverses: it is off for a moment then, and nothing rises from there."""
 
-    def parts(self, names: tuple[str, str]) -> tuple[float, float]:
-        """Driving and turning, which are mean and half difference; else the wheels."""
-        if names != DRIVE_AND_TURN:
-            return self.left, self.right
-        return (self.left + self.right) / 2.0, (self.right - self.left) / 2.0
-
 
 class Rises:
     """How fast driving and turning rise, or both wheels."""
@@ -113,11 +106,13 @@ class Rises:
         second: float,
         off: float = _ROUNDING,
         unit: str = "counts",
-        names: tuple[str, str] = DRIVE_AND_TURN,
+        *,
+        by_wheel: bool = False,
     ) -> None:
         """What both may rise by in a second, in the unit; `off`, in the unit, does not count."""
         self._most = first, second
-        self._off, self._unit, self._names = off, unit, names
+        self._off, self._unit = off, unit
+        self._by_wheel = by_wheel
         self._given: deque[_Given] = deque()
 
     def look(self, left: float, right: float, now_us: int) -> str:
@@ -135,9 +130,15 @@ class Rises:
         if now_us - given[0].at_us < _WINDOW_US - _STEPS_US:
             start = _Given(now_us - _WINDOW_US, 0.0, 0.0, is_whole=True)
         seconds = (now_us - start.at_us + _STEPS_US) * 1e-6
-        names = self._names
-        for name, now, then, most in zip(names, given[-1].parts(names), start.parts(names), self._most, strict=True):
+        names = ("the left wheel", "the right wheel") if self._by_wheel else ("drive", "turn")
+        for name, now, then, most in zip(names, self._parts(given[-1]), self._parts(start), self._most, strict=True):
             begin = abs(then) if now * then > 0.0 else 0.0
             if abs(now) > begin + most * seconds + self._off:
                 return f"{name} rises from {begin:.4g} to {abs(now):.4g} {self._unit} within {_WINDOW_US / 1e6:g} s"
         return ""
+
+    def _parts(self, given: _Given) -> tuple[float, float]:
+        """The wheels; else driving and turning, which are mean and half difference."""
+        if self._by_wheel:
+            return given.left, given.right
+        return (given.left + given.right) / 2.0, (given.right - given.left) / 2.0
