@@ -60,6 +60,16 @@ def take(shown: Screen, key: bytes = b"c") -> None:
         time.sleep(1.0)
 
 
+def ask_to_release(shown: Screen, question: str) -> None:
+    """Press r until it is asked back; again where a busy machine had not heard of the stop just then."""
+    shown.forget()
+    deadline = time.monotonic() + PATIENCE
+    while question not in shown.read():
+        assert time.monotonic() < deadline, f"{question!r} is not shown: {shown.text[-2000:]}"
+        shown.type(b"r")
+        time.sleep(1.0)
+
+
 def drive_by(robot: ProcessRobot, shown: Screen, key: bytes) -> None:
     """Hold a key until the wheels turn; where that does not do, let go, take the robot, and press again."""
     deadline = time.monotonic() + PATIENCE
