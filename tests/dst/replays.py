@@ -74,4 +74,4 @@ def hold_in_the_serial_line(held: float) -> None:
     )
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0]
-    assert verdicts[0].refused > 20, "no queued frame reached the board"
+    assert verdicts[0].refused > 100, "the queued frames were not refused for their age"
