@@ -165,8 +165,8 @@ static void obey(const struct command *asked, uint32_t boot_id, uint32_t now_ms)
     ATOMICALLY {        /* the interrupt may stop the motors up to here, and is looked at here */
         if (state == DRIVE_LATCHED) {
             refusal = REFUSAL_LATCHED;
-        } else if (state == DRIVE_HELD && now_ms - asked->board_ms >= held_age_ms) {
-            refusal = REFUSAL_AWAITING_ZERO;    /* of a host that cannot know yet */
+        } else if (state == DRIVE_HELD && now_ms - asked->board_ms + 1 >= held_age_ms) {
+            refusal = REFUSAL_AWAITING_ZERO;    /* of a host that cannot know yet; now_ms may be of a moment ago */
         } else if (!opens && state != DRIVE_ACTIVE) {
             refusal = REFUSAL_AWAITING_ZERO;
         } else {
@@ -208,6 +208,13 @@ void drive_on_speeds(const struct speed *asked, uint32_t boot_id, uint32_t now_m
     obey(&command, boot_id, now_ms);
 }
 
+/* Who releases has looked at what held a wheel. */
+static void forget_held(void)
+{
+    for (uint8_t i = 0; i < HELD_TIMES - 1; i++)
+        held_ago[i] = 0;
+}
+
 void drive_on_estop(const struct estop *asked, uint32_t boot_id, uint32_t now_ms)
 {
     enum refusal refusal = REFUSAL_NONE;
@@ -220,6 +227,7 @@ void drive_on_estop(const struct estop *asked, uint32_t boot_id, uint32_t now_ms
             if (refusal == REFUSAL_NONE && state == DRIVE_LATCHED) {
                 latch_release();
                 stop(DRIVE_AWAITING_ZERO);
+                forget_held();
             }
         }
     }

@@ -82,7 +82,7 @@ bool speed_configure(struct speed_settings *settings, const struct configure *as
         uint32_t most_q23 = made.forward_q23 * 2 + 1;       /* with a battery at its lowest */
         if ((uint64_t)most_q23 * asked->speed_max_um_s > UINT32_MAX)
             return false;
-        made.forward_max_um_s = (int32_t)(UINT32_MAX / most_q23 / 2);
+        made.forward_max_um_s = (int32_t)(UINT32_MAX / most_q23);
     }
     *settings = made;
     return true;
@@ -197,7 +197,7 @@ static void find_room(
     room->most_q8 = clamped((int32_t)(full_q8 * most_of_q8 / 256), dead_q8, settings->pwm_max * 256l);
     int32_t forward_q8 = (int32_t)feed_forward_q8(settings, forward_q23, room->target + lead);
     room->forward_q8 = clamped(forward_q8, dead_q8, room->most_q8);
-    /* One that turns against what is set coasts first: its loop would only gather what it has to give back. */
+    /* One that turns against what is set gets its feed-forward: a loop would only gather what it has to give back. */
     room->is_closed = room->direction && !wheel->speedometer.is_overdue && room->speed >= 0;
 }
 

@@ -36,8 +36,8 @@ enum drive_state {
     DRIVE_AWAITING_ZERO = 2,    /* configured; waits for a first zero drive frame */
     DRIVE_COMMAND_TIMEOUT = 3,  /* no accepted drive frame for COMMAND_TIMEOUT_MS; waits for a zero one */
     DRIVE_LATCHED = 4,          /* `latch` says why; waits for a release, then for a zero drive frame */
-    DRIVE_HELD = 5              /* something held the wheel that `speed_flags` names; waits for a zero speed frame whose
-                                 * host knows */
+    DRIVE_HELD = 5              /* something held the wheel that `speed_flags` names; waits for a zero speed frame of a
+                                 * host that has been told */
 };
 
 /* Bits of wheels.speed_flags: how the speed control gets on. */

@@ -39,7 +39,7 @@ def held(report: WheelsFrame) -> str:
     sides = ((SpeedFlag.LEFT_HELD, "left"), (SpeedFlag.RIGHT_HELD, "right"))
     names = [side for flag, side in sides if report.speed_flags & flag]
     which = f"the {names[0]} wheel was" if len(names) == 1 else "both wheels were" if names else "a wheel was"
-    return f"{which} held: clear the way"
+    return f"{which} held: clear the way, or check its encoder, motor and battery"
 
 
 def limit(report: WheelsFrame) -> str:

@@ -242,6 +242,23 @@ def test_held_three_times_within_a_minute_is_latched_and_kept(robot: SpeedBench)
     assert (robot.wheels().last_refusal, robot.model.motor[0].drive_peak) == (Refusal.LATCHED, 0)
 
 
+def test_a_release_begins_to_count_anew(robot: SpeedBench) -> None:
+    robot.begin()
+    causes = []
+    for _ in range(2 * HELD_TIMES):
+        robot.go(0.3, 0.3, 900)
+        hold(robot, "left")
+        held_ms(robot, 0.3, 0.3)
+        robot.hands = [None, None]
+        robot.run(20)
+        causes.append(Latch(robot.wheels().latch))
+        if causes[-1] != Latch.NONE:
+            robot.send(robot.estop_frame(engage=0))
+            robot.run(20)
+        robot.go(0.0, 0.0, 400)
+    assert causes == [Latch.NONE, Latch.NONE, Latch.LEFT_STUCK] * 2
+
+
 @pytest.mark.parametrize(
     ("spread_ms", "latch"), [(HELD_WITHIN_MS - 500, Latch.LEFT_STUCK), (HELD_WITHIN_MS + 500, Latch.NONE)]
 )

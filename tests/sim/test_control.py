@@ -36,6 +36,14 @@ def control(simulation: Simulation) -> Control:
     return Control(simulation, {}, WallPacer(), make_hand)
 
 
+def test_a_wheel_is_held_back_and_let_go(control: Control, simulation: Simulation) -> None:
+    assert ask(control, op="brake", wheel="right", brake=2.5).ok
+    assert (simulation.world.plant.left.brake, simulation.world.plant.right.brake) == (0.0, 2.5)
+    assert ask(control, op="brake", wheel="right", brake=0.0).ok
+    assert simulation.world.plant.right.brake == 0.0
+    assert ask(control, op="brake", wheel="left", brake=-1.0).error
+
+
 def ask(control: Control, **request: Any) -> messages.Reply:
     return control.answer(json.dumps(request).encode())
 

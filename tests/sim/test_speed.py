@@ -252,3 +252,14 @@ def test_the_curve_stays_at_the_limit_of_the_weaker_motor() -> None:
         assert line.wheels.speed_flags == 0
         assert line.plant.left.speed == pytest.approx(0.55, rel=0.03)
         assert line.plant.right.speed == pytest.approx(0.44, rel=0.03)
+
+
+@pytest.mark.parametrize("level", [130, 200])
+def test_motors_that_take_most_of_the_pwm_reach_their_speed(level: int) -> None:
+    strong = msgspec.structs.replace(
+        KNOWN, max_level=level, speed_control=msgspec.structs.replace(KNOWN.speed_control, max_pwm=255, stall_pwm=100)
+    )
+    with driver(robot=strong) as line:
+        line.towards(0.6, 0.6, 3.0)
+        assert line.wheels.speed_flags == 0
+        assert line.plant.left.speed == pytest.approx(0.6, rel=0.01)

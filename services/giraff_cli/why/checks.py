@@ -184,7 +184,7 @@ def wheels(chain: ChainState) -> Link:
         return Link(name="wheels", standing="STOPS", text="base tells nothing of them; restart giraff_base")
     state = heard.sample
     speeds = f"{state.left_velocity:z.2f} and {state.right_velocity:z.2f} m/s"
-    return link_from("wheels", "ok", heard, f"{speeds} at levels {state.left_pwm_counts} and {state.right_pwm_counts}")
+    return link_from("wheels", "ok", heard, f"{speeds} at PWM {state.left_pwm_counts} and {state.right_pwm_counts}")
 
 
 def _judged(way: str, verdict: Verdict) -> str:

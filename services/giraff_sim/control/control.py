@@ -39,6 +39,7 @@ class Control:
         self._make_hand = make_hand
         self._decoder = msgspec.json.Decoder(messages.AnyRequest)
         self._actions: dict[type[messages.Request], Callable[[Any], messages.Reply | None]] = {
+            messages.Now: lambda _request: None,
             messages.GetState: self._state,
             messages.GetTruth: self._truth,
             messages.GetRecord: self._record,
@@ -52,6 +53,7 @@ class Control:
             messages.FailSonar: self._fail_sonar,
             messages.CutEncoder: self._cut_encoder,
             messages.BlockWheel: self._block_wheel,
+            messages.BrakeWheel: self._brake_wheel,
             messages.Solder: self._solder,
             messages.Battery: self._battery,
             messages.Unplug: self._unplug,
@@ -63,8 +65,7 @@ class Control:
         """The reply to one line."""
         try:
             request = self._decoder.decode(line)
-            action = self._actions.get(type(request))
-            reply = None if action is None else action(request)
+            reply = self._actions[type(request)](request)
         except msgspec.DecodeError as error:
             return messages.Reply(ok=False, error=f"not a request: {error}")
         except (ValueError, RoomError, ScriptError) as error:

@@ -13,11 +13,17 @@ from tests.unit.base.rig import BY_SPEED, CONFIG, ROBOT, Rig, moving
 
 FULL_UM_S = 600_000
 HELD = [
-    (SpeedFlag.LEFT_HELD, "the left wheel was held: clear the way"),
-    (SpeedFlag.RIGHT_HELD, "the right wheel was held: clear the way"),
-    (SpeedFlag.LEFT_HELD | SpeedFlag.RIGHT_HELD, "both wheels were held: clear the way"),
-    (SpeedFlag(0), "a wheel was held: clear the way"),
-    (SpeedFlag.LEFT_HELD | SpeedFlag.AT_LIMIT, "the left wheel was held: clear the way"),
+    (SpeedFlag.LEFT_HELD, "the left wheel was held: clear the way, or check its encoder, motor and battery"),
+    (SpeedFlag.RIGHT_HELD, "the right wheel was held: clear the way, or check its encoder, motor and battery"),
+    (
+        SpeedFlag.LEFT_HELD | SpeedFlag.RIGHT_HELD,
+        "both wheels were held: clear the way, or check its encoder, motor and battery",
+    ),
+    (SpeedFlag(0), "a wheel was held: clear the way, or check its encoder, motor and battery"),
+    (
+        SpeedFlag.LEFT_HELD | SpeedFlag.AT_LIMIT,
+        "the left wheel was held: clear the way, or check its encoder, motor and battery",
+    ),
 ]
 
 

@@ -29,7 +29,10 @@ from tests.unit.cli.samples import (
 
 NOW = 10_000 * MS
 HAND = "hand"
-HELD = "not armed since the left wheel was held: clear the way; hold the hand level for 0.2 s"
+HELD = (
+    "not armed since the left wheel was held: clear the way, or check its encoder, motor and battery; "
+    "hold the hand level for 0.2 s"
+)
 SERVICES: tuple[str, ...] = ("joystick", "guard", "base", "ranger", "odometry")
 
 Sent = tuple[Topic[Any], str, Any, str]
