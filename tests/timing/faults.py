@@ -41,7 +41,7 @@ class Fault:
     """Answers with the simulated us of the fault where it knows it better than the caller."""
     end: Callable[[ProcessRobot], object] = lambda _robot: None
     latches: bool = False
-    """It engages the emergency stop, which is reset once all is mended."""
+    """It engages the emergency stop, or may, as a wheel does that is held a third time; reset once all is mended."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,6 +178,7 @@ def encoder_cut(wheel: Wheel) -> Fault:
         f"{wheel} encoder cut",
         lambda robot: robot.simulator.cut_encoder(wheel, cut=True),
         lambda robot: robot.simulator.cut_encoder(wheel, cut=False),
+        latches=True,
     )
 
 
@@ -186,6 +187,7 @@ def wheel_blocked(wheel: Wheel) -> Fault:
         f"{wheel} wheel blocked",
         lambda robot: robot.simulator.block_wheel(wheel, blocked=True),
         lambda robot: robot.simulator.block_wheel(wheel, blocked=False),
+        latches=True,
     )
 
 
@@ -194,6 +196,7 @@ def wheel_held_back(wheel: Wheel) -> Fault:
         f"{wheel} wheel held back",
         lambda robot: robot.simulator.brake_wheel(wheel, HAND),
         lambda robot: robot.simulator.brake_wheel(wheel, 0.0),
+        latches=True,
     )
 
 
