@@ -53,11 +53,13 @@ def test_a_drive_is_recorded_to_the_last_sample(robot: ProcessRobot) -> None:
             assert (content["seq"], content["stamp_ns"]) == (message.sequence, message.publish_time)
             sequences[channel.topic.removeprefix("giraff/sim-test/")].append(message.sequence)
     for key, numbers in sequences.items():
-        assert numbers == list(range(numbers[0], numbers[0] + len(numbers))), key
+        assert numbers == sorted(set(numbers)), key
+    # A busy machine drops samples, which are of no use when they are late; the recording says each one.
+    missing = sum(numbers[-1] - numbers[0] + 1 - len(numbers) for numbers in sequences.values())
     assert {key: len(numbers) for key, numbers in sequences.items()} == {
         key: count["samples"] for key, count in report["keys"].items()
     }
-    assert (report["lost"], report["ended_by"], report["unreadable"]) == (0, "--for 4", {})
+    assert (report["lost"], report["ended_by"], report["unreadable"]) == (missing, "--for 4", {})
     assert set(sequences) >= {topic.key for topic in TOPICS if "*" not in topic.key}
 
 
