@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from random import Random
 from typing import Final
 
@@ -14,6 +15,7 @@ from giraff_sim.dst.hands import Fingers
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.dst.people import typist
 from giraff_sim.record import Verdict
+from giraff_sim.simulation import Simulation
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
 from tests.support.floods import Stranger
@@ -283,36 +285,27 @@ def fail_tilt_sensor(fault: Bno055Fault) -> Begin:
 
 def cut_encoder(wheel: int) -> Begin:
     """Cut the wires of an encoder."""
-
-    def course(drill: Drill, chance: Random) -> Course:
-        del chance
-        drill.loop.simulation.cut_encoder(wheel, is_cut=True)
-        yield f"encoder {wheel} is cut"
-        drill.loop.simulation.cut_encoder(wheel, is_cut=False)
-
-    return course
+    return _on_a_wheel(f"encoder {wheel} is cut", lambda robot, cut: robot.cut_encoder(wheel, is_cut=cut))
 
 
 def block_wheel(wheel: int) -> Begin:
     """Hold a wheel so that it does not turn."""
-
-    def course(drill: Drill, chance: Random) -> Course:
-        del chance
-        drill.loop.simulation.block_wheel(wheel, is_blocked=True)
-        yield f"wheel {wheel} is blocked"
-        drill.loop.simulation.block_wheel(wheel, is_blocked=False)
-
-    return course
+    return _on_a_wheel(f"wheel {wheel} is blocked", lambda robot, held: robot.block_wheel(wheel, is_blocked=held))
 
 
 def brake_wheel(wheel: int, brake: float) -> Begin:
     """Hold a wheel back by so many m/s², as a hand does."""
+    return _on_a_wheel(f"wheel {wheel} is held back", lambda robot, held: robot.brake_wheel(wheel, brake * held))
+
+
+def _on_a_wheel(told: str, do: Callable[[Simulation, bool], None]) -> Begin:
+    """Have `do` begin something, and end it: True, then False."""
 
     def course(drill: Drill, chance: Random) -> Course:
         del chance
-        drill.loop.simulation.brake_wheel(wheel, brake)
-        yield f"wheel {wheel} is held back"
-        drill.loop.simulation.brake_wheel(wheel, 0.0)
+        do(drill.loop.simulation, True)
+        yield told
+        do(drill.loop.simulation, False)
 
     return course
 

@@ -9,11 +9,22 @@ import msgspec
 
 from giraff_core.wheel_control import by_levels
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.wire import ConfigureFrame, DriveFrame, EstopFrame, Frame, SpeedFrame, WheelsFrame, Wiring
+from giraff_schemas.wire import (
+    ECHO_MAX_AGE_MS,
+    ConfigureFrame,
+    DriveFrame,
+    EstopFrame,
+    Frame,
+    Refusal,
+    SpeedFrame,
+    WheelsFrame,
+    Wiring,
+)
 from giraff_sim.board import Board
 from tests.support.robots import ROBOT
 
 FrameT = TypeVar("FrameT", bound=Frame)
+CommandT = TypeVar("CommandT", DriveFrame, SpeedFrame)
 
 
 class Bench:
@@ -209,3 +220,17 @@ class SpeedBench(BaseBench):
         self.go(0.0, 0.0)
         if left or right:
             self.go(left, right, milliseconds)
+
+
+def out_of_place(good: CommandT, arrival: int) -> list[tuple[str, CommandT, Refusal]]:
+    """Ways in which a frame that drives can be of another boot, time or place in the row. `arrival`: of `good`, ms."""
+    return [
+        ("another boot", msgspec.structs.replace(good, boot_id=good.boot_id + 1), Refusal.BOOT_ID),
+        ("no boot", msgspec.structs.replace(good, boot_id=0), Refusal.BOOT_ID),
+        ("too old", msgspec.structs.replace(good, board_ms=arrival - ECHO_MAX_AGE_MS - 1), Refusal.STALE),
+        ("far too old", msgspec.structs.replace(good, board_ms=(arrival - (1 << 31)) & 0xFFFFFFFF), Refusal.STALE),
+        ("from the future", msgspec.structs.replace(good, board_ms=arrival + 1), Refusal.STALE),
+        ("the last one again", msgspec.structs.replace(good, seq=good.seq - 1), Refusal.SEQUENCE),
+        ("an earlier one", msgspec.structs.replace(good, seq=good.seq - 2), Refusal.SEQUENCE),
+        ("half the numbers ahead", msgspec.structs.replace(good, seq=good.seq - 1 + 0x8000), Refusal.SEQUENCE),
+    ]

@@ -13,7 +13,7 @@ from giraff_schemas.wire import (
     Refusal,
     Wiring,
 )
-from tests.firmware.bench import BaseBench
+from tests.firmware.bench import BaseBench, out_of_place
 
 TELEMETRY_MS = 15  # within which telemetry tells of what has happened
 FRAME_MS = 2  # within which a drive frame has come over the line
@@ -93,14 +93,7 @@ def refusals(base: BaseBench) -> list[tuple[str, DriveFrame, Refusal]]:
     arrival = board_ms_on_arrival(base)
     good = base.drive_frame(50, 50, board_ms=arrival)
     return [
-        ("another boot", msgspec.structs.replace(good, boot_id=good.boot_id + 1), Refusal.BOOT_ID),
-        ("no boot", msgspec.structs.replace(good, boot_id=0), Refusal.BOOT_ID),
-        ("too old", msgspec.structs.replace(good, board_ms=arrival - ECHO_MAX_AGE_MS - 1), Refusal.STALE),
-        ("far too old", msgspec.structs.replace(good, board_ms=(arrival - (1 << 31)) & 0xFFFFFFFF), Refusal.STALE),
-        ("from the future", msgspec.structs.replace(good, board_ms=arrival + 1), Refusal.STALE),
-        ("the last one again", msgspec.structs.replace(good, seq=good.seq - 1), Refusal.SEQUENCE),
-        ("an earlier one", msgspec.structs.replace(good, seq=good.seq - 2), Refusal.SEQUENCE),
-        ("half the numbers ahead", msgspec.structs.replace(good, seq=good.seq - 1 + 0x8000), Refusal.SEQUENCE),
+        *out_of_place(good, arrival),
         ("left too high", msgspec.structs.replace(good, left_level=71), Refusal.LEVEL),
         ("right too low", msgspec.structs.replace(good, right_level=-71), Refusal.LEVEL),
         ("the lowest number there is", msgspec.structs.replace(good, left_level=-0x8000), Refusal.LEVEL),

@@ -5,14 +5,13 @@ import pytest
 
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,
-    ECHO_MAX_AGE_MS,
     DriveState,
     Latch,
     Refusal,
     ResetCause,
     SpeedFrame,
 )
-from tests.firmware.bench import SPEED_ROBOT, SpeedBench
+from tests.firmware.bench import SPEED_ROBOT, SpeedBench, out_of_place
 
 TELEMETRY_MS = 17  # within which telemetry tells of what has happened
 FRAME_MS = 3  # within which a speed frame has come over the line and acted
@@ -112,14 +111,7 @@ def refusals(robot: SpeedBench) -> list[tuple[str, SpeedFrame, Refusal]]:
     arrival = robot.now_ms + 1  # by the board's time
     good = robot.speed_frame(0.4, 0.4, board_ms=arrival)
     return [
-        ("another boot", msgspec.structs.replace(good, boot_id=good.boot_id + 1), Refusal.BOOT_ID),
-        ("no boot", msgspec.structs.replace(good, boot_id=0), Refusal.BOOT_ID),
-        ("too old", msgspec.structs.replace(good, board_ms=arrival - ECHO_MAX_AGE_MS - 1), Refusal.STALE),
-        ("far too old", msgspec.structs.replace(good, board_ms=(arrival - (1 << 31)) & 0xFFFFFFFF), Refusal.STALE),
-        ("from the future", msgspec.structs.replace(good, board_ms=arrival + 1), Refusal.STALE),
-        ("the last one again", msgspec.structs.replace(good, seq=good.seq - 1), Refusal.SEQUENCE),
-        ("an earlier one", msgspec.structs.replace(good, seq=good.seq - 2), Refusal.SEQUENCE),
-        ("half the numbers ahead", msgspec.structs.replace(good, seq=good.seq - 1 + 0x8000), Refusal.SEQUENCE),
+        *out_of_place(good, arrival),
         ("left too fast", msgspec.structs.replace(good, left_um_s=MAX_UM_S + 1), Refusal.LEVEL),
         ("right too fast", msgspec.structs.replace(good, right_um_s=-MAX_UM_S - 1), Refusal.LEVEL),
         ("the lowest number there is", msgspec.structs.replace(good, left_um_s=LOWEST), Refusal.LEVEL),

@@ -52,21 +52,16 @@ def take(shown: Screen, key: bytes = b"c") -> None:
 
     `key`: one that drives takes it from who ranks lower, too.
     """
+    press_until(shown, key, *ARMED)
+
+
+def press_until(shown: Screen, key: bytes, *answers: str) -> None:
+    """Press a key until one of the answers is shown: a busy machine may not have heard of the robot just then."""
     shown.forget()
     deadline = time.monotonic() + PATIENCE
-    while not any(armed in shown.read() for armed in ARMED):
-        assert time.monotonic() < deadline, shown.text[-2000:]
+    while not any(answer in shown.read() for answer in answers):
+        assert time.monotonic() < deadline, f"{key!r} is not answered: {shown.text[-2000:]}"
         shown.type(key)
-        time.sleep(1.0)
-
-
-def ask_to_release(shown: Screen, question: str) -> None:
-    """Press r until it is asked back; again where a busy machine had not heard of the stop just then."""
-    shown.forget()
-    deadline = time.monotonic() + PATIENCE
-    while question not in shown.read():
-        assert time.monotonic() < deadline, f"{question!r} is not shown: {shown.text[-2000:]}"
-        shown.type(b"r")
         time.sleep(1.0)
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.process_robot import PATIENCE, ProcessRobot, process_robot
-from tests.support.typist import ask_to_release, drive, drive_by, hold, keyboard, take
+from tests.support.typist import drive, drive_by, hold, keyboard, press_until, take
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,7 @@ def test_giraff_drive_takes_arms_drives_stops_and_releases_on_one_screen_without
         shown.wait_for("STOPPED: base has confirmed", PATIENCE)
         confirmed_us = robot.simulator.now()
         hold(shown, b"w", 0.5)
-        ask_to_release(shown, "RELEASE? y: yes")
+        press_until(shown, b"r", "RELEASE? y: yes")
         robot.run(1.0)  # to read what is asked
         shown.type(b"y")
         shown.wait_for("released; SPACE engages it", PATIENCE)
