@@ -27,7 +27,7 @@ class Arming:
         self._neutral_to: RobotTime | None = None
 
     def reconfigure(self, config: BaseConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     @property

@@ -37,7 +37,7 @@ class Authority:
         self._clock_trusted_ns = 0
 
     def reconfigure(self, config: BaseConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
         for part in (self.arming, self.binding, self.battery):
             part.reconfigure(config)

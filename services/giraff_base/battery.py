@@ -43,7 +43,7 @@ class BatteryWatch:
         self._low, self._empty = _Held(), _Held()
 
     def reconfigure(self, config: BaseConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     @property

@@ -22,7 +22,7 @@ class Binding:
         self._intruder_heard_ns = 0
 
     def reconfigure(self, config: BaseConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     @property

@@ -61,7 +61,7 @@ class BasePolicy:
         self._reason = _NO_REPORT
 
     def reconfigure(self, config: BaseConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
         self._authority.reconfigure(config)
         self._ramp.limit(config.linear_acceleration, config.angular_acceleration)

@@ -47,7 +47,7 @@ class Authority:
         self._complaint_ns = 0
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     def on_command(self, command: DriveCommand, now: RobotTime) -> bool:

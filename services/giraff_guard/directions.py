@@ -47,7 +47,7 @@ class Direction:
         """m/s beyond creeping that its readings since then allow."""
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
         self._held.reconfigure(config)
 

@@ -55,7 +55,7 @@ class Echoes:
         self._echoes: list[_Echo] = []
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
         self._reach = self._footprint_radius + config.memory_margin
 

@@ -45,7 +45,7 @@ class Motion:
         """How often the wheels' counters could not be followed."""
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     def on_wheels(self, wheels: Wheels) -> None:

@@ -46,7 +46,7 @@ class Obstacles:
         self._begin()
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
         self._motion.reconfigure(config)
         self._echoes.reconfigure(config)

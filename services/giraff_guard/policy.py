@@ -39,7 +39,7 @@ class GuardPolicy:
         """Whose commands flood the guard, as `decide` found it, with the way out; empty: nobody's."""
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._authority.reconfigure(config)
         self._obstacles.reconfigure(config)
 

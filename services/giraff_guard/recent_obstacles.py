@@ -47,7 +47,7 @@ class RecentObstacles:
         self._spots: list[_Spot] = []
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     def take(self, sensor: Sensor, ping: Ping, *, is_sure: bool) -> None:

@@ -32,7 +32,7 @@ class SelfTest:
         """Most readings jump farther than the robot's motion and a person's walk explain."""
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     def on_reading(self, echo_us: int | None, place: Pose, axis: float, jumped: bool) -> None:

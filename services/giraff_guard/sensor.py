@@ -51,7 +51,7 @@ class Sensor:
         self._self_test = SelfTest(config)
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
         self._self_test.reconfigure(config)
         self._trust.reconfigure(config)

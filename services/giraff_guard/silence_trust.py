@@ -23,7 +23,7 @@ class SilenceTrust:
         self._proof: _Proof | None = None
 
     def reconfigure(self, config: GuardConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     def prove(self, robot_ns: int, motion: Motion) -> None:

@@ -94,7 +94,7 @@ class JoystickPolicy:
         self._tick_down = TickRelay()
 
     def reconfigure(self, config: JoystickConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
         self._hand.require(config.stillness)
 

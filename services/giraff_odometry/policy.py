@@ -54,7 +54,7 @@ class OdometryPolicy:
         return Transform(parent=ODOM_FRAME, child=BASE_FRAME, x=now.x, y=now.y, yaw=now.yaw, fixed=False)
 
     def reconfigure(self, config: OdometryConfig) -> None:
-        """Judge by this from now on."""
+        """Use a new configuration."""
         self._config = config
 
     def on_wheels(self, wheels: Wheels) -> Odometry | None:
