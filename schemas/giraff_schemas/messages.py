@@ -182,35 +182,6 @@ class SerialWrite(Sample, frozen=True, kw_only=True):
     text: str
 
 
-class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
-    """Asks base to stop at once and stay so."""
-
-    by: str
-    reason: str
-
-
-class EStopReset(msgspec.Struct, frozen=True, kw_only=True):
-    """Asks base to clear one latch. It permits motion and never causes it."""
-
-    by: str
-    id: int
-    tick: RobotTime | None
-    """Of the human's wish: an old reset clears nothing newer."""
-    engaged_ns: int | None = None
-    """`EStop.engaged_ns` as it was shown: base clears no stop that has a newer one. None: it was not shown."""
-
-
-class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
-    """What base did with either."""
-
-    done: bool
-    """The state is as asked, and on disk."""
-    engaged: bool
-    id: int
-    reason: str
-    """Why not, with the way out; empty when done."""
-
-
 RangeState = Literal["echo", "clear", "fault"]
 
 
@@ -274,9 +245,28 @@ class Odometry(Sample, frozen=True, kw_only=True):
     board_us: int
     boot_id: int
     tick: RobotTime
+    jumps: int = 0
+    """How often its pose was set from outside since odometry began. Between two samples with different numbers of them
+    lies no motion."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.x, self.y, self.yaw, self.linear_x, self.angular_z, self.path, *self.covariance)
+
+
+class TruePose(Sample, frozen=True, kw_only=True):
+    """Where a simulated robot truly is: `base_link` in `odom`, as odometry would have it if it made no error.
+
+    From the world, by `giraff run`; for people who look at it. Nothing that a robot runs may hear it.
+    """
+
+    x: float
+    y: float
+    yaw: float
+    """rad, in (-pi, pi]."""
+    tick: RobotTime
+
+    def __post_init__(self) -> None:
+        require_finite(self, self.x, self.y, self.yaw)
 
 
 class BoardState(msgspec.Struct, frozen=True, kw_only=True):

@@ -96,6 +96,7 @@ ODOMETRY: Final = Service(
     table="odometry",
     publishes=(t.ODOM,),
     subscribes=(t.WHEELS,),
+    answers=(t.ODOM_RESET, t.ODOM_SET_POSE),
     simulated=True,
 )
 RECORDER: Final = Service(name="recorder", host="any", package="giraff_recorder", table="recorder", optional=True)
@@ -111,6 +112,8 @@ GATEWAY: Final = Service(
     optional=True,
 )
 ROUTER: Final = Service(name="router", host="router", package="giraff_router", table="router", optional=True)
+RUN: Final = Service(name="run", host="any", publishes=(t.TRUE_POSE,), optional=True)
+"""`giraff run`: a simulated robot, of which it knows the truth."""
 PLAY: Final = Service(name="play", host="any", optional=True)
 """`giraff play`: a robot that is played from a recording."""
 
@@ -126,6 +129,7 @@ SERVICES: Final = (
     SENTRY,
     GATEWAY,
     ROUTER,
+    RUN,
     PLAY,
 )
 

@@ -11,6 +11,7 @@ import msgspec
 
 from giraff_schemas import messages as m
 from giraff_schemas import params as p
+from giraff_schemas import requests as r
 
 SampleT = TypeVar("SampleT", bound=m.Sample)
 
@@ -64,6 +65,7 @@ BASE = Topic("base", m.BaseState, 10, "state")
 BATTERY = Topic("battery", m.Battery, 2, "state")
 GUARD = Topic("guard", m.GuardState, 10, "state")
 ESTOP = Topic("estop", m.EStop, 2, "control")
+TRUE_POSE = Topic("true_pose", m.TruePose, 5, "state")
 SERIAL = Topic("serial/*", m.SerialLine, 0, "state", "name")
 SERIAL_WRITE = Topic("serial_write/*", m.SerialWrite, 0, "state", "name")
 
@@ -80,15 +82,19 @@ TOPICS: tuple[Topic[Any], ...] = (
     BATTERY,
     GUARD,
     ESTOP,
+    TRUE_POSE,
     SERIAL,
     SERIAL_WRITE,
 )
 
-ESTOP_ENGAGE = Query("estop/engage", m.EStopEngage, m.EStopAnswer)
-ESTOP_RESET = Query("estop/reset", m.EStopReset, m.EStopAnswer)
+ESTOP_ENGAGE = Query("estop/engage", r.EStopEngage, r.EStopAnswer)
+ESTOP_RESET = Query("estop/reset", r.EStopReset, r.EStopAnswer)
 
-QUERIES: tuple[Query[Any, Any], ...] = (ESTOP_ENGAGE, ESTOP_RESET)
-"""Of base."""
+ODOM_RESET = Query("odom/reset", r.OdomReset, r.OdomAnswer)
+ODOM_SET_POSE = Query("odom/set_pose", r.OdomSetPose, r.OdomAnswer)
+
+QUERIES: tuple[Query[Any, Any], ...] = (ESTOP_ENGAGE, ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE)
+"""Of base and odometry."""
 
 # Apart, because access is granted by key: who may read a parameter may not set it.
 PARAM_DESCRIBE = Query("param/*", p.ParamDescribe, p.ParamAnswer)

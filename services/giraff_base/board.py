@@ -6,7 +6,8 @@ from enum import IntEnum
 from typing import Final
 
 from giraff_core.estop import RESET_COMMAND
-from giraff_schemas.messages import BoardState, EStopEngage
+from giraff_schemas.messages import BoardState
+from giraff_schemas.requests import EStopEngage
 from giraff_schemas.wire import DriveState, Latch, Refusal, SpeedFlag, WheelsFrame
 
 _STUCK: Final = "wheel stuck: free it, check its motor and its encoder's cable"

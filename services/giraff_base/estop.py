@@ -6,7 +6,8 @@ from typing import Final
 
 from giraff_core.estop import RELEASED, RESET_COMMAND, EStopLatch
 from giraff_core.freshness import age
-from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime
+from giraff_schemas.messages import EStop, RobotTime
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]
 

@@ -13,7 +13,8 @@ from typing import Final, Protocol
 from giraff_base.estop import EStopLatch
 from giraff_base.policy import BasePolicy
 from giraff_core.io import PendingQuery
-from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
+from giraff_schemas.messages import RobotTime
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 
 _PATIENCE_NS: Final = 1_000_000_000  # for the disk, before the answer is no; a reset is then given up
 _RETRY_NS: Final = 100_000_000  # a stop that is not on disk is lost with the power

@@ -12,17 +12,8 @@ from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.wheels import WheelReports
 from giraff_core.base_commands import BaseCommands
 from giraff_core.robot import RobotConfig
-from giraff_schemas.messages import (
-    BaseState,
-    Battery,
-    EStop,
-    EStopAnswer,
-    EStopEngage,
-    EStopReset,
-    GuardedCommand,
-    RobotTime,
-    Wheels,
-)
+from giraff_schemas.messages import BaseState, Battery, EStop, GuardedCommand, RobotTime, Wheels
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import DriveState, Frame, Latch, Refusal, WheelsFrame
 
 _CONFIGURE_PERIOD_NS = 50_000_000

@@ -10,7 +10,7 @@ from typing import Annotated, Final
 import msgspec
 
 from giraff_core.io import Store, Writer
-from giraff_schemas.messages import EStopAnswer
+from giraff_schemas.requests import EStopAnswer
 
 RESET_COMMAND: Final = "giraff estop reset"
 LATCH_FILE: Final = "estop.json"

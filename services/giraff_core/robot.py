@@ -8,6 +8,7 @@ from typing import Annotated, ClassVar, Final
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.tuning import Tuning
 from giraff_core.wheel_control import UM_PER_M, SpeedControl, WheelControl, by_levels
@@ -38,9 +39,10 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     name: str
     track_width: Annotated[float, Bounds(0.05, 2.0, "m")]
-    """m between the wheels' contact points."""
+    """m between the wheels' contact points, as built; `calibration` corrects it."""
     ticks_per_metre: Annotated[float, Bounds(50.0, 200_000.0, "1/m", "are these counts per millimetre?")]
-    """Encoder counts of the base board (both edges of A) per metre of wheel travel."""
+    """Encoder counts of the base board (both edges of A) per metre of wheel travel, as built; `calibration` corrects
+    it for each wheel."""
     max_wheel_speed: Annotated[float, Bounds(0.02, 5.0, "m/s")]
     """m/s of one wheel at `max_level`."""
     max_level: Annotated[int, Bounds(1, 255)]
@@ -66,6 +68,8 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     invert_right_motor: bool | None = None
     invert_left_encoder: bool | None = None
     invert_right_encoder: bool | None = None
+    calibration: Calibration = Calibration()
+    """What this robot was measured to be. Of its wheels and track, nothing else is gone by."""
     sensors: dict[str, SensorPose]
 
     def __post_init__(self) -> None:
@@ -89,7 +93,17 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     @property
     def drive(self) -> DifferentialDrive:
         """How its wheels move it."""
-        return DifferentialDrive(self.track_width, self.max_wheel_speed)
+        return DifferentialDrive(self.track_width * self.calibration.track_scale, self.max_wheel_speed)
+
+    @property
+    def left_ticks_per_metre(self) -> float:
+        """Counts per metre that the left wheel truly rolls."""
+        return self.ticks_per_metre / self.calibration.left_wheel_scale
+
+    @property
+    def right_ticks_per_metre(self) -> float:
+        """The same of the right one."""
+        return self.ticks_per_metre / self.calibration.right_wheel_scale
 
     @property
     def asks_for_speeds(self) -> bool:
@@ -123,11 +137,10 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         """What the base board is told of this robot. `acceleration`: m/s² by which a wheel that is asked for a speed
         may get faster.
         """
-        per_km = round(self.ticks_per_metre * 1000)
         by_levels_only = msgspec.structs.replace(
             by_levels(self.wiring, self.max_level, self.stall_level),
-            left_counts_per_km=per_km,
-            right_counts_per_km=per_km,
+            left_counts_per_km=round(self.left_ticks_per_metre * 1000),
+            right_counts_per_km=round(self.right_ticks_per_metre * 1000),
         )
         if not self.asks_for_speeds:
             return by_levels_only

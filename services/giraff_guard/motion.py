@@ -53,9 +53,8 @@ class Motion:
         last, self._wheels = self._wheels, wheels
         distance = turn = 0.0
         if last is not None:
-            scale = self._robot.ticks_per_metre
-            left = signed32(wheels.left_ticks - last.left_ticks) / scale
-            right = signed32(wheels.right_ticks - last.right_ticks) / scale
+            left = signed32(wheels.left_ticks - last.left_ticks) / self._robot.left_ticks_per_metre
+            right = signed32(wheels.right_ticks - last.right_ticks) / self._robot.right_ticks_per_metre
             elapsed = ((wheels.board_us - last.board_us) & 0xFFFFFFFF) * 1e-6
             most = 2.0 * self._robot.max_wheel_speed * elapsed + _SLACK
             if (wheels.boot_id, wheels.instance) != (last.boot_id, last.instance) or max(abs(left), abs(right)) > most:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from giraff_schemas.messages import EStop, EStopAnswer, Sample
+from giraff_schemas.messages import EStop, Sample
+from giraff_schemas.requests import EStopAnswer
 
 
 class Request(Protocol):

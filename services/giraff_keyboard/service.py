@@ -15,7 +15,8 @@ from giraff_keyboard.estop_request import EStopRequest, Request
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_keyboard.reset_request import ResetRequest
-from giraff_schemas.messages import EStop, EStopEngage, EStopReset, RobotTime, Sample
+from giraff_schemas.messages import EStop, RobotTime, Sample
+from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,

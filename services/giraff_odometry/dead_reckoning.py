@@ -7,19 +7,20 @@ The covariance follows R. Siegwart, I. Nourbakhsh, Introduction to Autonomous Mo
 errors of the wheels' travels are independent, with variances that grow in proportion to the way each wheel has made,
 whatever its direction, and are carried to the pose with the Jacobians of the step; here those of the arc. It grows
 with distance and, since the wheels also travel while the robot turns on the spot, with turning. It stands for what is
-random (slip, uneven floor). What is systematic (wheel diameters, track width) is to be calibrated, and not in it.
+random (slip, uneven floor). What is systematic (wheel diameters, track width) is `systematic_error`'s.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Final
 
 import msgspec
 
+from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 
-Covariance = tuple[float, float, float, float, float, float]
-"""Of (x, y, yaw): xx, xy, xyaw, yy, yyaw, yawyaw."""
+_SMALL: Final = 1e-4  # rad, of half a turn
 
 
 class Estimate(msgspec.Struct, frozen=True, kw_only=True):
@@ -30,6 +31,7 @@ class Estimate(msgspec.Struct, frozen=True, kw_only=True):
     yaw: float = 0.0
     """rad, in (-pi, pi]."""
     covariance: Covariance = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """Of (x, y, yaw), of what is random: xx, xy, xyaw, yy, yyaw, yawyaw."""
     path: float = 0.0
     """m along the arcs of the centre, backwards counted too."""
 
@@ -37,7 +39,7 @@ class Estimate(msgspec.Struct, frozen=True, kw_only=True):
 def advance(start: Estimate, left: float, right: float, drive: DifferentialDrive, wheel_noise: float) -> Estimate:
     """`start` after the wheels have travelled `left` and `right` m; `wheel_noise`: m² of variance per metre."""
     distance, turn = drive.twist(left, right)
-    ratio, ratio_slope = _chord_ratio(turn)
+    ratio, ratio_slope = chord_ratio(turn), _chord_ratio_slope(turn)
     middle = start.yaw + turn / 2.0
     cos, sin = math.cos(middle), math.sin(middle)
     forward_x, forward_y = ratio * cos, ratio * sin  # d(x, y) / d(distance)
@@ -70,7 +72,7 @@ def advance(start: Estimate, left: float, right: float, drive: DifferentialDrive
     return Estimate(
         x=start.x + step_x,
         y=start.y + step_y,
-        yaw=_wrapped(start.yaw + turn),
+        yaw=wrapped(start.yaw + turn),
         covariance=(xx, xy, xt, yy, yt, tt),
         path=start.path + abs(distance),
     )
@@ -83,16 +85,21 @@ def less_sure(estimate: Estimate, position: float, yaw: float) -> Estimate:
     return msgspec.structs.replace(estimate, covariance=covariance)
 
 
-def _chord_ratio(turn: float) -> tuple[float, float]:
-    """Chord over arc of a turn, sin(turn/2) / (turn/2), and its derivative."""
+def chord_ratio(turn: float) -> float:
+    """Chord over arc of a turn: sin(turn/2) / (turn/2)."""
     half = turn / 2.0
-    if abs(half) < 1e-4:  # the closed form of the derivative divides two vanishing numbers; the series is exact here
-        return 1.0 - half * half / 6.0, -half / 6.0
-    ratio = math.sin(half) / half
-    return ratio, (math.cos(half) - ratio) / turn
+    return math.sin(half) / half if abs(half) >= _SMALL else 1.0 - half * half / 6.0
 
 
-def _wrapped(angle: float) -> float:
+def _chord_ratio_slope(turn: float) -> float:
+    """Its derivative."""
+    half = turn / 2.0
+    if abs(half) < _SMALL:  # the closed form divides two vanishing numbers; the series is exact here
+        return -half / 6.0
+    return (math.cos(half) - math.sin(half) / half) / turn
+
+
+def wrapped(angle: float) -> float:
     """`angle` in (-pi, pi]."""
     rest = math.remainder(angle, math.tau)
     return math.pi if rest == -math.pi else rest

@@ -1,4 +1,4 @@
-"""From the encoders' counters to a pose that never jumps.
+"""From the encoders' counters to a pose that never jumps, unless it is told to.
 
 Counters and board time wrap at 32 bits and start anew with the board. Whatever breaks them off (another boot, another
 base, a leap that no wheel can make) costs certainty, never continuity: the pose stays, its covariance grows. A gap
@@ -8,19 +8,35 @@ too, in proportion to that travel.
 
 from __future__ import annotations
 
+import math
+from collections import deque
 from typing import Final
 
+from giraff_core.bounds import Bounds
 from giraff_core.counters import signed32
+from giraff_core.kinematics.calibration import Covariance
+from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
-from giraff_odometry.dead_reckoning import Estimate, advance, less_sure
+from giraff_odometry.dead_reckoning import Estimate, advance, less_sure, wrapped
+from giraff_odometry.systematic_error import SystematicError
 from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.messages import Odometry, Wheels
+from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 
 __all__ = ["Estimate", "OdometryPolicy", "advance"]
 
 _WRAP: Final = 1 << 32
 _HALF_WRAP: Final = 1 << 31
+_REMEMBERED: Final = 16
+"""Wishes that are not done again when they are asked again."""
+_SETTABLE: Final = {
+    "x": Bounds(-1e6, 1e6, "m"),
+    "y": Bounds(-1e6, 1e6, "m"),
+    "position_sd": Bounds(0.0, 1e4, "m"),
+    "yaw_sd": Bounds(0.0, math.tau, "rad"),
+}
+"""What a pose may be set to: far more than a robot needs, and what is squared and summed stays exact and finite."""
 _SLACK_TICKS: Final = 4
 """Added to what a wheel may travel between two samples: counts come whole, and the board's time is not exact."""
 
@@ -32,6 +48,7 @@ _LEAP: Final = (
     "and ticks_per_metre in the robot file"
 )
 _GAP: Final = "wheels came after a gap; check the network between base and odometry"
+_TOO_FAST: Final = "a wheel's speed is above max_wheel_speed: its travel is gone by; check the encoders' cables"
 _LONG_GAP: Final = "no wheels for so long that the board's time may have wrapped; check base and the network"
 
 
@@ -42,7 +59,11 @@ class OdometryPolicy:
         self._config = config
         self._robot, self._drive = robot, robot.drive
         self._last: Wheels | None = None
+        self._systematic = SystematicError(robot.calibration, self._drive)
+        self._granted: deque[int] = deque(maxlen=_REMEMBERED)
         self.estimate = Estimate()
+        self.jumps = 0
+        """How often the pose was set from outside."""
         self.breaks = 0
         """How often the counters could not be followed, or only over a gap."""
         self.notice = ""
@@ -70,18 +91,42 @@ class OdometryPolicy:
         if not 0 < elapsed_us < _HALF_WRAP:
             return None
         elapsed = elapsed_us / 1e6
-        scale = self._robot.ticks_per_metre
-        left = signed32(wheels.left_ticks - last.left_ticks) / scale
-        right = signed32(wheels.right_ticks - last.right_ticks) / scale
-        farther = max(abs(left), abs(right))
-        if farther > self._config.max_wheel_speed * elapsed + _SLACK_TICKS / scale:
+        left = signed32(wheels.left_ticks - last.left_ticks) / self._robot.left_ticks_per_metre
+        right = signed32(wheels.right_ticks - last.right_ticks) / self._robot.right_ticks_per_metre
+        farther, fastest = max(abs(left), abs(right)), self._config.max_wheel_speed
+        if farther > fastest * elapsed + _SLACK_TICKS / self._robot.ticks_per_metre:
             return self._rebase(wheels, _LEAP)
         self._last = wheels
         self.estimate = advance(self.estimate, left, right, self._drive, self._config.wheel_noise)
+        self._systematic.advance(left, right)
         if elapsed > self._config.max_gap:
             self._lose_certainty(farther / 2.0, 0.0, _GAP)
-        distance, turn = self._drive.twist(left, right)
-        return self._odometry(wheels, distance / elapsed, turn / elapsed)
+        if max(abs(wheels.left_velocity), abs(wheels.right_velocity)) > fastest:
+            self.notice = self.notice or _TOO_FAST
+            return self._odometry(wheels, *self._drive.twist(left / elapsed, right / elapsed))
+        return self._odometry(wheels, *self._drive.twist(wheels.left_velocity, wheels.right_velocity))
+
+    def on_reset(self, request: OdomReset) -> OdomAnswer:
+        """Begin anew here."""
+        return self._jump(request.id, Estimate())
+
+    def on_set_pose(self, request: OdomSetPose) -> OdomAnswer:
+        """Be there; the path goes on."""
+        try:
+            for name, bounds in _SETTABLE.items():
+                bounds.require(name, getattr(request, name))
+        except ValueError as error:
+            return OdomAnswer(done=False, jumps=self.jumps, reason=str(error))
+        place = Estimate(x=request.x, y=request.y, yaw=wrapped(request.yaw), path=self.estimate.path)
+        return self._jump(request.id, less_sure(place, request.position_sd, request.yaw_sd))
+
+    def _jump(self, wish: int, estimate: Estimate) -> OdomAnswer:
+        if wish not in self._granted:
+            self._granted.append(wish)
+            self.jumps += 1
+            self.estimate = estimate
+            self._systematic.begin(Pose(estimate.x, estimate.y, estimate.yaw))
+        return OdomAnswer(done=True, jumps=self.jumps, reason="")
 
     def _rebase(self, wheels: Wheels, notice: str) -> Odometry:
         self._last = wheels
@@ -93,6 +138,12 @@ class OdometryPolicy:
         self.breaks += 1
         self.notice = notice
 
+    def _covariance(self) -> Covariance:
+        """Of what is random and what is systematic, which do not depend on each other."""
+        xx, xy, xt, yy, yt, tt = self.estimate.covariance
+        sxx, sxy, sxt, syy, syt, stt = self._systematic.covariance()
+        return xx + sxx, xy + sxy, xt + sxt, yy + syy, yt + syt, tt + stt
+
     def _odometry(self, wheels: Wheels, linear_x: float, angular_z: float) -> Odometry:
         return Odometry(
             x=self.estimate.x,
@@ -100,11 +151,12 @@ class OdometryPolicy:
             yaw=self.estimate.yaw,
             linear_x=linear_x,
             angular_z=angular_z,
-            covariance=self.estimate.covariance,
+            covariance=self._covariance(),
             path=self.estimate.path,
             board_us=wheels.board_us,
             boot_id=wheels.boot_id,
             tick=wheels.tick,
+            jumps=self.jumps,
         )
 
 

@@ -9,7 +9,7 @@ from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.frames import BASE_FRAME
-from giraff_schemas.topics import ODOM, WHEELS
+from giraff_schemas.topics import ODOM, ODOM_RESET, ODOM_SET_POSE, WHEELS
 
 SILENCE: Final = 1.0
 """s without a sample that is worth a word."""
@@ -18,7 +18,7 @@ SETTLED: Final = 1.0
 
 
 class Odometry:
-    """Reads `wheels`; writes `odom`, and answers where the robot is in it."""
+    """Reads `wheels`; writes `odom`, answers where the robot is in it, and sets that to where it is said to be."""
 
     timers = ()
     link = None
@@ -31,6 +31,7 @@ class Odometry:
         io.on_reconfigured = self._policy.reconfigure
         io.frame(BASE_FRAME, self._policy.transform)
         self._wheels, self._out = io.inbox(WHEELS), io.publisher(ODOM)
+        self._resets, self._poses = io.requests(ODOM_RESET), io.requests(ODOM_SET_POSE)
         self._heard = self._noticed = io.monotonic()
 
     def turn(self, now: float) -> None:
@@ -42,6 +43,10 @@ class Odometry:
             if policy.notice:
                 self._noticed = now
                 self._io.set_notice("counters", policy.notice)
+        for reset in self._resets.take():
+            reset.answer(policy.on_reset(reset.request))
+        for pose in self._poses.take():
+            pose.answer(policy.on_set_pose(pose.request))
         if now - self._noticed > SETTLED:
             self._io.set_notice("counters", "")
         is_silent = now - self._heard > SILENCE

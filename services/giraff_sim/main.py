@@ -207,7 +207,7 @@ def main(arguments: list[str] | None = None) -> int:
             robot, sim = load("robot", RobotConfig), load("sim", SimConfig)
             room = read_room(options.world)
             hand = make_hand(options.hand, room, options.seed, 0.0)
-            truth = draw_truth(options.truth, sim.truth, options.seed)
+            truth = draw_truth(options.truth, sim.truth, options.seed, robot.calibration)
             world = World(room, robot, sim, hand, options.seed, truth=truth)
             running = stack.enter_context(simulation(world, options.only, options.boards))
             options.ports.mkdir(parents=True, exist_ok=True)

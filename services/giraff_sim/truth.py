@@ -1,4 +1,4 @@
-"""What is true of one simulated robot, beside what its file says of it.
+"""What is true of one simulated robot, beside what its file says that it was built as.
 
 Services know a robot by its file. No robot is its file: wheels are a little smaller, motors unlike each other, sensors
 look aside. Nothing but the world reads a `Truth`, so that an error of the services' belief shows.
@@ -13,10 +13,13 @@ from typing import Annotated, Final, Literal
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.kinematics.calibration import Calibration
 from giraff_schemas.wire import RANGE_SENSORS
 
 Level = Literal["exact", "calibrated", "uncalibrated"]
 """How far a robot differs from its file: not at all, as one does after its calibration, or as one may before it."""
+
+NEVER_CALIBRATED: Final = Calibration()
 
 _SHARE: Final = Bounds(0.0, 0.3)
 
@@ -37,7 +40,7 @@ class TrueWheel(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Truth(msgspec.Struct, frozen=True, kw_only=True):
-    """One robot. The defaults are a robot that is exactly as its file says."""
+    """One robot. The defaults are a robot that is exactly as built, whatever a calibration says."""
 
     left: TrueWheel = TrueWheel()
     right: TrueWheel = TrueWheel()
@@ -92,36 +95,56 @@ class TruthRanges(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
                 raise ValueError(f"{name} is {getattr(self, name):g}: it must be {largest:g} at most")
 
 
-def draw_truth(level: Level, ranges: TruthRanges, seed: int) -> Truth:
-    """The robot of this seed: calibrated and not, it is the same one."""
+def draw_truth(level: Level, ranges: TruthRanges, seed: int, calibration: Calibration = NEVER_CALIBRATED) -> Truth:
+    """The robot of this seed: calibrated and not, it is the same one.
+
+    An uncalibrated one is drawn around what it was built as, so that a calibration does not change what is true. The
+    others are what `calibration`, the file's, takes them for, or near it.
+    """
     if level == "exact":
-        return EXACT
+        return _as_calibrated(calibration)
     chance = random.Random(f"{seed}/truth")
     is_calibrated = level == "calibrated"
     wheel_scale = ranges.calibrated_wheel_scale if is_calibrated else ranges.wheel_scale
     track_scale = ranges.calibrated_track_scale if is_calibrated else ranges.track_scale
+    middle = _as_calibrated(calibration) if is_calibrated else EXACT
+
+    def around(value: float, share: float) -> float:
+        return value * (1.0 + either_way(share))
 
     def either_way(largest: float) -> float:
         return chance.uniform(-largest, largest)
 
     drag = random.Random(f"{seed}/drag").uniform(0.0, ranges.drag)
 
-    def wheel() -> TrueWheel:
+    def wheel(scale: float) -> TrueWheel:
         return TrueWheel(
             drag=drag,
-            scale=1.0 + either_way(wheel_scale),
+            scale=around(scale, wheel_scale),
             strength=1.0 - chance.uniform(0.0, ranges.motor_weakness),
             phase=chance.random(),
             threshold_slip=chance.uniform(0.0, ranges.threshold_slip),
         )
 
     offset = ranges.accelerometer_offset
-    return Truth(
-        left=wheel(),
-        right=wheel(),
-        track_scale=1.0 + either_way(track_scale),
+    drawn = Truth(
+        left=wheel(middle.left.scale),
+        right=wheel(middle.right.scale),
+        track_scale=around(middle.track_scale, track_scale),
         turn_slip=chance.uniform(0.0, ranges.turn_slip),
         accelerometer_offset=(either_way(offset), either_way(offset), either_way(offset)),
         sonar_noise=ranges.sonar_noise,
         sensor_yaws=tuple(either_way(ranges.sensor_yaw) for _ in range(RANGE_SENSORS)),
+    )
+    if is_calibrated and calibration.date:  # a track that was measured by turning has what slips in it
+        return msgspec.structs.replace(drawn, track_scale=drawn.track_scale * (1.0 - drawn.turn_slip))
+    return drawn
+
+
+def _as_calibrated(calibration: Calibration) -> Truth:
+    """Exactly."""
+    return Truth(
+        left=TrueWheel(scale=calibration.left_wheel_scale),
+        right=TrueWheel(scale=calibration.right_wheel_scale),
+        track_scale=calibration.track_scale,
     )

@@ -21,6 +21,8 @@ PINK: Final[Colour] = (255, 110, 180)
 
 ROBOT: Final = WHITE
 PATH: Final = BLUE
+ELLIPSE: Final = CYAN
+TRUTH: Final = PINK
 TILT: Final = PINK
 
 CONES: Final[dict[ConeState, Colour]] = {

@@ -13,12 +13,13 @@ import msgspec
 import rerun as rr
 
 from giraff_core.robot import RobotConfig
-from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tilt
+from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tilt, TruePose
 from giraff_schemas.topics import Topic
-from giraff_viewer.colours import CONES, GREY, LEVELS, PATH, ROBOT, TILT, WHITE
+from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, PATH, ROBOT, TILT, TRUTH, WHITE
 from giraff_viewer.cones import Cone, ConeState
+from giraff_viewer.ghost import Ghost
 from giraff_viewer.plots import Values, series
-from giraff_viewer.shapes import arc, cone, outline
+from giraff_viewer.shapes import arc, cone, ellipse, headings, outline, placed
 from giraff_viewer.story import Line, Story
 from giraff_viewer.trail import Trail
 
@@ -32,6 +33,7 @@ HAND: Final = "hand"
 
 _PLOT_EVERY: Final = 40_000_000  # ns between two points of a line; a screen shows no more
 _TRAIL_EVERY: Final = 500_000_000  # ns
+_HEADING: Final = 1.5  # radii of the robot
 _GRAVITY: Final = 9.81  # m/s²
 
 
@@ -42,6 +44,8 @@ class Scene:
         self._robot = robot
         self._cones = {sensor: Cone(sensor) for sensor in robot.sensors}
         self._drawn: dict[str, tuple[ConeState, float | None]] = {}
+        self._outline = outline(robot.footprint_radius, robot.track_width)
+        self._ghost = Ghost()
         self._trail = Trail()
         self._moved = False
         self._story = Story()
@@ -51,14 +55,15 @@ class Scene:
 
     def begin(self) -> list[Row]:
         """What never changes: frames that are fixed, outlines, the colours of the lines."""
-        body = outline(self._robot.footprint_radius, self._robot.track_width)
         upside_up = _turned(1.0, 0.0, 0.0, math.pi)
         rows: list[Row] = [
             (FLOOR, rr.CoordinateFrame("floor")),
             ("frames/odom", rr.Transform3D(**upside_up, parent_frame="floor", child_frame="odom")),
             (f"{FLOOR}/path", rr.CoordinateFrame("odom")),
+            (f"{FLOOR}/ellipse", rr.CoordinateFrame("odom")),
+            (f"{FLOOR}/truth", rr.CoordinateFrame("base_link")),
             (f"{FLOOR}/robot", rr.CoordinateFrame("base_link")),
-            (f"{FLOOR}/robot", rr.LineStrips2D(body, colors=[ROBOT], radii=[0.015])),
+            (f"{FLOOR}/robot", rr.LineStrips2D(self._outline, colors=[ROBOT], radii=[0.015])),
             (f"{HAND}/level", rr.LineStrips2D([arc(1.0, math.tau, 48), arc(0.5, math.tau, 48)], colors=[GREY])),
         ]
         for sensor, pose in self._robot.sensors.items():
@@ -79,6 +84,8 @@ class Scene:
         match sample:
             case Odometry():
                 rows += self._move(sample, at_ns)
+            case TruePose() if self._due("truth", _PLOT_EVERY, at_ns):
+                rows += self._draw_truth(sample)
             case Range(sensor=sensor) if sensor in self._cones:
                 self._cones[sensor].read(sample, at_ns)
                 rows += self._draw_cones(at_ns)
@@ -105,6 +112,7 @@ class Scene:
 
     def _move(self, odometry: Odometry, at_ns: int) -> list[Row]:
         rows: list[Row] = []
+        self._ghost.hear(odometry)
         if self._due("frames/base_link", _PLOT_EVERY, at_ns):
             where = rr.Transform3D(
                 translation=[odometry.x, odometry.y, 0.0],
@@ -112,9 +120,25 @@ class Scene:
                 parent_frame="odom",
                 child_frame="base_link",
             )
-            rows.append(("frames/base_link", where))
-        self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.instance)
+            rows += [("frames/base_link", where), (f"{FLOOR}/ellipse", self._ellipse(odometry))]
+        self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.instance, odometry.jumps)
         return rows + self._draw_trail(at_ns)
+
+    def _ellipse(self, odometry: Odometry) -> Any:
+        """How sure odometry is, of its place and its heading."""
+        xx, xy, _, yy, _, tt = odometry.covariance
+        place = placed(ellipse(xx, xy, yy), odometry.x, odometry.y, 0.0)
+        ways = [
+            placed(way, odometry.x, odometry.y, odometry.yaw)
+            for way in headings(tt, _HEADING * self._robot.footprint_radius)
+        ]
+        return rr.LineStrips2D([place, *ways], colors=[ELLIPSE], radii=[0.008])
+
+    def _draw_truth(self, truth: TruePose) -> list[Row]:
+        if (apart := self._ghost.apart(truth)) is None:
+            return []
+        strips = [placed(strip, *apart) for strip in self._outline]
+        return [(f"{FLOOR}/truth", rr.LineStrips2D(strips, colors=[TRUTH], radii=[0.008], labels=["truth"]))]
 
     def _draw_trail(self, at_ns: int) -> list[Row]:
         if not (self._moved and self._due("trail", _TRAIL_EVERY, at_ns)):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_viewer.trail import Point
 
 Strip = list[Point]
@@ -14,6 +15,10 @@ HALF_CONE: Final = math.radians(7.5)
 REACH: Final = 4.0
 """m; what it reaches."""
 
+NORMAL_95: Final = 1.96
+"""Standard deviations to either side within which 95 of 100 numbers lie."""
+
+_FARTHEST: Final = 1000.0  # m: whoever is less sure than that of where a robot is draws a circle as large as any floor
 _RAYS: Final = 8
 _RINGS: Final = 4
 
@@ -32,6 +37,27 @@ def cone(distance: float | None) -> list[Strip]:
     bearings = [HALF_CONE * (2.0 * ray / _RAYS - 1.0) for ray in range(_RAYS + 1)]
     rays: list[Strip] = [[(0.0, 0.0), _at(length, bearing)] for bearing in bearings]
     return [*rays, *(arc(length * ring / _RINGS, 2.0 * HALF_CONE, _RAYS) for ring in range(1, _RINGS + 1))]
+
+
+def ellipse(xx: float, xy: float, yy: float) -> Strip:
+    """Within which the origin lies with 95 %, by the covariance of its place, m²; closed."""
+    middle, off = (xx + yy) / 2.0, math.hypot((xx - yy) / 2.0, xy)
+    # The eigenvalues are middle ± off; rounding makes the smaller one of a line negative.
+    long, short = (min(ELLIPSE_95 * math.sqrt(max(0.0, value)), _FARTHEST) for value in (middle + off, middle - off))
+    along = math.atan2(2.0 * xy, xx - yy) / 2.0
+    return placed([(long * x, short * y) for x, y in arc(1.0, math.tau, 48)], 0.0, 0.0, along)
+
+
+def headings(variance: float, length: float) -> list[Strip]:
+    """Between which a heading along the x axis lies with 95 %, by its variance, rad²."""
+    half = min(NORMAL_95 * math.sqrt(max(0.0, variance)), math.pi)
+    return [[(0.0, 0.0), _at(length, bearing)] for bearing in (half, -half)]
+
+
+def placed(strip: Strip, x: float, y: float, yaw: float) -> Strip:
+    """Of a thing at this pose, in the frame of the pose."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return [(x + cos * ahead - sin * left, y + sin * ahead + cos * left) for ahead, left in strip]
 
 
 def arc(radius: float, angle: float, pieces: int) -> Strip:

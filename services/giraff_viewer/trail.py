@@ -9,7 +9,6 @@ Point = tuple[float, float]
 
 _STEP: Final = 0.02  # m between two points at first
 _MOST: Final = 1000  # points; then every other one is dropped, and the step is doubled
-_JUMP: Final = 0.5  # m within one sample: odometry has begun anew
 
 
 class Trail:
@@ -18,13 +17,13 @@ class Trail:
     def __init__(self) -> None:
         self.points: list[Point] = []
         self._step = _STEP
-        self._maker = ""
+        self._origin: tuple[str, int] | None = None
 
-    def go_on(self, x: float, y: float, maker: str) -> bool:
-        """Whether the trail has changed. `maker`: the odometry's instance; another one begins at its own origin."""
-        jumped = self.points and math.dist(self.points[-1], (x, y)) > max(_JUMP, 2 * self._step)
-        if maker != self._maker or not self.points or jumped:
-            self.points, self._step, self._maker = [(x, y)], _STEP, maker
+    def go_on(self, x: float, y: float, maker: str, jumps: int) -> bool:
+        """Whether the trail has changed. `maker`: the odometry's instance, which begins at its own origin; `jumps`: how
+        often its pose was set: no robot has gone that way, so that a new trail begins."""
+        if self._origin != (maker, jumps):
+            self.points, self._step, self._origin = [(x, y)], _STEP, (maker, jumps)
             return True
         if math.dist(self.points[-1], (x, y)) < self._step:
             return False

@@ -14,19 +14,8 @@ from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick
-from giraff_schemas.messages import (
-    DriveCommand,
-    EStopAnswer,
-    EStopEngage,
-    EStopReset,
-    GuardedCommand,
-    GuardState,
-    Lease,
-    Range,
-    RobotTime,
-    Tick,
-    Tilt,
-)
+from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, Lease, Range, RobotTime, Tick, Tilt
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import TickFrame, TiltFrame
 from giraff_sim.settings import Services
 

@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-from giraff_schemas.messages import EStopReset
+from giraff_schemas.requests import EStopReset
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.dst.drill import Begin, Course, Drill, Outcome
 from giraff_sim.dst.people import double

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from giraff_schemas.messages import EStopReset
+from giraff_schemas.requests import EStopReset
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.freedom import Freedom
 from giraff_sim.dst.judging.pins import Rises

@@ -14,7 +14,8 @@ import msgspec
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.codec import DecodeError, decode, encode
-from giraff_schemas.messages import EStopEngage, EStopReset, Lease, RobotTime, Tick
+from giraff_schemas.messages import Lease, RobotTime, Tick
+from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, QUERIES, TOPICS, Query, Topic
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.network import Message

@@ -18,7 +18,7 @@ from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
 from giraff_keyboard.status import StatusView
-from giraff_schemas.messages import EStopEngage, EStopReset
+from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, LEASE, OPERATOR_CMD_VEL, Query
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.process import Process

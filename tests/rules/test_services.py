@@ -19,7 +19,7 @@ from giraff_schemas import topics
 from giraff_schemas.services import CLIENT, HANDS, ROBOTS_OWN, SERVICES, SIMULATED, Service
 from giraff_sim.dst.faults import machine, robot
 from giraff_sim.settings import MACHINES, Services, Settings
-from tests.rules.repository import ROOT, packages
+from tests.rules.repository import ROOT, packages, sources
 from tests.support.robots import ROBOT
 
 IN_PACKAGES = [service for service in SERVICES if service.package]
@@ -147,6 +147,17 @@ def test_a_script_hears_what_it_can_read_and_what_its_policy_takes() -> None:
         *read,
         *(topic for topic in topics.TOPICS if topic.schema.__name__ in taken),
     }
+
+
+def test_nothing_that_a_robot_runs_hears_the_truth() -> None:
+    """It is for people who look on: a policy that knew it would be right in the simulation alone."""
+    assert [service.name for service in SERVICES if topics.TRUE_POSE in service.subscribes] == []
+    named = {
+        path.relative_to(ROOT).parts[1]
+        for path in sources(".py", under=("services",))
+        if re.search(r"\b(TRUE_POSE|TruePose)\b", path.read_text())
+    }
+    assert named == {"giraff_cli", "giraff_viewer"}
 
 
 def test_each_table_of_the_robot_file_has_a_configuration() -> None:

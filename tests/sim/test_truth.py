@@ -8,6 +8,7 @@ import statistics
 import msgspec
 import pytest
 
+from giraff_core.kinematics.calibration import Calibration
 from giraff_sim.truth import Level, TrueWheel, Truth, TruthRanges, draw_truth
 from giraff_sim.world.plant import Plant
 from giraff_sim.world.room import Room
@@ -172,6 +173,53 @@ def test_a_seed_is_one_robot_calibrated_or_not() -> None:
         assert msgspec.structs.replace(truth.left, **same) == msgspec.structs.replace(before.left, **same)
     assert after.sensor_yaws == before.sensor_yaws
     assert after.accelerometer_offset == before.accelerometer_offset
+
+
+FOUND = Calibration(date="2026-11-25", left_wheel_scale=1.013, right_wheel_scale=0.991, track_scale=1.026)
+
+
+def test_a_calibration_does_not_change_the_robot_that_was_calibrated() -> None:
+    assert draw_truth("uncalibrated", TruthRanges(), 7, FOUND) == drawn("uncalibrated", 7)
+
+
+def measured(truth: Truth) -> Calibration:
+    """What a faultless calibration finds of a robot."""
+    return Calibration(
+        date="2026-11-25",
+        left_wheel_scale=truth.left.scale,
+        right_wheel_scale=truth.right.scale,
+        track_scale=truth.track_scale / (1.0 - truth.turn_slip),
+    )
+
+
+@pytest.mark.parametrize(
+    ("level", "calibration"),
+    [("exact", FOUND), ("uncalibrated", measured(draw_truth("uncalibrated", TruthRanges(), 7)))],
+)
+def test_odometry_is_right_of_a_robot_that_is_as_its_calibration_says(level: Level, calibration: Calibration) -> None:
+    robot = msgspec.structs.replace(ROBOT, calibration=calibration)
+    plant = Plant(robot, EXACT, empty_room(), draw_truth(level, TruthRanges(), 7, calibration))
+    before = plant.left.states, plant.right.states
+    drive(plant, 3.0, 40, 70)
+    left = (plant.left.states - before[0]) / 2.0 / robot.left_ticks_per_metre
+    right = (plant.right.states - before[1]) / 2.0 / robot.right_ticks_per_metre
+    way, turn = robot.drive.twist(left, right)
+    assert turn > 1.0
+    assert plant.path_length == pytest.approx(way, abs=1e-3)
+    assert plant.pose.yaw == pytest.approx(turn, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_calibrated_robot_is_near_what_its_calibration_says(seed: int) -> None:
+    near, plain = draw_truth("calibrated", TruthRanges(), seed, FOUND), drawn("calibrated", seed)
+    assert near.left.scale == pytest.approx(FOUND.left_wheel_scale, rel=0.001)
+    assert near.right.scale == pytest.approx(FOUND.right_wheel_scale, rel=0.001)
+    turns_as = near.track_scale / (1.0 - near.turn_slip)
+    assert turns_as == pytest.approx(FOUND.track_scale, rel=0.003), "what slips was measured with the track"
+    geometry = {"left": plain.left, "right": plain.right, "track_scale": plain.track_scale}
+    assert msgspec.structs.replace(near, **geometry) == plain, "motors, sensors and the rest are the seed's"
+    for one, other in ((near.left, plain.left), (near.right, plain.right)):
+        assert msgspec.structs.replace(one, scale=other.scale) == other
 
 
 @pytest.mark.parametrize(("level", "wheels", "track"), [("uncalibrated", 0.02, 0.03), ("calibrated", 0.001, 0.003)])

@@ -11,8 +11,9 @@ import zenoh
 
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.codec import encoding_of
-from giraff_schemas.messages import EStopEngage, EStopReset, RobotTime
+from giraff_schemas.messages import RobotTime
 from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet
+from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP_ENGAGE, PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, TOPICS, Query, Topic
 from tests.fuzz.growth import Growth
 from tests.fuzz.keys import KEYS

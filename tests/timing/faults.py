@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from giraff_node.network.query_client import QueryClient
-from giraff_schemas.messages import EStopEngage
+from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE
 from giraff_sim.control.messages import BoardName, Wheel
 from giraff_sim.world.bno055 import Bno055Fault

@@ -17,8 +17,9 @@ from giraff_node.config.robot_file import DEFAULT_FILE
 from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, others
 from giraff_node.network.query_client import QueryClient, request_estop
 from giraff_node.network.reach import find_silent
-from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Sample, Tick
-from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, AnswerT, RequestT, Topic, key_of
+from giraff_schemas.messages import EStop, RobotTime, Sample, Tick
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, Topic, key_of
 
 RELEASED: Final = 0
 ENGAGED: Final = 1
@@ -40,7 +41,7 @@ def engage(connection: RobotConnection, by: str, reason: str, timeout: float) ->
     """Ask again and again until base confirms that it has stopped and will stay so. 0: it has."""
     robot, deadline = connection.robot, time.monotonic() + timeout
     asking = request_estop(connection.session, robot, by=by, reason=reason)
-    answer = _answer(asking, deadline)
+    answer = asking.wait(deadline)
     if answer is not None:
         return _confirmed(connection, robot, answer)
     code, text = _unconfirmed(robot, asking, timeout)
@@ -143,7 +144,7 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
     asking = QueryClient(
         connection.session, robot, ESTOP_RESET, EStopReset(by=by, id=state.id, tick=tick, engaged_ns=state.engaged_ns)
     )
-    answer = _answer(asking, deadline)
+    answer = asking.wait(deadline)
     if answer is None:
         return Result(
             UNKNOWN, f"NOT CONFIRMED after {timeout:g} s, {what}: {asking.fault or f'nobody answered {asking.key}'}"
@@ -211,14 +212,6 @@ def _next_tick(connection: RobotConnection, heard: _Heard, deadline: float) -> R
         time.sleep(_TURN)
         connection.dispatch(later)
     return later.tick
-
-
-def _answer(asking: QueryClient[RequestT, AnswerT], deadline: float) -> AnswerT | None:
-    while (now := time.monotonic()) < deadline:
-        if (answer := asking.poll(now)) is not None:
-            return answer
-        time.sleep(_TURN)
-    return None
 
 
 def _silent(connection: RobotConnection, timeout: float) -> Result:

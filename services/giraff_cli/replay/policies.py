@@ -31,6 +31,7 @@ from giraff_schemas.messages import (
     Tick,
     Wheels,
 )
+from giraff_schemas.requests import OdomReset, OdomSetPose
 from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, ODOM, SampleT
 
 _ON_ITS_WAY_NS: Final = 500_000
@@ -59,10 +60,15 @@ class RecordedSamples:
 
 
 def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotConfig) -> Agreement:
-    """Wheels to odom, to the last bit."""
+    """Wheels to odom, to the last bit.
+
+    Where it went on from what was said, its covariance is left out until it is known again: how much of it is of
+    wheels and track, which were wrong alike all the way, was not said. Nor was it recorded who set its pose to what.
+    """
     found = Agreement(service="odometry", key=ODOM.key)
     recorded = {(sample.boot_id, sample.board_us): sample for sample in said.of(Odometry)}
     policy: OdometryPolicy | None = None
+    is_sure = False
     last: Wheels | None = None
     for wheels in said.of(Wheels):
         then = recorded.get((wheels.boot_id, wheels.board_us))
@@ -72,14 +78,33 @@ def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotC
             # It was on its way already, or the recording lacks what it heard: it goes on from what it said.
             if then is not None:
                 found.left_out += 1
-                policy = OdometryPolicy(config, robot)
-                policy.on_wheels(wheels)
-                policy.estimate = Estimate(x=then.x, y=then.y, yaw=then.yaw, covariance=then.covariance, path=then.path)
+                policy, is_sure = _going_on(OdometryPolicy(config, robot), wheels, then), not any(then.covariance)
             continue
+        jumped = then is not None and then.jumps != policy.jumps
+        if then is not None and jumped:
+            policy.jumps = then.jumps - 1
+            policy.on_reset(OdomReset(by="", id=then.jumps))
         now = policy.on_wheels(wheels)
-        if then is not None:
-            found.take(then, ["not said"] if now is None else differences(then, now, 0.0))
+        if then is None:
+            continue
+        if jumped and (now is None or differences(then, now, 0.0)):  # it was no reset, or some of it was not heard
+            found.left_out += 1
+            policy, is_sure = _going_on(policy, wheels, then), not any(then.covariance)
+            continue
+        is_sure = is_sure or jumped or not any(then.covariance)
+        if now is not None and not is_sure:
+            now = msgspec.structs.replace(now, covariance=then.covariance)
+        found.take(then, ["not said"] if now is None else differences(then, now, 0.0))
     return found
+
+
+def _going_on(policy: OdometryPolicy, wheels: Wheels, then: Odometry) -> OdometryPolicy:
+    """`policy`, as it was when it said `then` to `wheels`; but for what it said nothing of."""
+    policy.on_wheels(wheels)
+    policy.on_set_pose(OdomSetPose(by="", id=then.jumps, x=then.x, y=then.y, yaw=then.yaw))
+    policy.jumps = then.jumps
+    policy.estimate = Estimate(x=then.x, y=then.y, yaw=then.yaw, covariance=then.covariance, path=then.path)
+    return policy
 
 
 def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig) -> list[Agreement]:

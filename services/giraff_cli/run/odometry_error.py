@@ -47,6 +47,10 @@ class OdometryError(NamedTuple):
     """m."""
     angle: float
     """rad, never negative."""
+    x: float = 0.0
+    """m that odometry is too far along the axis of its frame."""
+    y: float = 0.0
+    """The same of the other axis."""
 
 
 class Comparison:
@@ -64,8 +68,8 @@ class Comparison:
         self._origins: tuple[Pose, Pose] | None = None
 
     def on_sample(self, sample: Odometry) -> None:
-        if self._samples and self._samples[-1].instance != sample.instance:
-            # A restarted odometry begins anew wherever the robot then is.
+        if self._samples and _origin(self._samples[-1]) != _origin(sample):
+            # A restarted odometry begins anew wherever the robot then is, one whose pose was set goes on from there.
             self._samples.clear()
             self._origins = None
         self._samples.append(sample)
@@ -86,8 +90,9 @@ class Comparison:
     def _compare(self, odometry: Pose, truth: Pose) -> OdometryError:
         if self._origins is None:
             self._origins = odometry, truth
-        off = odometry.seen_from(self.in_odom(truth) or odometry)
-        return OdometryError(math.hypot(off.x, off.y), abs(off.yaw))
+        true = self.in_odom(truth) or odometry
+        x, y = odometry.x - true.x, odometry.y - true.y
+        return OdometryError(math.hypot(x, y), abs(odometry.seen_from(true).yaw), x, y)
 
     def _at(self, robot_ns: int) -> Pose | None:
         later: Odometry | None = None
@@ -96,6 +101,11 @@ class Comparison:
                 return None if later is None else _between(sample, later, robot_ns)
             later = sample
         return None
+
+
+def _origin(sample: Odometry) -> tuple[str, int]:
+    """Between samples of which this differs lies no motion."""
+    return sample.instance, sample.jumps
 
 
 def _between(before: Odometry, after: Odometry, robot_ns: int) -> Pose:

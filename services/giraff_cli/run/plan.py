@@ -102,7 +102,8 @@ def make_plan(  # noqa: PLR0913  one argument an option
     held_by = "still" if hand != "demo" else "demo" if tilt_script is None else str(tilt_script.absolute())
     try:
         room = read_room(world)
-        World(room, robot, sim, make_hand(held_by, room, seed, 0.0), seed, truth=draw_truth(truth, sim.truth, seed))
+        drawn = draw_truth(truth, sim.truth, seed, robot.calibration)
+        World(room, robot, sim, make_hand(held_by, room, seed, 0.0), seed, truth=drawn)
     except RoomError as error:
         raise PlanError(f"--world: {error}") from error
     except ScriptError as error:

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.run.announcer import Announcer
 from giraff_cli.run.demonstration import OPERATOR
 from giraff_cli.run.driver import Driver
 from giraff_cli.run.joystick import Joystick
@@ -28,7 +29,7 @@ from giraff_node import robot_now_ns
 from giraff_node.network.query_client import request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
-from giraff_schemas.topics import LEASE, Topic
+from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
 
 _LOOK_EVERY: Final = 0.2  # s
@@ -75,6 +76,7 @@ class Run:
         self._stopping = stopping
         self._hints = hints
         self._joystick = Joystick(robot, is_driven=plan.driver == "demo")
+        self._announcer: Announcer | None = None
         self._driver: Driver | None = None
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
@@ -102,7 +104,8 @@ class Run:
         return FAILED if self._failures else DONE
 
     def _watch(self, telemetry: RunTelemetry) -> None:
-        self._connection.subscribe_all()
+        self._connection.subscribe_all(topic for topic in TOPICS if topic is not TRUE_POSE)  # its own word
+        self._announcer = Announcer(self._connection.session, self._plan.robot.name)
         if self._plan.driver != "keyboard":  # whoever drives has the terminal
             self._screen = open_screen()
         try:
@@ -165,6 +168,8 @@ class Run:
         self._connection.dispatch(_Audience(telemetry, self._joystick))
         self._joystick.hold(robot_now_ns() * 1e-9)
         telemetry.see(self._robot.truth())
+        if self._announcer is not None:
+            self._announcer.tell(telemetry.true_pose)
         try:
             self._screen.show(self._view(telemetry))
         except OSError:  # whoever watched has gone

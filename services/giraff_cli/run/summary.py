@@ -11,6 +11,7 @@ from giraff_cli.run.odometry_error import OdometryError
 from giraff_cli.run.telemetry import AgeSummary, RunTelemetry
 from giraff_cli.telemetry.collector import Latest
 from giraff_cli.terminal.text import counted
+from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, ODOM
 from giraff_sim.truth import Level
@@ -32,15 +33,19 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     distance_m: float
     """That the robot truly moved."""
     odom_error_m: float | None
-    """Between odometry and truth at the end, at rest; both started at the same pose."""
+    """Between odometry and truth at the end, at rest; both began at one pose, or where odometry's was set."""
     odom_error_deg: float | None
     odom_sigma_m: float | None
     """What odometry itself takes that error for: its standard deviation, by its own covariance."""
     odom_sigma_deg: float | None
+    odom_mahalanobis: float | None
+    """How many of its standard deviations its place is off, by their shape."""
+    within_ellipse: bool | None
+    """Whether the truth lies within the ellipse that should hold it with 95 %: an error as odometry expects them."""
     truth: Level
     """How far the robot could differ from its file."""
     drawn: Drawn | None
-    """How it did."""
+    """How it did, from what it was built as: a calibration in the file is no part of this."""
     closest_m: float
     """To anything in the room, ever."""
     contacts: int
@@ -74,7 +79,9 @@ def summarize(
     """The numbers of the run that began at `began_ns` (robot's clock) and ends with the newest look at the world."""
     world, apart = telemetry.truth, telemetry.apart
     base = telemetry.newest(BASE, world.robot_ns)
-    sigma = None if apart is None else _sigma(telemetry.newest(ODOM, world.robot_ns))
+    odometry = telemetry.newest(ODOM, world.robot_ns)
+    sigma = None if apart is None else _sigma(odometry)
+    off = None if apart is None else _mahalanobis(apart, odometry)
     return Summary(
         robot=robot,
         boards=boards,
@@ -85,6 +92,8 @@ def summarize(
         odom_error_deg=None if apart is None else round(math.degrees(apart.angle), 3),
         odom_sigma_m=None if sigma is None else round(sigma.distance, 4),
         odom_sigma_deg=None if sigma is None else round(math.degrees(sigma.angle), 3),
+        odom_mahalanobis=None if off is None else round(off, 2),
+        within_ellipse=None if off is None else off <= ELLIPSE_95,
         truth=truth,
         drawn=drawn,
         closest_m=round(world.closest, 4),
@@ -131,10 +140,19 @@ def _sigma(odometry: Latest[Odometry] | None) -> OdometryError | None:
     return OdometryError(math.sqrt(xx + yy), math.sqrt(tt))
 
 
+def _mahalanobis(apart: OdometryError, odometry: Latest[Odometry] | None) -> float | None:
+    if odometry is None:
+        return None
+    xx, xy, _, yy, _, _ = odometry.sample.covariance
+    return mahalanobis(apart.x, apart.y, xx, xy, yy)
+
+
 def _claim(summary: Summary) -> str:
     if summary.odom_sigma_m is None or summary.odom_sigma_deg is None:
         return "unknown"
-    return f"{summary.odom_sigma_m:.3f} m, {summary.odom_sigma_deg:.2f}°"
+    where = "within" if summary.within_ellipse else "OUTSIDE"
+    off = f"truth {where} its 95 % ellipse, {summary.odom_mahalanobis:.2f} sigma off"
+    return f"{summary.odom_sigma_m:.3f} m, {summary.odom_sigma_deg:.2f}°,\n{_INDENT}{off}"
 
 
 def _difference(level: Level, drawn: Drawn | None) -> str:

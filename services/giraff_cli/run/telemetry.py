@@ -9,7 +9,7 @@ from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.odometry_error import Comparison, OdometryError, Truth
 from giraff_cli.telemetry.collector import Snapshot, Telemetry
 from giraff_core.kinematics.pose import Pose
-from giraff_schemas.messages import GuardedCommand, Odometry, Sample
+from giraff_schemas.messages import GuardedCommand, Odometry, RobotTime, Sample, TruePose
 from giraff_schemas.topics import ODOM, RANGE, TICK, TILT, WHEELS, Topic
 
 _BY_BOARD: Final = {topic.key for topic in (TILT, RANGE, WHEELS, ODOM)}
@@ -68,6 +68,15 @@ class RunTelemetry(Telemetry):
     def apart(self) -> OdometryError | None:
         """Odometry's error now."""
         return self._comparison.apart
+
+    @property
+    def true_pose(self) -> TruePose | None:
+        """As it is told to whoever looks on; None: before odometry has begun."""
+        tick, pose = self.newest(TICK, self.truth.robot_ns), self._comparison.in_odom(self.truth.pose)
+        if tick is None or pose is None:
+            return None
+        at = RobotTime(epoch=tick.sample.epoch, robot_ns=self.truth.robot_ns)
+        return TruePose(x=pose.x, y=pose.y, yaw=pose.yaw, tick=at)
 
     @property
     def skew(self) -> float:

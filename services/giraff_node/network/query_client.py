@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
-from typing import Any, Generic
+from typing import Any, Final, Generic
 
 import msgspec
 import zenoh
@@ -11,8 +12,10 @@ import zenoh
 from giraff_core.estop import is_confirmed_stop
 from giraff_core.retry import RetriedRequest
 from giraff_schemas.codec import encode, encoding_of
-from giraff_schemas.messages import EStopAnswer, EStopEngage
+from giraff_schemas.requests import EStopAnswer, EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of
+
+_TURN: Final = 0.01  # s
 
 
 class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
@@ -32,6 +35,14 @@ class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
         self._query = query
         self._payload = encode(request)
         self._encoding = encoding_of(query.request)
+
+    def wait(self, until: float) -> AnswerT | None:
+        """Ask until there is an answer; None: there is none by `until`, s of the monotonic clock."""
+        while (now := time.monotonic()) < until:
+            if (answer := self.poll(now)) is not None:
+                return answer
+            time.sleep(_TURN)
+        return None
 
     def _attempt(self) -> None:
         self._session.get(

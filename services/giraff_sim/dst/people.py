@@ -15,8 +15,9 @@ from giraff_joystick.service import Joystick
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
 from giraff_keyboard.status import StatusView
-from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
+from giraff_schemas.messages import RobotTime
 from giraff_schemas.params import ParamSave, ParamSet
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, PARAM_SAVE, PARAM_SET, TICK, Query
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, Frame, TickFrame, TiltFrame, TiltStatus
 from giraff_sim.dst.hands import Fingers, RestlessHand

@@ -36,7 +36,8 @@ class World:
     ) -> None:
         """Set the robot at rest at the room's start.
 
-        `robot`: what is believed of it; `truth`: how it differs. `step_us`: of simulated time; divides 8000.
+        `robot`: what is believed of it; `truth`: how it differs from what that says it was built as.
+        `step_us`: of simulated time; divides 8000.
         """
         self.room = room
         self.truth = truth

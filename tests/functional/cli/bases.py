@@ -14,7 +14,8 @@ import zenoh
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
 from giraff_schemas.codec import encode, stamped
-from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Tick
+from giraff_schemas.messages import EStop, RobotTime, Tick
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, key_of
 
 ROBOT = "sim-estop"

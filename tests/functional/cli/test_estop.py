@@ -13,7 +13,7 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
-from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from tests.functional.cli.bases import DONE, EPOCH, ROBOT, base
 
 

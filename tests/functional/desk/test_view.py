@@ -10,15 +10,23 @@ import socket
 import subprocess
 import urllib.request
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 import pytest
 
 from giraff_cli.network.ports import free_port
+from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_core.kinematics.pose import Pose
+from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
-from giraff_schemas.messages import Odometry
-from giraff_viewer.colours import CONES, PATH, ROBOT
+from giraff_mcap.writing import RecordingWriter
+from giraff_schemas.codec import encode, encoding_of, stamped
+from giraff_schemas.messages import Odometry, Sample, TruePose
+from giraff_schemas.topics import ODOM, TRUE_POSE, Topic, key_of
+from giraff_viewer.colours import CONES, ELLIPSE, PATH, ROBOT, TRUTH
+from giraff_viewer.scene import stock
 from tests.functional.desk.seen import Floor
 from tests.functional.desk.views import await_viewer, view, viewing
 from tests.support.elsewhere import GIRAFF
@@ -32,11 +40,26 @@ TO_THE_WALL_NS = 15_000_000_000
 """Of the recorded drive: the robot backs, drives ahead until a wall stops it, and has not heard its rear for long."""
 
 
+def raw(topic: Topic[Any], sample: Sample, at_ns: int) -> RawSample:
+    return RawSample(at_ns, key_of("sim-test", topic), encode(sample), encoding_of(type(sample)))
+
+
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A robot has come to stand before a wall."""
-    path = tmp_path_factory.mktemp("recording") / "drive.mcap"
-    begin_of_the_drive(path, TO_THE_WALL_NS)
+    """A robot has come to stand before a wall, is not sure where, and is somewhere else."""
+    folder = tmp_path_factory.mktemp("recording")
+    drive, path = begin_of_the_drive(folder / "begin.mcap", TO_THE_WALL_NS), folder / "drive.mcap"
+    newest = [sample for sample in drive if sample.key == "odom"][-1]
+    odometry = newest.decode()
+    assert isinstance(odometry, Odometry)
+    true = Pose(-0.3, 0.4, 0.3).placed_in(Pose(odometry.x, odometry.y, odometry.yaw))
+    unsure = msgspec.structs.replace(odometry, covariance=(0.09, 0.03, 0.0, 0.04, 0.0, 0.04))
+    told = stamped(TruePose(x=true.x, y=true.y, yaw=true.yaw, tick=odometry.tick), 0, newest.stamp_ns, "run")
+    said = [RawSample(each.heard_ns, each.topic, each.payload(), each.encoding) for each in drive]
+    said += [raw(ODOM, unsure, said[-1].at_ns + 50_000_000), raw(TRUE_POSE, told, said[-1].at_ns + 100_000_000)]
+    with RecordingWriter(path, {"robot": "sim-test"}) as writer:
+        writer.add(said)
+        writer.close("test")
     return path
 
 
@@ -70,7 +93,13 @@ def test_a_recording_is_seen_with_robot_path_and_cones(robot: ProcessRobot, reco
     blocked = seen_from_robot(CONES["blocked"])
     near = seen_from_robot(CONES["near"])
     rear = seen_from_robot(CONES["doubted"])
+    truth = seen_from_robot(TRUTH)
     path = floor.points(PATH)
+    diameter = 2.0 * stock("sim-test").footprint_radius
+    assert truth == pytest.approx((-0.3 / diameter, 0.4 / diameter), abs=0.15), "behind it, on its left"
+    ellipse = floor.points(ELLIPSE)
+    assert np.abs((ellipse.min(axis=0) + ellipse.max(axis=0)) / 2.0 - middle).max() < 0.15 * size
+    assert float(np.ptp(ellipse, axis=0)[0]) / size == pytest.approx(2.0 * ELLIPSE_95 * 0.3 / diameter, rel=0.15)
     assert blocked[0] > 0.4, "the front is blocked by the wall"
     assert near[0] > 0.4, "both look at it"
     assert abs(blocked[1] - near[1]) > 0.2, "one on the left, one on the right"
@@ -106,7 +135,15 @@ def test_a_live_robot_is_saved(robot: ProcessRobot) -> None:
     assert msgspec.json.decode(done.stdout)["samples"] > 0
     rerun = GIRAFF.with_name("rerun")
     told = subprocess.run([rerun, "rrd", "print", str(saved)], check=True, capture_output=True, text=True).stdout
-    for entity in ("/floor/robot", "/frames/base_link", "/floor/range_rear_link", "/guard", "/log", "/hand/tilt"):
+    for entity in (
+        "/floor/robot",
+        "/floor/ellipse",
+        "/frames/base_link",
+        "/floor/range_rear_link",
+        "/guard",
+        "/log",
+        "/hand/tilt",
+    ):
         assert entity in told
     assert subprocess.run([rerun, "rrd", "verify", str(saved)], check=False, capture_output=True).returncode == 0
 

@@ -20,10 +20,9 @@ from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import (
-    ESTOP_ENGAGE,
-    ESTOP_RESET,
     OPERATOR_CMD_VEL,
     PARAM_QUERIES,
+    QUERIES,
     TOPICS,
     Query,
     key_of,
@@ -78,7 +77,7 @@ class Network:
             self._declared.append(session.declare_subscriber(f"marks/{host}", take))
         for topic in TOPICS:
             self._declared.append(self.base.declare_subscriber(key_of(ROBOT, topic), direct(self._on_sample)))
-        queries: list[Query[Any, Any]] = [ESTOP_ENGAGE, ESTOP_RESET, *(query.at("guard") for query in PARAM_QUERIES)]
+        queries: list[Query[Any, Any]] = [*QUERIES, *(query.at("guard") for query in PARAM_QUERIES)]
         for query in queries:
             self._declared.append(self.base.declare_queryable(key_of(ROBOT, query), direct(self._on_query)))
         for host in HOSTS:

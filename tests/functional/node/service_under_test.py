@@ -10,7 +10,8 @@ from typing import Any, cast
 import msgspec
 
 from giraff_node import Node, Timer
-from giraff_schemas.messages import Battery, EStopAnswer, Tick
+from giraff_schemas.messages import Battery, Tick
+from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK
 
 

@@ -18,6 +18,8 @@ from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
     ODOM,
+    ODOM_RESET,
+    ODOM_SET_POSE,
     PARAM_DESCRIBE,
     PARAM_SAVE,
     PARAM_SET,
@@ -81,8 +83,9 @@ def test_whoever_is_named_is_told_where_the_frames_are(network: Network, host: s
     [("robot", True, True), ("laptop", True, True), ("desk", True, False), ("unnamed", False, False)],
 )
 def test_whoever_is_named_may_stop_and_operators_reset(network: Network, host: str, stops: bool, resets: bool) -> None:
-    for query, answered in ((ESTOP_ENGAGE, stops), (ESTOP_RESET, resets)):
-        assert network.answers_of_base(host, key_of(ROBOT, query)) == ([True] if answered else [])
+    asked = ((ESTOP_ENGAGE, stops), (ESTOP_RESET, resets), (ODOM_RESET, resets), (ODOM_SET_POSE, resets))
+    for query, answered in asked:
+        assert network.answers_of_base(host, key_of(ROBOT, query)) == ([True] if answered else []), query.key
 
 
 @pytest.mark.parametrize(
@@ -95,6 +98,8 @@ def test_whoever_is_named_reads_parameters_and_operators_set_them(
     for query, answered in ((PARAM_DESCRIBE, reads), (PARAM_SET, sets), (PARAM_SAVE, sets)):
         found = network.answers_of_base(host, key_of(ROBOT, query.at("guard")))
         assert found == ([True] if answered else []), query.key
+    everybodys = network.answers_of_base(host, key_of(ROBOT, PARAM_DESCRIBE))  # as `giraff doctor` asks
+    assert everybodys == ([True] if reads else [])
 
 
 def test_a_joystick_answers_for_its_parameters_and_for_no_other_service(network: Network) -> None:

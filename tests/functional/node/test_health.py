@@ -13,7 +13,8 @@ import pytest
 
 from giraff_health.ask import ask
 from giraff_schemas.codec import encode
-from giraff_schemas.messages import EStopEngage, Health
+from giraff_schemas.messages import Health
+from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE, key_of
 from tests.functional.health.answering import check
 from tests.functional.node.peers import ROBOT, Peers

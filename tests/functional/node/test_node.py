@@ -15,7 +15,8 @@ import pytest
 
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.codec import encode
-from giraff_schemas.messages import Battery, EStopAnswer, EStopEngage, Tick
+from giraff_schemas.messages import Battery, Tick
+from giraff_schemas.requests import EStopAnswer, EStopEngage
 from giraff_schemas.topics import BATTERY, ESTOP_ENGAGE, TICK, alive_key, key_of
 from tests.functional.node.peers import ROBOT, SERVICE, Peers
 from tests.support.waiting import wait

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from giraff_node.network.query_client import QueryClient
-from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
 from tests.support.process_robot import ARENA, FULL_TILT, PATIENCE, ProcessRobot, process_robot
 from tests.support.replays import record_drive, say_again

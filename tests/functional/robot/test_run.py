@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from giraff_cli.network.ports import free_port
 from giraff_cli.run.simulated_robot import START_ORDER
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session
-from giraff_schemas.topics import alive_key
+from giraff_schemas.topics import TRUE_POSE, alive_key
 from giraff_sim.board import ROOT
 from giraff_sim.truth import Truth, TruthRanges, draw_truth
 from tests.support.process_robot import PATIENCE
@@ -116,6 +117,23 @@ def test_a_run_of_the_same_name_is_refused_and_the_first_ends_when_its_reader_go
         assert process.wait(PATIENCE) == 0
         assert process.stderr is not None
         assert process.stderr.read() == ""
+    assert command.leaves_nothing()
+
+
+def test_whoever_looks_on_is_told_where_it_truly_is(command: Command) -> None:
+    with command.start("--boards", "host", local=False) as process:
+        line_of(process, "base driving")
+        asked = [str(GIRAFF), "topic", "echo", TRUE_POSE.key, "--count", "3", "--json"]
+        told = subprocess.run(
+            asked, env=command.environment, check=True, capture_output=True, text=True, timeout=PATIENCE
+        ).stdout
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(PATIENCE) == 0
+    heard = [msgspec.json.decode(line)["sample"] for line in told.splitlines()]
+    assert len({sample["instance"] for sample in heard}) == 1
+    moments = [sample["tick"]["robot_ns"] for sample in heard]
+    assert len(moments) == 3
+    assert moments == sorted(set(moments))
     assert command.leaves_nothing()
 
 

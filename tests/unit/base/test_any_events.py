@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from giraff_base.estop import EStopLatch
-from giraff_schemas.messages import EStopEngage, EStopReset, GuardedCommand, RobotTime
+from giraff_schemas.messages import GuardedCommand, RobotTime
+from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, Latch, SpeedFlag, SpeedFrame
 from tests.unit.base.rig import BY_SPEED, EPOCH, ROBOT, Board, Rig, Sent, demand
 

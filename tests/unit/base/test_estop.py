@@ -6,7 +6,8 @@ import msgspec
 import pytest
 
 from giraff_base.estop import RELEASED, EStopLatch
-from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset, RobotTime
+from giraff_schemas.messages import RobotTime
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import ConfigureFrame, DriveFrame, DriveState, EstopFrame, Latch
 from tests.unit.base.rig import EPOCH, ROBOT, Rig, moving
 

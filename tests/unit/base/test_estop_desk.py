@@ -9,7 +9,7 @@ import pytest
 
 from giraff_base.estop import RELEASED, EStopLatch
 from giraff_base.estop_server import EStopServer
-from giraff_schemas.messages import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import EstopFrame, Latch
 from tests.unit.base.rig import Rig, moving
 

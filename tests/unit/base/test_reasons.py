@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from giraff_core.robot import RobotConfig
-from giraff_schemas.messages import EStopEngage
+from giraff_schemas.requests import EStopEngage
 from giraff_schemas.wire import DriveState, Latch
 from tests.unit.base.rig import ROBOT, Rig, moving
 

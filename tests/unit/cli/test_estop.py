@@ -13,11 +13,13 @@ import msgspec
 import pytest
 
 import giraff_cli.estop.client as it
+import giraff_node.network.query_client
 from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.network import NetworkConfig
 from giraff_schemas.codec import encode, encoding_of, stamped
-from giraff_schemas.messages import EStop, EStopAnswer, EStopEngage, EStopReset, RobotTime, Tick
+from giraff_schemas.messages import EStop, RobotTime, Tick
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, alive_key, key_of
 from tests.support.one_process import Clock, Session
 
@@ -82,7 +84,8 @@ class Network:
 @pytest.fixture
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network()
-    monkeypatch.setattr(it, "time", made.clock)
+    for module in (it, giraff_node.network.query_client):
+        monkeypatch.setattr(module, "time", made.clock)
     return made
 
 

@@ -194,6 +194,8 @@ def test_the_summary_as_json_has_the_names_that_are_promised() -> None:
         "odom_error_deg",
         "odom_sigma_m",
         "odom_sigma_deg",
+        "odom_mahalanobis",
+        "within_ellipse",
         "truth",
         "drawn",
         "closest_m",
@@ -212,7 +214,7 @@ def test_the_summary_as_json_has_the_names_that_are_promised() -> None:
 def test_the_summary_does_not_make_up_what_nobody_heard() -> None:
     told = summary(RunTelemetry(SENSORS, truth(2 * SECOND)))
     assert told.odom_error_m is None
-    assert told.odom_sigma_m is None
+    assert (told.odom_sigma_m, told.odom_mahalanobis, told.within_ellipse) == (None, None, None)
     assert told.age_ms is None
     assert told.rates_hz == {}
     assert to_text(told).count("unknown") == 5
@@ -225,7 +227,27 @@ def test_the_summary_says_odometrys_error_beside_what_odometry_takes_it_for() ->
     Network(telemetry).send(topics.ODOM, doubtful, 10 * SECOND + 10 * MS, maker="m")
     told = summary(telemetry)
     assert (told.odom_sigma_m, told.odom_sigma_deg) == (0.05, 1.5)
-    assert re.search("odometry off by  0.000 m.*\n +its own sigma  0.050 m, 1.50°", to_text(told))
+    assert (told.odom_mahalanobis, told.within_ellipse) == (0.0, True)
+    assert re.search("odometry off by  0.000 m.*\n +its own sigma  0.050 m, 1.50°,\n +truth within its", to_text(told))
+
+
+@pytest.mark.parametrize(("sigma", "off", "word"), [(0.04, 1.15, "within"), (0.01, 4.58, "OUTSIDE")])
+def test_the_summary_says_whether_the_truth_is_where_odometry_takes_it_to_be(
+    sigma: float, off: float, word: str
+) -> None:
+    telemetry = RunTelemetry(SENSORS, truth(0))
+    network = Network(telemetry)
+    for ms in range(0, 5001, 10):
+        sample = odometry(ms * MS, 0.5e-3 * ms + 1e-5 * ms)
+        sample = msgspec.structs.replace(sample, covariance=(sigma**2, 0.0, 0.0, 4.0, 0.0, 0.0))
+        network.send(topics.ODOM, sample, ms * MS)
+        if ms and ms % 200 == 0:
+            telemetry.see(truth(ms * MS, x=0.5e-3 * ms))
+    told = summary(telemetry)
+    assert told.odom_mahalanobis == pytest.approx(off, abs=0.02)
+    assert told.within_ellipse is (word == "within")
+    assert f"truth {word} its 95 % ellipse" in to_text(told)
+    assert max(map(len, to_text(told).splitlines())) <= 80
 
 
 @pytest.mark.parametrize("level", ["calibrated", "uncalibrated"])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import pytest
 
 from giraff_cli.network.age_histogram import AgeHistogram
@@ -127,9 +128,22 @@ def test_a_key_that_fell_silent_has_no_rate_now() -> None:
 
 
 def test_keys_are_in_the_order_of_the_table() -> None:
-    order = [topic.key for topic in topics.TOPICS if topic.rate_hz]  # the others are of no robot by itself
+    # The others are of no robot by itself.
+    order = [topic.key for topic in topics.TOPICS if topic.rate_hz and topic is not topics.TRUE_POSE]
     heads = [key.partition("/")[0] for key in ten_seconds().rates_hz]
     assert heads == [key.partition("/")[0] for key in order for _ in range(3 if key == topics.RANGE.key else 1)]
+
+
+def test_the_true_pose_is_told_in_the_frame_of_odometry_once_that_has_begun() -> None:
+    telemetry = quiet()
+    network = Network(telemetry)
+    network.send(topics.TICK, Tick(epoch=EPOCH, robot_ns=0), 0)
+    telemetry.see(truth(0))
+    assert telemetry.true_pose is None
+    told = ten_seconds().true_pose
+    assert told is not None
+    assert (told.tick.epoch, told.tick.robot_ns) == (EPOCH, 10 * SECOND)
+    assert (told.x, told.y, told.yaw) == pytest.approx((4.0, 0.0, 0.0), abs=1e-6)
 
 
 def test_the_age_of_a_command_is_from_the_operators_tick_to_its_arrival() -> None:
@@ -215,6 +229,21 @@ def test_a_restarted_odometry_is_compared_from_where_it_began() -> None:
             comparison.see(truth(ms * MS, x=0.5e-3 * ms))
     assert comparison.apart is not None
     assert comparison.apart.distance == pytest.approx(0.0, abs=1e-9)
+
+
+def test_an_odometry_whose_pose_was_set_is_compared_from_there() -> None:
+    comparison = Comparison()
+    drive(comparison, error_x=0.05)
+    for ms in range(5000, 6001):
+        if ms % 10 == 0:
+            sample = msgspec.structs.replace(odometry(ms * MS, 7.0 + 0.5e-3 * (ms - 5000), 3.0), jumps=1)
+            comparison.on_sample(stamped(sample, ms, 0, "m"))
+        if ms % 200 == 8:
+            comparison.see(truth(ms * MS, x=0.5e-3 * ms))
+    assert comparison.apart is not None
+    assert comparison.apart.distance == pytest.approx(0.0, abs=1e-9)
+    where = comparison.in_odom(truth(6000 * MS, x=3.0).pose)
+    assert where == pytest.approx((7.5, 3.0, 0.0), abs=0.01)
 
 
 def test_an_odometry_that_fell_silent_is_not_compared() -> None:

@@ -18,6 +18,7 @@ from giraff_schemas.topics import (
     SERIAL_WRITE,
     TILT,
     TOPICS,
+    TRUE_POSE,
     Topic,
 )
 
@@ -66,7 +67,7 @@ def test_what_covers_what() -> None:
     assert not intersects("odom", "base")
 
 
-OTHERS = (TILT, SERIAL, SERIAL_WRITE)
+OTHERS = (TILT, SERIAL, SERIAL_WRITE, TRUE_POSE)
 
 
 @pytest.mark.parametrize("topic", [topic for topic in TOPICS if topic not in OTHERS], ids=lambda topic: topic.key)
@@ -89,6 +90,7 @@ def test_whoever_wants_to_drive_is_shown_how(topic: Topic[Any]) -> None:
 def test_what_is_no_robots_own_is_refused_while_somebody_says_it() -> None:
     assert "is said by joystick" in publish_refusal(TILT, SERVICES)
     assert publish_refusal(TILT, {"base": ["tick"]}) == ""
+    assert "is said by run" in publish_refusal(TRUE_POSE, {"base": ["tick"], "run": ["true_pose"]})
     assert "is said by gateway" in publish_refusal(SERIAL.at("lamp"), {"base": ["tick"], "gateway": ["serial/lamp"]})
     assert publish_refusal(SERIAL_WRITE.at("lamp"), {"base": ["tick"], "gateway": ["serial/lamp"]}) == ""
 

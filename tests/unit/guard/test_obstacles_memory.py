@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
@@ -17,7 +18,7 @@ from giraff_guard.echoes import Echoes, Obstruction
 from giraff_guard.geometry import until_touch
 from giraff_guard.motion import Motion
 from giraff_guard.sensor import Ping, Sensor
-from giraff_schemas.messages import RobotTime
+from giraff_schemas.messages import RobotTime, Wheels
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, opened
 
 POST = 0.5  # m before the left sensor, so at (0.75, 0.15)
@@ -351,3 +352,30 @@ def test_of_too_many_echoes_the_newest_are_kept() -> None:
         hear(echoes, 1.0, y=float(number))
     assert first(echoes, Pose(0.0, 99.0, 0.0)) is not None
     assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
+
+
+def test_the_way_is_that_of_wheels_as_they_were_calibrated() -> None:
+    found = Calibration(left_wheel_scale=1.02, right_wheel_scale=1.01, track_scale=1.1)
+    motion = Motion(CONFIG, msgspec.structs.replace(ROBOT, calibration=found))
+    standing = Wheels(
+        instance="base-7",
+        left_ticks=0,
+        right_ticks=0,
+        left_velocity=0.0,
+        right_velocity=0.0,
+        left_pwm_counts=0,
+        right_pwm_counts=0,
+        board_us=0,
+        boot_id=1,
+        tick=RobotTime(epoch=EPOCH, robot_ns=0),
+    )
+    gone = {
+        "left_ticks": 20,
+        "right_ticks": 20,
+        "board_us": 20_000,
+        "tick": RobotTime(epoch=EPOCH, robot_ns=20_000_000),
+    }
+    motion.on_wheels(standing)
+    motion.on_wheels(msgspec.structs.replace(standing, **gone))
+    assert motion.travel == pytest.approx(1.015 * 20 / ROBOT.ticks_per_metre)
+    assert motion.place.yaw == pytest.approx(-0.01 * 20 / ROBOT.ticks_per_metre / (1.1 * ROBOT.track_width))

@@ -7,7 +7,8 @@ import pytest
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key
 from giraff_keyboard.reset_request import ASKS_FOR, READ_FIRST, ResetRequest
-from giraff_schemas.messages import EStop, EStopAnswer, RobotTime
+from giraff_schemas.messages import EStop, RobotTime
+from giraff_schemas.requests import EStopAnswer
 from tests.unit.keyboard.keyboards import EPOCH, person
 
 RELEASED = EStopAnswer(done=True, engaged=False, id=4, reason="")

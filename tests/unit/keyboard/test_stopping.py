@@ -1,7 +1,8 @@
 """The space bar's request: repeated until base says that it has stopped."""
 
 from giraff_keyboard.estop_request import EStopRequest
-from giraff_schemas.messages import EStop, EStopAnswer
+from giraff_schemas.messages import EStop
+from giraff_schemas.requests import EStopAnswer
 
 
 class Line:

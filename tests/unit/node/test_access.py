@@ -16,7 +16,18 @@ from giraff_core.access import access_control
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import session_config
-from giraff_schemas.topics import CMD_VEL, ESTOP_ENGAGE, ESTOP_RESET, OPERATOR_CMD_VEL, PARAM_SET, TILT, TOPICS, key_of
+from giraff_schemas.topics import (
+    CMD_VEL,
+    ESTOP_ENGAGE,
+    ESTOP_RESET,
+    ODOM_RESET,
+    ODOM_SET_POSE,
+    OPERATOR_CMD_VEL,
+    PARAM_SET,
+    TILT,
+    TOPICS,
+    key_of,
+)
 from tests.support.secured_hosts import ACCESS, HOSTS, ROBOT, authority
 
 MINE, ANOTHERS = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("keyboard")
@@ -60,8 +71,8 @@ def test_nobody_else_commands(host: str) -> None:
 )
 def test_whoever_is_named_may_stop_and_operators_reset_and_set(host: str, stops: bool, sets: bool) -> None:
     assert lets_in(host, "query", key_of(ROBOT, ESTOP_ENGAGE)) == stops
-    assert lets_in(host, "query", key_of(ROBOT, ESTOP_RESET)) == sets
-    assert lets_in(host, "query", key_of(ROBOT, PARAM_SET.at("guard"))) == sets
+    for query in (ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, PARAM_SET.at("guard")):
+        assert lets_in(host, "query", key_of(ROBOT, query)) == sets, query.key
     assert {other for other in HOSTS if lets_in(other, "query", f"giraff/{ROBOT}/**")} == {"robot", "laptop", "desk"}
 
 

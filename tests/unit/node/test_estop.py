@@ -3,7 +3,7 @@
 import pytest
 
 from giraff_core.estop import is_confirmed_stop
-from giraff_schemas.messages import EStopAnswer
+from giraff_schemas.requests import EStopAnswer
 
 
 @pytest.mark.parametrize("done", [False, True])

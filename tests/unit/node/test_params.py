@@ -131,8 +131,9 @@ def test_it_says_what_each_is_and_whether_it_lasts(params: Parameters[Config]) -
     assert not described(params, "margin").saved  # 0.5 comes again
     names = [param.name for param in params.describe()]
     assert names[:5] == ["margin", "fast", "noise", "port", "robot.name"]
-    shared = described(params, "robot.track_width")
-    assert (shared.live, shared.value, shared.doc) == ("fixed", 0.47, "m between the wheels' contact points.")
+    shared = described(params, "robot.footprint_radius")
+    assert (shared.live, shared.value) == ("fixed", 0.3)
+    assert shared.doc == "m: a disc about `base_link` that holds the whole robot."
 
 
 class Faded(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from giraff_core.retry import RetriedRequest
-from giraff_schemas.messages import EStopAnswer
+from giraff_schemas.requests import EStopAnswer
 
 NO = EStopAnswer(done=False, engaged=False, id=0, reason="no")
 YES = EStopAnswer(done=True, engaged=True, id=1, reason="")

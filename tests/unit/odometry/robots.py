@@ -2,10 +2,13 @@
 
 import msgspec
 
+from giraff_core.kinematics.calibration import EXACTLY, Calibration
 from giraff_schemas.messages import RobotTime, Wheels
 from tests.support import robots
 
-ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
+KNOWN = Calibration(covariance=EXACTLY)
+"""Nobody doubts its wheels and its track: what is left is what is random."""
+ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0, calibration=KNOWN)
 
 PERIOD_US = 10_000
 
@@ -27,6 +30,7 @@ def wheels(
     boot_id: int = 1,
     instance: str = "base-1",
     robot_s: float | None = None,
+    speeds: tuple[float, float] = (0.0, 0.0),
 ) -> Wheels:
     """A report of counters that may have wrapped. `robot_s`: base's clock since BOOTED_S, the board's when left out."""
     since_s = board_us / 1e6 if robot_s is None else robot_s
@@ -34,8 +38,8 @@ def wheels(
         instance=instance,
         left_ticks=signed32(left),
         right_ticks=signed32(right),
-        left_velocity=0.0,
-        right_velocity=0.0,
+        left_velocity=speeds[0],
+        right_velocity=speeds[1],
         left_pwm_counts=0,
         right_pwm_counts=0,
         board_us=board_us % (1 << 32),

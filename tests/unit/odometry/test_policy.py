@@ -8,13 +8,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_core.kinematics.calibration import Calibration
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
+from giraff_odometry.systematic_error import SystematicError
 from giraff_schemas.messages import Odometry, Wheels
 from tests.unit.odometry.robots import PERIOD_US, ROBOT, wheels
 
 CONFIG = OdometryConfig()
 HALF_WRAP = 1 << 31
+PERIOD_S = PERIOD_US / 1e6
 
 speeds = st.lists(st.tuples(st.integers(-25, 25), st.integers(-25, 25)), min_size=1, max_size=40)
 """Counts of both wheels in each period: up to 1.25 m/s."""
@@ -38,7 +41,8 @@ def reports(way: list[tuple[int, int]], start_ticks: int = 0, start_us: int = 0)
     left = right = start_ticks
     for step, (left_step, right_step) in enumerate(way, 1):
         left, right = left + left_step, right + right_step
-        samples.append(wheels(left, right, start_us + step * PERIOD_US))
+        speeds = left_step / ROBOT.ticks_per_metre / PERIOD_S, right_step / ROBOT.ticks_per_metre / PERIOD_S
+        samples.append(wheels(left, right, start_us + step * PERIOD_US, speeds=speeds))
     return samples
 
 
@@ -151,10 +155,11 @@ def test_what_cannot_be_followed_costs_certainty_and_moves_nothing(sample: Wheel
 
 
 def test_a_gap_keeps_the_wheels_travel_and_costs_certainty_by_it() -> None:
-    odometry, before, after = interrupted(wheels(COUNTS[0] + 1000, COUNTS[1] + 1000, 50 * PERIOD_US + 1_000_000))
+    late = wheels(COUNTS[0] + 1000, COUNTS[1] + 1000, 50 * PERIOD_US + 1_000_000, speeds=(0.4, 0.4))
+    odometry, before, after = interrupted(late)
     assert after.path == pytest.approx(before.path + 0.5)
     assert after.x == pytest.approx(before.x + 0.5 * math.cos(before.yaw))
-    assert after.linear_x == pytest.approx(0.5)
+    assert after.linear_x == pytest.approx(0.4)  # as the board measures it now, not the average of the gap
     assert "gap" in odometry.notice
     assert after.covariance[0] - before.covariance[0] == pytest.approx(0.25**2, rel=0.01)
     heading = 2.0 * CONFIG.wheel_noise * 0.5 / ROBOT.track_width**2  # known as well as ever: the arc's shape is not
@@ -244,3 +249,36 @@ def test_a_senseless_configuration_is_refused_in_clear_words(table: dict[str, fl
     assert msgspec.convert({}, OdometryConfig) == CONFIG
     with pytest.raises(msgspec.ValidationError, match=words):
         msgspec.convert(table, OdometryConfig)
+
+
+def test_speeds_are_the_boards_own() -> None:
+    start, moving = wheels(), wheels(10, 10, PERIOD_US, speeds=(0.2, 0.294))
+    answer = followed(policy(), start, moving)
+    assert (answer.linear_x, answer.angular_z) == pytest.approx((0.247, 0.2))
+
+
+def test_a_speed_that_no_wheel_can_have_is_not_believed_and_the_travel_is_gone_by() -> None:
+    odometry = policy()
+    answer = followed(odometry, wheels(), wheels(10, 10, PERIOD_US, speeds=(0.5, -1.6)))
+    assert (answer.linear_x, answer.angular_z) == pytest.approx((0.5, 0.0))
+    assert "max_wheel_speed" in odometry.notice
+    assert odometry.breaks == 0
+
+
+def test_each_wheel_and_the_track_go_by_the_calibration() -> None:
+    found = Calibration(left_wheel_scale=1.02, right_wheel_scale=0.98, track_scale=1.1)
+    robot = msgspec.structs.replace(ROBOT, calibration=found)
+    answer = followed(OdometryPolicy(CONFIG, robot), wheels(), wheels(20, 20, PERIOD_US))
+    assert answer.path == pytest.approx(0.01)
+    assert answer.yaw == pytest.approx(-0.04 * 0.01 / (1.1 * ROBOT.track_width))
+
+
+def test_what_is_systematic_is_in_the_covariance_beside_what_is_random() -> None:
+    doubted = msgspec.structs.replace(ROBOT, calibration=Calibration())
+    sure, doubtful = (followed(OdometryPolicy(CONFIG, robot), *DRIVING) for robot in (ROBOT, doubted))
+    assert pose(sure) == pose(doubtful)
+    shares = SystematicError(doubted.calibration, ROBOT.drive)
+    for _ in range(50):
+        shares.advance(10 / 2000, 14 / 2000)
+    both = [one + other for one, other in zip(sure.covariance, shares.covariance(), strict=True)]
+    assert doubtful.covariance == pytest.approx(both)

@@ -124,7 +124,9 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "board_us": 123,
         "boot_id": 4,
         "tick": _TIME,
+        "jumps": 2,
     },
+    m.TruePose: _START | {"x": 1.0, "y": 2.0, "yaw": 0.5, "tick": _TIME},
     m.BaseState: _START
     | {
         "armed": True,

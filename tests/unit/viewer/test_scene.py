@@ -3,21 +3,24 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 import rerun as rr
 
+from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_schemas import topics
-from giraff_schemas.messages import Range, Tick
+from giraff_schemas.messages import Range, Tick, TruePose
 from giraff_viewer.colours import CONES
 from giraff_viewer.cones import Cone
 from giraff_viewer.glyphs import drawable
 from giraff_viewer.memory import require_memory
 from giraff_viewer.plots import Values
 from giraff_viewer.scene import Row, Scene, stock
-from giraff_viewer.shapes import HALF_CONE, REACH, cone, outline
+from giraff_viewer.shapes import HALF_CONE, REACH, Strip, cone, ellipse, headings, outline
 from giraff_viewer.story import Story
 from giraff_viewer.trail import Trail
 from tests.unit.cli.samples import MS, at, base, estop, guard, odometry, reading, verdict
@@ -54,6 +57,89 @@ def test_odometry_moves_base_link_and_draws_the_way() -> None:
     assert paths(scene.on_sample(topics.ODOM, odometry(SECOND, 1.1, 2.0), SECOND + 10 * MS)) == set()
     assert "floor/path" in paths(scene.look(SECOND + 600 * MS))
     assert "floor/path" not in paths(scene.look(SECOND + 2000 * MS))
+
+
+def strips_of(archetype: Any) -> list[Any]:
+    return [np.array(strip) for strip in archetype.strips.as_arrow_array().to_pylist()]
+
+
+def test_odometry_has_an_ellipse_about_it_and_the_headings_that_it_may_have() -> None:
+    scene = Scene(stock("sim"))
+    sure = odometry(SECOND, 1.0, 2.0, math.pi / 2.0)
+    sample = msgspec.structs.replace(sure, covariance=(0.04, 0.0, 0.0, 0.01, 0.0, 0.01))
+    place, left, right = strips_of(dict(scene.on_sample(topics.ODOM, sample, SECOND))["floor/ellipse"])
+    assert place.min(axis=0) == pytest.approx([1.0 - 0.2 * ELLIPSE_95, 2.0 - 0.1 * ELLIPSE_95], abs=2e-3)
+    assert place.max(axis=0) == pytest.approx([1.0 + 0.2 * ELLIPSE_95, 2.0 + 0.1 * ELLIPSE_95], abs=2e-3)
+    for way, side in ((left, 1.0), (right, -1.0)):
+        ahead, aside = way[1] - way[0]
+        assert tuple(way[0]) == (1.0, 2.0)
+        assert math.atan2(aside, ahead) == pytest.approx(math.pi / 2.0 + side * 0.196, abs=1e-5)
+    again = [scene.on_sample(topics.ODOM, odometry(n, 0.0), 2 * SECOND + n * 10 * MS) for n in range(100)]
+    assert sum("floor/ellipse" in paths(rows) for rows in again) == 25
+
+
+def true_pose(robot_ns: int, x: float, y: float, yaw: float = 0.0) -> TruePose:
+    return TruePose(x=x, y=y, yaw=yaw, tick=at(robot_ns))
+
+
+def test_a_simulated_robot_has_its_true_outline_beside_it() -> None:
+    scene = Scene(stock("sim"))
+    assert scene.on_sample(topics.TRUE_POSE, true_pose(SECOND, 0.0, 0.0), SECOND) == [], "odometry has not begun"
+    for step in range(30):  # 0.6 m/s
+        scene.on_sample(topics.ODOM, odometry(SECOND + step * 10 * MS, 0.006 * step), SECOND + step * 10 * MS)
+    late = dict(scene.on_sample(topics.TRUE_POSE, true_pose(SECOND + 100 * MS, 0.06, 0.1), SECOND + 300 * MS))
+    strips = strips_of(late["floor/truth"])
+    assert (strips[0].min(axis=0) + strips[0].max(axis=0)) / 2 == pytest.approx([0.0, 0.1], abs=1e-3)
+    assert colour_of(late["floor/truth"]) != colour_of(dict(scene.begin())["floor/robot"])
+    assert late["floor/truth"].labels.as_arrow_array().to_pylist() == ["truth"]
+    other = msgspec.structs.replace(true_pose(SECOND, 0.0, 0.0), tick=other_epoch())
+    assert scene.on_sample(topics.TRUE_POSE, other, 2 * SECOND) == [], "nothing is known of that time"
+
+
+def test_a_true_pose_is_held_against_no_odometry_of_another_frame() -> None:
+    """It was told in the frame from before, and is drawn in the one that counts now as soon as it is told in it."""
+    scene = Scene(stock("sim"))
+    scene.on_sample(topics.ODOM, odometry(SECOND, 0.0), SECOND)
+    scene.on_sample(topics.ODOM, msgspec.structs.replace(odometry(SECOND + 10 * MS, 5.0), jumps=1), SECOND)
+    assert scene.on_sample(topics.TRUE_POSE, true_pose(SECOND + 4 * MS, 0.0, 0.0), SECOND) == []
+    later = dict(scene.on_sample(topics.TRUE_POSE, true_pose(SECOND + 12 * MS, 5.0, 0.1), SECOND + 50 * MS))
+    strips = strips_of(later["floor/truth"])
+    assert (strips[0].min(axis=0) + strips[0].max(axis=0)) / 2 == pytest.approx([0.0, 0.1], abs=1e-3)
+
+
+def area(strip: Strip) -> float:
+    return sum(x * later_y - later_x * y for (x, y), (later_x, later_y) in pairwise(strip)) / 2.0
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, math.pi / 2.0, 2.5])
+@pytest.mark.parametrize(("long", "short"), [(0.3, 0.1), (0.2, 0.2), (0.5, 0.0), (0.0, 0.0), (1.0, 1e-9)])
+def test_an_ellipse_has_the_axes_of_its_covariance(long: float, short: float, angle: float) -> None:
+    cos, sin = math.cos(angle), math.sin(angle)
+    xx, yy = (long * cos) ** 2 + (short * sin) ** 2, (long * sin) ** 2 + (short * cos) ** 2
+    strip = ellipse(xx, (long**2 - short**2) * cos * sin, yy)
+    assert len(strip) == 49
+    assert strip[0] == pytest.approx(strip[-1], abs=1e-9)
+    assert area(strip) == pytest.approx(math.pi * 5.991 * long * short, rel=5e-3, abs=1e-7)
+    assert max(x * cos + y * sin for x, y in strip) == pytest.approx(long * math.sqrt(5.991), rel=5e-3, abs=1e-7)
+    assert max(y * cos - x * sin for x, y in strip) == pytest.approx(short * math.sqrt(5.991), rel=5e-3, abs=1e-6)
+
+
+def test_an_ellipse_holds_95_of_100_points() -> None:
+    xx, xy, yy = 0.05, 0.02, 0.01
+    points = np.random.default_rng(1).multivariate_normal((0.0, 0.0), [[xx, xy], [xy, yy]], 20_000)
+    corners = np.array(ellipse(xx, xy, yy))
+    edges, starts = np.diff(corners, axis=0), corners[:-1]
+    to_point = points[:, None, :] - starts
+    inside = (edges[:, 0] * to_point[:, :, 1] - edges[:, 1] * to_point[:, :, 0] >= 0.0).all(axis=1)
+    assert inside.mean() == pytest.approx(0.95, abs=0.005)
+
+
+@pytest.mark.parametrize(
+    "covariance", [(-1.0, 0.0, -1.0), (1e308, 1e308, 1e308), (0.0, 1.0, 0.0), (1e308, 0.0, -1e308)]
+)
+def test_a_covariance_that_is_none_can_be_drawn(covariance: tuple[float, float, float]) -> None:
+    assert np.isfinite(ellipse(*covariance)).all()
+    assert np.isfinite(headings(covariance[0], 0.3)).all()
 
 
 @pytest.mark.parametrize(
@@ -105,13 +191,30 @@ def test_a_cone_reaches_to_the_echo() -> None:
 def test_a_trail_stays_short_and_begins_anew() -> None:
     trail = Trail()
     for step in range(100_000):
-        trail.go_on(step * 0.02, 0.0, "a")
+        trail.go_on(step * 0.02, 0.0, "a", 0)
     assert len(trail.points) <= 1000
     assert trail.points[0] == (0.0, 0.0)
     assert trail.points[-1][0] > 1990.0
-    assert not trail.go_on(*trail.points[-1], "a")
-    assert trail.go_on(0.0, 0.0, "b")
+    assert not trail.go_on(*trail.points[-1], "a", 0)
+    assert trail.go_on(0.0, 0.0, "b", 0)
     assert trail.points == [(0.0, 0.0)]
+
+
+def test_a_trail_has_no_line_over_a_jump_and_has_one_over_a_gap() -> None:
+    """However near the pose was set; and however far the robot went unheard, it went there."""
+    trail = Trail()
+    trail.go_on(0.0, 0.0, "a", 0)
+    trail.go_on(3.0, 0.0, "a", 0)
+    assert trail.points == [(0.0, 0.0), (3.0, 0.0)]
+    assert trail.go_on(3.01, 0.0, "a", 1)
+    assert trail.points == [(3.01, 0.0)]
+    scene = Scene(stock("sim"))
+    for jumps, x in ((0, 0.0), (0, 0.1), (1, 0.2), (1, 0.3)):
+        rows = scene.on_sample(topics.ODOM, msgspec.structs.replace(odometry(SECOND, x), jumps=jumps), SECOND)
+        assert rows or x
+    [drawn] = [what for path, what in scene.look(2 * SECOND) if path == "floor/path"]
+    [strip] = drawn.strips.as_arrow_array().to_pylist()
+    assert [point[0] for point in strip] == pytest.approx([0.2, 0.3])
 
 
 def test_the_log_tells_each_change_once_with_its_reason() -> None:

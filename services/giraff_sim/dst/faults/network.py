@@ -5,17 +5,8 @@ from __future__ import annotations
 from random import Random
 from typing import Final
 
-from giraff_schemas.messages import (
-    DriveCommand,
-    EStopAnswer,
-    EStopEngage,
-    EStopReset,
-    GuardedCommand,
-    Lease,
-    Range,
-    Tick,
-    Wheels,
-)
+from giraff_schemas.messages import DriveCommand, GuardedCommand, Lease, Range, Tick, Wheels
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.judging.stops import BEYOND_US
 from giraff_sim.dst.network import Link

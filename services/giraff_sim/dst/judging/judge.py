@@ -16,8 +16,9 @@ from __future__ import annotations
 
 from typing import Any, Final, NamedTuple
 
-from giraff_schemas.messages import BaseState, EStopAnswer, EStopEngage, EStopReset, GuardedCommand, Lease
+from giraff_schemas.messages import BaseState, GuardedCommand, Lease
 from giraff_schemas.params import ParamAnswer, ParamSave
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame, SpeedFrame
 from giraff_sim.dst.judging.contrary import Contrary
 from giraff_sim.dst.judging.explain import Asked, Explainer, Twist

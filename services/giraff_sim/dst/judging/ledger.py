@@ -9,15 +9,8 @@ from collections import defaultdict, deque
 from collections.abc import Iterator
 from typing import Any, Final, NamedTuple
 
-from giraff_schemas.messages import (
-    BaseState,
-    DriveCommand,
-    EStopEngage,
-    EStopReset,
-    GuardedCommand,
-    Lease,
-    Range,
-)
+from giraff_schemas.messages import BaseState, DriveCommand, GuardedCommand, Lease, Range
+from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, SpeedFrame, TiltFrame, WheelsFrame
 from giraff_sim.dst.judging.wishes import Wishes
 from giraff_sim.hosts.event_queue import EventQueue

@@ -1,0 +1,79 @@
+"""What one service is asked, and what it answers: the emergency stop is base's, the pose odometry's.
+
+They are MessagePack maps as samples are, checked where they are made and where they arrive.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from giraff_schemas.checks import require_finite
+from giraff_schemas.messages import RobotTime
+
+
+class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
+    """Asks base to stop at once and stay so."""
+
+    by: str
+    reason: str
+
+
+class EStopReset(msgspec.Struct, frozen=True, kw_only=True):
+    """Asks base to clear one latch. It permits motion and never causes it."""
+
+    by: str
+    id: int
+    tick: RobotTime | None
+    """Of the human's wish: an old reset clears nothing newer."""
+    engaged_ns: int | None = None
+    """`EStop.engaged_ns` as it was shown: base clears no stop that has a newer one. None: it was not shown."""
+
+
+class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """What base did with either."""
+
+    done: bool
+    """The state is as asked, and on disk."""
+    engaged: bool
+    id: int
+    reason: str
+    """Why not, with the way out; empty when done."""
+
+
+class OdomReset(msgspec.Struct, frozen=True, kw_only=True):
+    """Asks odometry to begin anew here: pose, path and covariance are 0."""
+
+    by: str
+    id: int
+    """Random, of this wish: asked again with the same one, it is not done again."""
+
+
+class OdomSetPose(msgspec.Struct, frozen=True, kw_only=True):
+    """Asks odometry to take the robot to be elsewhere: m and rad, in `odom`. The path goes on."""
+
+    by: str
+    id: int
+    """As of `OdomReset`."""
+    x: float
+    y: float
+    yaw: float
+    """rad, any number of turns."""
+    position_sd: float = 0.0
+    """m; how sure that is, on either axis, as a standard deviation."""
+    yaw_sd: float = 0.0
+    """rad; the same of the heading."""
+
+    def __post_init__(self) -> None:
+        require_finite(self, self.x, self.y, self.yaw, self.position_sd, self.yaw_sd)
+        if self.position_sd < 0.0 or self.yaw_sd < 0.0:
+            raise ValueError(f"position_sd {self.position_sd} and yaw_sd {self.yaw_sd} must not be negative")
+
+
+class OdomAnswer(msgspec.Struct, frozen=True, kw_only=True):
+    """What odometry did with either."""
+
+    done: bool
+    jumps: int
+    """`Odometry.jumps` of the samples from now on."""
+    reason: str
+    """Why not, with the way out; empty when done."""

@@ -1,0 +1,38 @@
+"""What a run itself says on the network: where the simulated robot truly is, for people who look at it."""
+
+from __future__ import annotations
+
+import logging
+import secrets
+from typing import Final
+
+import zenoh
+
+from giraff_node.node import Publisher
+from giraff_node.process.health import HealthState
+from giraff_schemas.codec import encode, encoding_of
+from giraff_schemas.messages import Health, TruePose
+from giraff_schemas.services import RUN
+from giraff_schemas.topics import TRUE_POSE, alive_key, health_key
+
+_log: Final = logging.getLogger(__name__)
+
+
+class Announcer:
+    """Tells of itself as a service does, so that whoever looks knows who says this. It ends with its session."""
+
+    def __init__(self, session: zenoh.Session, robot: str) -> None:
+        instance = secrets.token_hex(8)
+        self._condition = HealthState(RUN.name, instance, _log)
+        self._condition.publishes.append(TRUE_POSE.key)
+        self._publisher = Publisher(session, robot, TRUE_POSE, instance)
+        self._queryable = session.declare_queryable(health_key(robot, RUN.name), self._on_health_query)
+        self._token = session.liveliness().declare_token(alive_key(robot, RUN.name, instance))
+
+    def tell(self, pose: TruePose | None) -> None:
+        """Where the robot is; None: that is not known as yet."""
+        if pose is not None:
+            self._publisher.put(pose)
+
+    def _on_health_query(self, query: zenoh.Query) -> None:
+        query.reply(query.key_expr, encode(self._condition.health()), encoding=encoding_of(Health))

@@ -1,0 +1,74 @@
+"""A recording in which the pose of odometry was set: nobody recorded by whom and to what."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import msgspec
+import pytest
+
+from giraff_cli.replay.agreement import Agreement
+from giraff_cli.replay.policies import RecordedSamples, replay_odometry
+from giraff_core.kinematics.calibration import Calibration
+from giraff_odometry.config import OdometryConfig
+from giraff_odometry.policy import OdometryPolicy
+from giraff_schemas.codec import stamped
+from giraff_schemas.requests import OdomReset, OdomSetPose
+from tests.unit.odometry.robots import PERIOD_US, ROBOT, wheels
+
+UNSURE = msgspec.structs.replace(ROBOT, calibration=Calibration())
+"""Nobody has calibrated it."""
+Wish = Callable[[OdometryPolicy], object]
+SAMPLES = 400
+
+
+def replayed(wishes: Mapping[int, Wish], *, from_: int = 0, drift: float = 1.0) -> Agreement:
+    """Four seconds of a bend, in which somebody wishes something after so many samples.
+
+    Recorded from the sample `from_` on. `drift`: of what odometry said, its poses' x by so much too large.
+    """
+    odometry, said = OdometryPolicy(OdometryConfig(), UNSURE), RecordedSamples()
+    for step in range(SAMPLES):
+        heard = wheels(10 * step, 14 * step, step * PERIOD_US)
+        told = odometry.on_wheels(heard)
+        assert told is not None
+        if step >= from_:
+            said.add(stamped(heard, step, step * 10, "base-1"))
+            said.add(stamped(msgspec.structs.replace(told, x=told.x * drift), step, step * 10 + 1, "odometry-1"))
+        if wish := wishes.get(step):
+            wish(odometry)
+    return replay_odometry(said, OdometryConfig(), UNSURE)
+
+
+def reset(odometry: OdometryPolicy) -> None:
+    odometry.on_reset(OdomReset(by="ann", id=odometry.jumps + 1000))
+
+
+def there(odometry: OdometryPolicy) -> None:
+    odometry.on_set_pose(OdomSetPose(by="ann", id=odometry.jumps + 1000, x=3.0, y=4.0, yaw=2.0, position_sd=0.1))
+
+
+def both(odometry: OdometryPolicy) -> None:
+    reset(odometry)
+    there(odometry)
+
+
+@pytest.mark.parametrize(
+    ("wishes", "left_out"),
+    [
+        ({}, 1),
+        ({100: reset}, 1),
+        ({100: there}, 2),
+        ({100: both}, 2),
+        ({100: there, 200: reset, 300: there}, 3),
+    ],
+)
+@pytest.mark.parametrize("from_", [0, 50])
+def test_it_goes_on_behind_each_jump(wishes: dict[int, Wish], left_out: int, from_: int) -> None:
+    found = replayed(wishes, from_=from_)
+    assert found.first == ""
+    assert (found.equal, found.compared, found.left_out) == (SAMPLES - from_ - left_out,) * 2 + (left_out,)
+
+
+def test_what_is_otherwise_shows_behind_a_jump_too() -> None:
+    assert replayed({100: reset}, drift=1.01).share < 0.1
