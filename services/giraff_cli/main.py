@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from giraff_cli.calibrate.commands import calibrate
 from giraff_cli.check.commands import check
 from giraff_cli.doctor.commands import doctor
 from giraff_cli.drive.commands import drive
@@ -13,6 +14,7 @@ from giraff_cli.frames.commands import frames
 from giraff_cli.graph.commands import graph
 from giraff_cli.keys.commands import keys
 from giraff_cli.node.commands import node
+from giraff_cli.odom.commands import odom
 from giraff_cli.param.commands import param
 from giraff_cli.play.commands import play
 from giraff_cli.record.commands import record
@@ -35,11 +37,13 @@ for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, w
     app.command()(verb)
 for name, verbs in (
     ("estop", estop),
+    ("calibrate", calibrate),
     ("check", check),
     ("keys", keys),
     ("topic", topic),
     ("node", node),
     ("param", param),
+    ("odom", odom),
 ):
     app.add_typer(verbs, name=name)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import secrets
+import socket
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -14,6 +15,7 @@ from typing import Any, Final, Self
 import zenoh
 
 from giraff_client.errors import NoRobotError, RobotError, SilentError
+from giraff_client.jump import jump
 from giraff_client.policy import OperatorPolicy
 from giraff_client.reading import blockage, has_heard_each_sensor, is_fresh, ranges_of, require_finite
 from giraff_core.timer import Timer
@@ -33,6 +35,7 @@ from giraff_node.network.session import close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import BaseState, Battery, DriveCommand, EStop, GuardState, Odometry, Range, Sample
+from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 from giraff_schemas.services import CLIENT
 from giraff_schemas.topics import (
     BASE,
@@ -40,8 +43,12 @@ from giraff_schemas.topics import (
     ESTOP,
     GUARD,
     ODOM,
+    ODOM_RESET,
+    ODOM_SET_POSE,
     OPERATOR_CMD_VEL,
     TICK,
+    Query,
+    RequestT,
     SampleT,
     Topic,
     alive_key,
@@ -112,6 +119,26 @@ class Robot:
         """Pose in `odom` and twist, newest first heard within the last second. Raises SilentError, LostRobotError."""
         return self._fresh(ODOM, "check that giraff_odometry and giraff_base run")
 
+    def reset_odom(self) -> None:
+        """Let odometry begin anew here: pose, path and covariance are 0, also of the next `odom`. It moves nothing.
+
+        As of `set_odom`.
+        """
+        self._jump(ODOM_RESET, OdomReset(by=self._by, id=secrets.randbits(63)))
+
+    def set_odom(self, x: float, y: float, yaw: float, position_sd: float = 0.0, yaw_sd: float = 0.0) -> None:
+        """Let odometry take the robot to be there: m and rad, in `odom`; the path goes on. It moves nothing.
+
+        `position_sd` (m, on either axis) and `yaw_sd` (rad): standard deviations of how sure that is. It returns when
+        odometry has confirmed it and the next `odom` is from after it, which takes some hundredths of a second. A
+        robot that nobody has named takes a typed yes, as of `arm`. Raises SilentError without odometry, RobotError
+        where it refuses, ValueError for what is no pose.
+        """
+        request = OdomSetPose(
+            by=self._by, id=secrets.randbits(63), x=x, y=y, yaw=yaw, position_sd=position_sd, yaw_sd=yaw_sd
+        )
+        self._jump(ODOM_SET_POSE, request)
+
     def ranges(self) -> dict[str, Range]:
         """By sensor, for each that the robot has, the newest reading, m.
 
@@ -153,14 +180,7 @@ class Robot:
         because somebody has reset something. A robot that nobody has named takes a typed yes, unless it is the
         simulation of this host. Raises RobotError.
         """
-        if self._session is None:
-            raise NoRobotError(_OUTSIDE)
-        if not self._is_named:
-            try:
-                require_consent(self._session, self.name, f'Robot("{self.name}")')
-            except UnknownRobotError as error:
-                raise NoRobotError(str(error)) from error
-            self._is_named = True
+        self._require_consent()
         deadline = time.monotonic() + self._patience
         with self._lock:
             self._policy.begin(time.monotonic())
@@ -236,6 +256,33 @@ class Robot:
             raise NoRobotError(
                 f"no Zenoh session: {error}; check the table [network] of the robot file, and `connect`"
             ) from error
+
+    @property
+    def _by(self) -> str:
+        """Whom to name to those who ask who it was."""
+        return f"{self._operator}@{socket.gethostname()}"
+
+    def _require_consent(self) -> zenoh.Session:
+        """The session, once it is known that this robot is meant. Raises NoRobotError."""
+        if self._session is None:
+            raise NoRobotError(_OUTSIDE)
+        if not self._is_named:
+            try:
+                require_consent(self._session, self.name, f'Robot("{self.name}")')
+            except UnknownRobotError as error:
+                raise NoRobotError(str(error)) from error
+            self._is_named = True
+        return self._session
+
+    def _jump(self, query: Query[RequestT, OdomAnswer], request: RequestT) -> None:
+        def newest() -> tuple[Odometry | None, float]:
+            sample, heard = self._newest.get(ODOM.key, (None, 0.0))
+            return sample if isinstance(sample, Odometry) else None, heard
+
+        try:
+            jump(self._require_consent(), self.name, query, request, self._patience, newest)
+        except SilentError as error:
+            raise self._silence(str(error)) from error
 
     def _put(self, command: DriveCommand) -> None:
         """Publish, and wait until the next one may come."""

@@ -12,8 +12,8 @@ from typing import Final, Protocol, TypeVar
 
 from giraff_base.config import BaseConfig
 from giraff_cli.check.bench import BenchError, Levels, WheelBench
-from giraff_cli.check.robot_file import RobotFileError, record
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
+from giraff_cli.robot_file import RobotFileError, record
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_schemas.wire import Latch, Wiring

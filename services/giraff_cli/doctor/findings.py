@@ -7,8 +7,9 @@ from typing import Final, Literal
 
 import msgspec
 
-from giraff_cli.doctor.inspection import HealthReply, Inspection, Machine, Network, Probe, Rate, Robot
+from giraff_cli.doctor.inspection import Geometry, HealthReply, Inspection, Machine, Network, Probe, Rate, Robot
 from giraff_cli.telemetry.describe import START_A_HAND
+from giraff_core.kinematics.calibration import Calibration
 from giraff_schemas.services import BASE, HANDS, ODOMETRY, ROBOTS_OWN
 
 Severity = Literal["fault", "warning", "note"]
@@ -44,7 +45,7 @@ def findings(look: Inspection) -> list[Finding]:
         found += _of_silence(look)
     else:
         found += [*_of_network(look.network), *_of_services(look.robot), *_of_answers(look.robot, look.machine)]
-        found += [*_of_rates(look.robot), *_of_state(look.robot)]
+        found += [*_of_geometries(look.robot, look.machine), *_of_rates(look.robot), *_of_state(look.robot)]
     order = ("fault", "warning", "note")
     return sorted(dict.fromkeys(found), key=lambda each: order.index(each.severity))
 
@@ -234,6 +235,49 @@ def _of_versions(answers: tuple[HealthReply, ...], machine: Machine) -> Iterator
         told = "; ".join(f"{running} on {', '.join(sorted(where))}" for running, where in by_version.items())
         fix = "install the same version on all machines, and restart the services"
         yield Finding(severity="fault", about="version", what=f"versions differ: {told}", fix=fix)
+
+
+def _of_geometries(robot: Robot, machine: Machine) -> Iterator[Finding]:
+    """A process that was not restarted since the robot file was changed goes by what it has read."""
+    stale = [each for each in robot.geometries if each.host == machine.host and _is_stale(each.geometry, machine)]
+    if stale and machine.geometry is not None:
+        services = sorted({each.service for each in stale})
+        fields = {field: each.geometry for each in stale for field in _apart(each.geometry, machine.geometry)}
+        told = "; ".join(
+            f"{field} {_shown(old, field)}, now {_shown(machine.geometry, field)}" for field, old in fields.items()
+        )
+        yield Finding(
+            severity="warning",
+            about="geometry",
+            what=f"{', '.join(services)} {'goes' if len(services) == 1 else 'go'} by the geometry from before: {told}",
+            fix=f"restart {'it' if len(services) == 1 else 'them'} at rest: "
+            f"systemctl restart {' '.join(f'giraff@{service}' for service in services)}, or docker-compose restart",
+        )
+    others = [each for each in robot.geometries if each not in stale]
+    for field in sorted({field for each in others for field in _apart(each.geometry, others[0].geometry)}):
+        who: dict[str, list[str]] = {}
+        for each in others:
+            who.setdefault(_shown(each.geometry, field), []).append(f"{each.service} on {each.host}")
+        values = "; ".join(f"{value} in {', '.join(services)}" for value, services in who.items())
+        fix = "give all hosts the same robot file, and restart the services at rest"
+        yield Finding(severity="warning", about="geometry", what=f"{field} differs: {values}", fix=fix)
+
+
+def _is_stale(geometry: Geometry, machine: Machine) -> bool:
+    return machine.geometry is not None and geometry != machine.geometry
+
+
+def _apart(one: Geometry, other: Geometry) -> list[str]:
+    """The fields in which they differ."""
+    return [field for field in Geometry.__struct_fields__ if getattr(one, field) != getattr(other, field)]
+
+
+def _shown(geometry: Geometry, field: str) -> str:
+    value = getattr(geometry, field)
+    if isinstance(value, Calibration):
+        left, right, track = value.scales
+        return f"{value.date or 'of no date'} (wheels {left:.5g} {right:.5g}, track {track:.5g})"
+    return f"{value:.6g}"
 
 
 def _of_rates(robot: Robot) -> Iterator[Finding]:

@@ -7,6 +7,7 @@ from typing import Literal
 import msgspec
 
 from giraff_cli.network.interfaces import Interface
+from giraff_core.kinematics.calibration import Calibration
 from giraff_schemas.messages import BaseState, EStop, Health
 
 Outcome = Literal["answers", "refused", "silent", "no way", "untrusted"]
@@ -31,6 +32,23 @@ class Disk(msgspec.Struct, frozen=True, kw_only=True):
     problem: str = ""
 
 
+class Geometry(msgspec.Struct, frozen=True, kw_only=True):
+    """Wheels and track, as the table [robot] has them."""
+
+    track_width: float
+    """m"""
+    ticks_per_metre: float
+    calibration: Calibration
+
+
+class GeometryInUse(msgspec.Struct, frozen=True, kw_only=True):
+    """What one process goes by: it has read its robot file once, when it started."""
+
+    service: str
+    host: str
+    geometry: Geometry
+
+
 class Machine(msgspec.Struct, frozen=True, kw_only=True):
     """This one."""
 
@@ -44,6 +62,8 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     keys_problem: str = ""
     keys_expired: bool = False
     wiring_checked: bool = True
+    geometry: Geometry | None = None
+    """As its robot file has it now; None: it has none, or that of another robot than the one whose base runs here."""
 
 
 class Probe(msgspec.Struct, frozen=True, kw_only=True):
@@ -111,6 +131,8 @@ class Robot(msgspec.Struct, frozen=True, kw_only=True):
     """By service, how many of it are on the network."""
     answers: tuple[HealthReply, ...]
     rates: tuple[Rate, ...]
+    geometries: tuple[GeometryInUse, ...] = ()
+    """Of those that have told it."""
     base: BaseState | None = None
     estop: EStop | None = None
 

@@ -14,11 +14,12 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_cli.doctor.inspection import Disk, Machine, Port
+from giraff_cli.doctor.inspection import Disk, Geometry, Machine, Port
 from giraff_cli.network.interfaces import interfaces
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read_tables
+from giraff_node.network.discovery import simulated_name
 from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
@@ -75,6 +76,20 @@ def wiring_checked(environment: Mapping[str, str] = os.environ) -> bool:
     with contextlib.suppress(ConfigError):
         return load("robot", RobotConfig, environment).wiring_checked
     return True
+
+
+def geometry_of(robot: str, environment: Mapping[str, str] = os.environ) -> Geometry | None:
+    """What this machine's robot file says of wheels and track now; None: there is none, or it is another robot's.
+
+    The robot that `giraff run` simulates here has its geometry from the file, too, and a name of its own.
+    """
+    with contextlib.suppress(ConfigError):
+        told = load("robot", RobotConfig, environment)
+        if robot in (told.name, simulated_name(socket.gethostname())):
+            return Geometry(
+                track_width=told.track_width, ticks_per_metre=told.ticks_per_metre, calibration=told.calibration
+            )
+    return None
 
 
 def _greet(path: str, baud: int, kind: BoardKind) -> str:

@@ -10,23 +10,29 @@ from typing import Any, Final
 import msgspec
 import zenoh
 
-from giraff_cli.doctor.inspection import HealthReply, Rate, Robot
+from giraff_cli.doctor.inspection import Geometry, GeometryInUse, HealthReply, Rate, Robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.telemetry.collector import Telemetry
 from giraff_node import robot_now_ns
 from giraff_node.network.tcp_options import set_tcp_options
+from giraff_schemas.codec import encode, encoding_of
 from giraff_schemas.messages import Health, Sample
+from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import SERVICES
-from giraff_schemas.topics import BATTERY, OPERATOR_CMD_VEL, Topic, health_key
+from giraff_schemas.topics import BATTERY, OPERATOR_CMD_VEL, PARAM_DESCRIBE, Topic, health_key, key_of
 
 MAKERS: Final[dict[Topic[Any], str]] = {
     topic: service.name
     for service in SERVICES
     for topic in service.publishes
-    if topic.rate_hz and topic not in (BATTERY, OPERATOR_CMD_VEL)
+    if topic.rate_hz and topic not in (BATTERY, OPERATOR_CMD_VEL) and not service.optional
 }
-"""Of what a robot says all the time: not all measure their battery, and nobody need ask to drive."""
+"""Of what a robot says all the time: not all measure their battery, and nobody need ask to drive. Only of a simulated
+one the truth is known."""
 
+_CONFIGURED: Final = frozenset(service.name for service in SERVICES if service.table)
+"""Services that answer for their parameters."""
+_SHARED: Final = "robot."
 _LOOK_EVERY: Final = 0.02  # s
 _ASK_EVERY: Final = 0.25  # s; the quickest of several answers tells the clock best
 _HEAR_FIRST: Final = 3.0  # s
@@ -86,9 +92,55 @@ class HealthClient:
             self._best[health.instance] = HealthReply(health=health, ahead=ahead, uncertainty=half)
 
 
+class GeometryClient:
+    """Answers about what each process goes by of wheels and track."""
+
+    def __init__(self, session: zenoh.Session, robot: str) -> None:
+        self._session = session
+        self._key = key_of(robot, PARAM_DESCRIBE)
+        self._told: dict[str, GeometryInUse] = {}
+
+    def ask(self, within: float, running: Iterable[HealthReply]) -> None:
+        """Ask all until each of `running` that has parameters has told; `within`: s."""
+        there = {each.health.instance for each in running if each.health.service in _CONFIGURED}
+        if there and there <= self._told.keys():
+            return
+        self._session.get(
+            self._key,
+            self._on_reply,
+            payload=encode(ParamDescribe()),
+            encoding=encoding_of(ParamDescribe),
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=within,
+        )
+
+    @property
+    def answers(self) -> tuple[GeometryInUse, ...]:
+        """One a process."""
+        return tuple(sorted(self._told.values(), key=lambda each: (each.service, each.host)))
+
+    def _on_reply(self, reply: zenoh.Reply) -> None:
+        if reply.ok is None:
+            return
+        with suppress(msgspec.MsgspecError):  # of another version, which is told by its health
+            answer = msgspec.msgpack.decode(bytes(reply.ok.payload), type=ParamAnswer)
+            if geometry := geometry_in(answer):
+                self._told[answer.instance] = geometry
+
+
+def geometry_in(answer: ParamAnswer) -> GeometryInUse | None:
+    """What a service has told of wheels and track; None: not all of it. Raises ValidationError for what cannot be."""
+    told = {param.name.removeprefix(_SHARED): param.value for param in answer.params if param.name.startswith(_SHARED)}
+    if not told.keys() >= {*Geometry.__struct_fields__}:
+        return None
+    return GeometryInUse(service=answer.service, host=answer.host, geometry=msgspec.convert(told, Geometry))
+
+
 def listen(connection: RobotConnection, seconds: float) -> Robot | None:
     """What is heard within `seconds` of the first word; None: not a word."""
     listener, health = _Listener(), HealthClient(connection.session, connection.robot)
+    geometry = GeometryClient(connection.session, connection.robot)
     connection.subscribe_all()
     if not _first_word(connection, listener):
         return None
@@ -100,6 +152,7 @@ def listen(connection: RobotConnection, seconds: float) -> Robot | None:
         if elapsed >= next_question:
             next_question = elapsed + _ASK_EVERY
             health.ask(max(0.1, seconds - elapsed))
+            geometry.ask(max(0.1, seconds - elapsed), health.answers)
         time.sleep(_LOOK_EVERY)
     connection.dispatch(listener)
     now = listener.telemetry.snapshot(robot_now_ns())
@@ -108,6 +161,7 @@ def listen(connection: RobotConnection, seconds: float) -> Robot | None:
         seconds=seconds,
         services=dict(sorted(now.services.items())),
         answers=health.answers,
+        geometries=geometry.answers,
         rates=tuple(_rates(listener)),
         base=now.base.sample if now.base and now.base.fresh else None,
         estop=now.estop.sample if now.estop and now.estop.fresh else None,

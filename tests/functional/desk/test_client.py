@@ -20,8 +20,9 @@ from typing import Any
 
 import pytest
 
-from giraff_client import EmergencyStopError, NoRobotError, Robot, RobotError, TakenError
+from giraff_client import EmergencyStopError, NoRobotError, Robot, RobotError, SilentError, TakenError
 from giraff_node.network.session import LEASE as LINK_LEASE
+from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import GUARD, LEASE
 from tests.support.examples import EXAMPLES, HALL, first_of_the_page
 from tests.support.process_robot import ProcessRobot, process_robot
@@ -273,7 +274,7 @@ def test_it_draws_the_path_that_another_drives(named: ProcessRobot, script: Robo
         while drawing.poll() is None:
             drive_on(script, 0.2, 0.3)
         assert drawing.returncode == 0, drawing.communicate()
-    drawn = (named.directory / "path.svg").read_text().split('points="')[1].split('"')[0].split()
+    drawn = (named.directory / "path.svg").read_text().split(' d="M')[1].split('"')[0].split()
     points = [[float(value) for value in point.split(",")] for point in drawn]
     assert len(points) > 1
     assert max(math.dist(points[0], point) for point in points) > 0.1
@@ -322,3 +323,50 @@ def test_an_emergency_stop_is_told_and_a_reset_moves_nothing(named: ProcessRobot
     assert named.simulator.record(stopped_us).driven_ms == 0
     script.arm()
     wait(drives, PATIENCE, what=named.why)
+
+
+def newest_odom(script: Robot) -> Odometry:
+    """What a script reads, once this machine lets it."""
+    found: list[Odometry] = []
+
+    def is_heard() -> bool:
+        with suppress(SilentError):
+            found[:] = [script.odom()]
+        return bool(found)
+
+    wait(is_heard, PATIENCE, what="odom")
+    return found[0]
+
+
+def test_odometry_is_told_where_the_robot_is(named: ProcessRobot, script: Robot) -> None:
+    """By the command with numbers as they are typed, and by a script, which reads what it has set."""
+    named.wait("standstill", lambda: abs(newest_odom(script).linear_x) < 0.001, PATIENCE)
+    before = newest_odom(script)
+    script.set_odom(2.0, -3.0, 7.0, 0.1, 0.2)
+    now = newest_odom(script)
+    assert now.jumps == before.jumps + 1
+    assert (now.x, now.y, now.yaw) == pytest.approx((2.0, -3.0, 7.0 - math.tau), abs=0.01)
+    assert now.path >= before.path
+    assert (now.covariance[0], now.covariance[5]) == pytest.approx((0.01, 0.04), abs=0.001)
+
+    assert named.giraff("odom", "set", "-1", "0", "-90", "--degrees", "--timeout", "60") == 0
+    named.wait("odometry there", lambda: newest_odom(script).jumps == before.jumps + 2, PATIENCE)
+    there = newest_odom(script)
+    assert (there.x, there.y, there.yaw) == pytest.approx((-1.0, 0.0, -math.pi / 2), abs=0.01)
+    assert named.giraff("odom", "set", "1e9", "0", "0", "--timeout", "60") == 1
+    assert named.giraff("odom", "reset", "--timeout", "60") == 0
+    named.wait("odometry anew", lambda: newest_odom(script).jumps == before.jumps + 3, PATIENCE)
+    anew = newest_odom(script)
+    assert (anew.x, anew.y, anew.yaw, anew.path) == pytest.approx((0.0, 0.0, 0.0, 0.0), abs=0.01)
+    script.reset_odom()
+    assert newest_odom(script).jumps == before.jumps + 4
+
+
+def test_where_no_odometry_runs_it_is_told(named: ProcessRobot) -> None:
+    named.kill("odometry")
+    assert named.giraff("odom", "reset") == 2
+    with Robot(patience=PATIENCE) as robot:
+        robot._patience = 1.0  # which was for the robot to be found
+        with pytest.raises(RobotError, match=r"check that giraff_odometry runs|no tick of the robot"):
+            robot.reset_odom()
+    named.start("odometry")

@@ -129,6 +129,20 @@ def test_a_clock_that_is_wrong_and_versions_that_differ(robot: ProcessRobot) -> 
     assert version.count("0.1.0-") == 2
 
 
+def test_a_service_that_goes_by_another_geometry_than_the_robot_file(robot: ProcessRobot) -> None:
+    """As one that was not restarted since the file was changed."""
+
+    def of_geometry(told: Told) -> list[str]:
+        return [f"{each['what']} -> {each['fix']}" for each in told[1] if each["about"] == "geometry"]
+
+    with instead(robot, "odometry", robot.environment | {"GIRAFF_ROBOT_TRACK_WIDTH": "0.48"}):
+        told = of_geometry(until(robot, lambda: ask(robot), lambda told: bool(of_geometry(told))))
+    [line] = told
+    assert line.startswith(
+        "odometry goes by the geometry from before: track_width 0.48, now 0.47 -> restart it at rest"
+    )
+
+
 def test_a_disk_that_is_nearly_full_and_an_emergency_stop_which_is_no_fault(robot: ProcessRobot) -> None:
     assert robot.giraff("estop", "engage", "--reason", "a cat") == 0
     state = robot.environment["STATE_DIRECTORY"]

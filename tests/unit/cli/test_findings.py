@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from typing import Any
 
 import msgspec
@@ -10,6 +11,8 @@ import pytest
 from giraff_cli.doctor.findings import findings
 from giraff_cli.doctor.inspection import (
     Disk,
+    Geometry,
+    GeometryInUse,
     HealthReply,
     Inspection,
     Machine,
@@ -19,8 +22,17 @@ from giraff_cli.doctor.inspection import (
     Rate,
     Robot,
 )
+from giraff_cli.doctor.machine import geometry_of
+from giraff_cli.doctor.robot import geometry_in
 from giraff_cli.network.interfaces import Interface, is_own, on_link
+from giraff_core.kinematics.calibration import Calibration
+from giraff_core.parameters.table import Parameters
+from giraff_node.network.discovery import simulated_name
+from giraff_odometry.config import OdometryConfig
 from giraff_schemas.messages import Health
+from giraff_schemas.params import ParamAnswer
+from tests.rules.repository import ROOT
+from tests.support.robots import ROBOT as ODOMETRYS
 from tests.unit.cli.samples import base, estop
 
 SERVICES = ("base", "guard", "joystick", "odometry", "ranger")
@@ -66,6 +78,25 @@ def answered(*changed: HealthReply) -> Inspection:
     return of_robot(answers=(*(each for each in ROBOT.answers if each.health.service not in names), *changed))
 
 
+BUILT = Geometry(
+    track_width=0.47,
+    ticks_per_metre=2000.0,
+    calibration=Calibration(date="2026-11-25", left_wheel_scale=1.01, right_wheel_scale=0.99, track_scale=1.02),
+)
+MEASURED = msgspec.structs.replace(BUILT, track_width=0.48)
+
+
+def going_by(by_service: dict[str, Geometry], filed: Geometry | None = None, elsewhere: str = "") -> Inspection:
+    """Services that have read these; `filed`: what this machine's robot file says now; `elsewhere`: of them, one that
+    runs on another machine."""
+    told = tuple(
+        GeometryInUse(service=service, host="laptop" if service == elsewhere else "pc", geometry=geometry)
+        for service, geometry in by_service.items()
+    )
+    robot = msgspec.structs.replace(ROBOT, geometries=told)
+    return msgspec.structs.replace(HEALTHY, robot=robot, machine=msgspec.structs.replace(MACHINE, geometry=filed))
+
+
 def rated(**fields: Any) -> Inspection:
     return of_robot(rates=(msgspec.structs.replace(ROBOT.rates[0], **fields),))
 
@@ -108,6 +139,26 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (rated(hz=20.0), "fault guard: cmd_vel comes at 20 Hz instead of 50"),
         (rated(heard=0, hz=None), "fault guard: cmd_vel is silent, though giraff_guard says it is well"),
         (rated(lost=20), "fault network: cmd_vel: 20 of 95 samples were lost on the way"),
+        (
+            going_by({"base": MEASURED, "guard": MEASURED, "odometry": BUILT}),
+            "warning geometry: track_width differs: 0.48 in base on pc, guard on pc; 0.47 in odometry on pc -> give",
+        ),
+        (
+            going_by({"base": MEASURED, "odometry": msgspec.structs.replace(MEASURED, ticks_per_metre=2001.0)}),
+            "warning geometry: ticks_per_metre differs: 2000 in base on pc; 2001 in odometry on pc",
+        ),
+        (
+            going_by({"base": MEASURED, "odometry": msgspec.structs.replace(MEASURED, calibration=Calibration())}),
+            "calibration differs: 2026-11-25 (wheels 1.01 0.99, track 1.02) in base on pc; of no date (wheels",
+        ),
+        (
+            going_by({"base": BUILT, "guard": MEASURED, "odometry": BUILT}, filed=MEASURED),
+            "base, odometry go by the geometry from before: track_width 0.47, now 0.48 -> restart them at rest",
+        ),
+        (
+            going_by({"base": MEASURED, "guard": BUILT}, filed=MEASURED),
+            "guard goes by the geometry from before: track_width 0.47, now 0.48 -> restart it at rest",
+        ),
         (of_robot(estop=estop(engaged=True)), "note e-stop: the emergency stop is engaged by ann@desk: smoke"),
         (
             of_robot(
@@ -156,6 +207,42 @@ def test_a_small_difference_of_clocks_and_an_operators_notice_are_nothing() -> N
     assert findings(answered(resting)) == []
     unsure = msgspec.structs.replace(answer("base", 1.0), uncertainty=0.8)
     assert findings(answered(unsure)) == []
+
+
+def test_who_goes_by_one_geometry_is_nothing_and_who_did_not_restart_is_told_once() -> None:
+    assert findings(going_by({"base": BUILT, "odometry": BUILT}, filed=BUILT)) == []
+    assert findings(going_by({"base": BUILT, "odometry": BUILT})) == []
+    assert len(findings(going_by({"base": BUILT, "odometry": MEASURED}, filed=MEASURED))) == 1
+
+
+def test_this_machines_robot_file_says_nothing_of_another_machines_service() -> None:
+    [told] = said(going_by({"base": MEASURED, "joystick": BUILT}, filed=MEASURED, elsewhere="joystick"))
+    assert told.startswith("warning geometry: track_width differs: 0.48 in base on pc; 0.47 in joystick on laptop")
+
+
+def test_a_geometry_is_taken_out_of_what_a_service_tells() -> None:
+    """Whatever a simulated robot is told by its environment besides."""
+    robot = msgspec.structs.replace(ODOMETRYS, wheel_control="speed", calibration=BUILT.calibration)
+    params = Parameters("odometry", OdometryConfig(), robot).describe()
+    answer = ParamAnswer(service="odometry", instance="o", host="pc", done=True, reason="", params=params)
+    over_the_wire = msgspec.msgpack.decode(msgspec.msgpack.encode(answer), type=ParamAnswer)
+    told = geometry_in(over_the_wire)
+    assert told is not None
+    assert (told.service, told.host) == ("odometry", "pc")
+    assert told.geometry == Geometry(
+        track_width=robot.track_width, ticks_per_metre=robot.ticks_per_metre, calibration=robot.calibration
+    )
+    older = [param for param in params if param.name != "robot.calibration"]
+    assert geometry_in(msgspec.structs.replace(answer, params=tuple(older))) is None
+
+
+@pytest.mark.parametrize(
+    ("robot", "is_its"), [("giraff", True), (simulated_name(socket.gethostname()), True), ("otto", False)]
+)
+def test_a_robot_file_is_its_robots_and_of_the_simulation_here(robot: str, is_its: bool) -> None:
+    geometry = geometry_of(robot, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")})
+    assert (geometry is not None) == is_its
+    assert geometry_of(robot, {"GIRAFF_CONFIG": "/dev/null"}) is None
 
 
 def test_the_gravest_comes_first() -> None:

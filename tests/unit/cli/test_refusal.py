@@ -33,6 +33,7 @@ WORDS: dict[str, tuple[str, ...]] = {
     "param describe": ("guard.margin",),
     "param set": ("guard.margin", "0.25"),
     "param save": ("guard.margin",),
+    "odom set": ("-1", "0", "-1.57"),
     "play": (DRIVE,),
     "view": ("--for", "1", "--save", "FILE", "--json"),
     "run": ("--local", "--for", "1", "--boards", "host"),

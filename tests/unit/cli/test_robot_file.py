@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.check.robot_file import RobotFileError, record
+from giraff_cli.robot_file import RobotFileError, Value, record
 from giraff_sim.board import ROOT
 
-FIELDS = {"swap_motors": True, "swap_encoders": False}
+FIELDS: dict[str, Value] = {"swap_motors": True, "swap_encoders": False}
 
 
 @pytest.fixture
@@ -62,3 +62,79 @@ def test_a_disk_that_does_not_take_it_leaves_the_file_as_it_was(path: Path, monk
         record(path, "robot", FIELDS)
     assert path.read_text() == before
     assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208
+
+
+CALIBRATION: dict[str, Value] = {
+    "date": "2026-11-25",
+    "track_scale": 1.01,
+    "covariance": [1e-6, 0.0, 0.0, 1e-6, 0.0, 2e-6],
+}
+KEPT = "before-2026-11-25"
+
+
+def test_a_table_that_is_missing_is_made_and_the_file_before_it_is_kept(path: Path) -> None:
+    before = path.read_text()
+    kept = record(path, "robot.calibration", CALIBRATION, kept_as=KEPT)
+    after = path.read_text()
+    assert kept is not None
+    assert kept == path.with_name("robot.toml.before-2026-11-25")
+    assert kept.read_text() == before
+    assert kept.stat().st_mode & 0o777 == 0o640
+    assert "\n\n[robot.calibration]\n" in after
+    start = after.index("[robot.calibration]")
+    assert after.startswith(before[:start])  # all that is above it, and all that is below
+    assert after.endswith(before[start:])
+    was = tomllib.loads(before)
+    assert tomllib.loads(after) == {**was, "robot": {**was["robot"], "calibration": CALIBRATION}}
+
+
+def test_a_table_that_is_there_is_changed_in_place_and_no_copy_is_overwritten(path: Path) -> None:
+    path.write_text(path.read_text().replace("[network]", '[robot.calibration]\ndate = "x" # by hand\n\n[network]'))
+    texts = [path.read_text()]
+    for number in range(3):
+        record(path, "robot.calibration", {**CALIBRATION, "track_scale": 1.0 + number}, kept_as=KEPT)
+        texts.append(path.read_text())
+    assert 'date = "2026-11-25" # by hand\n' in texts[-1]
+    names = ("robot.toml.before-2026-11-25", "robot.toml.before-2026-11-25-2", "robot.toml.before-2026-11-25-3")
+    assert [path.with_name(name).read_text() for name in names] == texts[:3]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["[robot]\na = 1\n[base]\nb = 2\n[robot.sensors]\nc = 3 # c\n", "[robot]\na = 1 # a\n", "robot.a = 1\n[x]\n"],
+)
+def test_a_table_finds_its_place_in_any_file(path: Path, text: str) -> None:
+    path.write_text(text)
+    record(path, "robot.calibration", CALIBRATION)
+    was, tables = tomllib.loads(text), tomllib.loads(path.read_text())
+    assert tables == {**was, "robot": {**was["robot"], "calibration": CALIBRATION}}
+    assert [line for line in text.splitlines() if line not in path.read_text().splitlines()] == []
+
+
+@pytest.mark.parametrize("text", ["robot = {a = 1}\n", "[base]\n", "[robot]\ncalibration = 3\n", "[robot"])
+def test_a_file_without_a_place_for_the_table_is_left_alone(path: Path, text: str) -> None:
+    path.write_text(text)
+    with pytest.raises(RobotFileError, match=r'into \[robot.calibration\] by hand:\n    date = "2026-11-25"\n'):
+        record(path, "robot.calibration", CALIBRATION, kept_as=KEPT)
+    assert path.read_text() == text
+    assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208
+
+
+@pytest.mark.parametrize("calls", [0, 1, 2, 3])
+def test_a_disk_that_fills_up_on_the_way_leaves_the_file_and_no_copy(
+    path: Path, monkeypatch: pytest.MonkeyPatch, calls: int
+) -> None:
+    before = path.read_text()
+    done: list[int] = []
+
+    def full(descriptor: int) -> None:
+        done.append(descriptor)
+        if len(done) > calls:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(RobotFileError, match="No space left on device"):
+        record(path, "robot.calibration", CALIBRATION, kept_as=KEPT)
+    if calls < 3:  # the fourth is the folder, with the file in it already
+        assert path.read_text() == before
+        assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208

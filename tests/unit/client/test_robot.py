@@ -6,15 +6,19 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Never
 
+import msgspec
 import pytest
 import zenoh
 
+import giraff_client.jump
 import giraff_client.robot
-from giraff_client import BlockedError, LostRobotError, NoRobotError, Robot, SilentError
+import giraff_node.network.query_client
+from giraff_client import BlockedError, LostRobotError, NoRobotError, Robot, RobotError, SilentError
 from giraff_node.network.consent import NoRobotError as UnknownRobotError
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Battery, Sample, Tick
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, RANGE, TICK, Topic, key_of
+from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, ODOM_SET_POSE, RANGE, TICK, Topic, key_of
 from tests.unit.cli import samples
 
 
@@ -42,12 +46,26 @@ class Said:
         self.key_expr, self.payload, self.encoding = key, encode(sample), encoding_of(type(sample))
 
 
+class Reply:
+    """An answer as Zenoh hands it over."""
+
+    def __init__(self, answer: OdomAnswer) -> None:
+        self.ok = Answered(encode(answer))
+
+
+class Answered(msgspec.Struct):
+    payload: bytes
+
+
 class Network:
     """A session, and the clock of who uses it: each wait lets time pass, in which the robot goes on."""
 
     def __init__(self) -> None:
         self.now = 100.0
         self.ticks = True
+        self.asked: list[tuple[str, bytes]] = []
+        self.answer: OdomAnswer | None = None
+        """Of odometry, to the second time that it is asked."""
         self._listeners: dict[str, Callable[[Any], None]] = {}
         self._due: list[tuple[float, Topic[Any], Sample, str]] = []
 
@@ -74,6 +92,11 @@ class Network:
     def declare_subscriber(self, key: str, listener: Callable[[Any], None]) -> None:
         self._listeners[key] = listener
 
+    def get(self, key: str, on_reply: Callable[[Any], None], *, payload: bytes, **_: Any) -> None:
+        self.asked.append((key, payload))
+        if self.answer is not None and len(self.asked) > 1:
+            on_reply(Reply(self.answer))
+
     def liveliness(self) -> Network:
         return self
 
@@ -91,7 +114,8 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network()
     monkeypatch.setattr(giraff_client.robot, "open_session", lambda *_, **__: made)
     monkeypatch.setattr(giraff_client.robot, "close_session", lambda _: None)
-    monkeypatch.setattr(giraff_client.robot, "time", made)
+    for module in (giraff_client.robot, giraff_client.jump, giraff_node.network.query_client):
+        monkeypatch.setattr(module, "time", made)
     return made
 
 
@@ -186,9 +210,57 @@ def test_a_blocked_way_is_told_to_who_asks(network: Network, robot: Robot) -> No
         robot.check_way(float("nan"), 0.0)
 
 
+def odometry(x: float, jumps: int) -> Sample:
+    return msgspec.structs.replace(samples.odometry(0, x), jumps=jumps)
+
+
+def test_a_pose_that_is_set_is_what_is_read_next(network: Network, robot: Robot) -> None:
+    """Samples from before are still on their way when odometry has answered, and one wish is asked until it has."""
+    network.answer = OdomAnswer(done=True, jumps=3, reason="")
+    network.say(ODOM, odometry(9.0, 2))
+    network.say(ODOM, odometry(9.0, 2), after=0.3)
+    network.say(ODOM, odometry(1.0, 3), after=0.4)
+    began = network.now
+    robot.set_odom(1.0, -2.0, 0.5, yaw_sd=0.1)
+    assert network.now - began == pytest.approx(0.4, abs=0.03), "it waits no longer than it must"
+    assert (robot.odom().x, robot.odom().jumps) == (1.0, 3)
+    asked = {(key, msgspec.msgpack.decode(payload, type=OdomSetPose)) for key, payload in network.asked}
+    [(key, request)] = asked
+    assert len(network.asked) == 2
+    assert key == key_of("sim-test", ODOM_SET_POSE)
+    assert (request.x, request.y, request.yaw, request.position_sd, request.yaw_sd) == (1.0, -2.0, 0.5, 0.0, 0.1)
+    assert request.by.startswith("script@")
+
+
+def test_each_reset_is_a_wish_of_its_own(network: Network, robot: Robot) -> None:
+    network.answer = OdomAnswer(done=True, jumps=1, reason="")
+    for _ in range(2):
+        network.say(ODOM, odometry(0.0, 1), after=0.5)
+        robot.reset_odom()
+    wishes = [msgspec.msgpack.decode(payload, type=OdomReset).id for _, payload in network.asked]
+    assert len(set(wishes)) == 2
+
+
+def test_a_pose_that_is_not_set_says_why(network: Network, robot: Robot) -> None:
+    with pytest.raises(SilentError, match=r"nobody answers odom/set_pose; check that giraff_odometry runs"):
+        robot.set_odom(1.0, 0.0, 0.0)
+    network.answer = OdomAnswer(done=False, jumps=0, reason="x is 1e+09: it must be within -1e+06..1e+06 m")
+    with pytest.raises(RobotError, match=r"odometry refuses: x is 1e\+09"):
+        robot.set_odom(1e9, 0.0, 0.0)
+    network.answer = OdomAnswer(done=True, jumps=1, reason="")
+    with pytest.raises(SilentError, match=r"odom is not heard since; check that giraff_base runs"):
+        robot.set_odom(1.0, 0.0, 0.0)
+    for pose in ((float("nan"), 0.0, 0.0), (0.0, float("inf"), 0.0), (0.0, 0.0, 0.0, -1.0)):
+        with pytest.raises(ValueError, match=r"nan|inf|negative"):
+            robot.set_odom(*pose)
+    network.ticks = False
+    with pytest.raises(LostRobotError, match="no tick of the robot"):
+        robot.reset_odom()
+
+
 def test_what_is_read_outside_of_its_block_says_so() -> None:
     robot = Robot("sim-test")
-    for read in (robot.odom, robot.ranges, robot.battery, robot.arm, lambda: robot.drive(0.1, 0.0)):
+    for read in (robot.odom, robot.ranges, robot.arm, robot.reset_odom, lambda: robot.drive(0.1, 0.0)):
         with pytest.raises(NoRobotError, match=r"use it as `with Robot\(\) as robot:`"):
             read()
 
@@ -209,9 +281,12 @@ def test_a_robot_that_nobody_has_named_and_that_is_no_simulation_of_this_host_ta
     monkeypatch.setattr(giraff_client.robot, "require_consent", refuse)
     found = Robot()
     for _ in range(2):
-        with found, pytest.raises(NoRobotError, match="nobody has named it"):
-            found.drive(0.1, 0.0)
-    assert asked == [("sim-test", 'Robot("sim-test")')] * 2
+        with found:
+            with pytest.raises(NoRobotError, match="nobody has named it"):
+                found.drive(0.1, 0.0)
+            with pytest.raises(NoRobotError, match="nobody has named it"):
+                found.reset_odom()
+    assert asked == [("sim-test", 'Robot("sim-test")')] * 4
 
 
 def test_one_address_is_an_address(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,1 @@
+"""`giraff calibrate`: what a robot file says of the robot, measured."""

@@ -1,0 +1,66 @@
+"""The verbs of `giraff calibrate`. What they do is imported when it is asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from giraff_cli.options import Connect, Robot, require_extra
+
+calibrate = typer.Typer(no_args_is_help=True, help="What a robot truly is, measured and written into the robot file.")
+
+_RUNS = "CSV: time s, x m, y m, heading rad (truth), right counts, left counts since the row before; no header."
+
+
+@calibrate.callback()
+def about() -> None:
+    """What a robot truly is, measured and written into the robot file."""
+
+
+@calibrate.command()
+def odometry(
+    more: Annotated[list[str] | None, typer.Argument(hidden=True)] = None,
+    fit: Annotated[
+        list[str] | None,
+        typer.Option(metavar="RUNS", help=f"Recorded runs to fit to: FILE,FILE, 'PATTERN*', or --fit again. {_RUNS}"),
+    ] = None,
+    check: Annotated[
+        list[str] | None,
+        typer.Option(metavar="RUNS", help="Recorded runs that judge the fit, which does not see them."),
+    ] = None,
+    metadata: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Of recorded runs of another robot (rows ngear, encRes, Li, Di): the robot file is neither read nor "
+            "written. Without it they are this robot's, and the robot file is.",
+            show_default=False,
+        ),
+    ] = None,
+    json: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Also write the outcome of recorded runs as JSON.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Take a wheel that is 5 %, a track that is 10 % other than before.")
+    ] = False,
+    robot: Robot = None,
+    connect: Connect = None,
+) -> None:
+    """Measure wheels and track: drive lines, turns and squares by what this says; or --fit and --check recorded runs.
+
+    Checked runs that end farther off on average than before refuse it, also with --force. Of the robot file only
+    the table robot.calibration changes; a copy of it as it was stays beside it.
+
+    Exit code: 0 done; 1 refused, nothing written; 2 not begun.
+    """
+    require_extra("calibrate odometry", "numpy", "analysis,cli")
+    if not (fit or check or metadata or json or more):
+        from giraff_cli.calibrate.guided import calibrate_odometry  # noqa: PLC0415
+
+        raise typer.Exit(calibrate_odometry(robot, connect or (), force=force))
+    from giraff_cli.calibrate.recorded.command import Asked, calibrate_recorded  # noqa: PLC0415
+
+    asked = Asked(fit or (), check or (), more or (), metadata, json, force, is_live=bool(robot or connect))
+    raise typer.Exit(calibrate_recorded(asked))

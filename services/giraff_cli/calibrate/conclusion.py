@@ -1,0 +1,78 @@
+"""From measured runs to the robot file: fitted, judged, told and written, or refused and nothing written."""
+
+from __future__ import annotations
+
+import datetime as dt
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import msgspec
+
+from giraff_cli.calibrate.fit import UndeterminedError, fit
+from giraff_cli.calibrate.judgement import for_programs, in_words, judge, table_of, too_large_a_change
+from giraff_cli.calibrate.runs import Geometry, Run
+from giraff_cli.robot_file import RobotFileError, record
+
+DONE: Final = 0
+REFUSED: Final = 1
+UNUSABLE: Final = 2
+
+_NOT_WRITTEN: Final = "Nothing was written"
+
+
+class Conclusion(NamedTuple):
+    """What came of it."""
+
+    code: int
+    """Exit code of the command."""
+    outcome: dict[str, Any]
+    """For programs; empty: there was nothing to judge."""
+
+
+def conclude(
+    fitted: Sequence[Run],
+    checked: Sequence[Run],
+    geometry: Geometry,
+    robot_file: Path | None,
+    *,
+    force: bool,
+    tell: Callable[[str], None] = print,
+    agrees: Callable[[], bool] = lambda: True,
+) -> Conclusion:
+    """Fit, judge and write into `robot_file`; None: into none.
+
+    `force`: a scale far from the one before is taken, too. `agrees`: asked once all is told, before anything is
+    written.
+    """
+    if not checked:
+        return Conclusion(complain(f"no run is left to judge the fit by: add one. {_NOT_WRITTEN}.", REFUSED), {})
+    try:
+        found = fit(fitted, geometry)
+    except UndeterminedError as error:
+        return Conclusion(complain(f"{error}. {_NOT_WRITTEN}.", REFUSED), {})
+    judgement = judge(checked, geometry, found.scales)
+    tell(in_words(found, judgement, geometry))
+    refusal = judgement.refusal or ("" if force else too_large_a_change(geometry.scales, found.scales))
+    outcome = {**for_programs(found, judgement, geometry), "refused": refusal, "robot_file": None}
+    if refusal:
+        return Conclusion(complain(f"refused: {refusal}. {_NOT_WRITTEN}.", REFUSED), outcome)
+    if robot_file is None:
+        tell(f"{_NOT_WRITTEN}: the robot file is that of another robot.")
+        return Conclusion(DONE, outcome)
+    if not agrees():
+        return Conclusion(complain(f"not wanted. {_NOT_WRITTEN}.", REFUSED), outcome)
+    table = table_of(found, judgement, dt.datetime.now().astimezone().date().isoformat())
+    try:
+        kept = record(robot_file, "robot.calibration", msgspec.to_builtins(table), kept_as=f"before-{table.date}")
+    except RobotFileError as error:
+        return Conclusion(complain(str(error), REFUSED), outcome)
+    tell(f"Written: [robot.calibration] of {robot_file}; as it was before: {kept}. Restart the robot's services.")
+    return Conclusion(DONE, {**outcome, "robot_file": str(robot_file)})
+
+
+def complain(reason: str, code: int) -> int:
+    """One line on standard error; the code."""
+    print(f"giraff calibrate odometry: {reason}", file=sys.stderr, flush=True)
+    return code

@@ -1,0 +1,118 @@
+"""`giraff calibrate odometry`, guided: a person drives and measures, and the robot file is told what was found."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import FrameType
+from typing import Final
+
+from giraff_cli.calibrate.conclusion import DONE, UNUSABLE, complain, conclude
+from giraff_cli.calibrate.heard import NetworkWheels, differences
+from giraff_cli.calibrate.procedure import Procedure, WheelSource
+from giraff_cli.calibrate.runs import Geometry
+from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
+from giraff_cli.network.command import run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load, robot_file
+
+_PATIENCE: Final = 3.0  # s
+
+_INTERRUPTED: Final = 130
+
+
+def calibrate_odometry(robot: str | None, connect: Sequence[str], *, force: bool) -> int:
+    """The whole command; its exit code. `force`: scales may be far from those before."""
+
+    def act(connection: RobotConnection) -> int:
+        human = Terminal(sys.stdin, sys.stdout)
+        try:
+            path, filed = own_robot_file()
+            _tell_of(connection, human, path, filed)
+            return guide(human, NetworkWheels(connection), filed, path, force=force)
+        except ConfigError as error:
+            return complain(str(error), UNUSABLE)
+        except KeyboardInterrupt:
+            return _interrupted()
+
+    with _signals_interrupt():
+        try:
+            return run_with_robot(robot, connect, _PATIENCE, act)
+        except KeyboardInterrupt:  # before a robot was found
+            return _interrupted()
+
+
+def own_robot_file() -> tuple[Path, RobotConfig]:
+    """Of this machine: where it is, and what it says. ConfigError where it cannot be read, or not be written."""
+    path, filed = robot_file(), load("robot", RobotConfig)
+    if not (os.access(path, os.W_OK) and os.access(path.parent, os.W_OK)):
+        raise ConfigError(f"{path} or its folder cannot be written; call it as a user who may write there")
+    return path, filed
+
+
+def guide(human: Human, source: WheelSource, filed: RobotConfig, path: Path, *, force: bool) -> int:
+    """From the first mark to the robot file at `path`, which says `filed`; the exit code."""
+    geometry = Geometry(filed.ticks_per_metre, filed.track_width, filed.calibration.scales)
+    try:
+        measured = Procedure(human, source, geometry).measure()
+        conclusion = conclude(
+            measured.fitted,
+            measured.checks,
+            geometry,
+            path,
+            force=force,
+            tell=human.tell,
+            agrees=lambda: _agrees(human, f"Write into {path}? [yes/no]"),
+        )
+    except NobodyError:
+        return complain("nobody answers. Nothing was written.", UNUSABLE)
+    if conclusion.code == DONE:
+        human.tell(
+            "Nothing goes by it yet: copy the file to the robot's other machines, let the robot stand, and restart its "
+            "services.\n`giraff doctor` names those that still go by another geometry."
+        )
+    return conclusion.code
+
+
+def _tell_of(connection: RobotConnection, human: Human, path: Path, filed: RobotConfig) -> None:
+    """Which robot it is, and what is doubtful in that."""
+    human.tell(f"Robot {connection.robot}; what is found goes into {path}.")
+    if connection.robot != filed.name:
+        human.tell(f"The robot file of this machine is that of {filed.name}: is it the right machine?")
+    for words in differences(connection, filed):
+        human.tell(f"{words}: what is found holds for the value of the file.")
+
+
+def _agrees(human: Human, question: str) -> bool:
+    while True:
+        answer = human.ask(question, lambda: "")
+        if answer in {"yes", "y"}:
+            return True
+        if answer in {"no", "n"}:
+            return False
+        human.tell("Type yes or no.")
+
+
+@contextlib.contextmanager
+def _signals_interrupt() -> Iterator[None]:
+    """SIGTERM and a closed terminal end it as Ctrl-C does."""
+    before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    del number, frame
+    raise KeyboardInterrupt
+
+
+def _interrupted() -> int:
+    return complain("interrupted. Nothing was written.", _INTERRUPTED)

@@ -1,0 +1,67 @@
+"""The wheels of a robot on the network, and what that robot goes by."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any, Final
+
+from giraff_cli.network.connection import RobotConnection
+from giraff_core.robot import RobotConfig
+from giraff_node.network.query_client import QueryClient
+from giraff_schemas.messages import Sample, Wheels
+from giraff_schemas.params import ParamDescribe
+from giraff_schemas.services import BASE
+from giraff_schemas.topics import PARAM_DESCRIBE, WHEELS, Topic
+
+_PATIENCE: Final = 3.0  # s
+_TURN: Final = 0.02  # s
+_COMPARED: Final = ("track_width", "ticks_per_metre")
+"""What scales are factors of."""
+
+
+class NetworkWheels:
+    """Hears them."""
+
+    def __init__(self, connection: RobotConnection) -> None:
+        self._connection = connection
+        self._waiting: list[Wheels] = []
+        self._heard_at = -math.inf
+        connection.subscribe(WHEELS)
+
+    def poll(self) -> list[Wheels]:
+        """What came since the last call."""
+        self._connection.dispatch(self)
+        heard, self._waiting = self._waiting, []
+        return heard
+
+    @property
+    def silence(self) -> float:
+        """s since the last one came; infinite where none has."""
+        return time.monotonic() - self._heard_at
+
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        """As a `Listener`."""
+        del topic, key, at_ns
+        if isinstance(sample, Wheels):
+            self._waiting.append(sample)
+            self._heard_at = time.monotonic()
+
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
+        """Wheels that are silent say it."""
+
+
+def differences(connection: RobotConnection, robot: RobotConfig) -> list[str]:
+    """Where the robot that runs was built otherwise than the robot file says, in words; none where base is silent."""
+    asking = QueryClient(connection.session, connection.robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe())
+    deadline = time.monotonic() + _PATIENCE
+    while (now := time.monotonic()) < deadline:
+        if (answer := asking.poll(now)) is not None:
+            told = {param.name.removeprefix("robot."): param.value for param in answer.params}
+            return [
+                f"{name} is {getattr(robot, name):g} in the robot file of this machine and {told[name]} in the robot"
+                for name in _COMPARED
+                if name in told and told[name] != getattr(robot, name)
+            ]
+        time.sleep(_TURN)
+    return []

@@ -1,0 +1,96 @@
+"""Hears the wheels of one robot, and makes of them what a run has driven."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from giraff_cli.calibrate.plan import POSITION_SD, YAW_SD
+from giraff_cli.calibrate.runs import Run
+from giraff_core.counters import signed32
+from giraff_schemas.messages import Wheels
+
+_WRAP: Final = 1 << 32
+_HALF_WRAP: Final = 1 << 31
+_REST: Final = 0.5
+"""s without motion that count as standing."""
+_REST_TICKS: Final = 1
+"""By which a counter may differ meanwhile: a wheel that stands on the edge of a count flickers."""
+_LONGEST_GAP: Final = 0.5
+"""s between two samples over which the way is taken for one arc; more is a guess."""
+_FASTEST: Final = 3.0
+"""m/s that no wheel does: a leap of the counter."""
+_SLACK_TICKS: Final = 4
+
+_NEW_BOOT: Final = "the base board has started again; if nobody reset it, check its supply"
+_NEW_BASE: Final = "wheels come from another base process; if it was not restarted, end the second one"
+_LEAP: Final = "a counter leapt farther than a wheel can roll; check the encoders' cables"
+_GAP: Final = "wheels were silent while it moved; check base, and the network to it"
+
+
+class WheelListener:
+    """Takes the samples one after another."""
+
+    def __init__(self, ticks_per_metre: float) -> None:
+        self._fastest = _FASTEST * ticks_per_metre
+        self._last: Wheels | None = None
+        self._left: list[int] = []
+        self._right: list[int] = []
+        self._rested = 0.0  # s
+        self._drift = (0, 0)  # counts since it began to rest
+        self.fault = ""
+        """What has spoilt this run, and the way out; empty: nothing."""
+
+    @property
+    def is_at_rest(self) -> bool:
+        """For half a second, by the board's clock."""
+        return self._rested >= _REST
+
+    def begin(self) -> None:
+        """A run begins here."""
+        self._left, self._right, self.fault = [], [], ""
+
+    def driven(self, name: str) -> Run:
+        """The run so far, with nothing measured of it; without the samples between which nothing moved."""
+        left, right = (np.array(side, dtype=np.float64) for side in (self._left, self._right))
+        return Run(name, left, right, (), POSITION_SD, YAW_SD)
+
+    def hear(self, wheels: Wheels) -> None:
+        """The next sample."""
+        last = self._last
+        if last is None:
+            self._last = wheels
+            return
+        if wheels.boot_id != last.boot_id or wheels.instance != last.instance:
+            self._spoil(wheels, _NEW_BOOT if wheels.boot_id != last.boot_id else _NEW_BASE)
+            return
+        elapsed_us = (wheels.board_us - last.board_us) % _WRAP
+        if not 0 < elapsed_us < _HALF_WRAP:
+            return
+        elapsed = elapsed_us / 1e6
+        left = signed32(wheels.left_ticks - last.left_ticks)
+        right = signed32(wheels.right_ticks - last.right_ticks)
+        farther = max(abs(left), abs(right))
+        if farther > self._fastest * elapsed + _SLACK_TICKS:
+            self._spoil(wheels, _LEAP)
+            return
+        if elapsed > _LONGEST_GAP and farther > _REST_TICKS:
+            self._spoil(wheels, _GAP)
+            return
+        self._last = wheels
+        if left or right:
+            self._left.append(left)
+            self._right.append(right)
+        self._rest(left, right, elapsed)
+
+    def _rest(self, left: int, right: int, elapsed: float) -> None:
+        self._drift = self._drift[0] + left, self._drift[1] + right
+        self._rested += elapsed
+        if max(map(abs, self._drift)) > _REST_TICKS:
+            self._drift, self._rested = (0, 0), 0.0
+
+    def _spoil(self, wheels: Wheels, fault: str) -> None:
+        self._last = wheels
+        self._drift, self._rested = (0, 0), 0.0
+        self.fault = self.fault or fault

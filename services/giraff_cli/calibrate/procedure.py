@@ -1,0 +1,184 @@
+"""Leads one person through the runs of the plan: what to mark, what to drive, what to measure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Final, NamedTuple, Protocol
+
+from giraff_cli.calibrate.answers import DEGREES, METRES, NumberError, number
+from giraff_cli.calibrate.listening import WheelListener
+from giraff_cli.calibrate.plan import PLAN, Leg
+from giraff_cli.calibrate.plausible import driven_fault, end, length, measured_fault
+from giraff_cli.calibrate.review import review
+from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
+from giraff_cli.calibrate.terminal import Human
+from giraff_schemas.messages import Wheels
+
+_SILENT: Final = 1.0  # s
+_AGAIN, _SKIP = "again", "skip"
+
+INTRODUCTION: Final = f"""\
+This command only listens; drive as ever, with `giraff drive` in another terminal or the joystick.
+Before each run mark on the floor where both wheels touch it. The middle between these two marks is the origin, and
+ahead is the way the robot looks. After the run measure from there to the middle between the wheels: metres ahead,
+metres aside, degrees of heading, all positive to the left. docs/calibration.md shows how.
+At any question: "{_AGAIN}" does the run again, "{_SKIP}" leaves it out, Ctrl-C ends it all and writes nothing."""
+
+_FALLS_SILENT: Final = "no wheels are heard; check that giraff_base runs, and the network to it"
+
+
+class WheelSource(Protocol):
+    """Where the wheels of the robot are heard."""
+
+    def poll(self) -> Iterable[Wheels]:
+        """What came since the last call."""
+        ...
+
+    @property
+    def silence(self) -> float:
+        """s since the last one came; infinite where none has."""
+        ...
+
+
+class Measured(NamedTuple):
+    """What the runs gave."""
+
+    fitted: tuple[Run, ...]
+    checks: tuple[Run, ...]
+
+
+class _AgainError(Exception):
+    """The run is to be done again."""
+
+
+class _SkipError(Exception):
+    """The run is to be left out."""
+
+
+class Procedure:
+    """One session."""
+
+    def __init__(self, human: Human, source: WheelSource, geometry: Geometry) -> None:
+        """`geometry`: what odometry goes by until now."""
+        self._human = human
+        self._source = source
+        self._geometry = geometry
+        self._wheels = WheelListener(geometry.ticks_per_metre)
+
+    def measure(self, plan: Sequence[Leg] = PLAN) -> Measured:
+        """Have all runs driven and measured. Raises NobodyError."""
+        self._human.tell(INTRODUCTION)
+        done: dict[Leg, Run] = {}
+        for leg in plan:
+            self._do(leg, plan, done)
+        while True:
+            measured = Measured(
+                tuple(done[leg] for leg in plan if leg in done and not leg.is_check),
+                tuple(done[leg] for leg in plan if leg in done and leg.is_check),
+            )
+            for words in review(measured.fitted, self._geometry):
+                self._human.tell(words)
+            if (leg_again := self._ask_for_one(plan)) is None:
+                return measured
+            self._do(leg_again, plan, done)
+
+    def _do(self, leg: Leg, plan: Sequence[Leg], done: dict[Leg, Run]) -> None:
+        self._human.tell(f"\nRun {plan.index(leg) + 1} of {len(plan)}: {leg.name}{_FOR[leg.is_check]}")
+        if (run := self._run(leg)) is not None:
+            done[leg] = run
+        elif leg in done:
+            self._human.tell("What was measured before stays.")
+
+    def _ask_for_one(self, plan: Sequence[Leg]) -> Leg | None:
+        """The run that is to be done again after all."""
+        by_number = {str(index): leg for index, leg in enumerate(plan, 1)}
+        while True:
+            answer = self._human.ask(
+                "\nENTER takes the runs as they are; the number of a run does it again:", self._listen
+            )
+            if not answer or answer in by_number:
+                return by_number.get(answer)
+            self._human.tell(f"{answer}: no number of a run; they are 1 to {len(plan)}.")
+
+    def _run(self, leg: Leg) -> Run | None:
+        while True:
+            try:
+                return self._once(leg)
+            except _SkipError:
+                return None
+            except _AgainError as error:
+                self._human.tell(f"{error}. {leg.name.capitalize()} is done again." if str(error) else "Once more.")
+
+    def _once(self, leg: Leg) -> Run:
+        self._ask_at_rest("Mark where both wheels touch the floor, then press ENTER:")
+        self._wheels.begin()
+        self._ask_at_rest(f"Drive {leg.task}. Press ENTER when it stands:", is_driven=True)
+        run = self._wheels.driven(leg.name)
+        if fault := self._wheels.fault or driven_fault(leg, run, self._geometry):
+            raise _AgainError(fault)
+        self._human.tell("Mark where both wheels touch the floor now; then the robot may be moved. Measure:")
+        while True:
+            x = self._number("  metres ahead:", METRES)
+            y = self._number("  metres aside, left positive:", METRES)
+            heading = self._number("  degrees of heading, left positive:", DEGREES)
+            told = end(run, self._geometry)
+            yaw = told.yaw + math.remainder(heading - told.yaw, math.tau)
+            if not (fault := measured_fault(run, self._geometry, x, y, yaw)):
+                break
+            self._human.tell(f'{fault}. Type all three once more, or "{_AGAIN}" to do the run again.')
+        self._human.tell(
+            f"Kept: {x:.3f} m ahead, {y:.3f} m aside, {math.degrees(heading):.1f} degrees; by odometry until now "
+            f"{told.x:.3f}, {told.y:.3f}, {math.degrees(math.remainder(told.yaw, math.tau)):.1f}."
+        )
+        return run._replace(measured=(MeasuredPose(run.left.size, x, y, yaw),))
+
+    def _ask_at_rest(self, question: str, *, is_driven: bool = False) -> None:
+        """Until ENTER is pressed and the robot stands."""
+        while True:
+            self._answer(question, is_driven=is_driven)
+            if self._source.silence > _SILENT:
+                self._human.tell(f"Not yet: {_FALLS_SILENT}.")
+            elif not self._wheels.is_at_rest:
+                self._human.tell("Not yet: its wheels still turn, or did within the last half second.")
+            else:
+                return
+
+    def _number(self, question: str, units: Mapping[str, float]) -> float:
+        while True:
+            try:
+                return number(self._answer(question), units)
+            except NumberError as error:
+                self._human.tell(f"{error}.")
+
+    def _answer(self, question: str, *, is_driven: bool = False) -> str:
+        answer = self._human.ask(question, self._progress if is_driven else self._listen)
+        self._hear()
+        if answer == _AGAIN:
+            raise _AgainError
+        if answer == _SKIP:
+            raise _SkipError
+        return answer
+
+    def _listen(self) -> str:
+        """What goes on while a person marks and measures is of no interest, but what silence there is."""
+        self._hear()
+        return _FALLS_SILENT if self._source.silence > _SILENT else ""
+
+    def _progress(self) -> str:
+        if silent := self._listen():
+            return silent
+        if self._wheels.fault:
+            return f"{self._wheels.fault}: this run must be done again"
+        return _as_text(self._wheels.driven(""), self._geometry)
+
+    def _hear(self) -> None:
+        for wheels in self._source.poll():
+            self._wheels.hear(wheels)
+
+
+_FOR: Final = {False: "", True: " (it checks what was found, and is not fitted)"}
+
+
+def _as_text(run: Run, geometry: Geometry) -> str:
+    return f"{length(run, geometry):.1f} m, turned {round(math.degrees(end(run, geometry).yaw))} degrees"

@@ -1,0 +1,106 @@
+"""`giraff calibrate odometry --fit … --check …`: from runs that were recorded with their true poses."""
+
+from __future__ import annotations
+
+import glob
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+
+from giraff_cli.calibrate.conclusion import DONE, REFUSED, UNUSABLE, complain, conclude
+from giraff_cli.calibrate.recorded.slips import require_plausible
+from giraff_cli.calibrate.recorded.tables import RecordingError, as_run, read_metadata, read_table
+from giraff_cli.calibrate.runs import Geometry, Run
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_node.process.state import write_file_durably
+
+
+class Asked(NamedTuple):
+    """The command line. `fitted` and `checked` have files, patterns, or several with commas between."""
+
+    fitted: Sequence[str]
+    checked: Sequence[str]
+    more: Sequence[str]
+    """What belongs to no option."""
+    metadata: Path | None
+    """None: the runs are those of the robot of the robot file, which is told what was found."""
+    json: Path | None
+    force: bool
+    is_live: bool
+    """A robot on the network was asked for, too."""
+
+
+def calibrate_recorded(asked: Asked) -> int:
+    """The whole command; its exit code."""
+    try:
+        _require_sense(asked)
+        fit_files, check_files = files_of("--fit", asked.fitted), files_of("--check", asked.checked)
+        path, geometry = (None, read_metadata(asked.metadata)) if asked.metadata is not None else _own()
+        runs = read_runs([*fit_files, *check_files], geometry)
+        to_fit, to_check = runs[: len(fit_files)], runs[len(fit_files) :]
+    except (RecordingError, ConfigError) as error:
+        return complain(str(error), UNUSABLE)
+    conclusion = conclude(to_fit, to_check, geometry, path, force=asked.force)
+    if asked.json is None or not conclusion.outcome:
+        return conclusion.code
+    return _tell_programs(asked.json, conclusion.outcome) or conclusion.code
+
+
+def _require_sense(asked: Asked) -> None:
+    if asked.more:
+        raise RecordingError(
+            f"{asked.more[0]} belongs to no option; put a pattern in quotes, like --fit 'a*.csv', or give --fit or "
+            "--check for each file"
+        )
+    if asked.is_live:
+        raise RecordingError("--robot and --connect are for a live robot; leave them out with recorded runs")
+
+
+def files_of(option: str, words: Sequence[str]) -> list[Path]:
+    """The files that an option's words name, in the order of the words. RecordingError where one names none."""
+    files: list[Path] = []
+    for word in words:
+        for part in [word] if Path(word).exists() else word.split(","):
+            if any(character in part for character in "*?[") and not Path(part).exists():
+                matching = sorted(glob.glob(part, recursive=True))  # noqa: PTH207  a pattern may begin anywhere
+                if not matching:
+                    raise RecordingError(f"{option} {part}: no file is called like that; check the folder you are in")
+                files += map(Path, matching)
+            elif part:
+                files.append(Path(part))
+    if not files:
+        what = "runs that the fit does not see" if option == "--check" else "runs to fit to"
+        raise RecordingError(f"{option} names no file; give {option} FILE with {what}, once for each or with commas")
+    return files
+
+
+def read_runs(files: Sequence[Path], geometry: Geometry) -> list[Run]:
+    """One for each file; RecordingError where it is none of this robot's, or there twice."""
+    runs: list[Run] = []
+    seen: dict[bytes, Path] = {}
+    for file in files:
+        table = read_table(file)
+        require_plausible(str(file), table, geometry)
+        twin = seen.setdefault(table.tobytes(), file)
+        if twin is not file:
+            other = "is there twice" if twin == file else f"is the same run as {twin}"
+            raise RecordingError(f"{file}: {other}; a run is fitted or checked, and once")
+        runs.append(as_run(str(file), table))
+    return runs
+
+
+def _own() -> tuple[Path, Geometry]:
+    """Of the robot file."""
+    robot = load("robot", RobotConfig)
+    return robot_file(), Geometry(robot.ticks_per_metre, robot.track_width, robot.calibration.scales)
+
+
+def _tell_programs(path: Path, outcome: dict[str, Any]) -> int:
+    try:
+        write_file_durably(path, msgspec.json.format(msgspec.json.encode(outcome), indent=2) + b"\n")
+    except OSError as error:
+        return complain(f"{path}: cannot be written: {error.strerror or error}; give --json another file", REFUSED)
+    return DONE

@@ -1,0 +1,108 @@
+"""A recorded run that is not this robot's as it is written down: told by what would make it so."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+import numpy as np
+
+from giraff_cli.calibrate.paths import Floats, path
+from giraff_cli.calibrate.recorded.tables import LEFT, RIGHT, YAW, RecordingError, X, Y, as_run
+from giraff_cli.calibrate.runs import Geometry, Run
+from giraff_cli.calibrate.windows import residuals, windows_of
+
+_OFF: Final = 0.25
+"""Of what was measured: what odometry may be off within a window. With every scale at its limit it is less."""
+_BETTER: Final = 0.4
+"""Of that: what remains of it once the cause is found."""
+_TURNED: Final = 0.5
+"""rad, root of the sum of squares: less says nothing of the sense in which a robot turned."""
+
+
+def _exchanged(one: int, other: int) -> Callable[[Floats], Floats]:
+    def change(table: Floats) -> Floats:
+        order = list(range(table.shape[1]))
+        order[one], order[other] = other, one
+        return table[:, order]
+
+    return change
+
+
+def _times(factor: float, *columns: int) -> Callable[[Floats], Floats]:
+    def change(table: Floats) -> Floats:
+        changed = table.copy()
+        changed[:, columns] *= factor
+        return changed
+
+    return change
+
+
+def _increments(table: Floats) -> Floats:
+    changed = table.copy()
+    changed[1:, (RIGHT, LEFT)] = np.diff(table[:, (RIGHT, LEFT)], axis=0)
+    return changed
+
+
+_SLIPS: Final[tuple[tuple[Callable[[Floats], Floats], str], ...]] = (
+    (_exchanged(RIGHT, LEFT), "the two columns of counts are exchanged: right comes before left"),
+    (_exchanged(X, Y), "x and y are exchanged: x comes first"),
+    (_exchanged(X, YAW), "x and heading are exchanged: x, y, heading is the order"),
+    (_exchanged(Y, YAW), "y and heading are exchanged: x, y, heading is the order"),
+    (_times(math.pi / 180.0, YAW), "heading is in degrees: make it radians"),
+    (_times(-1.0, YAW), "heading is counted clockwise: turn its sign"),
+    (_times(0.001, X, Y), "x and y are in millimetres: make them metres"),
+    (_times(-1.0, RIGHT, LEFT), "counts are negative forward: turn the sign of both"),
+    (_increments, "counts are summed up: each row has those since the row before"),
+)
+"""What makes it right, and what was wrong then."""
+
+
+def require_plausible(name: str, table: Floats, geometry: Geometry) -> None:
+    """RecordingError where odometry and truth are apart by more than any calibration brings together."""
+    run = as_run(name, table)
+    off = _apart(run, geometry)
+    if off < _OFF and not _turns_opposite(run, geometry):
+        return
+    apart, cause = min((_apart(as_run(name, change(table)), geometry), cause) for change, cause in _SLIPS)
+    if apart < min(_BETTER * off, _OFF):
+        raise RecordingError(f"{name}: {cause}")
+    truly, rolled = float(np.sum(np.hypot(*np.diff(table[:, (X, Y)], axis=0).T))), _path_length(run, geometry)
+    if rolled and not 0.7 < truly / rolled < 1.4:
+        raise RecordingError(
+            f"{name}: the robot went {truly:.2f} m and its wheels {rolled:.2f} m; are gear, counts of a turn and wheel "
+            "diameter (ticks_per_metre) those of this robot, x and y the second and third column, in m?"
+        )
+    raise RecordingError(
+        f"{name}: counts and true poses do not belong together (odometry is off by {100.0 * off:.0f} %); is it "
+        "one run of this robot, with columns time, x, y, heading, right counts, left counts?"
+    )
+
+
+def _apart(run: Run, geometry: Geometry) -> float:
+    """What odometry is off in the windows, as a part of what was measured: root mean square of position, and of what
+    the wheels roll in a turn.
+    """
+    windows = windows_of([run], geometry)
+    lengths = np.array((1.0, 1.0, geometry.track_width / 2.0))
+    off = residuals(windows, [run], geometry, geometry.scales) * lengths
+    measured = np.array([it.measured for it in windows])
+    measured[:, 2] = np.remainder(measured[:, 2] + np.pi, 2.0 * np.pi) - np.pi
+    truly = float(np.sum((measured * lengths) ** 2))
+    return float(np.sqrt(np.sum(off**2) / truly)) if truly else math.inf
+
+
+def _turns_opposite(run: Run, geometry: Geometry) -> bool:
+    """Whether it turned to the one side by its wheels and to the other in truth."""
+    yaw = path(run, geometry, geometry.scales)[:, 2]
+    windows = windows_of([run], geometry)
+    rolled = np.array([yaw[it.end] - yaw[it.begin] for it in windows])
+    truly = np.remainder(np.array([it.measured[2] for it in windows]) + np.pi, 2.0 * np.pi) - np.pi
+    is_turned = float(np.sum(truly**2)) > _TURNED**2 and float(np.sum(rolled**2)) > _TURNED**2
+    return is_turned and float(np.sum(rolled * truly)) < 0.0
+
+
+def _path_length(run: Run, geometry: Geometry) -> float:
+    """m that the robot's middle went by its wheels."""
+    return float(np.sum(np.abs(run.left + run.right))) / (2.0 * geometry.ticks_per_metre)

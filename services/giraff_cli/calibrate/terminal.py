@@ -1,0 +1,70 @@
+"""The person in front of a terminal, to whom something can be shown while they have not answered yet."""
+
+from __future__ import annotations
+
+import os
+import select
+import shutil
+from collections.abc import Callable
+from typing import Final, Protocol, TextIO
+
+_TURN: Final = 0.1  # s
+_ERASE: Final = "\r\033[K"
+
+
+class NobodyError(Exception):
+    """Nobody is there any more."""
+
+
+class Human(Protocol):
+    """Who drives and measures."""
+
+    def tell(self, text: str) -> None: ...
+
+    def ask(self, question: str, meanwhile: Callable[[], str]) -> str:
+        """The line that is typed. Until then `meanwhile` is called often, and what it returns is shown.
+
+        Raises NobodyError.
+        """
+        ...
+
+
+class Terminal:
+    """A human in front of one, or a program behind a pipe."""
+
+    def __init__(self, typed: TextIO, shown: TextIO) -> None:
+        self._typing = typed.fileno()
+        self._typed = b""
+        self._shown = shown
+
+    def tell(self, text: str) -> None:
+        print(text, file=self._shown, flush=True)
+
+    def ask(self, question: str, meanwhile: Callable[[], str]) -> str:
+        print(question, end=" ", file=self._shown, flush=True)
+        told = ""
+        while b"\n" not in self._typed:
+            if (text := meanwhile()) != told:
+                self._tell_meanwhile(text, is_first=not told)
+                told = text
+            if not select.select([self._typing], [], [], _TURN)[0]:
+                continue
+            if not (typed := _read(self._typing)):
+                raise NobodyError
+            self._typed += typed
+        line, _, self._typed = self._typed.partition(b"\n")
+        return line.decode(errors="replace").strip().lower()
+
+    def _tell_meanwhile(self, text: str, *, is_first: bool) -> None:
+        """On a line of its own, below the question, again and again; a pipe is spared it."""
+        if self._shown.isatty():
+            columns = shutil.get_terminal_size().columns
+            print("\n" if is_first else _ERASE, text[: columns - 1], sep="", end="", file=self._shown, flush=True)
+
+
+def _read(descriptor: int) -> bytes:
+    """What was typed; nothing where nobody will any more."""
+    try:
+        return os.read(descriptor, 4096)
+    except OSError:  # the other end of a terminal is gone
+        return b""

@@ -1,0 +1,1 @@
+"""`giraff odom`: reset, set."""

@@ -1,0 +1,98 @@
+"""What a command has found out, written into the robot file. Comments, order and everything else stay."""
+
+from __future__ import annotations
+
+import contextlib
+import stat
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from giraff_node.process.state import write_file_durably
+
+Value = bool | float | str | Sequence[float]
+
+
+class RobotFileError(Exception):
+    """The file cannot be written. It is as it was."""
+
+
+def record(path: Path, table: str, fields: Mapping[str, Value], *, kept_as: str = "") -> Path | None:
+    """Set these fields of a table: the file has all of them and all it had, or is untouched.
+
+    `table`: like robot, which must be there, or robot.calibration, the last of which is made where it is missing.
+    `kept_as`: the file as it was stays beside it, as robot.toml.KEPT_AS; with a number after it where there is one of
+    that name already. Returns where.
+    """
+    with _explained(path, table, fields):
+        before = path.read_text()
+        was = tomllib.loads(before)
+        after = _with(before, table, fields)
+        if tomllib.loads(after) != _merged(was, table.split("."), fields):
+            raise ValueError("something else would change with it")
+        kept = _keep(path, before, kept_as) if kept_as else None
+        try:
+            write_file_durably(path, after.encode())
+        except OSError:
+            with contextlib.suppress(OSError):
+                if kept is not None and path.read_text() == before:
+                    kept.unlink()
+            raise
+    return kept
+
+
+@contextlib.contextmanager
+def _explained(path: Path, table: str, fields: Mapping[str, Value]) -> Iterator[None]:
+    try:
+        yield
+    except (OSError, TOMLKitError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+        wanted = "".join(f"\n    {name} = {tomlkit.item(value).as_string()}" for name, value in fields.items())
+        raise RobotFileError(f"{path}: cannot be written: {error}; write into [{table}] by hand:{wanted}") from error
+
+
+def _with(text: str, table: str, fields: Mapping[str, Value]) -> str:
+    document = tomlkit.parse(text)
+    *above, last = table.split(".")
+    section: Any = document
+    for name in above:
+        section = section[name]
+    if above and last not in section:
+        fresh = tomlkit.table()
+        fresh.update(fields)
+        fresh.add(tomlkit.nl())
+        section[last] = fresh
+    else:
+        for name, value in fields.items():
+            section[last][name] = value
+    return tomlkit.dumps(document)
+
+
+def _merged(was: Mapping[str, Any], table: Sequence[str], fields: Mapping[str, Any]) -> dict[str, Any]:
+    """What the file is to say, and no more."""
+    if not table:
+        return {**was, **{name: list(value) if isinstance(value, tuple) else value for name, value in fields.items()}}
+    first, *rest = table
+    return {**was, first: _merged(was.get(first, {}), rest, fields)}
+
+
+def _keep(path: Path, text: str, kept_as: str) -> Path:
+    """A copy, whole on disk, under a name that was free."""
+    path = path.resolve()
+    number = 1
+    while True:
+        kept = path.with_name(f"{path.name}.{kept_as}{f'-{number}' if number > 1 else ''}")
+        try:
+            kept.touch(mode=stat.S_IMODE(path.stat().st_mode), exist_ok=False)
+        except FileExistsError:
+            number += 1
+            continue
+        try:
+            write_file_durably(kept, text.encode())
+        except OSError:
+            kept.unlink(missing_ok=True)
+            raise
+        return kept

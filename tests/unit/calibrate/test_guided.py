@@ -1,0 +1,98 @@
+"""The whole way from the first mark to the robot file, in simulated time."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from giraff_cli.calibrate.guided import guide, own_robot_file
+from giraff_cli.calibrate.plan import PLAN
+from giraff_core.kinematics.calibration import Calibration
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError
+from giraff_sim.board import ROOT
+from tests.unit.calibrate.person import Act, Person
+from tests.unit.calibrate.taped import TapedRobot
+
+
+@pytest.fixture
+def taped() -> TapedRobot:
+    return TapedRobot(5)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return Path(shutil.copy(ROOT / "deploy" / "robot.toml", tmp_path / "robot.toml"))
+
+
+def table(path: Path) -> dict[str, Any]:
+    robot: dict[str, Any] = tomllib.loads(path.read_text())["robot"]
+    return robot
+
+
+def guided(person: Person, taped: TapedRobot, path: Path) -> int:
+    return guide(person, taped, msgspec.convert(table(path), RobotConfig), path, force=False)
+
+
+def test_what_was_found_is_written_and_the_file_before_is_kept(taped: TapedRobot, path: Path) -> None:
+    before = path.read_text()
+    person = Person(taped, {("Write", 1): "perhaps"})
+    assert guided(person, taped, path) == 0
+    assert person.count("Write") == 2
+    found = msgspec.convert(table(path)["calibration"], Calibration)
+    assert found.scales == pytest.approx(taped.true_scales, abs=0.004)
+    assert found.end_error_after < found.end_error_before / 3.0
+    kept = [each for each in path.parent.iterdir() if each != path]
+    assert [each.read_text() for each in kept] == [before]
+    assert "restart" in person.told[-1]
+    assert "giraff doctor" in person.told[-1]
+
+
+@pytest.mark.parametrize("answer", ["no", "n"])
+def test_nothing_is_written_unasked(taped: TapedRobot, path: Path, answer: str) -> None:
+    before = path.read_text()
+    assert guided(Person(taped, {("Write", 1): answer}), taped, path) == 1
+    assert path.read_text() == before
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_without_a_check_nothing_is_written(taped: TapedRobot, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = path.read_text()
+    checks: dict[tuple[str, int], Act | str] = {
+        ("Mark", number): "skip" for number, leg in enumerate(PLAN, 1) if leg.is_check
+    }
+    assert guided(Person(taped, checks), taped, path) == 1
+    assert "judge" in capsys.readouterr().err
+    assert path.read_text() == before
+
+
+def test_a_calibration_that_makes_it_worse_is_refused(
+    taped: TapedRobot, path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    before = path.read_text()
+    lengthened = {("ahead", number): "5.5" for number in range(1, 5)}
+    assert guided(Person(taped, lengthened), taped, path) == 1
+    assert "refused" in capsys.readouterr().err
+    assert path.read_text() == before
+
+
+def test_a_robot_file_that_is_not_there_is_refused_before_anything_is_driven(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("GIRAFF_CONFIG", str(tmp_path / "none.toml"))
+    with pytest.raises(ConfigError, match="no robot file"):
+        own_robot_file()
+
+
+def test_a_robot_file_that_cannot_be_written_is_too(monkeypatch: pytest.MonkeyPatch, path: Path) -> None:
+    monkeypatch.setenv("GIRAFF_CONFIG", str(path))
+    assert own_robot_file()[0] == path
+    monkeypatch.setattr(os, "access", lambda place, _: place != path.parent)
+    with pytest.raises(ConfigError, match="cannot be written"):
+        own_robot_file()

@@ -1,0 +1,336 @@
+"""`giraff calibrate odometry` of recorded runs: what it finds, writes and refuses."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import shutil
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import giraff_cli.options
+from giraff_cli.calibrate.paths import Floats
+from giraff_core.kinematics.calibration import Scales
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import load
+from tests.rules.repository import ROOT
+from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight
+from tests.unit.cli.typed import typed
+
+Typed = Callable[..., tuple[int, str, str]]
+METADATA = str(DATA / "square-a_metadata.csv")
+FIT = tuple(f"--fit={DATA / f'square-a_run-0{number}.csv'}" for number in (1, 2, 4, 5))
+CHECK = tuple(f"--check={DATA / f'square-a_run-0{number}.csv'}" for number in (3, 6))
+OTHERS = ("--metadata", METADATA, *FIT, *CHECK)
+"""A good command about another robot."""
+
+
+@pytest.fixture
+def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Typed:
+    """Types `giraff calibrate odometry` in a folder of its own: exit code, output, complaint."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("GIRAFF_CONFIG", raising=False)
+    return lambda *words: typed(monkeypatch, capsys, "calibrate", "odometry", *map(str, words))
+
+
+@pytest.fixture
+def robot_file(monkeypatch: pytest.MonkeyPatch, say: Typed, tmp_path: Path) -> Path:
+    """Of a robot like the one that `driven` makes up, in a folder of its own."""
+    del say  # it has set the folder
+    path = tmp_path / "robot" / "robot.toml"
+    path.parent.mkdir()
+    text = (ROOT / "deploy" / "robot.toml").read_text()
+    text = text.replace("track_width = 0.470 ", f"track_width = {GEOMETRY.track_width} ")
+    path.write_text(text.replace("ticks_per_metre = 2002.0594 ", f"ticks_per_metre = {GEOMETRY.ticks_per_metre} "))
+    monkeypatch.setenv("GIRAFF_CONFIG", str(path))
+    return path
+
+
+def refused(done: tuple[int, str, str], code: int = 2) -> str:
+    """The one line that a refusal is told in."""
+    assert done[0] == code, done
+    [line] = done[2].splitlines()
+    assert line.startswith("giraff calibrate odometry: ")
+    return line
+
+
+def table_of(name: str = "square-a_run-04.csv") -> Floats:
+    with (DATA / name).open(newline="") as file:
+        return np.array([[float(value) for value in row] for row in csv.reader(file)])
+
+
+def save(path: Path, table: Floats) -> Path:
+    """As a file of a recorded run."""
+    path.write_text(
+        "".join(f"{t!r},{x!r},{y!r},{yaw!r},{right:.0f},{left:.0f}\n" for t, x, y, yaw, right, left in table.tolist())
+    )
+    return path
+
+
+def made_up(folder: Path, scales: Scales, *, seed: int = 0) -> list[Path]:
+    """Six runs of a robot with these scales, as files."""
+    random = np.random.default_rng(seed)
+    files = []
+    for number in range(6):
+        run = driven(str(number), square(1.0, (1, -1)[number % 2]), scales, random, slip=1e-6)
+        rows = np.array([(pose.row / 20.0, pose.x, pose.y, pose.yaw) for pose in run.measured])
+        table = np.vstack((np.zeros((1, 6)), np.column_stack((rows, run.right, run.left))))
+        files.append(save(folder / f"run-{number}.csv", table))
+    return files
+
+
+def test_it_tells_people_and_programs_what_it_found(say: Typed, tmp_path: Path) -> None:
+    code, out, complaint = say(*OTHERS, "--json", "found.json")
+    assert (code, complaint) == (0, "")
+    print(out)
+    assert "square-a_run-03.csv" in out
+    assert "Nothing was written" in out
+    found = json.loads((tmp_path / "found.json").read_text())
+    assert found["end_error_after"] < 0.5 * found["end_error_before"]
+    assert [run["worse"] for run in found["checked"]] == [False, False]
+    assert found["refused"] == ""
+    assert found["robot_file"] is None
+    assert all(0.0 < sd < 0.01 for sd in found["scales"]["sd"].values())
+
+
+def test_runs_are_named_by_patterns_commas_and_again(say: Typed) -> None:
+    one, *others = (f"{DATA}/square-a_run-0{number}.csv" for number in (3, 6))
+    wanted = say(*OTHERS)
+    assert wanted[0] == 0
+    pattern = f"{DATA}/square-a_run-0[1245].csv"
+    assert say("--metadata", METADATA, "--fit", pattern, "--check", ",".join((one, *others))) == wanted
+
+
+def test_a_robots_own_runs_are_written_into_its_file(say: Typed, robot_file: Path, tmp_path: Path) -> None:
+    true = Scales(1.01, 0.99, 1.03)
+    made_up(tmp_path, true)
+    before = robot_file.read_text()
+    code, out, complaint = say("--fit", "run-[0-3].csv", "--check", "run-[45].csv", "--json", "found.json")
+    assert (code, complaint) == (0, ""), complaint
+    calibration = load("robot", RobotConfig).calibration
+    print(out, calibration)
+    sds = [calibration.covariance[place] ** 0.5 for place in (0, 3, 5)]
+    assert all(abs(one - other) < 4.0 * sd for one, other, sd in zip(calibration.scales, true, sds, strict=True))
+    assert calibration.end_error_after < 0.1 * calibration.end_error_before
+    [kept] = robot_file.parent.glob("robot.toml.before-*")
+    assert kept.name == f"robot.toml.before-{calibration.date}"
+    assert kept.read_text() == before
+    was, now = tomllib.loads(before), tomllib.loads(robot_file.read_text())
+    del now["robot"]["calibration"]
+    assert now == was
+    assert json.loads((tmp_path / "found.json").read_text())["robot_file"] == str(robot_file)
+    # Once more, and it begins from these values.
+    assert say("--fit", "run-[0-3].csv", "--check", "run-[45].csv")[0] in {0, 1}
+    assert load("robot", RobotConfig).calibration.scales == calibration.scales
+
+
+def test_a_wheel_far_from_before_takes_force(say: Typed, robot_file: Path, tmp_path: Path) -> None:
+    made_up(tmp_path, Scales(1.06, 1.06, 1.06))
+    words = ("--fit", "run-[0-3].csv", "--check", "run-[45].csv")
+    before = robot_file.read_text()
+    line = refused(say(*words), 1)
+    assert "left wheel would change by +6.0 %, more than 5 %" in line
+    assert "give --force" in line
+    assert robot_file.read_text() == before
+    assert say(*words, "--force")[0] == 0
+    assert load("robot", RobotConfig).calibration.left_wheel_scale == pytest.approx(1.06, abs=0.002)
+
+
+def test_a_track_far_from_before_takes_force(say: Typed, robot_file: Path, tmp_path: Path) -> None:
+    made_up(tmp_path, Scales(1.0, 1.0, 1.12))
+    words = ("--fit", "run-[0-3].csv", "--check", "run-[45].csv")
+    assert "track would change by +1" in refused(say(*words), 1)
+    assert say(*words, "--force")[0] == 0
+    assert robot_file.exists()
+
+
+@pytest.mark.parametrize("force", [(), ("--force",)])
+def test_what_makes_the_checked_runs_worse_is_refused(
+    say: Typed, robot_file: Path, tmp_path: Path, force: tuple[str, ...]
+) -> None:
+    """Fitted to one robot, checked on another."""
+    made_up(tmp_path, Scales(1.02, 0.98, 1.05))
+    (tmp_path / "other").mkdir()
+    made_up(tmp_path / "other", Scales(0.99, 1.01, 0.97), seed=1)
+    before = robot_file.read_text()
+    done = say("--fit", "run-*.csv", "--check", "other/run-*.csv", "--json", "found.json", *force)
+    line = refused(done, 1)
+    assert "those stay" in line
+    assert "Worse than before: other/run-0.csv." in done[1]
+    assert robot_file.read_text() == before
+    assert os.listdir(robot_file.parent) == ["robot.toml"]  # noqa: PTH208
+    assert "those stay" in json.loads((tmp_path / "found.json").read_text())["refused"]
+
+
+def test_one_run_that_gets_worse_is_named_though_the_mean_is_better(say: Typed, tmp_path: Path) -> None:
+    made_up(tmp_path, Scales(1.02, 0.98, 1.05))
+    (tmp_path / "other").mkdir()
+    made_up(tmp_path / "other", Scales(0.995, 1.005, 0.99), seed=1)
+    done = say("--metadata", METADATA, "--fit", "run-[0-3].csv", "--check", "run-[45].csv,other/run-0.csv")
+    assert done[0] == 0
+    assert "Worse than before: other/run-0.csv." in done[1]
+
+
+def test_what_does_not_tell_the_scales_is_refused(say: Typed, tmp_path: Path) -> None:
+    random = np.random.default_rng(0)
+    files = []
+    for number in range(2):
+        run = driven(str(number), straight(3.0), Scales(1.0, 1.0, 1.0), random)
+        rows = np.array([(pose.row / 20.0, pose.x, pose.y, pose.yaw) for pose in run.measured])
+        table = np.vstack((np.zeros((1, 6)), np.column_stack((rows, run.right, run.left))))
+        files.append(save(tmp_path / f"line-{number}.csv", table))
+    line = refused(say("--metadata", METADATA, "--fit", f"{files[0]},{files[1]}", *CHECK), 1)
+    assert "how far the robot turns is not determined: add turns" in line
+
+
+HEAD = "0,0,0,0,0,0\n0.1,0.001,0,0,11,11\n"
+BAD: dict[str, tuple[str | bytes, str]] = {
+    "five columns": (HEAD + "0.2,0,0,0,1\n", "row 3: 5 columns, not 6; a row is time s, x m, y m, heading rad, right"),
+    "semicolons": (HEAD.replace(",", ";"), "row 1: 1 columns, not 6; are there semicolons"),
+    "header": ("time,x,y,yaw,right,left\n" + HEAD, "row 1: time is 'time', no number; is there a header? remove it"),
+    "text": (HEAD + "0.2,0,lost,0,1,1\n", "row 3: y is 'lost', no number; correct it"),
+    "NaN": (HEAD + "0.2,nan,0,0,1,1\n", "row 3: x is nan: the truth was lost there"),
+    "inf": (HEAD + "0.2,0,0,-inf,1,1\n", "row 3: heading is -inf"),
+    "huge": (HEAD + "0.2,1e300,0,0,1,1\n", "row 3: x is 1e+300, which cannot be"),
+    "wrapped": (HEAD + "0.2,0,0,0,1,-4294967290\n", "row 3: left counts is -4.29497e+09, more than a wheel can make"),
+    "half a count": (HEAD + "0.2,0,0,1,0.5,1\n", "row 3: right counts is 0.5, and counts are whole; are the columns"),
+    "time back": (HEAD + "0.05,0,0,0,1,1\n", "row 3: time goes back from 0.1 to 0.05 s; are two runs in it?"),
+    "empty": ("", "is empty; was the disk full"),
+    "blank": ("\n\n", "is empty"),
+    "one row": ("0,0,0,0,0,0\n", "one row is no run"),
+    "still": ("0,0,0,0,0,0\n1,0,0,0,0,0\n", "no wheel turned in it; leave it out, or check the encoders"),
+    "binary": (b"\xff\xfe\x00\x01", "is no CSV"),
+    "zeros": (b"\x00" * 40, "row 1: "),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+@pytest.mark.parametrize("option", ["--fit", "--check"])
+def test_a_file_that_is_no_run_is_told_with_its_row(
+    say: Typed, tmp_path: Path, robot_file: Path, name: str, option: str
+) -> None:
+    text, expected = BAD[name]
+    path = tmp_path / "bad.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    before = robot_file.read_text()
+    line = refused(say(*FIT, *CHECK, option, path, "--json", "found.json"))
+    assert f"{path}" in line
+    assert expected in line
+    assert robot_file.read_text() == before
+    assert not (tmp_path / "found.json").exists()
+
+
+def test_a_file_that_is_not_there_is_told(say: Typed, tmp_path: Path) -> None:
+    assert "no-such.csv: there is no such file" in refused(say(*OTHERS, "--fit", "no-such.csv"))
+    assert "is a folder; name the files in it" in refused(say(*OTHERS, "--fit", tmp_path))
+    assert "--fit no-*.csv: no file is called like that" in refused(say(*OTHERS, "--fit", "no-*.csv"))
+    assert "--check names no file" in refused(say("--metadata", METADATA, *FIT))
+    assert "--fit names no file" in refused(say("--metadata", METADATA, *CHECK))
+    assert "--fit names no file" in refused(say("--metadata", METADATA, "--fit", ",", *CHECK))
+    assert "no robot file at " in refused(say(*FIT, *CHECK))
+    assert "belongs to no option; put a pattern in quotes" in refused(say(*OTHERS, "more.csv"))
+    assert "are for a live robot" in refused(say(*OTHERS, "--robot", "otto"))
+
+
+def test_a_run_is_fitted_or_checked_and_once(say: Typed, tmp_path: Path) -> None:
+    one = DATA / "square-a_run-01.csv"
+    shutil.copy(one, tmp_path / "copy.csv")
+    assert "is there twice; a run is fitted or checked, and once" in refused(say(*OTHERS, "--check", one))
+    assert f"copy.csv: is the same run as {one}" in refused(say(*OTHERS, "--check", "copy.csv"))
+
+
+def exchanged(table: Floats, one: int, other: int) -> Floats:
+    order = list(range(6))
+    order[one], order[other] = other, one
+    return table[:, order]
+
+
+SLIPS: dict[str, tuple[Callable[[Floats], Floats], str]] = {
+    "left and right": (lambda table: exchanged(table, 4, 5), "columns of counts are exchanged"),
+    "x and y": (lambda table: exchanged(table, 1, 2), "x and y are exchanged"),
+    "y and heading": (lambda table: exchanged(table, 2, 3), "y and heading are exchanged"),
+    "x and heading": (lambda table: exchanged(table, 1, 3), "x and heading are exchanged"),
+    "degrees": (lambda table: table * (1, 1, 1, math.degrees(1.0), 1, 1), "heading is in degrees"),
+    "clockwise": (lambda table: table * (1, 1, 1, -1, 1, 1), "heading is counted clockwise"),
+    "millimetres": (lambda table: table * (1, 1000, 1000, 1, 1, 1), "x and y are in millimetres"),
+    "backwards": (lambda table: table * (1, 1, 1, 1, -1, -1), "counts are negative forward"),
+    "sums": (lambda table: np.column_stack((table[:, :4], np.cumsum(table[:, 4:], axis=0))), "counts are summed up"),
+    "twice the counts": (lambda table: table * (1, 1, 1, 1, 2, 2), "are gear, counts of a turn and wheel diameter"),
+    "time first again": (lambda table: table[:, (0, 0, 1, 2, 4, 5)], "x and y the second and third column"),
+}
+
+
+@pytest.mark.parametrize("name", SLIPS)
+@pytest.mark.parametrize(
+    "run", ["square-a_run-02.csv", "square-a_run-04.csv", "square-b_run-02.csv", "square-b_run-05.csv"]
+)
+def test_columns_that_cannot_be_so_are_named(say: Typed, tmp_path: Path, name: str, run: str) -> None:
+    change, expected = SLIPS[name]
+    path = save(tmp_path / "bad.csv", change(table_of(run)))
+    line = refused(say(*OTHERS, "--fit", path))
+    assert line.startswith(f"giraff calibrate odometry: {path}: ")
+    assert expected in line
+
+
+METADATA_ROWS = {"type": "diff", "ngear": "43.7", "encRes": "64", "Li": "0.2", "Di": "0.084,0.084"}
+BAD_METADATA: dict[str, tuple[dict[str, str | None], str]] = {
+    "no gear": ({"ngear": None}, "ngear is missing (the gear's ratio); add a row like ngear,"),
+    "no track": ({"Li": None}, "Li is missing (track width, m)"),
+    "empty": ({"Li": ""}, "Li has 0 values, not 1"),
+    "one wheel": ({"Di": "0.084"}, "Di has 1 values, not 2"),
+    "unequal": ({"Di": "0.084,0.085"}, "Di has 0.084 and 0.085; give both wheels their mean"),
+    "zero": ({"encRes": "0"}, "encRes is 0: it must be within"),
+    "negative": ({"Li": "-0.2"}, "Li is -0.2: it must be within 0.05..2 m"),
+    "millimetres": ({"Li": "200"}, "are these millimetres?"),
+    "NaN": ({"ngear": "nan"}, "ngear is nan"),
+    "text": ({"ngear": "1:43"}, "ngear is '1:43', no number"),
+    "omnidirectional": ({"type": "omni3"}, "type is omni3; only robots on two driven wheels"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_METADATA)
+def test_metadata_that_no_robot_can_have_are_told(say: Typed, tmp_path: Path, name: str) -> None:
+    changes, expected = BAD_METADATA[name]
+    rows = {**METADATA_ROWS, **changes}
+    path = tmp_path / "metadata.csv"
+    path.write_text("".join(f"{key},{value}\n" for key, value in rows.items() if value is not None))
+    line = refused(say("--metadata", path, *FIT, *CHECK))
+    assert f"{path}: {expected}" in line or (str(path) in line and expected in line)
+
+
+def test_metadata_that_are_not_there_are_told(say: Typed, tmp_path: Path) -> None:
+    assert "there is no such file" in refused(say("--metadata", "none.csv", *FIT, *CHECK))
+    assert "is a folder" in refused(say("--metadata", tmp_path, *FIT, *CHECK))
+    (tmp_path / "run.csv").write_text(HEAD)
+    assert "run.csv: ngear is missing" in refused(say("--metadata", "run.csv", *FIT, *CHECK))
+
+
+def test_a_full_disk_leaves_the_robot_file_as_it_was(
+    say: Typed, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made_up(tmp_path, Scales(1.01, 0.99, 1.03))
+    before = robot_file.read_text()
+
+    def full(_descriptor: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    code, _, complaint = say("--fit", "run-[0-3].csv", "--check", "run-[45].csv")
+    assert code == 1
+    assert "No space left on device; write into [robot.calibration] by hand:" in complaint.splitlines()[0]
+    assert robot_file.read_text() == before
+    assert os.listdir(robot_file.parent) == ["robot.toml"]  # noqa: PTH208
+    code, _, complaint = say(*OTHERS, "--json", "found.json")
+    assert (code, len(complaint.splitlines())) == (1, 1)
+    assert "found.json: cannot be written: No space left on device; give --json another file" in complaint
+
+
+def test_without_numpy_it_says_what_to_install(say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(giraff_cli.options, "find_spec", lambda name: None if name == "numpy" else name)
+    assert "pip install 'giraff[analysis" in say(*OTHERS)[2]
