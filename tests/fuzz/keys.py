@@ -15,8 +15,8 @@ from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.codec import DecodeError, decode, encode
 from giraff_schemas.messages import Lease, RobotTime, Tick
-from giraff_schemas.requests import EStopEngage, EStopReset
-from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, QUERIES, TOPICS, Query, Topic
+from giraff_schemas.requests import EStopEngage, EStopReset, OdomReset, OdomSetPose
+from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, QUERIES, TOPICS, Query, Topic
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.network import Message
 from tests.fuzz.growth import Growth
@@ -170,7 +170,9 @@ def armed_robot() -> Iterator[tuple[ClosedLoop, Truths]]:
                 truths[row.key].append(encode(sample))
         for row in TOPICS:
             truths[row.key] = truths[row.key] or [msgspec.msgpack.encode(an_example(row.schema))]
-        truths["estop/engage"].append(encode(EStopEngage(by="somebody", reason="no reason")))
+        truths[ESTOP_ENGAGE.key].append(encode(EStopEngage(by="somebody", reason="no reason")))
+        truths[ODOM_RESET.key].append(encode(OdomReset(by="somebody", id=1)))
+        truths[ODOM_SET_POSE.key].append(encode(OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5)))
         hold(loop)
         loop.run(2.0)
         arm(loop)

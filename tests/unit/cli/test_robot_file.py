@@ -81,7 +81,7 @@ def test_a_table_that_is_missing_is_made_and_the_file_before_it_is_kept(path: Pa
     assert kept.read_text() == before
     assert kept.stat().st_mode & 0o777 == 0o640
     assert "\n\n[robot.calibration]\n" in after
-    start = after.index("[robot.calibration]")
+    start = after.index("\n[robot.calibration]\n") + 1
     assert after.startswith(before[:start])  # all that is above it, and all that is below
     assert after.endswith(before[start:])
     was = tomllib.loads(before)
