@@ -32,6 +32,15 @@ _AT_ONCE: Final = 15
 _TRUTHS: Final = 40
 _OTHER_EPOCH: Final = 0xABCD1234
 
+_OLD: Final = RobotTime(epoch=7, robot_ns=5_000_000_000)
+REQUESTS: Final[dict[str, msgspec.Struct]] = {
+    ESTOP_ENGAGE.key: EStopEngage(by="somebody", reason="no reason"),
+    ESTOP_RESET.key: EStopReset(by="somebody", id=0, tick=_OLD),
+    ODOM_RESET.key: OdomReset(by="somebody", id=1),
+    ODOM_SET_POSE.key: OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5),
+}
+"""By key, what may be asked there; that one resets no latch."""
+
 Truths = dict[str, list[bytes]]
 """By key: what was said on it."""
 
@@ -170,9 +179,8 @@ def armed_robot() -> Iterator[tuple[ClosedLoop, Truths]]:
                 truths[row.key].append(encode(sample))
         for row in TOPICS:
             truths[row.key] = truths[row.key] or [msgspec.msgpack.encode(an_example(row.schema))]
-        truths[ESTOP_ENGAGE.key].append(encode(EStopEngage(by="somebody", reason="no reason")))
-        truths[ODOM_RESET.key].append(encode(OdomReset(by="somebody", id=1)))
-        truths[ODOM_SET_POSE.key].append(encode(OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5)))
+        for key, request in REQUESTS.items():
+            truths[key].append(encode(request))
         hold(loop)
         loop.run(2.0)
         arm(loop)

@@ -11,12 +11,10 @@ import zenoh
 
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.codec import encoding_of
-from giraff_schemas.messages import RobotTime
 from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet
-from giraff_schemas.requests import EStopEngage, EStopReset
-from giraff_schemas.topics import ESTOP_ENGAGE, PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, TOPICS, Query, Topic
+from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, TOPICS, Query, Topic
 from tests.fuzz.growth import Growth
-from tests.fuzz.keys import KEYS
+from tests.fuzz.keys import KEYS, REQUESTS
 from tests.fuzz.params import BY, PARAM_KEYS, Truths, changes, require_no_looser, truths_of
 from tests.fuzz.payloads import payload
 from tests.support.process_robot import FULL_TILT, PATIENCE, SERVICES, ProcessRobot
@@ -27,7 +25,6 @@ RATE: Final = 1000.0
 _BATCH: Final = 20
 _WARM: Final = 1.0 / 3.0
 """Of the payloads: a session of Zenoh and an interpreter beside it take some minutes to come to their size."""
-_OLD: Final = RobotTime(epoch=7, robot_ns=5_000_000_000)
 
 
 class NetworkCounted(msgspec.Struct, frozen=True, kw_only=True):
@@ -82,8 +79,7 @@ class Parameters:
 def _truths(row: Topic[Any] | Query[Any, Any]) -> list[bytes]:
     if isinstance(row, Topic):
         return [msgspec.msgpack.encode(an_example(row.schema))]
-    request = EStopEngage(by="a", reason="b") if row is ESTOP_ENGAGE else EStopReset(by="a", id=0, tick=_OLD)
-    return [msgspec.msgpack.encode(request)]
+    return [msgspec.msgpack.encode(REQUESTS[row.key])]
 
 
 def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
