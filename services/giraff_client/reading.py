@@ -47,10 +47,10 @@ def blockage(state: GuardState, linear_x: float, angular_z: float) -> BlockedErr
     return None
 
 
-def require_finite(call: str, linear_x: float, angular_z: float) -> None:
-    """Raises ValueError for what is no twist."""
-    if not (math.isfinite(linear_x) and math.isfinite(angular_z)):
-        raise ValueError(f"{call}({linear_x}, {angular_z}): both must be finite numbers, m/s and rad/s")
+def require_finite(call: str, units: str, *values: object) -> None:
+    """Raises ValueError for what is no number that can be meant."""
+    if not all(isinstance(value, (int, float)) and math.isfinite(value) for value in values):
+        raise ValueError(f"{call}({', '.join(map(str, values))}): all must be finite numbers, {units}")
 
 
 def _sensors(heard: Heard) -> list[str]:

@@ -60,6 +60,7 @@ _PERIOD: Final = 1.0 / OPERATOR_CMD_VEL.rate_hz  # s
 _FIRST_WITHIN: Final = 2.0  # s in which a robot that is there has said everything once
 _LOOK: Final = 0.01  # s
 _TUNE_HZ: Final = 2.0  # a laptop on Wi-Fi comes back with another link
+_TWIST: Final = "m/s and rad/s"
 _OUTSIDE: Final = "not on the network; use it as `with Robot() as robot:`"
 
 
@@ -134,6 +135,9 @@ class Robot:
         robot that nobody has named takes a typed yes, as of `arm`. Raises SilentError without odometry, RobotError
         where it refuses, ValueError for what is no pose.
         """
+        given = (x, y, yaw, position_sd, yaw_sd)
+        require_finite("set_odom", "m, m, rad, m and rad", *given)
+        x, y, yaw, position_sd, yaw_sd = map(float, given)  # True is a number, too, and no number in a message
         request = OdomSetPose(
             by=self._by, id=secrets.randbits(63), x=x, y=y, yaw=yaw, position_sd=position_sd, yaw_sd=yaw_sd
         )
@@ -201,7 +205,7 @@ class Robot:
         no error. Raises RobotError where the robot does not obey this script any more, ValueError for what is no
         number.
         """
-        require_finite("drive", linear_x, angular_z)
+        require_finite("drive", _TWIST, linear_x, angular_z)
         if not self._has_armed:
             self.arm()
         with self._lock:
@@ -216,7 +220,7 @@ class Robot:
         judges straight ways and turns; of a curve, whether its way straight on is free. Raises SilentError without
         the guard, LostRobotError, ValueError for what is no number.
         """
-        require_finite("check_way", linear_x, angular_z)
+        require_finite("check_way", _TWIST, linear_x, angular_z)
         if blocked := blockage(self.guard(), linear_x, angular_z):
             raise blocked
 

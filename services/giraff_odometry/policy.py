@@ -33,6 +33,7 @@ _REMEMBERED: Final = 16
 _SETTABLE: Final = {
     "x": Bounds(-1e6, 1e6, "m"),
     "y": Bounds(-1e6, 1e6, "m"),
+    "yaw": Bounds(-1e4, 1e4, "rad"),
     "position_sd": Bounds(0.0, 1e4, "m"),
     "yaw_sd": Bounds(0.0, math.tau, "rad"),
 }

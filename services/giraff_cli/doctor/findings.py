@@ -10,7 +10,7 @@ import msgspec
 from giraff_cli.doctor.inspection import Geometry, HealthReply, Inspection, Machine, Network, Probe, Rate, Robot
 from giraff_cli.telemetry.describe import START_A_HAND
 from giraff_core.kinematics.calibration import Calibration
-from giraff_schemas.services import BASE, HANDS, ODOMETRY, ROBOTS_OWN
+from giraff_schemas.services import BASE, HANDS, ODOMETRY, ROBOTS_OWN, RUN
 
 Severity = Literal["fault", "warning", "note"]
 
@@ -250,8 +250,7 @@ def _of_geometries(robot: Robot, machine: Machine) -> Iterator[Finding]:
             severity="warning",
             about="geometry",
             what=f"{', '.join(services)} {'goes' if len(services) == 1 else 'go'} by the geometry from before: {told}",
-            fix=f"restart {'it' if len(services) == 1 else 'them'} at rest: "
-            f"systemctl restart {' '.join(f'giraff@{service}' for service in services)}, or docker-compose restart",
+            fix=_restart(services, robot),
         )
     others = [each for each in robot.geometries if each not in stale]
     for field in sorted({field for each in others for field in _apart(each.geometry, others[0].geometry)}):
@@ -261,6 +260,14 @@ def _of_geometries(robot: Robot, machine: Machine) -> Iterator[Finding]:
         values = "; ".join(f"{value} in {', '.join(services)}" for value, services in who.items())
         fix = "give all hosts the same robot file, and restart the services at rest"
         yield Finding(severity="warning", about="geometry", what=f"{field} differs: {values}", fix=fix)
+
+
+def _restart(services: list[str], robot: Robot) -> str:
+    if robot.services.get(RUN.name):
+        return "end giraff run, and start it again"
+    units = " ".join(f"giraff@{service}" for service in services)
+    them = "it" if len(services) == 1 else "them"
+    return f"restart {them} at rest: systemctl restart {units}, or docker-compose restart"
 
 
 def _is_stale(geometry: Geometry, machine: Machine) -> bool:
@@ -276,6 +283,8 @@ def _shown(geometry: Geometry, field: str) -> str:
     value = getattr(geometry, field)
     if isinstance(value, Calibration):
         left, right, track = value.scales
+        if value == Calibration():
+            return "none"
         return f"{value.date or 'of no date'} (wheels {left:.5g} {right:.5g}, track {track:.5g})"
     return f"{value:.6g}"
 

@@ -47,9 +47,11 @@ class Place(NamedTuple):
 
     def fault(self) -> str:
         """What cannot be meant of it, with the way out; empty: nothing."""
-        for name, angle in (("YAW", self.yaw), ("--yaw-sd", self.yaw_sd)):
-            if not self.degrees and abs(angle) > math.tau:
-                return f"{name} {angle:g} rad is more than a whole turn; if it is in degrees: --degrees"
+        whole, unit = (360.0, "°") if self.degrees else (math.tau, " rad")
+        if abs(self.yaw) > whole and not self.degrees:
+            return f"YAW {self.yaw:g}{unit} is more than a whole turn; if it is in degrees: --degrees"
+        if self.yaw_sd > whole:
+            return f"--yaw-sd {self.yaw_sd:g}{unit} is more than a whole turn; {whole:.3g}{unit} knows nothing of YAW"
         return ""
 
     def request(self) -> OdomSetPose:

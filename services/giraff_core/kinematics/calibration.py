@@ -18,6 +18,8 @@ _SCALE: Final = Bounds(0.5, 2.0, "", "is this a percentage?")
 _WHEEL_SD: Final = 0.012
 _TRACK_SD: Final = 0.018
 """Of a robot that nobody has calibrated: wheels within 2 % of their file, track within 3 %, up to 1 % lost in turns."""
+_MOST_SD: Final = 0.1
+"""Of each scale. Whoever is less sure than that has measured nothing, and six robots drawn by it would be none."""
 _SURE: Final = 1e-12
 """Variance below which a combination of the three counts as known: rounding makes as much."""
 
@@ -50,6 +52,12 @@ class Calibration(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     def __post_init__(self) -> None:
         check_bounds(self)
         cholesky(self.covariance)
+        aa, _, _, bb, _, cc = self.covariance
+        if (most := max(aa, bb, cc)) > _MOST_SD**2:
+            raise ValueError(
+                f"covariance has a variance of {most:g}: it must be {_MOST_SD**2:g} at most, a deviation of "
+                f"{_MOST_SD:.0%}; are these percentages, or deviations?"
+            )
 
     @property
     def scales(self) -> Scales:

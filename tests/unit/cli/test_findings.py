@@ -97,6 +97,13 @@ def going_by(by_service: dict[str, Geometry], filed: Geometry | None = None, els
     return msgspec.structs.replace(HEALTHY, robot=robot, machine=msgspec.structs.replace(MACHINE, geometry=filed))
 
 
+def simulated(look: Inspection) -> Inspection:
+    """By a `giraff run`, which is there, too."""
+    assert look.robot is not None
+    services = {**look.robot.services, "run": 1}
+    return msgspec.structs.replace(look, robot=msgspec.structs.replace(look.robot, services=services))
+
+
 def rated(**fields: Any) -> Inspection:
     return of_robot(rates=(msgspec.structs.replace(ROBOT.rates[0], **fields),))
 
@@ -149,7 +156,7 @@ def test_a_healthy_robot_has_no_findings() -> None:
         ),
         (
             going_by({"base": MEASURED, "odometry": msgspec.structs.replace(MEASURED, calibration=Calibration())}),
-            "calibration differs: 2026-11-25 (wheels 1.01 0.99, track 1.02) in base on pc; of no date (wheels",
+            "calibration differs: 2026-11-25 (wheels 1.01 0.99, track 1.02) in base on pc; none in odometry on pc",
         ),
         (
             going_by({"base": BUILT, "guard": MEASURED, "odometry": BUILT}, filed=MEASURED),
@@ -158,6 +165,10 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (
             going_by({"base": MEASURED, "guard": BUILT}, filed=MEASURED),
             "guard goes by the geometry from before: track_width 0.47, now 0.48 -> restart it at rest",
+        ),
+        (
+            simulated(going_by({"base": BUILT, "guard": MEASURED}, filed=MEASURED)),
+            "base goes by the geometry from before: track_width 0.47, now 0.48 -> end giraff run, and start it again",
         ),
         (of_robot(estop=estop(engaged=True)), "note e-stop: the emergency stop is engaged by ann@desk: smoke"),
         (

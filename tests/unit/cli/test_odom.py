@@ -155,6 +155,7 @@ def test_an_odometry_that_hears_no_wheels_is_set_all_the_same(network: Network) 
         (TURNED._replace(yaw=720.0), ""),
         (TURNED._replace(yaw_sd=0.1, degrees=False), "YAW -90 rad is more than a whole turn; if it is in degrees: "),
         (TURNED._replace(yaw=1.5, yaw_sd=10.0, degrees=False), "--yaw-sd 10 rad is more than a whole turn; "),
+        (TURNED._replace(yaw_sd=400.0), "--yaw-sd 400° is more than a whole turn; "),
     ],
 )
 def test_degrees_are_not_taken_for_radians(place: Place, fault: str) -> None:

@@ -99,4 +99,4 @@ def test_a_way_that_is_only_slow_is_not_blocked() -> None:
 @pytest.mark.parametrize("twist", [(math.nan, 0.0), (0.0, math.inf)])
 def test_what_is_no_number_is_no_twist(twist: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match=r"check_way\(.*finite numbers, m/s and rad/s"):
-        require_finite("check_way", *twist)
+        require_finite("check_way", "m/s and rad/s", *twist)

@@ -253,6 +253,8 @@ def test_a_pose_that_is_not_set_says_why(network: Network, robot: Robot) -> None
     for pose in ((float("nan"), 0.0, 0.0), (0.0, float("inf"), 0.0), (0.0, 0.0, 0.0, -1.0)):
         with pytest.raises(ValueError, match=r"nan|inf|negative"):
             robot.set_odom(*pose)
+    with pytest.raises(ValueError, match=r"set_odom\(a, 0\.0, 0\.0, 0\.0, 0\.0\): all must be finite numbers"):
+        robot.set_odom("a", 0.0, 0.0)  # type: ignore[arg-type]  # as a script may
     network.ticks = False
     with pytest.raises(LostRobotError, match="no tick of the robot"):
         robot.reset_odom()

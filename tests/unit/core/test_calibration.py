@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from giraff_core.kinematics.calibration import Calibration, Covariance, Scales, cholesky
 from tests.support.robots import ROBOT
 
-entries = st.floats(-0.1, 0.1)
+entries = st.floats(-0.05, 0.05)  # a variance of three of them is below the largest that is taken
 
 
 def covariance_of(rows: tuple[tuple[float, ...], ...]) -> Covariance:
@@ -54,6 +54,11 @@ def test_six_robots_have_mean_and_covariance_of_the_calibration(rows: tuple[tupl
 def test_what_is_no_covariance_is_refused(covariance: Covariance) -> None:
     with pytest.raises(ValueError, match="covariance"):
         Calibration(covariance=covariance)
+
+
+def test_a_covariance_of_whoever_knows_nothing_is_refused() -> None:
+    with pytest.raises(ValueError, match="are these percentages, or deviations"):
+        Calibration(covariance=(1e-4, 0.0, 0.0, 1e-4, 0.0, 0.018))
 
 
 @pytest.mark.parametrize("values", [{"left_wheel_scale": 102.0}, {"track_scale": math.nan}, {"track_scale": 0.0}])

@@ -157,6 +157,7 @@ def test_after_a_reset_errors_grow_as_of_one_that_has_just_begun() -> None:
     [
         (there(x=1e300), r"x is 1e\+300: it must be within -1e\+06..1e\+06 m; are these millimetres"),
         (there(y=-1e300), r"y is -1e\+300"),
+        (there(yaw=1e308), r"yaw is 1e\+308: it must be within -10000..10000 rad; are these degrees"),
         (there(position_sd=1e200), "position_sd is .* within 0..10000 m"),
         (there(yaw_sd=10.0), "yaw_sd is 10: it must be within 0..2π rad; are these degrees"),
     ],
@@ -170,7 +171,17 @@ def test_what_no_robot_can_be_at_is_refused_with_the_reason(request_: OdomSetPos
     assert odometry.estimate is before
 
 
-@given(st.builds(there, *(st.floats(-1e6, 1e6),) * 3, position_sd=st.floats(0.0, 1e4), yaw_sd=st.floats(0.0, math.tau)))
+SETTABLE = st.builds(
+    there,
+    st.floats(-1e6, 1e6),
+    st.floats(-1e6, 1e6),
+    st.floats(-1e4, 1e4),
+    position_sd=st.floats(0.0, 1e4),
+    yaw_sd=st.floats(0.0, math.tau),
+)
+
+
+@given(SETTABLE)
 def test_whatever_is_settable_leaves_numbers(request_: OdomSetPose) -> None:
     odometry = driven(*WAY)
     assert odometry.on_set_pose(request_).done
