@@ -36,7 +36,7 @@ from tests.unit.replay.drive import begin_of_the_drive
 pytestmark = [pytest.mark.usefixtures("able_to_draw"), pytest.mark.timeout(240)]
 
 
-TO_THE_WALL_NS = 15_000_000_000
+TO_THE_WALL_NS = 11_000_000_000
 """Of the recorded drive: the robot backs, drives ahead until a wall stops it, and has not heard its rear for long."""
 
 
