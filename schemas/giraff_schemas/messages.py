@@ -246,11 +246,15 @@ class Odometry(Sample, frozen=True, kw_only=True):
     boot_id: int
     tick: RobotTime
     jumps: int = 0
-    """How often its pose was set from outside since odometry began. Between two samples with different numbers of them
-    lies no motion."""
+    """How often its pose was set from outside since odometry began: `origin` says what follows."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.x, self.y, self.yaw, self.linear_x, self.angular_z, self.path, *self.covariance)
+
+    @property
+    def origin(self) -> tuple[str, int]:
+        """Between two samples of which this differs lies no motion: the pose was set, or odometry began anew."""
+        return self.instance, self.jumps
 
 
 class TruePose(Sample, frozen=True, kw_only=True):

@@ -19,10 +19,7 @@ class Ghost:
 
     def hear(self, odometry: Odometry) -> None:
         """Odometry's newest sample. One that was restarted, or whose pose was set, has another frame from there on."""
-        if self._samples and (self._samples[-1].instance, self._samples[-1].jumps) != (
-            odometry.instance,
-            odometry.jumps,
-        ):
+        if self._samples and self._samples[-1].origin != odometry.origin:
             self._samples.clear()
         self._samples.append(odometry)
 

@@ -121,7 +121,7 @@ class Scene:
                 child_frame="base_link",
             )
             rows += [("frames/base_link", where), (f"{FLOOR}/ellipse", self._ellipse(odometry))]
-        self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.instance, odometry.jumps)
+        self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.origin)
         return rows + self._draw_trail(at_ns)
 
     def _ellipse(self, odometry: Odometry) -> Any:

@@ -19,11 +19,11 @@ class Trail:
         self._step = _STEP
         self._origin: tuple[str, int] | None = None
 
-    def go_on(self, x: float, y: float, maker: str, jumps: int) -> bool:
-        """Whether the trail has changed. `maker`: the odometry's instance, which begins at its own origin; `jumps`: how
-        often its pose was set: no robot has gone that way, so that a new trail begins."""
-        if self._origin != (maker, jumps):
-            self.points, self._step, self._origin = [(x, y)], _STEP, (maker, jumps)
+    def go_on(self, x: float, y: float, origin: tuple[str, int]) -> bool:
+        """Whether the trail has changed. `origin`: `Odometry.origin`; where it is another, no robot has gone that way,
+        and a new trail begins."""
+        if self._origin != origin:
+            self.points, self._step, self._origin = [(x, y)], _STEP, origin
             return True
         if math.dist(self.points[-1], (x, y)) < self._step:
             return False

@@ -68,7 +68,7 @@ class Comparison:
         self._origins: tuple[Pose, Pose] | None = None
 
     def on_sample(self, sample: Odometry) -> None:
-        if self._samples and _origin(self._samples[-1]) != _origin(sample):
+        if self._samples and self._samples[-1].origin != sample.origin:
             # A restarted odometry begins anew wherever the robot then is, one whose pose was set goes on from there.
             self._samples.clear()
             self._origins = None
@@ -101,11 +101,6 @@ class Comparison:
                 return None if later is None else _between(sample, later, robot_ns)
             later = sample
         return None
-
-
-def _origin(sample: Odometry) -> tuple[str, int]:
-    """Between samples of which this differs lies no motion."""
-    return sample.instance, sample.jumps
 
 
 def _between(before: Odometry, after: Odometry, robot_ns: int) -> Pose:

@@ -191,22 +191,22 @@ def test_a_cone_reaches_to_the_echo() -> None:
 def test_a_trail_stays_short_and_begins_anew() -> None:
     trail = Trail()
     for step in range(100_000):
-        trail.go_on(step * 0.02, 0.0, "a", 0)
+        trail.go_on(step * 0.02, 0.0, ("a", 0))
     assert len(trail.points) <= 1000
     assert trail.points[0] == (0.0, 0.0)
     assert trail.points[-1][0] > 1990.0
-    assert not trail.go_on(*trail.points[-1], "a", 0)
-    assert trail.go_on(0.0, 0.0, "b", 0)
+    assert not trail.go_on(*trail.points[-1], ("a", 0))
+    assert trail.go_on(0.0, 0.0, ("b", 0))
     assert trail.points == [(0.0, 0.0)]
 
 
 def test_a_trail_has_no_line_over_a_jump_and_has_one_over_a_gap() -> None:
     """However near the pose was set; and however far the robot went unheard, it went there."""
     trail = Trail()
-    trail.go_on(0.0, 0.0, "a", 0)
-    trail.go_on(3.0, 0.0, "a", 0)
+    trail.go_on(0.0, 0.0, ("a", 0))
+    trail.go_on(3.0, 0.0, ("a", 0))
     assert trail.points == [(0.0, 0.0), (3.0, 0.0)]
-    assert trail.go_on(3.01, 0.0, "a", 1)
+    assert trail.go_on(3.01, 0.0, ("a", 1))
     assert trail.points == [(3.01, 0.0)]
     scene = Scene(stock("sim"))
     for jumps, x in ((0, 0.0), (0, 0.1), (1, 0.2), (1, 0.3)):
