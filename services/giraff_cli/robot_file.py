@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import stat
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -29,9 +30,10 @@ def record(path: Path, table: str, fields: Mapping[str, Value], *, kept_as: str 
     that name already. Returns where.
     """
     with _explained(path, table, fields):
-        before = path.read_text()
-        was = tomllib.loads(before)
-        after = _with(before, table, fields)
+        before = path.read_bytes()
+        text = before.decode()
+        was = tomllib.loads(text)
+        after = _with(text, table, fields)
         if tomllib.loads(after) != _merged(was, table.split("."), fields):
             raise ValueError("something else would change with it")
         kept = _keep(path, before, kept_as) if kept_as else None
@@ -39,7 +41,7 @@ def record(path: Path, table: str, fields: Mapping[str, Value], *, kept_as: str 
             write_file_durably(path, after.encode())
         except OSError:
             with contextlib.suppress(OSError):
-                if kept is not None and path.read_text() == before:
+                if kept is not None and path.read_bytes() == before:
                     kept.unlink()
             raise
     return kept
@@ -55,6 +57,7 @@ def _explained(path: Path, table: str, fields: Mapping[str, Value]) -> Iterator[
 
 
 def _with(text: str, table: str, fields: Mapping[str, Value]) -> str:
+    """Lines end as they did; where all end as on Windows, so do those that are new."""
     document = tomlkit.parse(text)
     *above, last = table.split(".")
     section: Any = document
@@ -68,7 +71,9 @@ def _with(text: str, table: str, fields: Mapping[str, Value]) -> str:
     else:
         for name, value in fields.items():
             section[last][name] = value
-    return tomlkit.dumps(document)
+    after = tomlkit.dumps(document)
+    ends_as_on_windows = 0 < text.count("\n") == text.count("\r\n")
+    return re.sub(r"(?<!\r)\n", "\r\n", after) if ends_as_on_windows else after
 
 
 def _merged(was: Mapping[str, Any], table: Sequence[str], fields: Mapping[str, Any]) -> dict[str, Any]:
@@ -79,7 +84,7 @@ def _merged(was: Mapping[str, Any], table: Sequence[str], fields: Mapping[str, A
     return {**was, first: _merged(was.get(first, {}), rest, fields)}
 
 
-def _keep(path: Path, text: str, kept_as: str) -> Path:
+def _keep(path: Path, data: bytes, kept_as: str) -> Path:
     """A copy, whole on disk, under a name that was free."""
     path = path.resolve()
     number = 1
@@ -91,7 +96,7 @@ def _keep(path: Path, text: str, kept_as: str) -> Path:
             number += 1
             continue
         try:
-            write_file_durably(kept, text.encode())
+            write_file_durably(kept, data)
         except OSError:
             kept.unlink(missing_ok=True)
             raise

@@ -43,6 +43,26 @@ def test_a_link_stays_a_link(path: Path) -> None:
     assert tomllib.loads(path.read_text())["robot"]["swap_motors"] is True
 
 
+def test_line_ends_stay_what_they_were(path: Path) -> None:
+    before = path.read_bytes().replace(b"\n", b"\r\n")
+    path.write_bytes(before)
+    kept = record(path, "robot.calibration", CALIBRATION, kept_as=KEPT)
+    assert kept is not None
+    assert kept.read_bytes() == before
+    record(path, "robot", FIELDS)
+    after = path.read_bytes()
+    assert after.count(b"\r\n") == after.count(b"\n") > before.count(b"\n")
+    assert [line for line in before.splitlines(keepends=True) if line not in after.splitlines(keepends=True)] == []
+
+
+@pytest.mark.parametrize("text", [b"\xef\xbb\xbf[robot]\n", b"[robot] # \xff\n"])
+def test_a_file_that_is_no_plain_utf8_is_left_alone(path: Path, text: bytes) -> None:
+    path.write_bytes(text)
+    with pytest.raises(RobotFileError, match=r"write into \[robot\] by hand"):
+        record(path, "robot", FIELDS)
+    assert path.read_bytes() == text
+
+
 @pytest.mark.parametrize("text", ["[robot", "name = 'x'", "robot = 3"])
 def test_a_file_that_does_not_hold_the_table_is_left_alone(path: Path, text: str) -> None:
     path.write_text(text)
