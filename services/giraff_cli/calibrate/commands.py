@@ -40,7 +40,10 @@ def odometry(
         ),
     ] = None,
     json: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Also write the outcome of recorded runs as JSON.")
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Also write the outcome of recorded runs as JSON, over nothing that is read."
+        ),
     ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Take a wheel that is 5 %, a track that is 10 % other than before.")
@@ -53,7 +56,8 @@ def odometry(
     Checked runs that end farther off on average than before refuse it, also with --force. Of the robot file only
     the table robot.calibration changes; a copy of it as it was stays beside it.
 
-    Exit code: 0 done; 1 refused, nothing written; 2 not begun.
+    Exit code: 0 done, or nothing to gain; 1 refused, nothing written; 2 not begun; 3 the robot file is written, what
+    --json names is not.
     """
     require_extra("calibrate odometry", "numpy", "analysis,cli")
     if not (fit or check or metadata or json or more):

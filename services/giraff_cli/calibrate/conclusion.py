@@ -11,13 +11,21 @@ from typing import Any, Final, NamedTuple
 import msgspec
 
 from giraff_cli.calibrate.fit import UndeterminedError, fit
-from giraff_cli.calibrate.judgement import for_programs, in_words, judge, table_of, too_large_a_change
+from giraff_cli.calibrate.judgement import (
+    for_programs,
+    in_words,
+    is_known_already,
+    judge,
+    table_of,
+    too_large_a_change,
+)
 from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_cli.robot_file import RobotFileError, record
 
 DONE: Final = 0
 REFUSED: Final = 1
 UNUSABLE: Final = 2
+ONLY_ROBOT_FILE: Final = 3
 
 _NOT_WRITTEN: Final = "Nothing was written"
 
@@ -28,7 +36,7 @@ class Conclusion(NamedTuple):
     code: int
     """Exit code of the command."""
     outcome: dict[str, Any]
-    """For programs; empty: there was nothing to judge."""
+    """For programs; empty: there was nothing to judge. Its robot_file is where it was written into, or None."""
 
 
 def conclude(
@@ -54,12 +62,18 @@ def conclude(
         return Conclusion(complain(f"{error}. {_NOT_WRITTEN}.", REFUSED), {})
     judgement = judge(checked, geometry, found.scales)
     tell(in_words(found, judgement, geometry))
-    refusal = judgement.refusal or ("" if force else too_large_a_change(geometry.scales, found.scales))
+    is_known = is_known_already(found, geometry.scales)
+    refusal = (
+        "" if is_known else judgement.refusal or ("" if force else too_large_a_change(geometry.scales, found.scales))
+    )
     outcome = {**for_programs(found, judgement, geometry), "refused": refusal, "robot_file": None}
     if refusal:
         return Conclusion(complain(f"refused: {refusal}. {_NOT_WRITTEN}.", REFUSED), outcome)
     if robot_file is None:
         tell(f"{_NOT_WRITTEN}: the robot file is that of another robot.")
+        return Conclusion(DONE, outcome)
+    if is_known:
+        tell(f"Nothing to gain: it is calibrated so already. {_NOT_WRITTEN}.")
         return Conclusion(DONE, outcome)
     if not agrees():
         return Conclusion(complain(f"not wanted. {_NOT_WRITTEN}.", REFUSED), outcome)

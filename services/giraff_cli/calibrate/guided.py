@@ -11,7 +11,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Final
 
-from giraff_cli.calibrate.conclusion import DONE, UNUSABLE, complain, conclude
+from giraff_cli.calibrate.conclusion import UNUSABLE, complain, conclude
 from giraff_cli.calibrate.heard import NetworkWheels, differences
 from giraff_cli.calibrate.procedure import Procedure, WheelSource
 from giraff_cli.calibrate.runs import Geometry
@@ -71,7 +71,7 @@ def guide(human: Human, source: WheelSource, filed: RobotConfig, path: Path, *, 
         )
     except NobodyError:
         return complain("nobody answers. Nothing was written.", UNUSABLE)
-    if conclusion.code == DONE:
+    if conclusion.outcome.get("robot_file"):
         human.tell(
             "Nothing goes by it yet: copy the file to the robot's other machines, let the robot stand, and restart its "
             "services.\n`giraff doctor` names those that still go by another geometry."

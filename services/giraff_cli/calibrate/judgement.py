@@ -15,6 +15,12 @@ from giraff_core.kinematics.calibration import Calibration, Scales
 _WHEEL_CHANGE: Final = 0.05
 _TRACK_CHANGE: Final = 0.10
 """Of the value before: more is a slip of the measure more likely than a robot."""
+_RESOLUTION: Final = 1e-4
+"""m: of an end error. The robot file's digits alone make less than that."""
+_SAME: Final = 0.1
+"""Of its standard deviation: what a factor may be off and still be the one that was there. A fit of the same runs that
+begins elsewhere comes out a third of that different.
+"""
 _FARTHEST: Final = 100.0
 """m that the robot file takes for an end error."""
 
@@ -29,6 +35,11 @@ class Checked(NamedTuple):
     heading_before: float
     """rad, never negative."""
     heading_after: float
+
+    @property
+    def is_worse(self) -> bool:
+        """It ends farther off than before."""
+        return self.after - self.before > _RESOLUTION
 
 
 class Judgement(NamedTuple):
@@ -49,17 +60,17 @@ class Judgement(NamedTuple):
     @property
     def refusal(self) -> str:
         """Why this calibration is not taken, whoever asks; empty: it is."""
-        if self.after <= self.before:
+        if self.after - self.before <= _RESOLUTION:
             return ""
         return (
-            f"the checked runs end {self.after:.3f} m off on average, and {self.before:.3f} m by the values before: "
+            f"the checked runs end {self.after:.4f} m off on average, and {self.before:.4f} m by the values before: "
             "those stay; measure again, with longer runs, and see that no wheel slips"
         )
 
     @property
     def worse(self) -> tuple[str, ...]:
         """Runs that end farther off than before."""
-        return tuple(run.name for run in self.runs if run.after > run.before)
+        return tuple(run.name for run in self.runs if run.is_worse)
 
 
 def judge(runs: Sequence[Run], geometry: Geometry, scales: Scales) -> Judgement:
@@ -71,6 +82,13 @@ def judge(runs: Sequence[Run], geometry: Geometry, scales: Scales) -> Judgement:
         heading_errors(runs, geometry, scales),
     )
     return Judgement(tuple(Checked(run.name, *row) for run, row in zip(runs, zip(*columns, strict=True), strict=True)))
+
+
+def is_known_already(found: Fit, before: Scales) -> bool:
+    """Whether a robot that was calibrated to `before` has these very scales, as far as the runs tell."""
+    if before == Calibration().scales:  # nobody has calibrated it: how sure they are is new
+        return False
+    return all(abs(new - old) < _SAME * sd for new, old, sd in zip(found.scales, before, found.sd, strict=True))
 
 
 def too_large_a_change(before: Scales, after: Scales) -> str:
@@ -121,7 +139,9 @@ def in_words(found: Fit, judgement: Judgement, geometry: Geometry) -> str:
         f"{'checked run':<28} {'end error m':>16} {'heading error °':>20}",
     ]
     lines += [_checked(run) for run in judgement.runs]
-    change = f"{100.0 * (judgement.after / judgement.before - 1.0):+.0f} %" if judgement.before else "nothing to gain"
+    is_even = abs(judgement.after - judgement.before) <= _RESOLUTION
+    percent = f"{100.0 * (judgement.after / (judgement.before or _RESOLUTION) - 1.0):+.0f} %"
+    change = "as before" if is_even else percent
     lines.append(f"{'mean':<28} {judgement.before:7.4f} ->{judgement.after:7.4f}   {change}")
     lines += [f"Worse than before: {name}." for name in judgement.worse]
     lines += [f"Mind: {warning}." for warning in found.warnings]
@@ -146,7 +166,7 @@ def for_programs(found: Fit, judgement: Judgement, geometry: Geometry) -> dict[s
         "warnings": list(found.warnings),
         "end_error_before": judgement.before,
         "end_error_after": judgement.after,
-        "checked": [{**run._asdict(), "worse": run.after > run.before} for run in judgement.runs],
+        "checked": [{**run._asdict(), "worse": run.is_worse} for run in judgement.runs],
     }
 
 

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import glob
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import msgspec
 
-from giraff_cli.calibrate.conclusion import DONE, REFUSED, UNUSABLE, complain, conclude
+from giraff_cli.calibrate.conclusion import DONE, ONLY_ROBOT_FILE, REFUSED, UNUSABLE, complain, conclude
 from giraff_cli.calibrate.recorded.slips import require_plausible
 from giraff_cli.calibrate.recorded.tables import RecordingError, as_run, read_metadata, read_table
 from giraff_cli.calibrate.runs import Geometry, Run
@@ -38,6 +40,8 @@ def calibrate_recorded(asked: Asked) -> int:
     try:
         _require_sense(asked)
         fit_files, check_files = files_of("--fit", asked.fitted), files_of("--check", asked.checked)
+        if asked.json is not None:
+            _require_room(asked.json, [*fit_files, *check_files, *([asked.metadata] if asked.metadata else [])])
         path, geometry = (None, read_metadata(asked.metadata)) if asked.metadata is not None else _own()
         runs = read_runs([*fit_files, *check_files], geometry)
         to_fit, to_check = runs[: len(fit_files)], runs[len(fit_files) :]
@@ -57,6 +61,29 @@ def _require_sense(asked: Asked) -> None:
         )
     if asked.is_live:
         raise RecordingError("--robot and --connect are for a live robot; leave them out with recorded runs")
+
+
+def _require_room(outcome: Path, read: Sequence[Path]) -> None:
+    """RecordingError where the outcome cannot be written, or would be over what is read or the robot file."""
+    others = [*read]
+    with contextlib.suppress(ConfigError):  # told where it is needed
+        others.append(robot_file())
+    try:
+        for other in others if outcome.exists() else ():
+            if other.exists() and outcome.samefile(other):
+                raise RecordingError(
+                    f"--json {outcome} is {other}, which it would overwrite; give it a name of its own"
+                )
+        if outcome.exists() and not outcome.is_file():
+            raise RecordingError(f"--json {outcome}: is no file; name one, which need not be there")
+        folder = outcome.resolve().parent
+        if not folder.is_dir():
+            raise RecordingError(f"--json {outcome}: there is no such folder; make it, or name another")
+    except (OSError, RuntimeError) as error:  # the latter: links in a circle
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise RecordingError(f"--json {outcome}: cannot be written: {reason}") from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise RecordingError(f"--json {outcome}: its folder cannot be written; name another")
 
 
 def files_of(option: str, words: Sequence[str]) -> list[Path]:
@@ -102,5 +129,9 @@ def _tell_programs(path: Path, outcome: dict[str, Any]) -> int:
     try:
         write_file_durably(path, msgspec.json.format(msgspec.json.encode(outcome), indent=2) + b"\n")
     except OSError as error:
-        return complain(f"{path}: cannot be written: {error.strerror or error}; give --json another file", REFUSED)
+        reason = f"{path}: cannot be written: {error.strerror or error}"
+        if outcome["robot_file"]:
+            told = f"{outcome['robot_file']} is written, this is not; all that was found stands above"
+            return complain(f"{reason}; {told}", ONLY_ROBOT_FILE)
+        return complain(f"{reason}; give --json another file", REFUSED)
     return DONE

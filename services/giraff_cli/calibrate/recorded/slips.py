@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from giraff_cli.calibrate.paths import Floats, path
-from giraff_cli.calibrate.recorded.tables import LEFT, RIGHT, YAW, RecordingError, X, Y, as_run
+from giraff_cli.calibrate.recorded.tables import LEFT, NO_WHEEL_TURNED, RIGHT, YAW, RecordingError, X, Y, as_run
 from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_cli.calibrate.windows import residuals, windows_of
 
@@ -17,6 +17,8 @@ _OFF: Final = 0.25
 """Of what was measured: what odometry may be off within a window. With every scale at its limit it is less."""
 _BETTER: Final = 0.4
 """Of that: what remains of it once the cause is found."""
+_AT_REST: Final = 0.01
+"""m that either wheel rolls at most while a robot stands and its encoders flutter."""
 _TURNED: Final = 0.5
 """rad, root of the sum of squares: less says nothing of the sense in which a robot turned."""
 
@@ -61,6 +63,9 @@ _SLIPS: Final[tuple[tuple[Callable[[Floats], Floats], str], ...]] = (
 
 def require_plausible(name: str, table: Floats, geometry: Geometry) -> None:
     """RecordingError where odometry and truth are apart by more than any calibration brings together."""
+    rolled_at_most = float(np.abs(np.cumsum(table[1:, (RIGHT, LEFT)], axis=0)).max()) / geometry.ticks_per_metre
+    if rolled_at_most < _AT_REST:
+        raise RecordingError(f"{name}: {NO_WHEEL_TURNED}")
     run = as_run(name, table)
     off = _apart(run, geometry)
     if off < _OFF and not _turns_opposite(run, geometry):

@@ -22,6 +22,12 @@ TIME, X, Y, YAW, RIGHT, LEFT = range(6)
 """Columns."""
 COLUMNS: Final = ("time", "x", "y", "heading", "right counts", "left counts")
 _FORM: Final = "a row is time s, x m, y m, heading rad, right counts, left counts, with commas between"
+NO_WHEEL_TURNED: Final = "no wheel turned in it; leave it out, or check the encoders' cables"
+MOST_ROWS: Final = 200_000
+"""Of a run: half an hour of 100 a second. It is read and checked in some seconds, ten times as many in a
+minute.
+"""
+_BUILT: Final = "a row is a name and its values, one of ngear, encRes, Li and Di"
 _TRACK: Final = Bounds(0.05, 2.0, "m")
 _DIAMETER: Final = Bounds(0.005, 2.0, "m")
 _GEAR: Final = Bounds(0.01, 10_000.0)
@@ -38,7 +44,12 @@ class RecordingError(Exception):
 def read_table(path: Path) -> Floats:
     """Shape (rows, 6), all numbers, time never going back."""
     rows: list[list[float]] = []
-    for number, row in _rows(path):
+    for number, row in _rows(path, _FORM, f"name the files in it, like '{path}/*.csv'"):
+        if len(rows) == MOST_ROWS:
+            raise RecordingError(
+                f"{path}: more than {MOST_ROWS} rows; keep one every 0.1 s, with its counts and those of the rows left "
+                "out summed up, or split it"
+            )
         values = _numbers(f"{path}, row {number}", row)
         if rows and values[TIME] < rows[-1][TIME]:
             raise RecordingError(
@@ -50,7 +61,7 @@ def read_table(path: Path) -> Floats:
         raise RecordingError(f"{path}: one row is no run; {_FORM}")
     table = np.array(rows)
     if not np.any(table[1:, (RIGHT, LEFT)]):
-        raise RecordingError(f"{path}: no wheel turned in it; leave it out, or check the encoders' cables")
+        raise RecordingError(f"{path}: {NO_WHEEL_TURNED}")
     return table
 
 
@@ -66,7 +77,7 @@ def as_run(name: str, table: Floats) -> Run:
 def read_metadata(path: Path) -> Geometry:
     """What the recorded robot is built like: ngear, encRes, Li and Di."""
     fields: dict[str, list[str]] = {}
-    for number, (name, *values) in _rows(path):
+    for number, (name, *values) in _rows(path, _BUILT, "--metadata takes one file"):
         if name in fields:
             raise RecordingError(f"{path}, row {number}: {name} is there twice; leave one of them")
         fields[name] = [value.strip() for value in values if value.strip()]
@@ -92,7 +103,7 @@ def _built(path: Path, fields: dict[str, list[str]], name: str, what: str, bound
     texts = fields[name]
     if len(texts) != count:
         raise RecordingError(f"{path}: {name} has {len(texts)} values, not {count} ({what})")
-    values = [_number(f"{path}: {name}", text) for text in texts]
+    values = [_built_number(f"{path}: {name}", text, what) for text in texts]
     for value in values:
         try:
             bounds.require(name, value)
@@ -101,8 +112,18 @@ def _built(path: Path, fields: dict[str, list[str]], name: str, what: str, bound
     return values
 
 
-def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Those that are not empty, with their numbers, from 1."""
+def _built_number(where: str, text: str, what: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if math.isnan(value):
+        raise RecordingError(f"{where} is {_shown(text)}, no number; correct it ({what})")
+    return value
+
+
+def _rows(path: Path, form: str, in_a_folder: str) -> Iterator[tuple[int, list[str]]]:
+    """Those that are not empty, with their numbers, from 1. `form`: what a row is; `in_a_folder`: the way out of it."""
     found = False
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
@@ -113,11 +134,11 @@ def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     except FileNotFoundError as error:
         raise RecordingError(f"{path}: there is no such file; check its name and the folder you are in") from error
     except IsADirectoryError as error:
-        raise RecordingError(f"{path}: is a folder; name the files in it, like '{path}/*.csv'") from error
+        raise RecordingError(f"{path}: is a folder; {in_a_folder}") from error
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(f"{path}: is no CSV: {error}; {_FORM}") from error
+        raise RecordingError(f"{path}: is no CSV: {error}; {form}") from error
     if not found:
         raise RecordingError(f"{path}: is empty; was the disk full when it was written?")
 
@@ -141,9 +162,8 @@ def _number(where: str, text: str) -> float:
     try:
         value = float(text)
     except ValueError as error:
-        shown = text.strip()[:30]
         cause = "is there a header? remove it" if ", row 1:" in where else "correct it, or leave the run out"
-        raise RecordingError(f"{where} is {shown!r}, no number; {cause}") from error
+        raise RecordingError(f"{where} is {_shown(text)}, no number; {cause}") from error
     if math.isfinite(value) and abs(value) > _MOST:
         raise RecordingError(f"{where} is {value:g}, which cannot be; correct it, or leave the run out")
     if not math.isfinite(value):
@@ -151,3 +171,7 @@ def _number(where: str, text: str) -> float:
             f"{where} is {value}: the truth was lost there; leave such rows out at the ends, or the run"
         )
     return value
+
+
+def _shown(text: str) -> str:
+    return repr(text.strip()[:30])
