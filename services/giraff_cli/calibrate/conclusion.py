@@ -48,11 +48,12 @@ def conclude(
     force: bool,
     tell: Callable[[str], None] = print,
     agrees: Callable[[], bool] = lambda: True,
+    then: str = "Restart the robot's services.",
 ) -> Conclusion:
     """Fit, judge and write into `robot_file`; None: into none.
 
     `force`: a scale far from the one before is taken, too. `agrees`: asked once all is told, before anything is
-    written.
+    written. `then`: what is to be done once it is.
     """
     if not checked:
         return Conclusion(complain(f"no run is left to judge the fit by: add one. {_NOT_WRITTEN}.", REFUSED), {})
@@ -82,7 +83,7 @@ def conclude(
         kept = record(robot_file, "robot.calibration", msgspec.to_builtins(table), kept_as=f"before-{table.date}")
     except RobotFileError as error:
         return Conclusion(complain(str(error), REFUSED), outcome)
-    tell(f"Written: [robot.calibration] of {robot_file}; as it was before: {kept}. Restart the robot's services.")
+    tell(f"Written: [robot.calibration] of {robot_file}; as it was before: {kept}. {then}")
     return Conclusion(DONE, {**outcome, "robot_file": str(robot_file)})
 
 

@@ -20,10 +20,17 @@ from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_node.network.discovery import is_simulated_here, others
 
 _PATIENCE: Final = 3.0  # s
 
 _INTERRUPTED: Final = 130
+
+_THEN: Final = (
+    "Nothing goes by it yet: copy the file to the robot's other machines, let the robot stand, and restart its "
+    "services.\n`giraff doctor` names those that still go by another geometry."
+)
+_THEN_SIMULATED: Final = "Nothing goes by it yet: end `giraff run` and start it again."
 
 
 def calibrate_odometry(robot: str | None, connect: Sequence[str], *, force: bool) -> int:
@@ -33,8 +40,13 @@ def calibrate_odometry(robot: str | None, connect: Sequence[str], *, force: bool
         human = Terminal(sys.stdin, sys.stdout)
         try:
             path, filed = own_robot_file()
-            _tell_of(connection, human, path, filed)
-            return guide(human, NetworkWheels(connection), filed, path, force=force)
+            wheels = NetworkWheels(connection)
+            if not wheels.wait(_PATIENCE):
+                return complain(_unheard(connection), UNUSABLE)
+            introduce(human, connection.robot, path, filed)
+            for words in differences(connection, filed):
+                human.tell(f"{words}: what is found holds for the value of the file.")
+            return guide(human, wheels, connection.robot, filed, path, force=force)
         except ConfigError as error:
             return complain(str(error), UNUSABLE)
         except KeyboardInterrupt:
@@ -55,7 +67,14 @@ def own_robot_file() -> tuple[Path, RobotConfig]:
     return path, filed
 
 
-def guide(human: Human, source: WheelSource, filed: RobotConfig, path: Path, *, force: bool) -> int:
+def introduce(human: Human, robot: str, path: Path, filed: RobotConfig) -> None:
+    """Which robot it is, and whether that is doubtful."""
+    human.tell(f"Robot {robot}; what is found goes into {path}.")
+    if robot != filed.name and not is_simulated_here(robot):
+        human.tell(f"The robot file of this machine is that of {filed.name}: is it the right machine?")
+
+
+def guide(human: Human, source: WheelSource, robot: str, filed: RobotConfig, path: Path, *, force: bool) -> int:
     """From the first mark to the robot file at `path`, which says `filed`; the exit code."""
     geometry = Geometry(filed.ticks_per_metre, filed.track_width, filed.calibration.scales)
     try:
@@ -68,24 +87,17 @@ def guide(human: Human, source: WheelSource, filed: RobotConfig, path: Path, *, 
             force=force,
             tell=human.tell,
             agrees=lambda: _agrees(human, f"Write into {path}? [yes/no]"),
+            then=_THEN_SIMULATED if is_simulated_here(robot) else _THEN,
         )
     except NobodyError:
         return complain("nobody answers. Nothing was written.", UNUSABLE)
-    if conclusion.outcome.get("robot_file"):
-        human.tell(
-            "Nothing goes by it yet: copy the file to the robot's other machines, let the robot stand, and restart its "
-            "services.\n`giraff doctor` names those that still go by another geometry."
-        )
     return conclusion.code
 
 
-def _tell_of(connection: RobotConnection, human: Human, path: Path, filed: RobotConfig) -> None:
-    """Which robot it is, and what is doubtful in that."""
-    human.tell(f"Robot {connection.robot}; what is found goes into {path}.")
-    if connection.robot != filed.name:
-        human.tell(f"The robot file of this machine is that of {filed.name}: is it the right machine?")
-    for words in differences(connection, filed):
-        human.tell(f"{words}: what is found holds for the value of the file.")
+def _unheard(connection: RobotConnection) -> str:
+    robot = connection.robot
+    hint = others(connection.session, robot)
+    return f"no wheels of {robot} are heard; check that giraff_base runs, and the network to it{hint}"
 
 
 def _agrees(human: Human, question: str) -> bool:

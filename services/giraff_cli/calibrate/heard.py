@@ -29,6 +29,14 @@ class NetworkWheels:
         self._heard_at = -math.inf
         connection.subscribe(WHEELS)
 
+    def wait(self, patience: float) -> bool:
+        """Whether any come within so many s. They stay to be polled."""
+        deadline = time.monotonic() + patience
+        while not self._waiting and time.monotonic() < deadline:
+            self._connection.dispatch(self)
+            time.sleep(_TURN)
+        return bool(self._waiting)
+
     def poll(self) -> list[Wheels]:
         """What came since the last call."""
         self._connection.dispatch(self)

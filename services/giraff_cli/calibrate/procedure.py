@@ -136,8 +136,9 @@ class Procedure:
     def _ask_at_rest(self, question: str, *, is_driven: bool = False) -> None:
         """Until ENTER is pressed and the robot stands."""
         while True:
-            self._answer(question, is_driven=is_driven)
-            if self._source.silence > _SILENT:
+            if self._answer(question, is_driven=is_driven):
+                self._human.tell(f"Press ENTER, or type {_AGAIN} or {_SKIP}.")
+            elif self._source.silence > _SILENT:
                 self._human.tell(f"Not yet: {_FALLS_SILENT}.")
             elif not self._wheels.is_at_rest:
                 self._human.tell("Not yet: its wheels still turn, or did within the last half second.")

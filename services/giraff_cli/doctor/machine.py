@@ -19,7 +19,7 @@ from giraff_cli.network.interfaces import interfaces
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read_tables
-from giraff_node.network.discovery import simulated_name
+from giraff_node.network.discovery import is_simulated_here
 from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
@@ -85,7 +85,7 @@ def geometry_of(robot: str, environment: Mapping[str, str] = os.environ) -> Geom
     """
     with contextlib.suppress(ConfigError):
         told = load("robot", RobotConfig, environment)
-        if robot in (told.name, simulated_name(socket.gethostname())):
+        if robot == told.name or is_simulated_here(robot):
             return Geometry(
                 track_width=told.track_width, ticks_per_metre=told.ticks_per_metre, calibration=told.calibration
             )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import sys
 from pathlib import Path
 from typing import Final
@@ -24,7 +23,7 @@ from giraff_cli.terminal.screen import say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.discovery import list_robots, simulated_name
+from giraff_node.network.discovery import is_simulated_here, list_robots
 from giraff_node.network.session import open_session
 
 _SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms
@@ -95,5 +94,5 @@ def _invitation(plan: Plan, network: NetworkConfig, connection: RobotConnection)
         network,
         Path(plan.environment["GIRAFF_CONFIG"]),
         interfaces=interfaces(),
-        is_only_here=plan.robot.name == simulated_name(socket.gethostname()) and not list_robots(connection.session),
+        is_only_here=is_simulated_here(plan.robot.name) and not list_robots(connection.session),
     )

@@ -153,6 +153,11 @@ def simulated_name(host: str) -> str:
     return "sim-" + (re.sub(r"[^A-Za-z0-9_-]+", "-", host).strip("-") or "host")
 
 
+def is_simulated_here(robot: str) -> bool:
+    """Whether it is the robot that `giraff run` simulates on this very host, by its robot file."""
+    return robot == simulated_name(socket.gethostname())
+
+
 class Choice(NamedTuple):
     """Which robot is meant where nobody has named one."""
 
@@ -195,7 +200,7 @@ def require_consent(session: zenoh.Session, robot: str, line: str) -> None:
 
     `line`: what a person types to name it. Only the simulation of this very host starts by itself.
     """
-    if robot != simulated_name(socket.gethostname()):
+    if not is_simulated_here(robot):
         consent.agree(robot, host_of(session, robot), line)
 
 

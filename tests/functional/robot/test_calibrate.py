@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import shutil
 import signal
+import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -49,6 +50,16 @@ def shown(robot: ProcessRobot, filed: Path) -> Iterator[Screen]:
         made.wait_for("track_width is 0.48 in the robot file of this machine and 0.47 in the robot", PATIENCE)
         made.wait_for("Run 1 of", PATIENCE)
         yield made
+
+
+def test_a_robot_whose_wheels_are_not_heard_is_not_begun_with(robot: ProcessRobot, filed: Path) -> None:
+    command = [sys.executable, "-m", "giraff_cli", "calibrate", "odometry", "--robot", "nobody"]
+    environment = robot.environment | {"GIRAFF_CONFIG": str(filed)}
+    ended = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=PATIENCE)
+    assert (ended.returncode, ended.stdout) == (2, "")
+    assert "no wheels of nobody are heard" in ended.stderr
+    assert f"on the network: --robot {robot.environment['GIRAFF_ROBOT_NAME']}" in ended.stderr
+    assert ended.stderr.count("\n") == 1
 
 
 def begin(shown: Screen) -> None:

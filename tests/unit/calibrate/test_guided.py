@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import socket
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -11,14 +12,17 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.calibrate.guided import guide, own_robot_file
+from giraff_cli.calibrate.guided import guide, introduce, own_robot_file
 from giraff_cli.calibrate.plan import PLAN
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.discovery import simulated_name
 from giraff_sim.board import ROOT
 from tests.unit.calibrate.person import Act, Person
 from tests.unit.calibrate.taped import TapedRobot
+
+SIMULATED = simulated_name(socket.gethostname())
 
 
 @pytest.fixture
@@ -36,8 +40,8 @@ def table(path: Path) -> dict[str, Any]:
     return robot
 
 
-def guided(person: Person, taped: TapedRobot, path: Path) -> int:
-    return guide(person, taped, msgspec.convert(table(path), RobotConfig), path, force=False)
+def guided(person: Person, taped: TapedRobot, path: Path, robot: str = "giraff") -> int:
+    return guide(person, taped, robot, msgspec.convert(table(path), RobotConfig), path, force=False)
 
 
 def test_what_was_found_is_written_and_the_file_before_is_kept(taped: TapedRobot, path: Path) -> None:
@@ -52,6 +56,23 @@ def test_what_was_found_is_written_and_the_file_before_is_kept(taped: TapedRobot
     assert [each.read_text() for each in kept] == [before]
     assert "restart" in person.told[-1]
     assert "giraff doctor" in person.told[-1]
+
+
+def test_a_simulated_robot_goes_by_it_once_it_is_started_again(taped: TapedRobot, path: Path) -> None:
+    person = Person(taped)
+    assert guided(person, taped, path, SIMULATED) == 0
+    assert "end `giraff run` and start it again" in person.told[-1]
+    assert not any("services" in text for text in person.told)
+
+
+@pytest.mark.parametrize(("robot", "is_doubted"), [("giraff", False), (SIMULATED, False), ("sim-other", True)])
+def test_a_robot_that_the_file_is_not_of_is_doubted(
+    taped: TapedRobot, path: Path, robot: str, *, is_doubted: bool
+) -> None:
+    person = Person(taped)
+    introduce(person, robot, path, msgspec.convert(table(path), RobotConfig))
+    assert robot in person.told[0]
+    assert any("right machine" in text for text in person.told) == is_doubted
 
 
 @pytest.mark.parametrize("answer", ["no", "n"])

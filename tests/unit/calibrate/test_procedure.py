@@ -135,7 +135,23 @@ def test_wheels_that_are_not_heard_are_named_and_waited_for() -> None:
     assert "no wheels are heard" in person.shown[0]
 
 
-@pytest.mark.parametrize("typed", ["", "five", "nan", "inf", "1,234.5", "5 feet", "--5"])
+@pytest.mark.parametrize("question", ["Mark", "Drive"])
+@pytest.mark.parametrize("typed", ["help", "agian", "5.0"])
+def test_only_enter_is_enter(question: str, typed: str) -> None:
+    robot = FiledRobot()
+    person = Person(robot, {(question, 1): typed})
+    assert len(guided(robot, person).fitted) == 6
+    assert person.count(question) == len(PLAN) + 1
+    assert person.told.count("Press ENTER, or type again or skip.") == 1
+
+
+@pytest.mark.parametrize(
+    "typed",
+    [
+        *("", "five", "nan", "inf", "1,234.5", "5 feet", "--5"),
+        *("5_0", "\u0665", "\uff15", "5e0", "5 . 0", ".", "5.0.", "9" * 400),
+    ],
+)
 def test_what_is_no_number_is_asked_again(typed: str) -> None:
     robot = FiledRobot()
     person = Person(robot, {("ahead", 2): typed})
@@ -145,7 +161,7 @@ def test_what_is_no_number_is_asked_again(typed: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("typed", "metres"), [("5,012", 5.012), ("5012 mm", 5.012), ("501.2cm", 5.012), ("+5.012 m", 5.012)]
+    ("typed", "metres"), [("5,012", 5.012), ("5012 mm", 5.012), ("501.2cm", 5.012), ("+5.012 m", 5.012), ("5.", 5.0)]
 )
 def test_a_number_may_have_a_comma_and_a_unit(typed: str, metres: float) -> None:
     robot = FiledRobot()
