@@ -13,7 +13,7 @@ from collections import deque
 from typing import Final
 
 from giraff_core.bounds import Bounds
-from giraff_core.counters import signed32
+from giraff_core.counters import SLACK_TICKS, elapsed_us, restart, signed32
 from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
@@ -26,8 +26,6 @@ from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 
 __all__ = ["Estimate", "OdometryPolicy", "advance"]
 
-_WRAP: Final = 1 << 32
-_HALF_WRAP: Final = 1 << 31
 _REMEMBERED: Final = 16
 """Wishes that are not done again when they are asked again."""
 _SETTABLE: Final = {
@@ -38,19 +36,14 @@ _SETTABLE: Final = {
     "yaw_sd": Bounds(0.0, math.tau, "rad"),
 }
 """What a pose may be set to: far more than a robot needs, and what is squared and summed stays exact and finite."""
-_SLACK_TICKS: Final = 4
-"""Added to what a wheel may travel between two samples: counts come whole, and the board's time is not exact."""
 
 # Without numbers: a fault that repeats with each sample is then one fault, told once.
-_NEW_BOOT: Final = "the base board has started again; if nobody reset it, check its supply"
-_NEW_BASE: Final = "wheels come from another base process; if it was not restarted, end the second one"
 _LEAP: Final = (
     "a wheel leapt farther than max_wheel_speed allows, which was not believed; check the encoders' cables, "
     "and ticks_per_metre in the robot file"
 )
 _GAP: Final = "wheels came after a gap; check the network between base and odometry"
 _TOO_FAST: Final = "a wheel's speed is above max_wheel_speed: its travel is gone by; check the encoders' cables"
-_LONG_GAP: Final = "no wheels for so long that the board's time may have wrapped; check base and the network"
 
 
 class OdometryPolicy:
@@ -86,16 +79,15 @@ class OdometryPolicy:
         if last is None:
             self._last = wheels
             return self._odometry(wheels, 0.0, 0.0)
-        if notice := _restart(last, wheels):
+        if notice := restart(last, wheels):
             return self._rebase(wheels, notice)
-        elapsed_us = (wheels.board_us - last.board_us) % _WRAP
-        if not 0 < elapsed_us < _HALF_WRAP:
+        elapsed = elapsed_us(last, wheels) / 1e6
+        if not elapsed:
             return None
-        elapsed = elapsed_us / 1e6
         left = signed32(wheels.left_ticks - last.left_ticks) / self._robot.left_ticks_per_metre
         right = signed32(wheels.right_ticks - last.right_ticks) / self._robot.right_ticks_per_metre
         farther, fastest = max(abs(left), abs(right)), self._config.max_wheel_speed
-        if farther > fastest * elapsed + _SLACK_TICKS / self._robot.ticks_per_metre:
+        if farther > fastest * elapsed + SLACK_TICKS / self._robot.ticks_per_metre:
             return self._rebase(wheels, _LEAP)
         self._last = wheels
         self.estimate = advance(self.estimate, left, right, self._drive, self._config.wheel_noise)
@@ -159,15 +151,3 @@ class OdometryPolicy:
             tick=wheels.tick,
             jumps=self.jumps,
         )
-
-
-def _restart(last: Wheels, wheels: Wheels) -> str:
-    """Why the counters of `wheels` do not go on from those of `last`; empty when they do."""
-    if wheels.boot_id != last.boot_id:
-        return _NEW_BOOT
-    if wheels.instance != last.instance:
-        return _NEW_BASE
-    # The board's own time says "newer" for half its range only; the robot's clock does not wrap.
-    if wheels.tick.robot_ns - last.tick.robot_ns >= _HALF_WRAP * 1000:
-        return _LONG_GAP
-    return ""

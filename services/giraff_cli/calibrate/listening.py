@@ -8,11 +8,9 @@ import numpy as np
 
 from giraff_cli.calibrate.plan import POSITION_SD, YAW_SD
 from giraff_cli.calibrate.runs import Run
-from giraff_core.counters import signed32
+from giraff_core.counters import SLACK_TICKS, elapsed_us, restart, signed32
 from giraff_schemas.messages import Wheels
 
-_WRAP: Final = 1 << 32
-_HALF_WRAP: Final = 1 << 31
 _REST: Final = 0.5
 """s without motion that count as standing."""
 _REST_TICKS: Final = 1
@@ -21,10 +19,7 @@ _LONGEST_GAP: Final = 0.5
 """s between two samples over which the way is taken for one arc; more is a guess."""
 _FASTEST: Final = 3.0
 """m/s that no wheel does: a leap of the counter."""
-_SLACK_TICKS: Final = 4
 
-_NEW_BOOT: Final = "the base board has started again; if nobody reset it, check its supply"
-_NEW_BASE: Final = "wheels come from another base process; if it was not restarted, end the second one"
 _LEAP: Final = "a counter leapt farther than a wheel can roll; check the encoders' cables"
 _GAP: Final = "wheels were silent while it moved; check base, and the network to it"
 
@@ -62,17 +57,16 @@ class WheelListener:
         if last is None:
             self._last = wheels
             return
-        if wheels.boot_id != last.boot_id or wheels.instance != last.instance:
-            self._spoil(wheels, _NEW_BOOT if wheels.boot_id != last.boot_id else _NEW_BASE)
+        if fault := restart(last, wheels):
+            self._spoil(wheels, fault)
             return
-        elapsed_us = (wheels.board_us - last.board_us) % _WRAP
-        if not 0 < elapsed_us < _HALF_WRAP:
+        elapsed = elapsed_us(last, wheels) / 1e6
+        if not elapsed:
             return
-        elapsed = elapsed_us / 1e6
         left = signed32(wheels.left_ticks - last.left_ticks)
         right = signed32(wheels.right_ticks - last.right_ticks)
         farther = max(abs(left), abs(right))
-        if farther > self._fastest * elapsed + _SLACK_TICKS:
+        if farther > self._fastest * elapsed + SLACK_TICKS:
             self._spoil(wheels, _LEAP)
             return
         if elapsed > _LONGEST_GAP and farther > _REST_TICKS:

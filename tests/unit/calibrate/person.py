@@ -106,6 +106,7 @@ class FiledRobot:
         self.silence = 0.0
         self.boot_id, self.instance = 1, "base-1"
         self.is_heard = True
+        self.robot_ns = 1
         self._seq, self._us = 0, _WRAP - 3_000_000
         self._ticks = [(1 << 31) - 1000.0, -(1 << 31) + 1000.0]  # both soon wrap
         self._end = Pose(0.0, 0.0, 0.0)
@@ -158,6 +159,6 @@ class FiledRobot:
                 right_pwm_counts=0,
                 board_us=self._us,
                 boot_id=self.boot_id,
-                tick=RobotTime(1, 1),
+                tick=RobotTime(1, self.robot_ns),
             )
         )

@@ -70,6 +70,11 @@ def restart_base(robot: FiledRobot) -> None:
     robot.instance = "base-2"
 
 
+def lose_half_an_hour(robot: FiledRobot) -> None:
+    """So long that the board's time says nothing any more."""
+    robot.robot_ns += (1 << 31) * 1000
+
+
 def lose_network(robot: FiledRobot) -> None:
     robot.is_heard = False
     robot.roll(1.0, 1.0)
@@ -81,6 +86,7 @@ def lose_network(robot: FiledRobot) -> None:
     [
         (spoiled(restart_board), "board has started again"),
         (spoiled(restart_base), "another base process"),
+        (spoiled(lose_half_an_hour), "board's time may have wrapped"),
         (spoiled(FiledRobot.leap), "a counter leapt"),
         (spoiled(lose_network), "silent while it moved"),
         (driving(""), "have not turned"),
