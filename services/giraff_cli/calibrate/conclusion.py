@@ -48,7 +48,7 @@ def conclude(
     force: bool,
     tell: Callable[[str], None] = print,
     agrees: Callable[[], bool] = lambda: True,
-    then: str = "Restart the robot's services.",
+    then: str = "Nothing goes by it before the robot's services are restarted, at rest.",
 ) -> Conclusion:
     """Fit, judge and write into `robot_file`; None: into none.
 
