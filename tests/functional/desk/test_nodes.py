@@ -218,6 +218,6 @@ def test_a_terminal_shows_it_and_is_given_back(desk: Desk, tmp_path: Path) -> No
         shown.wait_for("odometry", 60.0)
         shown.wait_for("100.0", 60.0)
         shown.type(b"\x03")
-        assert shown.process.wait(60.0) == 0
+        assert shown.ended(60.0) == 0
         assert shown.is_restored()
     assert (tmp_path / "top.err").read_text() == ""

@@ -54,7 +54,7 @@ def test_it_takes_arms_drives_and_stops_by_the_space_bar(robot: ProcessRobot) ->
         assert robot.giraff("estop", "reset") == 0
         drive_by(robot, shown, b"s")
         shown.type(b"\x03")
-        assert shown.process.wait(PATIENCE) == 0
+        assert shown.ended(PATIENCE) == 0
         assert shown.is_restored()
         assert stands_still(robot)
 
@@ -92,7 +92,7 @@ def test_a_terminal_that_takes_nothing_holds_up_neither_the_stop_nor_the_end(rob
         shown.type(b" ")
         robot.wait("the emergency stop", lambda: latch_of(robot) == "estop", PATIENCE)
         shown.type(b"\x03")
-        assert shown.process.wait(PATIENCE) == 0
+        assert shown.ended(PATIENCE) == 0
         assert shown.is_restored()
     assert robot.giraff("estop", "reset") == 0
 

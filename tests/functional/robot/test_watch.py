@@ -38,7 +38,7 @@ def test_a_terminal_shows_the_robot_and_is_given_back(robot: ProcessRobot) -> No
         assert robot.giraff("estop", "engage", "--timeout", "60", "--reason", "a cat") == 0
         shown.wait_for("a cat", PATIENCE)
         shown.type(b"\x03")
-        assert shown.process.wait(PATIENCE) == 0
+        assert shown.ended(PATIENCE) == 0
         assert shown.is_restored()
         text = shown.read()
     assert log.read_text() == ""
