@@ -37,7 +37,7 @@ def main(role: str) -> None:
             if role == "listener" and len(sequences) >= 50:
                 [last] = newest.take()
                 gapless = sequences == list(range(sequences[0], sequences[0] + len(sequences)))
-                # Each subscriber is called in a thread of its own, which may be late; one that keeps the oldest always is.
+                # Each subscriber is called in a thread of its own, which may be late. The oldest is the first of them.
                 print(f"heard gapless={gapless} newest={last.seq >= sequences[len(sequences) // 2]}", flush=True)
                 sequences.clear()
             for asked in requests.take() if role == "talker" else ():
