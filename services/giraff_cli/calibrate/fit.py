@@ -18,7 +18,7 @@ import numpy as np
 from giraff_cli.calibrate.paths import Floats, way
 from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_cli.calibrate.variance import SLIP, Linear, Noise, noise_of, solve
-from giraff_cli.calibrate.windows import LENGTH, Uncertainty, residuals, uncertainty, windows_of
+from giraff_cli.calibrate.windows import LENGTH, WHOLE, Uncertainty, residuals, uncertainty, windows_of
 from giraff_core.kinematics.calibration import Calibration, Covariance, Scales
 
 _TELLING: Final = 6
@@ -34,8 +34,6 @@ _LOWEST, _HIGHEST = 0.5, 2.0
 _COUPLED: Final = 0.9
 """Correlation of track and wheel ratio, as the ends of the runs tell them, from which on one may stand for the other:
 all squares in one direction have 1.0, as many in the other 0.0, three to one 0.5."""
-_WHOLE: Final = 1e9
-"""m: more than any run."""
 _SIZE: Final = np.array((0.5, 0.5, 0.0))
 _RATIO: Final = np.array((-1.0, 1.0, 0.0))
 _TURN: Final = np.array((-0.5, -0.5, 1.0))
@@ -115,7 +113,7 @@ def fit(runs: Sequence[Run], geometry: Geometry) -> Fit:
             break
     else:  # a valley without a floor, or one that lies beyond what a robot can be
         raise UndeterminedError(_what_is_missing(solve(windows.about(np.array(geometry.scales)), noise).information))
-    ends = _Windows(runs, geometry, _WHOLE)
+    ends = _Windows(runs, geometry, WHOLE)
     ends.weigh(scales)
     whole = ends.about(scales)
     covariance = _covariance(solution.information, _growth(whole, noise))

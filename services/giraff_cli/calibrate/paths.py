@@ -53,9 +53,9 @@ def as_array(pose: MeasuredPose) -> Floats:
     return np.array((pose.x, pose.y, pose.yaw))
 
 
-def wrapped(angle: float) -> float:
-    """`angle` less the whole turns in it."""
-    return math.remainder(angle, math.tau)
+def wrapped(angles: Floats) -> Floats:
+    """`angles` less the whole turns in them: in [-pi, pi), whatever their shape."""
+    return np.remainder(angles + np.pi, 2.0 * np.pi) - np.pi
 
 
 def end_errors(runs: Sequence[Run], geometry: Geometry, scales: Scales) -> list[float]:
@@ -68,6 +68,5 @@ def end_errors(runs: Sequence[Run], geometry: Geometry, scales: Scales) -> list[
 
 def heading_errors(runs: Sequence[Run], geometry: Geometry, scales: Scales) -> list[float]:
     """rad, never negative: the same of the heading."""
-    return [
-        abs(wrapped(float(path(run, geometry, scales)[run.measured[-1].row, 2]) - run.measured[-1].yaw)) for run in runs
-    ]
+    off = [path(run, geometry, scales)[run.measured[-1].row, 2] - run.measured[-1].yaw for run in runs]
+    return [float(angle) for angle in np.abs(wrapped(np.array(off)))]

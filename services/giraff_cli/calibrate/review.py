@@ -11,10 +11,8 @@ import numpy as np
 from giraff_cli.calibrate.fit import UndeterminedError, fit
 from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_cli.calibrate.variance import SLIP
-from giraff_cli.calibrate.windows import residuals, uncertainty, windows_of
+from giraff_cli.calibrate.windows import WHOLE, residuals, uncertainty, windows_of
 
-_WHOLE: Final = 1e9
-"""m: longer than any run, which is then one piece."""
 _ODD: Final = 16.3
 """Chi squared of three values, which one run of a thousand exceeds that is measured as well as it should be."""
 
@@ -25,7 +23,7 @@ def review(runs: Sequence[Run], geometry: Geometry) -> list[str]:
         scales = fit(runs, geometry).scales
     except UndeterminedError as error:
         return [str(error)]
-    windows = windows_of(runs, geometry, _WHOLE)
+    windows = windows_of(runs, geometry, WHOLE)
     told = []
     for window, off in zip(windows, residuals(windows, runs, geometry, scales), strict=True):
         run = runs[window.run]

@@ -16,13 +16,15 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from giraff_cli.calibrate.paths import SIDES, Floats, as_array, path, seen_from, travels, way
+from giraff_cli.calibrate.paths import SIDES, Floats, as_array, path, seen_from, travels, way, wrapped
 from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
 from giraff_core.kinematics.calibration import Scales
 
 LENGTH: Final = 0.7
 """m of way of one window where poses are measured all along. On the recorded runs any length from 0.5 to 2 m does, for
 those that were left out of the fit; with 0.3 m what shifts a window's ends is as large as what wheels and track do."""
+WHOLE: Final = 1e9
+"""m: longer than any run, which is then one window."""
 _MOST: Final = 50
 """Of one run: longer ones have longer windows, or the fit takes minutes."""
 
@@ -66,7 +68,7 @@ def residuals(windows: Sequence[Window], runs: Sequence[Run], geometry: Geometry
     """Shape (windows, 3): what odometry makes of each window with these scales, less what was measured."""
     paths = [path(run, geometry, scales) for run in runs]
     off = np.array([seen_from(paths[it.run][it.begin], paths[it.run][it.end]) - it.measured for it in windows])
-    off[:, 2] = np.remainder(off[:, 2] + np.pi, 2.0 * np.pi) - np.pi
+    off[:, 2] = wrapped(off[:, 2])
     return off
 
 

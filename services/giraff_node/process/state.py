@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import stat
 import threading
@@ -28,9 +29,12 @@ def state_directory(robot: str, environment: Mapping[str, str] = os.environ) -> 
 def write_file_durably(path: Path, data: bytes) -> None:
     """Replace a file: after a power cut there is the old one or the new one, and once this returns the new one.
 
-    It keeps its permissions and the links to it. Raises OSError; then it may be either.
+    It keeps its permissions and the links to it. Raises OSError; then it may be either. What is no plain file stays as
+    it is: to replace a device, such as /dev/null, is the end of it for all programs.
     """
     path = path.resolve()
+    if path.exists() and not path.is_file():
+        raise OSError(errno.EINVAL, "it is no plain file", str(path))
     fresh = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with fresh.open("wb") as file:

@@ -18,8 +18,9 @@ from giraff_guard.echoes import Echoes, Obstruction
 from giraff_guard.geometry import until_touch
 from giraff_guard.motion import Motion
 from giraff_guard.sensor import Ping, Sensor
-from giraff_schemas.messages import RobotTime, Wheels
+from giraff_schemas.messages import RobotTime
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, opened
+from tests.unit.odometry.robots import wheels
 
 POST = 0.5  # m before the left sensor, so at (0.75, 0.15)
 MEMORY = msgspec.structs.replace(CONFIG, held_range=0.1)
@@ -357,25 +358,7 @@ def test_of_too_many_echoes_the_newest_are_kept() -> None:
 def test_the_way_is_that_of_wheels_as_they_were_calibrated() -> None:
     found = Calibration(left_wheel_scale=1.02, right_wheel_scale=1.01, track_scale=1.1)
     motion = Motion(CONFIG, msgspec.structs.replace(ROBOT, calibration=found))
-    standing = Wheels(
-        instance="base-7",
-        left_ticks=0,
-        right_ticks=0,
-        left_velocity=0.0,
-        right_velocity=0.0,
-        left_pwm_counts=0,
-        right_pwm_counts=0,
-        board_us=0,
-        boot_id=1,
-        tick=RobotTime(epoch=EPOCH, robot_ns=0),
-    )
-    gone = {
-        "left_ticks": 20,
-        "right_ticks": 20,
-        "board_us": 20_000,
-        "tick": RobotTime(epoch=EPOCH, robot_ns=20_000_000),
-    }
-    motion.on_wheels(standing)
-    motion.on_wheels(msgspec.structs.replace(standing, **gone))
+    motion.on_wheels(wheels())
+    motion.on_wheels(wheels(20, 20, board_us=20_000))
     assert motion.travel == pytest.approx(1.015 * 20 / ROBOT.ticks_per_metre)
     assert motion.place.yaw == pytest.approx(-0.01 * 20 / ROBOT.ticks_per_metre / (1.1 * ROBOT.track_width))

@@ -131,3 +131,13 @@ def test_a_file_keeps_its_permissions_and_its_links(tmp_path: Path) -> None:
     assert (target.read_text(), link.is_symlink()) == ("after", True)
     assert target.stat().st_mode & 0o7777 == 0o640
     assert sorted(path.name for path in tmp_path.iterdir()) == ["link", "target"]
+
+
+def test_what_is_no_plain_file_stays(tmp_path: Path) -> None:
+    """Whoever is root and names /dev/null would take it from every program of the machine."""
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    with pytest.raises(OSError, match="no plain file"):
+        write_file_durably(pipe, b"content")
+    assert pipe.is_fifo()
+    assert list(tmp_path.iterdir()) == [pipe]

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from giraff_cli.calibrate.paths import Floats, path
+from giraff_cli.calibrate.paths import Floats, path, wrapped
 from giraff_cli.calibrate.recorded.tables import LEFT, NO_WHEEL_TURNED, RIGHT, YAW, RecordingError, X, Y, as_run
 from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_cli.calibrate.windows import residuals, windows_of
@@ -93,7 +93,7 @@ def _apart(run: Run, geometry: Geometry) -> float:
     lengths = np.array((1.0, 1.0, geometry.track_width / 2.0))
     off = residuals(windows, [run], geometry, geometry.scales) * lengths
     measured = np.array([it.measured for it in windows])
-    measured[:, 2] = np.remainder(measured[:, 2] + np.pi, 2.0 * np.pi) - np.pi
+    measured[:, 2] = wrapped(measured[:, 2])
     truly = float(np.sum((measured * lengths) ** 2))
     return float(np.sqrt(np.sum(off**2) / truly)) if truly else math.inf
 
@@ -103,7 +103,7 @@ def _turns_opposite(run: Run, geometry: Geometry) -> bool:
     yaw = path(run, geometry, geometry.scales)[:, 2]
     windows = windows_of([run], geometry)
     rolled = np.array([yaw[it.end] - yaw[it.begin] for it in windows])
-    truly = np.remainder(np.array([it.measured[2] for it in windows]) + np.pi, 2.0 * np.pi) - np.pi
+    truly = wrapped(np.array([it.measured[2] for it in windows]))
     is_turned = float(np.sum(truly**2)) > _TURNED**2 and float(np.sum(rolled**2)) > _TURNED**2
     return is_turned and float(np.sum(rolled * truly)) < 0.0
 
