@@ -9,7 +9,7 @@ import msgspec
 
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Health
-from giraff_schemas.topics import PARAM_QUERIES, QUERIES, TOPICS, SampleT, Topic
+from giraff_schemas.topics import MOTION_QUERIES, PARAM_QUERIES, QUERIES, TOPICS, SampleT, Topic
 
 
 class DecodeError(ValueError):
@@ -70,7 +70,7 @@ def _decoder(type_: type[msgspec.Struct]) -> msgspec.msgpack.Decoder[Any]:
 # process.
 for _type in (
     *(topic.schema for topic in TOPICS),
-    *(type_ for query in (*QUERIES, *PARAM_QUERIES) for type_ in (query.request, query.answer)),
+    *(type_ for query in (*QUERIES, *MOTION_QUERIES, *PARAM_QUERIES) for type_ in (query.request, query.answer)),
     Health,
     Transform,
 ):

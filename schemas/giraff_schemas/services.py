@@ -55,8 +55,8 @@ KEYBOARD: Final = Service(
 CLIENT: Final = Service(
     name="client",
     host="operator",
-    publishes=(t.OPERATOR_CMD_VEL,),
-    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.RANGE),
+    publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.RANGE, t.MOTION),
 )
 """A script of somebody's own, with `giraff_client`."""
 BASE: Final = Service(
@@ -99,6 +99,18 @@ ODOMETRY: Final = Service(
     answers=(t.ODOM_RESET, t.ODOM_SET_POSE),
     simulated=True,
 )
+MOTION: Final = Service(
+    name="motion",
+    host="robot",
+    package="giraff_motion",
+    table="motion",
+    publishes=(t.OPERATOR_CMD_VEL, t.MOTION),
+    subscribes=(t.TICK, t.LEASE, t.ODOM, t.BASE, t.ESTOP, t.GUARD, t.MOTION_HOLD),
+    answers=t.MOTION_QUERIES,
+    optional=True,
+    simulated=True,
+)
+"""An operator that others ask for motions by metres and radians."""
 RECORDER: Final = Service(name="recorder", host="any", package="giraff_recorder", table="recorder", optional=True)
 """Hears all that there is."""
 SENTRY: Final = Service(name="sentry", host="robot", package="giraff_sentry", table="sentry", optional=True)
@@ -125,6 +137,7 @@ SERVICES: Final = (
     GUARD,
     RANGER,
     ODOMETRY,
+    MOTION,
     RECORDER,
     SENTRY,
     GATEWAY,
@@ -135,11 +148,16 @@ SERVICES: Final = (
 
 OPERATORS: Final = tuple(service for service in SERVICES if service.host == "operator")
 """Who may ask to drive."""
+DEMONSTRATION: Final = "demo"
+"""Name under which the joystick of `giraff run` asks to drive."""
 HANDS: Final = tuple(service.name for service in OPERATORS if service.package)
 """Names of the operators that a person drives by: a script is not one."""
 ROBOTS_OWN: Final = tuple(service.name for service in SERVICES if service.host == "robot" and not service.optional)
 """Names of those that every robot has."""
 WATCHED: Final = (*ROBOTS_OWN, JOYSTICK.name)
 """Names of those whose end is an incident while the robot is armed."""
+INSTALLED: Final = tuple(service.name for service in SERVICES if service.host == "robot" and service.simulated)
+"""Names of those that are started on a robot's computer unless somebody says otherwise: `robot` of the compose file and
+of `make install`."""
 SIMULATED: Final = tuple(service.name for service in SERVICES if service.simulated)
 """Names of those that `giraff run` starts."""

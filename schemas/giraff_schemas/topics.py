@@ -10,6 +10,7 @@ from typing import Any, Generic, Literal, TypeVar
 import msgspec
 
 from giraff_schemas import messages as m
+from giraff_schemas import motion as mo
 from giraff_schemas import params as p
 from giraff_schemas import requests as r
 
@@ -65,6 +66,8 @@ BASE = Topic("base", m.BaseState, 10, "state")
 BATTERY = Topic("battery", m.Battery, 2, "state")
 GUARD = Topic("guard", m.GuardState, 10, "state")
 ESTOP = Topic("estop", m.EStop, 2, "control")
+MOTION = Topic("motion", mo.MotionState, 10, "state")
+MOTION_HOLD = Topic("motion/hold", mo.MotionHold, 25, "control")
 TRUE_POSE = Topic("true_pose", m.TruePose, 5, "state")
 SERIAL = Topic("serial/*", m.SerialLine, 0, "state", "name")
 SERIAL_WRITE = Topic("serial_write/*", m.SerialWrite, 0, "state", "name")
@@ -82,6 +85,8 @@ TOPICS: tuple[Topic[Any], ...] = (
     BATTERY,
     GUARD,
     ESTOP,
+    MOTION,
+    MOTION_HOLD,
     TRUE_POSE,
     SERIAL,
     SERIAL_WRITE,
@@ -95,6 +100,15 @@ ODOM_SET_POSE = Query("odom/set_pose", r.OdomSetPose, r.OdomAnswer)
 
 QUERIES: tuple[Query[Any, Any], ...] = (ESTOP_ENGAGE, ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE)
 """Of base and odometry."""
+
+MOTION_MOVE = Query("motion/move", mo.MotionMove, mo.MotionAnswer)
+MOTION_TURN = Query("motion/turn", mo.MotionTurn, mo.MotionAnswer)
+MOTION_ARC = Query("motion/arc", mo.MotionArc, mo.MotionAnswer)
+MOTION_GO = Query("motion/go", mo.MotionGo, mo.MotionAnswer)
+MOTION_CANCEL = Query("motion/cancel", mo.MotionCancel, mo.MotionAnswer)
+
+MOTION_QUERIES: tuple[Query[Any, Any], ...] = (MOTION_MOVE, MOTION_TURN, MOTION_ARC, MOTION_GO, MOTION_CANCEL)
+"""Of motion."""
 
 # Apart, because access is granted by key: who may read a parameter may not set it.
 PARAM_DESCRIBE = Query("param/*", p.ParamDescribe, p.ParamAnswer)

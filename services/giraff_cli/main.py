@@ -13,6 +13,7 @@ from giraff_cli.estop.commands import estop
 from giraff_cli.frames.commands import frames
 from giraff_cli.graph.commands import graph
 from giraff_cli.keys.commands import keys
+from giraff_cli.motion.commands import NEGATIVE, arc, go, move, turn
 from giraff_cli.node.commands import node
 from giraff_cli.odom.commands import odom
 from giraff_cli.param.commands import param
@@ -35,6 +36,9 @@ app = typer.Typer(
 )
 for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, dst):
     app.command()(verb)
+for motion in (move, turn, arc):
+    app.command(context_settings=NEGATIVE)(motion)
+app.command()(go)
 for name, verbs in (
     ("estop", estop),
     ("calibrate", calibrate),

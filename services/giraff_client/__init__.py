@@ -3,25 +3,48 @@
 from giraff_client.errors import (
     BlockedError,
     EmergencyStopError,
+    FrameError,
+    FutureError,
+    GapError,
     LostRobotError,
+    MotionBlockedError,
+    MotionError,
     NoRobotError,
     NotArmedError,
+    PastError,
     RefusedError,
     RobotError,
     SilentError,
     TakenError,
+    UnconnectedError,
+    UnknownFrameError,
 )
 from giraff_client.robot import Robot
+from giraff_core.motion.result import MotionResult
+from giraff_schemas.motion import Arc, GoTo, Move, Turn
 
 __all__ = [
+    "Arc",
     "BlockedError",
     "EmergencyStopError",
+    "FrameError",
+    "FutureError",
+    "GapError",
+    "GoTo",
     "LostRobotError",
+    "MotionBlockedError",
+    "MotionError",
+    "MotionResult",
+    "Move",
     "NoRobotError",
     "NotArmedError",
+    "PastError",
     "RefusedError",
     "Robot",
     "RobotError",
     "SilentError",
     "TakenError",
+    "Turn",
+    "UnconnectedError",
+    "UnknownFrameError",
 ]

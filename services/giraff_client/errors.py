@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from giraff_core.motion.result import MotionResult
 from giraff_schemas.messages import Direction, EStop, Verdict
 
 
@@ -62,3 +63,46 @@ class BlockedError(RobotError):
         self.reason = verdict.reason
         self.way_out = verdict.way_out
         """What the script can do instead; empty: nothing is known."""
+
+
+class MotionError(RobotError):
+    """A motion that was asked for by metres and radians has not arrived, or was not begun."""
+
+    def __init__(self, result: MotionResult) -> None:
+        came = f"; it came {result.way}" if result.begun else ""
+        super().__init__(f"{result.outcome.replace('_', ' ')}: {result.reason}{came}")
+        self.result = result
+        """How it ended, how far it came, and why."""
+
+
+class MotionBlockedError(MotionError):
+    """A motion has ended before an obstacle, or before what a sensor that is at fault does not see."""
+
+    @property
+    def sensor(self) -> str:
+        """Name of the sensor that blocks; empty: none does."""
+        return self.result.sensor
+
+
+class FrameError(RobotError):
+    """It cannot be told where a frame is in another."""
+
+
+class UnknownFrameError(FrameError):
+    """Nobody has told of such a frame. The message names those that are known."""
+
+
+class UnconnectedError(FrameError):
+    """Both frames are known, and nothing joins them."""
+
+
+class PastError(FrameError):
+    """The moment is before what is remembered, or of an earlier start of base."""
+
+
+class FutureError(FrameError):
+    """Odometry has not been heard of that moment yet. The message says how far ahead it is."""
+
+
+class GapError(FrameError):
+    """At that moment odometry was set, began anew or was not heard: nobody can tell where the robot was."""

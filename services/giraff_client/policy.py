@@ -13,13 +13,11 @@ from giraff_client.errors import (
     RobotError,
     TakenError,
 )
-from giraff_core.operator import Operator
+from giraff_core.operator import LEVEL, Operator
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, Sample, Tick
 
 _ANSWERS_WITHIN: Final = 0.5
 """s in which the guard answers who asks for the lease: it tells who drives ten times a second."""
-_LEVEL: Final = 0.3
-"""s of neutral commands after which `base` speaks of this lease and no earlier one: 0.2 s of them arm."""
 _ASKING: Final = (0.0, 0.1)
 """m/s, rad/s. Only a wish for motion takes the lease from a lower priority. What asks for the lease moves nothing."""
 
@@ -35,6 +33,11 @@ class OperatorPolicy:
         self._estop: EStop | None = None
         self._asked_at: float | None = None
         self._neutral_since: float | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether the robot is this script's."""
+        return self._operator.holds
 
     def take(self, sample: Sample, now: float) -> None:
         """Take what the robot says, as it arrives."""
@@ -67,7 +70,7 @@ class OperatorPolicy:
         if self._neutral_since is None:
             self._neutral_since = now
         state, heard = self._base
-        if state is not None and state.armed and heard - self._neutral_since >= _LEVEL:
+        if state is not None and state.armed and heard - self._neutral_since >= LEVEL:
             return None
         return self._made((0.0, 0.0))
 

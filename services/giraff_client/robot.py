@@ -15,9 +15,12 @@ from typing import Any, Final, Self
 import zenoh
 
 from giraff_client.errors import NoRobotError, RobotError, SilentError
+from giraff_client.frames import FrameFinder, FrameReader
 from giraff_client.jump import jump
+from giraff_client.motion import Motions
 from giraff_client.policy import OperatorPolicy
 from giraff_client.reading import blockage, has_heard_each_sensor, is_fresh, ranges_of, require_finite
+from giraff_core.motion.result import MotionResult
 from giraff_core.timer import Timer
 from giraff_node import Publisher
 from giraff_node.config.robot_file import ConfigError
@@ -35,6 +38,7 @@ from giraff_node.network.session import close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import BaseState, Battery, DriveCommand, EStop, GuardState, Odometry, Range, Sample
+from giraff_schemas.motion import MotionState
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 from giraff_schemas.services import CLIENT
 from giraff_schemas.topics import (
@@ -42,6 +46,7 @@ from giraff_schemas.topics import (
     BATTERY,
     ESTOP,
     GUARD,
+    MOTION,
     ODOM,
     ODOM_RESET,
     ODOM_SET_POSE,
@@ -59,12 +64,13 @@ from giraff_schemas.topics import (
 _PERIOD: Final = 1.0 / OPERATOR_CMD_VEL.rate_hz  # s
 _FIRST_WITHIN: Final = 2.0  # s in which a robot that is there has said everything once
 _LOOK: Final = 0.01  # s
+_TOLD: Final = 0.1  # s within which all others know, too, that nobody has the robot
 _TUNE_HZ: Final = 2.0  # a laptop on Wi-Fi comes back with another link
 _TWIST: Final = "m/s and rad/s"
 _OUTSIDE: Final = "not on the network; use it as `with Robot() as robot:`"
 
 
-class Robot:
+class Robot(Motions, FrameReader):
     """One robot, for one script and one thread. Nothing is asked of the robot before the first `arm` or `drive`.
 
     `name`: of the robot; else GIRAFF_ROBOT_NAME, else the robot file's, else the only one on the network.
@@ -97,6 +103,7 @@ class Robot:
         self._has_armed = False
         self._is_named = False
         self._tuning = Timer(_TUNE_HZ)
+        self._frames = FrameFinder(self.odom, self._silence)
 
     def __enter__(self) -> Self:
         """Raises NoRobotError."""
@@ -176,6 +183,10 @@ class Robot:
     def guard(self) -> GuardState:
         """What the guard allows in each direction, and why not more. Raises SilentError, LostRobotError."""
         return self._fresh(GUARD, "check that giraff_guard runs on base's machine")
+
+    def motion(self) -> MotionState:
+        """How the newest motion by metres and radians goes on or has ended. Raises SilentError, LostRobotError."""
+        return self._fresh(MOTION, "check that giraff_motion runs")
 
     def arm(self) -> None:
         """Ask for the lease and hold still until the robot is armed, about half a second. The first `drive` does so.
@@ -288,6 +299,19 @@ class Robot:
         except SilentError as error:
             raise self._silence(str(error)) from error
 
+    def _begin_motion(self) -> tuple[zenoh.Session, str, str, float]:
+        session = self._require_consent()
+        if self._commands is not None and self._policy.holds:  # motion takes the robot from nobody, from this script
+            self._commands.put(self._policy.final_command())  # neither, whose lease ends a second after this
+            self._wait_for(lambda: not self._policy.holds, self._patience)
+            time.sleep(_TOLD)
+        return session, self.name, self._by, self._patience
+
+    def _end_motion(self, result: MotionResult) -> None:
+        """Nothing was taken from the script where only the way or the time was at an end: `drive` may arm again."""
+        if result.begun:
+            self._has_armed = result.outcome not in ("arrived", "blocked", "time_limit")
+
     def _put(self, command: DriveCommand) -> None:
         """Publish, and wait until the next one may come."""
         if self._commands is None:
@@ -336,6 +360,7 @@ class Robot:
         self._declared.append(session.liveliness().declare_token(token))
         if not self._wait_for(lambda: TICK.key in self._newest, self._patience):
             raise UnknownRobotError(not_found_text(self.name, ()) + others(session, self.name))
+        self._frames.begin(session, self.name)
 
     def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
         prefix = key_of(self.name, TICK).removesuffix(TICK.key)
@@ -350,6 +375,8 @@ class Robot:
             now = time.monotonic()
             with self._lock:  # first, so that whoever sees a tick has a policy that knows of it
                 self._policy.take(sample, now)
+            if isinstance(sample, Odometry):
+                self._frames.hear(sample)
             self._newest[key.removeprefix(prefix)] = sample, now
 
         return on_sample
@@ -361,6 +388,7 @@ class Robot:
         self._commands, self._has_armed = None, False
         self._instance = secrets.token_hex(8)
         self._policy = OperatorPolicy(self._operator, self._instance)
+        self._frames = FrameFinder(self.odom, self._silence)
         if self._session is not None:
             close_session(self._session)
             self._session = None

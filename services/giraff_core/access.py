@@ -10,15 +10,18 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_schemas.services import OPERATORS
+from giraff_schemas.services import MOTION, OPERATORS
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
+    MOTION_HOLD,
+    MOTION_QUERIES,
     OPERATOR_CMD_VEL,
     PARAM_DESCRIBE,
     PARAM_QUERIES,
     QUERIES,
     ROOT,
     TILT,
+    Topic,
     alive_key,
     frame_key,
     health_key,
@@ -35,7 +38,8 @@ class AccessConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     robot: tuple[str, ...] = ()
     """The robot's own hosts: the only ones whose word moves the motors."""
     operators: dict[str, tuple[str, ...]] = {}
-    """Host of an operator -> the names under which it may ask to drive, as in `cmd_vel/<operator>`."""
+    """Host of an operator -> the names under which it may ask to drive, as in `cmd_vel/<operator>`; `motion`: it may
+    ask giraff_motion, which alone says `cmd_vel/motion`."""
     viewers: tuple[str, ...] = ()
     """Hosts that only read, and may stop the robot."""
     routers: tuple[str, ...] = ()
@@ -94,14 +98,13 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
         operators = operators | dict.fromkeys(access.routers, anybodys)
     for host, names in operators.items():
         subject, drives, present, asks = f"operator {host}", f"{host} drives", f"{host} is there", f"{host} asks"
+        says: list[Topic[Any]] = [OPERATOR_CMD_VEL.at(name) for name in names if name != MOTION.name] + [TILT]
+        queries = [*QUERIES, *PARAM_QUERIES]
+        if MOTION.name in names:
+            says.append(MOTION_HOLD)
+            queries += MOTION_QUERIES
         rules += [
-            _rule(
-                drives,
-                "ingress",
-                ("put",),
-                *(f"{below}/{OPERATOR_CMD_VEL.at(name).key}" for name in names),
-                f"{below}/{TILT.key}",
-            ),
+            _rule(drives, "ingress", ("put",), *(f"{below}/{topic.key}" for topic in says)),
             _rule(
                 present,
                 "ingress",
@@ -116,7 +119,7 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
                     )
                 ),
             ),
-            _rule(asks, "ingress", ("query",), *(f"{below}/{query.key}" for query in (*QUERIES, *PARAM_QUERIES))),
+            _rule(asks, "ingress", ("query",), *(f"{below}/{query.key}" for query in queries)),
         ]
         subjects.append(_subject(subject, (host,)))
         policies.append(_policy(subject, drives, present, asks))

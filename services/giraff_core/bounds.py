@@ -26,7 +26,14 @@ _MISTAKEN: Final = {
     "V": "are these millivolts?",
 }
 """By unit, what is likely where a number is too large."""
-_ANGLES: Final = {-math.tau: "-2π", math.pi / 6: "π/6", math.pi / 4: "π/4", math.pi / 2: "π/2", math.tau: "2π"}
+_ANGLES: Final = {
+    -math.tau: "-2π",
+    -math.pi / 4: "-π/4",
+    math.pi / 6: "π/6",
+    math.pi / 4: "π/4",
+    math.pi / 2: "π/2",
+    math.tau: "2π",
+}
 
 
 @dataclass(frozen=True)

@@ -14,22 +14,40 @@ LINK_SILENCE: Final = 0.5
 _LINK_LOST: Final = (
     f"no tick of the robot for {LINK_SILENCE:g} s; check that base runs and that both machines share a network"
 )
+LEVEL: Final = 0.3
+"""s of neutral commands after which base speaks of this lease and no earlier one: 0.2 s of them arm."""
 ASKS_NOTHING: Final = -1
 """Counter of a command that neither asks for the lease nor is given under one: real ones are never negative."""
 
 
-class Operator:
-    """One operator's process. Times are seconds of any one monotonic clock."""
+class RobotLink:
+    """The robot's clock as it is heard elsewhere. Times are seconds of any one monotonic clock."""
 
-    def __init__(self, name: str, instance: str, *, asks_from_start: bool = True) -> None:
-        """`name`: as in `cmd_vel/<name>`; `asks_from_start`: for the lease, not only once a human wishes to drive."""
-        self._name = name
-        self._asks_from_start = asks_from_start
-        self._lease = LeaseClient(instance)
+    def __init__(self) -> None:
         self._clock = TickFilter()
         self._heard = -math.inf
         self.tick: RobotTime | None = None
         """The newest that was heard."""
+
+    def on_tick(self, tick: Tick, now: float) -> None:
+        """Take the robot's clock as it arrives."""
+        if self._clock.is_newer(tick, now):
+            self.tick, self._heard = tick.time, now
+
+    def link_fault(self, now: float) -> str:
+        """Why the robot counts as lost, with the way out; empty: it is heard."""
+        return _LINK_LOST if now - self._heard > LINK_SILENCE else ""
+
+
+class Operator(RobotLink):
+    """One operator's process."""
+
+    def __init__(self, name: str, instance: str, *, asks_from_start: bool = True) -> None:
+        """`name`: as in `cmd_vel/<name>`; `asks_from_start`: for the lease, not only once a human wishes to drive."""
+        super().__init__()
+        self._name = name
+        self._asks_from_start = asks_from_start
+        self._lease = LeaseClient(instance)
         self.holder = ""
         """Name of the operator that holds the lease; empty: none."""
 
@@ -43,19 +61,10 @@ class Operator:
         """Why the robot does not obey this process, who drives, and the way out; empty when it holds the lease."""
         return self._lease.refusal
 
-    def on_tick(self, tick: Tick, now: float) -> None:
-        """Take the robot's clock as it arrives."""
-        if self._clock.is_newer(tick, now):
-            self.tick, self._heard = tick.time, now
-
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""
         self._lease.on_lease(lease)
         self.holder = lease.operator
-
-    def link_fault(self, now: float) -> str:
-        """Why the robot counts as lost, with the way out; empty: it is heard."""
-        return _LINK_LOST if now - self._heard > LINK_SILENCE else ""
 
     def command(
         self,

@@ -7,7 +7,7 @@ from typing import Final
 
 from giraff_core.freshness import age
 from giraff_core.lease import ASK
-from giraff_guard.config import GuardConfig
+from giraff_guard.config import PRIORITIES, GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime
 
 _COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1 again
@@ -140,8 +140,8 @@ class Authority:
         return bool(self.holder) and command.instance == self.holder
 
     def _rank(self, operator: str) -> int:
-        """Of who is not named it is 0."""
-        return self._config.priorities.get(operator, 0)
+        """Of who is not named it is 0, but for programs: no omission puts one beside a person."""
+        return self._config.priorities.get(operator, PRIORITIES.get(operator, 0))
 
     def _count(self, command: DriveCommand, now: RobotTime) -> None:
         """Keep the lease alive by a fresh command of its holder."""

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Final
 
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.tuning import Tuning
+from giraff_schemas.services import DEMONSTRATION, MOTION
+
+PRIORITIES: Final = {MOTION.name: -1, DEMONSTRATION: -2}
+"""Of who is not named: any person comes before a motion, and before the demonstration of `giraff run`."""
 
 
 class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -33,8 +37,9 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """s of its holder's neutral hand after which the lease ends."""
     maker_silence: Annotated[float, Tuning.READ_ONLY, Bounds(0.1, 10.0, "s")] = 0.5
     """s of silence after which another base or ranger may take the place of the one that is listened to."""
-    priorities: Annotated[dict[str, int], Tuning.READ_ONLY] = {}
-    """By operator name: who may take the lease from whom. A larger one may; an operator not named here has 0."""
+    priorities: Annotated[dict[str, int], Tuning.READ_ONLY] = msgspec.field(default_factory=PRIORITIES.copy)
+    """By operator name: who may take the lease from whom. A larger one may; an operator not named here has 0, `motion`
+    -1 and `demo` -2: a file that names others only puts no program beside a person."""
     creep_linear: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = 0.10
     """m/s where no sensor looks."""
     creep_angular: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.01, 5.0, "rad/s")] = 0.35

@@ -18,9 +18,6 @@ class OdometryConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """m/s beyond which a wheel's travel between two samples is not believed: above anything the motors can do."""
     max_gap: Annotated[float, Tuning.FREE, Bounds(0.02, 10.0, "s")] = 0.5
     """s of the board's time between two samples above which the way between them is a guess."""
-    wheel_noise: Annotated[float, Tuning.FREE, Bounds(0.0, 0.1, "m")] = 1e-6
-    """m: variance (m²) of a wheel's travel per metre of it, of what is random. 1e-6 is 1 mm after one metre, 3 mm after
-    ten; the recorded runs of a small robot leave 2e-7 to 1e-6. What is systematic: `[robot.calibration]`."""
     lost_position: Annotated[float, Tuning.FREE, Bounds(0.0, 10.0, "m")] = 0.2
     """m: standard deviation, on either axis, of what was missed when the counters could not be followed."""
     lost_yaw: Annotated[float, Tuning.FREE, Bounds(0.0, math.tau, "rad")] = 0.35

@@ -15,11 +15,11 @@ from typing import Final
 from giraff_core.bounds import Bounds
 from giraff_core.counters import SLACK_TICKS, elapsed_us, restart, signed32
 from giraff_core.kinematics.calibration import Covariance
+from giraff_core.kinematics.dead_reckoning import Estimate, advance, less_sure, wrapped
 from giraff_core.kinematics.pose import Pose
+from giraff_core.kinematics.systematic_error import SystematicError
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
-from giraff_odometry.dead_reckoning import Estimate, advance, less_sure, wrapped
-from giraff_odometry.systematic_error import SystematicError
 from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.messages import Odometry, Wheels
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
@@ -65,8 +65,13 @@ class OdometryPolicy:
 
     def transform(self) -> Transform:
         """Where the robot is now; safe to ask from any thread."""
-        now = self.estimate
-        return Transform(parent=ODOM_FRAME, child=BASE_FRAME, x=now.x, y=now.y, yaw=now.yaw, fixed=False)
+        now, last = self.estimate, self._last
+        tick = None if last is None else last.tick
+        return Transform(parent=ODOM_FRAME, child=BASE_FRAME, x=now.x, y=now.y, yaw=now.yaw, fixed=False, tick=tick)
+
+    def parts(self) -> list[Transform]:
+        """Where the parts of the robot are that have a frame of their own."""
+        return [part.transform(name) for name, part in self._robot.frames.items()]
 
     def reconfigure(self, config: OdometryConfig) -> None:
         """Use a new configuration."""
@@ -90,7 +95,7 @@ class OdometryPolicy:
         if farther > fastest * elapsed + SLACK_TICKS / self._robot.ticks_per_metre:
             return self._rebase(wheels, _LEAP)
         self._last = wheels
-        self.estimate = advance(self.estimate, left, right, self._drive, self._config.wheel_noise)
+        self.estimate = advance(self.estimate, left, right, self._drive, self._robot.wheel_noise)
         self._systematic.advance(left, right)
         if elapsed > self._config.max_gap:
             self._lose_certainty(farther / 2.0, 0.0, _GAP)

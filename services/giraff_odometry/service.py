@@ -18,7 +18,10 @@ SETTLED: Final = 1.0
 
 
 class Odometry:
-    """Reads `wheels`; writes `odom`, answers where the robot is in it, and sets that to where it is said to be."""
+    """Reads `wheels`; writes `odom`, answers where the robot is in it, and sets that to where it is said to be.
+
+    It owns `base_link`, and so tells where the robot's parts are, too, but for the sensors.
+    """
 
     timers = ()
     link = None
@@ -30,6 +33,8 @@ class Odometry:
         self._policy = policy(config, robot)
         io.on_reconfigured = self._policy.reconfigure
         io.frame(BASE_FRAME, self._policy.transform)
+        for part in self._policy.parts():
+            io.frame(part.child, part)
         self._wheels, self._out = io.inbox(WHEELS), io.publisher(ODOM)
         self._resets, self._poses = io.requests(ODOM_RESET), io.requests(ODOM_SET_POSE)
         self._heard = self._noticed = io.monotonic()

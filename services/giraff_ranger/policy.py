@@ -6,7 +6,7 @@ from typing import Final
 
 from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickRelay, tick_of
-from giraff_schemas.frames import BASE_FRAME, Transform, range_frame
+from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Range, RangeState, Tick
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
 from giraff_schemas.wire import RangeState as WireState
@@ -37,10 +37,7 @@ class RangerPolicy:
 
     def transforms(self) -> list[Transform]:
         """Where the sensors are on the robot."""
-        return [
-            Transform(parent=BASE_FRAME, child=range_frame(name), x=pose.x, y=pose.y, yaw=pose.yaw, fixed=True)
-            for name, pose in self._sensors.items()
-        ]
+        return [pose.transform(name) for name, pose in self._sensors.items()]
 
     def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock as it goes down to the board, which puts the last one into each frame."""

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 import zenoh
 
 from giraff_node import Node, Timer
-from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL
+from giraff_schemas.topics import CMD_VEL, MOTION_HOLD, OPERATOR_CMD_VEL
 from giraff_sentry.config import SentryConfig
 from giraff_sentry.policy import FILTER, Refusals, told
 
@@ -52,6 +52,7 @@ def main() -> None:
         # Whoever publishes on these keys without being allowed to sends it here, too, and Zenoh drops it at this door.
         node.subscribe(CMD_VEL, lambda _: None)
         node.subscribe(OPERATOR_CMD_VEL, lambda _: None)
+        node.subscribe(MOTION_HOLD, lambda _: None)
         pace = Timer(_TELL_HZ)
         for now in node.turns(pace):
             if pace.due(now):

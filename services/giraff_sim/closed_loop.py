@@ -1,7 +1,7 @@
 """The whole robot in one process and simulated time: the services themselves around boards and world.
 
 Services sit on two machines, the robot's and the operator's, whose network and cables are ideal unless others are
-given. The same seed gives the same run, to the byte.
+given. `motion` runs where it is started. The same seed gives the same run, to the byte.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.host import Host
 from giraff_sim.hosts.network import Network
 from giraff_sim.hosts.process import Observer, Process
-from giraff_sim.settings import MACHINES, Services, Settings
+from giraff_sim.settings import MACHINES, STARTED, Services, Settings
 from giraff_sim.simulation import Simulation
 
 
@@ -53,7 +53,7 @@ class ClosedLoop:
         """The newest sample that was published, by key as the topics table has it."""
         self.processes: dict[str, Process] = {}
         self._started = 0
-        for name in MACHINES:
+        for name in STARTED:
             self.start(name)
 
     @property

@@ -15,6 +15,8 @@ from giraff_guard.config import GuardConfig
 from giraff_guard.service import Guard
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.service import Joystick
+from giraff_motion.config import MotionConfig
+from giraff_motion.service import Motion
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.service import Odometry
 from giraff_ranger.config import RangerConfig
@@ -30,6 +32,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     ranger: RangerConfig = RangerConfig(port="ranger")
     guard: GuardConfig = GuardConfig(deceleration=1.5)
     odometry: OdometryConfig = OdometryConfig()
+    motion: MotionConfig = MotionConfig()
 
 
 class Services(NamedTuple):
@@ -40,7 +43,17 @@ class Services(NamedTuple):
     guard: Callable[[IO, GuardConfig, RobotConfig], Service] = Guard
     base: Callable[[IO, BaseConfig, RobotConfig], Service] = Base
     odometry: Callable[[IO, OdometryConfig, RobotConfig], Service] = Odometry
+    motion: Callable[[IO, MotionConfig, RobotConfig], Service] = Motion
 
 
-MACHINES: Final = {"joystick": "operator", "ranger": "robot", "guard": "robot", "base": "robot", "odometry": "robot"}
+MACHINES: Final = {
+    "joystick": "operator",
+    "ranger": "robot",
+    "guard": "robot",
+    "base": "robot",
+    "odometry": "robot",
+    "motion": "robot",
+}
 """By service: the machine it runs on."""
+STARTED: Final = tuple(service for service in MACHINES if service != "motion")
+"""Those that run from the beginning: a motion drives nothing until somebody asks for one."""

@@ -15,8 +15,24 @@ from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.codec import DecodeError, decode, encode
 from giraff_schemas.messages import Lease, RobotTime, Tick
+from giraff_schemas.motion import Arc, GoTo, MotionArc, MotionCancel, MotionGo, MotionMove, MotionTurn, Move, Turn
 from giraff_schemas.requests import EStopEngage, EStopReset, OdomReset, OdomSetPose
-from giraff_schemas.topics import ESTOP_ENGAGE, ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, QUERIES, TOPICS, Query, Topic
+from giraff_schemas.topics import (
+    ESTOP_ENGAGE,
+    ESTOP_RESET,
+    MOTION_ARC,
+    MOTION_CANCEL,
+    MOTION_GO,
+    MOTION_MOVE,
+    MOTION_QUERIES,
+    MOTION_TURN,
+    ODOM_RESET,
+    ODOM_SET_POSE,
+    QUERIES,
+    TOPICS,
+    Query,
+    Topic,
+)
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.network import Message
 from tests.fuzz.growth import Growth
@@ -26,7 +42,7 @@ from tests.sim.robots import proving_room
 from tests.support.robots import ROBOT
 from tests.unit.schemas.samples import an_example
 
-KEYS: Final[tuple[Topic[Any] | Query[Any, Any], ...]] = (*TOPICS, *QUERIES)
+KEYS: Final[tuple[Topic[Any] | Query[Any, Any], ...]] = (*TOPICS, *QUERIES, *MOTION_QUERIES)
 _AT_ONCE: Final = 15
 """Payloads each simulated ms: an inbox of 20 that is read every 10 ms loses some, one of 200 none."""
 _TRUTHS: Final = 40
@@ -38,8 +54,18 @@ REQUESTS: Final[dict[str, msgspec.Struct]] = {
     ESTOP_RESET.key: EStopReset(by="somebody", id=0, tick=_OLD),
     ODOM_RESET.key: OdomReset(by="somebody", id=1),
     ODOM_SET_POSE.key: OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5),
+    MOTION_MOVE.key: MotionMove(by="somebody", id=3, tick=_OLD, distance=1.0),
+    MOTION_TURN.key: MotionTurn(by="somebody", id=4, tick=_OLD, angle=-1.5, turn_speed=0.5),
+    MOTION_ARC.key: MotionArc(by="somebody", id=5, tick=_OLD, radius=0.5, angle=1.5, time_limit=10.0),
+    MOTION_GO.key: MotionGo(
+        by="somebody",
+        id=6,
+        tick=_OLD,
+        steps=(Move(distance=1.0), Turn(angle=1.0), Arc(radius=1.0, angle=1.0), GoTo(x=1.0, y=1.0)),
+    ),
+    MOTION_CANCEL.key: MotionCancel(by="somebody", id=6),
 }
-"""By key, what may be asked there; that one resets no latch."""
+"""By key, what may be asked there; that one resets no latch, and those begin no motion."""
 
 Truths = dict[str, list[bytes]]
 """By key: what was said on it."""
@@ -170,6 +196,7 @@ def steer(loop: ClosedLoop, seconds: float, x: float = 0.0, y: float = 0.0) -> N
 def armed_robot() -> Iterator[tuple[ClosedLoop, Truths]]:
     """And by key what was said while it drove, longer ago than anything counts."""
     with closed_loop(proving_room()) as loop:
+        loop.start("motion")
         truths: Truths = {row.key: [] for row in KEYS}
         drive(loop)
         for _ in range(_TRUTHS):

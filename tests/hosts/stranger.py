@@ -1,7 +1,8 @@
 """Runs on a machine of the lab and tries whatever it may not: python stranger.py ROBOT CONFIG drives|listens.
 
-CONFIG: Zenoh's, as JSON. It listens to everything, and drives, as guard and as each operator, with the newest moment of
-the robot that it has heard. Prints {"heard": samples of the robot, "links": their other ends} again and again.
+CONFIG: Zenoh's, as JSON. It listens to everything, and drives, as guard, as each operator and as who holds a motion,
+with the newest moment of the robot that it has heard. Prints {"heard": samples of the robot, "links": their other
+ends} again and again.
 """
 
 from __future__ import annotations
@@ -16,9 +17,10 @@ import zenoh
 
 from giraff_schemas.codec import decode, encode, stamped
 from giraff_schemas.messages import DriveCommand, GuardedCommand, RobotTime
-from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK, key_of
+from giraff_schemas.motion import MotionHold
+from giraff_schemas.topics import CMD_VEL, MOTION_HOLD, OPERATOR_CMD_VEL, TICK, key_of
 
-_OPERATORS: Final = ("joystick", "keyboard")
+_OPERATORS: Final = ("joystick", "keyboard", "motion")
 _PERIOD: Final = 0.02  # s
 _TELLS_EVERY: Final = 10  # periods
 _INSTANCE: Final = "0123456789abcdef"
@@ -55,7 +57,10 @@ class Stranger:
             hand_neutral=False,
             reason="",
         )
-        says: dict[str, GuardedCommand | DriveCommand] = {CMD_VEL.key: guarded}
+        says: dict[str, GuardedCommand | DriveCommand | MotionHold] = {
+            CMD_VEL.key: guarded,
+            MOTION_HOLD.key: MotionHold(id=1, tick=self._tick),
+        }
         for name in _OPERATORS:
             says[OPERATOR_CMD_VEL.at(name).key] = DriveCommand(
                 operator=name,

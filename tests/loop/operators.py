@@ -6,26 +6,24 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Final, TypeVar
 
-import msgspec
-
-from giraff_cli.run.demonstration import OPERATOR, Demonstration, Grip, with_demonstration
+from giraff_cli.run.demonstration import Demonstration, Grip
 from giraff_core.inbox import Inbox
 from giraff_core.io import Service
-from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
-from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
 from giraff_keyboard.status import StatusView
 from giraff_schemas.requests import EStopEngage, EStopReset
-from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, LEASE, OPERATOR_CMD_VEL, Query
+from giraff_schemas.services import DEMONSTRATION
+from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, LEASE, OPERATOR_CMD_VEL
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Settings
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.hand import StillHand
 from tests.loop.loops import closed_loop
+from tests.loop.people import REPEAT, Desk, Stopper
 from tests.sim.robots import proving_room
 from tests.support.robots import ROBOT
 
@@ -33,13 +31,7 @@ ServiceT = TypeVar("ServiceT", bound=Service)
 
 LOOK: Final = 0.2
 """s between two looks of `giraff run`."""
-REPEAT: Final = 1.0 / 30.0
-"""s, of a key that is held."""
-SETTINGS: Final = Settings(
-    robot=ROBOT,
-    joystick=JoystickConfig(port="joystick", operator=OPERATOR),
-    guard=GuardConfig(deceleration=1.5, priorities=with_demonstration({})),
-)
+SETTINGS: Final = Settings(robot=ROBOT, joystick=JoystickConfig(port="joystick", operator=DEMONSTRATION))
 _STEP_US: Final = 4000
 _WAYPOINTS: Final = [(2.5, 0.0), (0.0, 2.5), (-2.5, 0.0), (0.0, -2.5)]
 
@@ -77,53 +69,15 @@ class RunInPart:
         """Nothing is left to say."""
 
 
-class _Desk:
-    """Where somebody types. Nobody reads what it shows."""
-
-    is_gone = False
-    typed = b""
-
-    def descriptor(self) -> int | None:
-        return None
-
-    def read(self) -> bytes:
-        typed, self.typed = self.typed, b""
-        return typed
-
-    def show(self, lines: list[str]) -> None:
-        del lines
-
-
-class _Stopper:
-    """`giraff estop`."""
-
-    link = None
-
-    def __init__(self, process: Process) -> None:
-        self._process = process
-        self._asking: list[RetriedRequest[Any]] = []
-        self.timers = (Timer(20.0),)
-
-    def ask(self, query: Query[Any, Any], request: msgspec.Struct) -> None:
-        self._asking.append(self._process.ask(query, request, lambda _: True))
-
-    def turn(self, now: float) -> None:
-        self.timers[0].due(now)
-        self._asking = [asking for asking in self._asking if asking.poll(now) is None]
-
-    def end(self) -> None:
-        """Nothing is left to say."""
-
-
 class Scene:
     """A demonstration that drives, a keyboard that merely runs, and an emergency stop at hand."""
 
     def __init__(self, loop: ClosedLoop, every: float) -> None:
         self.loop = loop
-        self._desk = _Desk()
+        self._desk = Desk()
         self.run_in_part = self._launch("run", lambda process: RunInPart(process, every))
         self._launch("keyboard", lambda process: Keyboard(process, KeyboardConfig(), ROBOT, self._desk, StatusView()))
-        self._stopper = self._launch("stopper", _Stopper)
+        self._stopper = self._launch("stopper", Stopper)
 
     def _launch(self, name: str, make: Callable[[Process], ServiceT]) -> ServiceT:
         made: list[ServiceT] = []
@@ -196,5 +150,5 @@ def scene(every: float = LOOK) -> Iterator[Scene]:
         made = Scene(loop, every)
         made.until_it_drives(6.0)
         made.run(1.0)
-        assert (made.driver, made.grip.drives) == (OPERATOR, True)
+        assert (made.driver, made.grip.drives) == (DEMONSTRATION, True)
         yield made

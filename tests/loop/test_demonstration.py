@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_cli.run.demonstration import ASKS, DRIVES, FLAT, OPERATOR, QUIET, WARNING
+from giraff_cli.run.demonstration import ASKS, DRIVES, FLAT, QUIET, WARNING
+from giraff_schemas.services import DEMONSTRATION
 from tests.loop.operators import LOOK, scene
 
 STOPS = 0.12
@@ -32,7 +33,7 @@ def test_a_key_takes_the_robot_and_the_demonstration_drives_on_30_s_after_the_la
         it.run(1.5)
         assert "drives on in 3 s" in it.run_in_part.demonstration.note
         drives = it.until_it_drives(8.0)
-        assert it.driver == OPERATOR
+        assert it.driver == DEMONSTRATION
         assert it.driven_ms(rested, last + QUIET) == 0
         assert drives - last < QUIET + 4.0
         assert [grip for _, grip in it.run_in_part.grips] == [DRIVES, FLAT, ASKS, FLAT, DRIVES]
@@ -61,7 +62,7 @@ def test_a_run_that_looked_too_seldom_would_ask_again() -> None:
         assert it.driver == "keyboard"
         it.loop.kill("keyboard")
         it.run(1.5)
-        assert it.driver == OPERATOR
+        assert it.driver == DEMONSTRATION
 
 
 def test_asking_without_driving_stops_the_demonstration_too() -> None:
@@ -87,7 +88,7 @@ def test_an_emergency_stop_and_its_reset_move_nothing_for_30_s() -> None:
         assert it.driven_ms(stopped) == 0
         drives = it.until_it_drives(8.0)
         assert drives - reset < QUIET + 4.0
-        assert it.driver == OPERATOR
+        assert it.driver == DEMONSTRATION
 
 
 def test_a_keyboard_that_merely_runs_stops_nothing() -> None:

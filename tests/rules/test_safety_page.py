@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from tests.dst.test_stops import ROWS
+from tests.loop.test_motion_stops import ROWS as MOTION_ROWS
 from tests.rules.node_ids import is_simulated
 from tests.timing import fault_table
+from tests.timing.faults import MOVING
 from tests.timing.scenarios import SCENARIOS
-from tests.timing.simulated import SIMULATED, STOPS, judge_of
+from tests.timing.simulated import MOTION_STOPS, SIMULATED, STOPS, judge_of
 
 
 def test_the_page_has_the_table_of_the_scenarios_and_of_what_was_measured() -> None:
@@ -33,5 +35,6 @@ def test_whoever_judges_a_row_in_simulated_time_is_there() -> None:
 
 
 def test_what_stops_in_simulated_time_has_the_bound_that_the_table_has() -> None:
-    bounds = {each.fault: each.bound for each in SCENARIOS if judge_of(each).startswith(f"{STOPS}[")}
-    assert bounds == {name: row.bound for name, row in ROWS.items()}
+    bounds = {each.fault: each.bound for each in SCENARIOS if judge_of(each).startswith((f"{STOPS}[", MOTION_STOPS))}
+    moving = {f"{name}{MOVING}": row.bound for name, row in MOTION_ROWS.items()}
+    assert bounds == {name: row.bound for name, row in ROWS.items()} | moving

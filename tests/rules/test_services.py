@@ -16,7 +16,7 @@ from giraff_keyboard.status import StatusView
 from giraff_node.config import misplaced
 from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
-from giraff_schemas.services import CLIENT, HANDS, ROBOTS_OWN, SERVICES, SIMULATED, Service
+from giraff_schemas.services import CLIENT, HANDS, INSTALLED, ROBOTS_OWN, SERVICES, SIMULATED, Service
 from giraff_sim.dst.faults import machine, robot
 from giraff_sim.settings import MACHINES, Services, Settings
 from tests.rules.repository import ROOT, packages, sources
@@ -29,7 +29,7 @@ COMPOSED = dict(
     re.findall(r"^  (\w+):\n((?:    .*\n|\n|  #.*\n)+)", COMPOSE.partition("\nservices:\n")[2], re.MULTILINE)
 )
 """By name: its lines in the compose file."""
-PROFILES = {"base": "robot", "guard": "robot", "ranger": "robot", "odometry": "robot", "joystick": "laptop"}
+PROFILES = dict.fromkeys(INSTALLED, "robot") | {"joystick": "laptop"}
 """Others have one of their own, by which they are added to a host."""
 
 
@@ -74,21 +74,21 @@ def test_compose_asks_each_part_of_a_simulated_robot_how_it_is() -> None:
     assert set(asked[1].split()) == set(SIMULATED)
 
 
-def test_install_starts_the_robots_own_and_the_hand_with_a_board() -> None:
+def test_install_starts_what_a_robots_computer_runs_and_the_hand_with_a_board() -> None:
     install = (ROOT / "scripts" / "install").read_text()
     roles = {role: set(names.split()) for role, names in re.findall(r"(\w+)\) SERVICES=\(([\w ]+)\)", install)}
     boards = {service.name for service in SERVICES if service.host == "operator" and service.board is not None}
-    assert roles == {"robot": set(ROBOTS_OWN), "laptop": boards}
+    assert roles == {"robot": set(INSTALLED), "laptop": boards}
 
 
 def test_the_units_file_names_them() -> None:
     unit = (ROOT / "deploy" / "systemd" / "giraff@.service").read_text().splitlines()[0]
     robots, laptops = unit.partition(" on the robot")[::2]
-    assert set(re.findall(r"@(\w+)", robots)) == set(ROBOTS_OWN)
+    assert set(re.findall(r"@(\w+)", robots)) == set(INSTALLED)
     assert set(re.findall(r"@(\w+)", laptops)) == {"joystick"}
 
 
-def test_the_same_five_run_everywhere() -> None:
+def test_the_same_run_everywhere() -> None:
     assert set(MACHINES) == set(Services._fields) == set(START_ORDER) == set(SIMULATED)
     assert set(Settings.__struct_fields__) == {"robot", *SIMULATED}
 
@@ -102,7 +102,7 @@ def test_faults_are_drawn_of_services_that_are_there() -> None:
     boards = {service.name: service.host for service in SERVICES if service.board is not None}
     assert {name: host for host, names in machine.WITH_A_BOARD.items() for name in names} == boards
     assert {service.board: service.name for service in SERVICES if service.board is not None} == robot.SERVED
-    assert set(machine.IN_THE_CHAIN) == set(SIMULATED) - {"odometry"}
+    assert set(machine.IN_THE_CHAIN) == set(SIMULATED) - {"odometry", "motion"}
 
 
 def test_doctor_tells_what_follows_where_one_is_missing() -> None:

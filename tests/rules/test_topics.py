@@ -21,7 +21,7 @@ def subclasses(sample: type[messages.Sample]) -> Iterator[type[messages.Sample]]
 
 
 def test_every_sample_is_carried_by_a_topic() -> None:
-    declared = {sample for sample in subclasses(messages.Sample) if sample.__module__ == messages.__name__}
+    declared = {sample for sample in subclasses(messages.Sample) if sample.__module__.startswith("giraff_schemas.")}
     assert declared
     assert declared == {topic.schema for topic in topics.TOPICS}
 

@@ -54,6 +54,12 @@ class FloorRobot:
         way = math.copysign(speed, angle)
         self._drive(-way, way, abs(angle) * self.robot.track_width / 2.0)
 
+    def drive(self, linear_x: float, angular_z: float, seconds: float) -> None:
+        """At this speed (m/s, rad/s), as base makes wheels of it."""
+        left, right = self.robot.drive.wheel_speeds(linear_x, angular_z)
+        for _ in range(round(seconds / STEP)):
+            self._step(left, right)
+
     def stand(self, seconds: float) -> None:
         """At rest."""
         for _ in range(math.ceil(seconds / STEP)):

@@ -12,6 +12,7 @@ import zenoh
 from giraff_node.network.query_client import QueryClient
 from giraff_schemas.codec import encoding_of
 from giraff_schemas.params import Param, ParamAnswer, ParamDescribe, ParamSave, ParamSet
+from giraff_schemas.services import MOTION
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, TOPICS, Query, Topic
 from tests.fuzz.growth import Growth
 from tests.fuzz.keys import KEYS, REQUESTS
@@ -25,6 +26,9 @@ RATE: Final = 1000.0
 _BATCH: Final = 20
 _WARM: Final = 1.0 / 3.0
 """Of the payloads: a session of Zenoh and an interpreter beside it take some minutes to come to their size."""
+
+
+_PARTS: Final = (*SERVICES, MOTION.name)
 
 
 class NetworkCounted(msgspec.Struct, frozen=True, kw_only=True):
@@ -43,7 +47,7 @@ class Parameters:
 
     def __init__(self, robot: ProcessRobot) -> None:
         self._robot = robot
-        self._filed = {service: self._described(service) for service in SERVICES}
+        self._filed = {service: self._described(service) for service in _PARTS}
 
     @property
     def truths(self) -> Truths:
@@ -85,13 +89,14 @@ def _truths(row: Topic[Any] | Query[Any, Any]) -> list[bytes]:
 def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
     """`wanted` payloads for each key, at a robot that is armed, in a level hand; then it must turn, and drive."""
     chance = random.Random(f"{seed}/network")
+    robot.start(MOTION.name)
     parameters = Parameters(robot)
     robot.drive_forward()
     robot.arm()
     since_us = robot.simulator.now()
     rows = [(row, _truths(row)) for row in KEYS]
     rows += [(query, parameters.truths[query.key]) for query in PARAM_KEYS]
-    growths = {service: Growth(robot.pid(service), _WARM) for service in SERVICES}
+    growths = {service: Growth(robot.pid(service), _WARM) for service in _PARTS}
     sent = 0
     due = time.monotonic()
     while sent < wanted * len(rows):

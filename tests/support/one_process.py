@@ -87,6 +87,18 @@ class Declared:
         self.among.remove(self)
 
 
+@dataclass
+class Publisher:
+    """Of a session, on one key."""
+
+    session: Session
+    key: str
+    encoding: str
+
+    def put(self, payload: bytes) -> None:
+        self.session.put(self.key, payload, encoding=self.encoding)
+
+
 def _meet(key: str, other: str) -> bool:
     return zenoh.KeyExpr(key).intersects(zenoh.KeyExpr(other))
 
@@ -109,6 +121,10 @@ class Session:
     def put(self, key: str, payload: bytes, *, encoding: str = "") -> None:
         for one in [one for one in self._subscribers if _meet(one.key, key)]:
             one.call(Sample(key, payload, encoding))
+
+    def declare_publisher(self, key: str, *, encoding: str, **_: Any) -> Publisher:
+        """Of samples."""
+        return Publisher(self, key, encoding)
 
     def declare_subscriber(self, key: str, call: Callable[[Any], Any], *, history: bool | None = None) -> Declared:
         """Of samples; with `history`, which liveliness alone has, of tokens."""

@@ -22,7 +22,8 @@ from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import load
 from giraff_node.network.session import session_config
 from giraff_node.process.state import write_latch
-from giraff_schemas.topics import BASE, GUARD
+from giraff_schemas import services as table
+from giraff_schemas.topics import BASE, GUARD, LEASE
 from giraff_sim.board import ROOT
 from giraff_sim.config import KNOWN
 from giraff_sim.control.client import SimulatorClient
@@ -62,6 +63,14 @@ points = [{
 """
 """A round room: from its middle every sensor hears the wall, wherever the robot looks."""
 
+SAID: Final = frozenset(
+    topic.key
+    for service in table.SERVICES
+    if service.name in SERVICES
+    for topic in service.publishes
+    if "*" not in topic.key
+)
+"""Keys of one name that the robot's parts and its joystick say."""
 PATIENCE: Final = 60.0
 """s for whatever comes about: a wait ends at once when it does, and a busy machine is slow."""
 _LEVEL: Final = 1.5
@@ -94,6 +103,7 @@ class ProcessRobot:
             "GIRAFF_NETWORK_RENDEZVOUS": f"127.0.0.1:{free_port()}",
             "GIRAFF_NETWORK_LOCAL": "true",
             "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
+            "GIRAFF_ROBOT_FRAMES": "{ laser = { x = -0.115, z = 0.226, pitch = 0.1 } }",
             "STATE_DIRECTORY": str(self.state),
             **{f"GIRAFF_{name.upper()}_PORT": str(self.ports / name) for name in ("joystick", "base", "ranger")},
         }
@@ -104,7 +114,7 @@ class ProcessRobot:
             end.callback(self._stop_all)
             self.observer = Observer(self.environment)
             end.callback(self.observer.close)
-            for topic in (BASE, GUARD):
+            for topic in (BASE, GUARD, LEASE):
                 self.observer.follow(topic)
             words = ["--world", str(world), "--seed", "1", "--truth", truth, "--boards", boards]
             self.simulator = self._start_simulator("simulator", directory, words)
@@ -112,10 +122,14 @@ class ProcessRobot:
             self._end = end.pop_all()
 
     def start(self, service: str) -> None:
+        self._processes.start(service, f"giraff_{service}", (), self._apart(service))
+
+    def _apart(self, service: str) -> dict[str, str]:
+        """The environment of whatever runs where this service does."""
         environment = dict(self.environment)
         if service in self._session_files:
             environment["GIRAFF_NETWORK_SESSION_FILE"] = str(self._session_files[service])
-        self._processes.start(service, f"giraff_{service}", (), environment)
+        return environment
 
     def start_second(self, service: str, **changes: str) -> None:
         """Another process of a service beside the first, "second SERVICE", that has joined the network."""
@@ -296,6 +310,30 @@ class ProcessRobot:
     def drive_forward(self) -> None:
         self.drive(FULL_TILT, 0.0)
 
+    def move_forward(self, seconds: float) -> None:
+        """Have `giraff move`, "requester", move the robot, for so long by the simulator's time so far.
+
+        It is where the joystick was, which has ended: what lies still on a desk has the robot for half a minute.
+        """
+        self.stop("joystick")
+        self.wait("a robot that nobody has", self._is_free, PATIENCE)
+        name = self.environment["GIRAFF_ROBOT_NAME"]
+        self._processes.start(
+            "requester", "giraff_cli", ("move", "3", "--speed", "0.5", "--robot", name), self._apart("joystick")
+        )
+        self.wait("a motion", self.drives, PATIENCE)
+        self.run(seconds)
+        assert self.drives(), f"it does not move for {seconds:g} s{self._last_words()}"
+
+    def end_motion(self) -> None:
+        """Whether or not that has ended by itself, the joystick is there again."""
+        self._processes.stop(["requester"], grace=PATIENCE)
+        self.start("joystick")
+
+    def _is_free(self) -> bool:
+        lease = self.observer.newest(LEASE)
+        return lease is not None and not lease.operator
+
     def put_up_wall(self, name: str, ahead: float, half_width: float) -> int:
         """A wall square to the robot's heading, `ahead` m from its centre; the simulator's moment (us) of it."""
         at = self.simulator.state()
@@ -315,14 +353,14 @@ class ProcessRobot:
         return f"\n{self.why()}{logs}"
 
     def _set_apart(self, end: ExitStack) -> None:
-        """Let the joystick reach base and guard through a cable each, and nothing else."""
+        """Let the joystick reach base, guard and motion through a cable each, and nothing else."""
         network = load("network", NetworkConfig, self.environment)
         name = self.environment["GIRAFF_ROBOT_NAME"]
         operators = session_config(network, name)
         operators["listen"]["endpoints"] = []
         operators["connect"]["endpoints"] = []
         operators["scouting"]["gossip"] = {"enabled": False}  # it would tell the others' own ports
-        for service in ("base", "guard"):
+        for service in ("base", "guard", "motion"):
             port = free_port()
             self.cables.append(end.enter_context(Cable(free_port(), port)))
             settings = session_config(network, name)

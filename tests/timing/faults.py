@@ -31,6 +31,9 @@ LEFT: Final = (0.0, FULL_TILT)
 RIGHT: Final = (0.0, -FULL_TILT)
 LEVEL: Final = (0.0, 0.0)
 
+MOVING: Final = ", while a motion moves it"
+"""In the names of those rows."""
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -59,13 +62,15 @@ class Scenario:
     rearms: bool = True
     """Of what stops: also after the end nothing is driven before the hand was level."""
     tilt: tuple[float, float] = FORWARD
+    by: Literal["hand", "motion"] = "hand"
+    """What drives it: a tilted joystick, or a motion that `giraff move` has asked for."""
     loads: bool = False
     """The fault is that this machine stalls: such runs are not repeated."""
 
     @property
     def fault(self) -> str:
         """What breaks, however long it lasts and wherever the robot goes."""
-        return " + ".join(fault.name for fault in self.faults)
+        return " + ".join(fault.name for fault in self.faults) + (MOVING if self.by == "motion" else "")
 
     @property
     def name(self) -> str:
@@ -96,6 +101,14 @@ def suspended(service: str) -> Fault:
         _does(lambda robot: robot.signal(service, signal.SIGSTOP)),
         lambda robot: robot.signal(service, signal.SIGCONT),
     )
+
+
+def _kill_requester(robot: ProcessRobot) -> None:
+    robot.kill("requester")
+
+
+REQUESTER_KILLED: Final = Fault("requester killed", _kill_requester)
+"""Nobody starts another one."""
 
 
 def unplugged(board: BoardName) -> Fault:

@@ -15,6 +15,7 @@ from tests.timing.faults import (
     LINK_CUT,
     LINK_SEVERED,
     OPERATORS,
+    REQUESTER_KILLED,
     RIGHT,
     ROBOT_SIDE,
     TWO_AT_ONCE,
@@ -200,4 +201,24 @@ _TWO: Final = (
     Scenario(faults=(reset("base"), killed("guard")), bound=TWO_AT_ONCE),
 )
 
-SCENARIOS: Final = (*_PROCESSES, *_LINK, *_BOARDS, *_SENSORS, *_MOTORS, *_HOST, *_TWO)
+_CHAIN: Final = {
+    "base": ROBOT_SIDE,
+    "guard": ROBOT_SIDE,
+    "ranger": OPERATORS,
+    "motion": OPERATORS,
+    "odometry": OPERATORS,
+}
+"""All that a motion needs of the robot."""
+
+_MOVING: Final = (
+    Scenario(faults=(REQUESTER_KILLED,), bound=OPERATORS, by="motion"),
+    Scenario(faults=(suspended("requester"),), bound=OPERATORS, by="motion"),
+    Scenario(faults=(LINK_CUT,), bound=OPERATORS, by="motion"),
+    Scenario(faults=(link_delayed(0.5),), bound=OPERATORS, lasts=3.0, by="motion"),
+    *(Scenario(faults=(killed(name),), bound=bound, by="motion") for name, bound in _CHAIN.items()),
+    Scenario(faults=(ended("motion"),), bound=OPERATORS, by="motion"),
+    *(Scenario(faults=(suspended(name),), bound=OPERATORS, by="motion") for name in ("motion", "odometry")),
+    Scenario(faults=(ESTOP_ENGAGED,), bound=ROBOT_SIDE, by="motion"),
+)
+
+SCENARIOS: Final = (*_PROCESSES, *_LINK, *_BOARDS, *_SENSORS, *_MOTORS, *_HOST, *_TWO, *_MOVING)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from tests.timing.faults import Scenario
+from tests.timing.faults import MOVING, Scenario
 
 STOPS: Final = "tests/dst/test_stops.py::test_a_fault_stops_the_robot_within_its_bound"
+MOTION_STOPS: Final = "tests/loop/test_motion_stops.py::test_a_fault_stops_a_motion_within_its_bound"
+_ESTOP: Final = "tests/loop/test_motion_ends.py::test_an_emergency_stop_ends_it_and_a_reset_moves_nothing"
 _KILLS: Final = "tests/loop/test_kills.py::test_pwm_is_zero_within_the_bound"
 _MISHAPS: Final = "tests/loop/test_mishaps.py::test_a_mishap_stops_the_robot_within_its_bound"
 _RESTARTED: Final = "tests/dst/test_doubles.py::test_a_restarted_board"
@@ -43,9 +45,19 @@ _BY_STOPS: Final = (
     "base board reset (external) + guard killed",
 )
 
+_BY_MOTION_STOPS: Final = (
+    *(f"{service} killed" for service in ("requester", "motion", "odometry", "base", "guard", "ranger")),
+    *(f"{service} suspended" for service in ("requester", "motion", "odometry")),
+    "motion ended",
+    "link cut",
+    "link delayed by 0.5 s",
+)
+
 SIMULATED: Final = {
     **{f"{service} killed": f"{_KILLS}[{service}]" for service in ("base", "guard", "joystick", "ranger")},
     **{name: f"{STOPS}[{name}]" for name in _BY_STOPS},
+    **{f"{name}{MOVING}": f"{MOTION_STOPS}[{name}]" for name in _BY_MOTION_STOPS},
+    f"e-stop engaged{MOVING}": _ESTOP,
     "odometry killed": "tests/loop/test_kills.py::test_without_odometry_driving_goes_on",
     "base board unplugged": "tests/dst/test_doubles.py::test_a_replugged_board",
     "ranger board unplugged": "tests/dst/test_doubles.py::test_a_ranger_that_was_missed_for_over_a_second",

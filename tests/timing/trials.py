@@ -65,6 +65,7 @@ class Stand:
             directory = self._directory / str(self._started)
             directory.mkdir()
             self._robot = self._running.enter_context(process_robot(directory, ARENA, apart=True))
+            self._robot.start("motion")
         return self._robot
 
     def discard(self) -> None:
@@ -99,7 +100,10 @@ def run_trial(robot: ProcessRobot, scenario: Scenario, phase: float) -> Figures:
     """Drive, break, mend, arm."""
     simulator = robot.simulator
     with by_the_wall():
-        robot.drive(*scenario.tilt, seconds=1.2 + phase)
+        if scenario.by == "motion":
+            robot.move_forward(1.2 + phase)
+        else:
+            robot.drive(*scenario.tilt, seconds=1.2 + phase)
         assert robot.drives(), f"a free way is refused before the fault: {robot.why()}"
     begun_us = simulator.now()
     before = simulator.record(begun_us - 1_000_000, begun_us)
@@ -112,6 +116,8 @@ def run_trial(robot: ProcessRobot, scenario: Scenario, phase: float) -> Figures:
     mended_us = simulator.now()
     robot.run(AFTER)
     now_us = simulator.now()
+    if scenario.by == "motion":
+        robot.end_motion()
     during, after = simulator.record(begun_us, ended_us), simulator.record(ended_us, now_us)
     whole = simulator.record(begun_us, now_us)
     last_us = (whole if scenario.rearms else during).last_driven_us or begun_us

@@ -14,9 +14,9 @@ import numpy as np
 
 from giraff_cli.calibrate.paths import Floats
 from giraff_cli.calibrate.windows import Uncertainty
-from giraff_odometry.config import OdometryConfig
+from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 
-SLIP: Final = OdometryConfig().wheel_noise
+SLIP: Final = WHEEL_NOISE
 """m² per metre: what odometry takes the wheels' slip for, where the residuals are too few to tell."""
 _FIRST_SLIP: Final = 1e-5
 """m² per metre, where the search begins: of two maxima, which hardly differ, it then finds that of the larger slip."""

@@ -6,12 +6,22 @@ import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from giraff_schemas.services import PLAY, ROBOTS_OWN, SERVICES
-from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, QUERIES, ROOT, TOPICS, Topic, topic_of
+from giraff_schemas.services import PLAY, SERVICES
+from giraff_schemas.topics import (
+    CMD_VEL,
+    MOTION_HOLD,
+    MOTION_QUERIES,
+    OPERATOR_CMD_VEL,
+    QUERIES,
+    ROOT,
+    TOPICS,
+    Topic,
+    topic_of,
+)
 
-_COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key)
+_COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key, MOTION_HOLD.key)
 _ROBOTS_OWN: Final = frozenset(
-    topic.key for service in SERVICES if service.name in ROBOTS_OWN for topic in service.publishes if topic != CMD_VEL
+    topic.key for service in SERVICES if service.host == "robot" for topic in service.publishes if topic != CMD_VEL
 )
 _NEAR: Final = 0.5
 
@@ -27,7 +37,7 @@ def find_topic(key: str, there: Iterable[str] = ()) -> Topic[Any]:
     """
     if key.startswith(f"{ROOT}/"):
         raise UnknownKeyError(f"{key}: leave out {ROOT}/<robot>/, --robot names the robot; like odom or range/*")
-    if key in (query.key for query in QUERIES):
+    if key in (query.key for query in (*QUERIES, *MOTION_QUERIES)):
         raise UnknownKeyError(f"{key} is asked, not published: `giraff node list` shows who answers")
     if (row := topic_of(key)) is None:
         raise UnknownKeyError(no_such_key(key, (*(topic.key for topic in TOPICS), *there)))

@@ -37,7 +37,7 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     picture: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the last live view as SVG.")] = None,
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:
-    """Drive the simulated robot through the five services, and watch it."""
+    """Drive the simulated robot through its services, and watch it."""
     from giraff_cli.run.begin import drive  # noqa: PLC0415
     from giraff_cli.run.plan import PlanError, make_plan  # noqa: PLC0415
 

@@ -11,17 +11,14 @@ from typing import Final, NamedTuple
 
 from giraff_core.lease import ASK
 from giraff_schemas.messages import DriveCommand, EStop, Lease, Sample
+from giraff_schemas.services import DEMONSTRATION
 
-OPERATOR: Final = "demo"
-"""Name under which the joystick of a run asks to drive."""
 QUIET: Final = 30.0
 """s without a command of anybody else, and without a reset of the emergency stop, after which the hand drives again."""
 WARNING: Final = 3.0
 """s before that in which the run says so."""
 SETTLES: Final = 0.5
 """s for which the hand stays flat once it has let go of the button: the joystick takes its new zero from that."""
-
-_PRIORITY: Final = -2
 
 
 class Grip(NamedTuple):
@@ -83,11 +80,11 @@ class Demonstration:
     def on_sample(self, sample: Sample, now: float) -> None:
         """Take anything that is heard of the robot."""
         match sample:
-            case DriveCommand() if sample.operator != OPERATOR and _is_wish(sample):
+            case DriveCommand() if sample.operator != DEMONSTRATION and _is_wish(sample):
                 self._give_way(f"{sample.operator} drives", now)
             case Lease():
                 self._holder = sample.operator
-                if sample.operator not in ("", OPERATOR) and self._phase in (_Phase.DRIVING, _Phase.SETTLING):
+                if sample.operator not in ("", DEMONSTRATION) and self._phase in (_Phase.DRIVING, _Phase.SETTLING):
                     self._give_way(f"{sample.operator} drives", now)  # what it said was lost on the way
             case EStop() if sample.engaged or self._engaged:
                 self._engaged = sample.engaged
@@ -110,7 +107,7 @@ class Demonstration:
         self._phase = _Phase.ENDED
 
     def _advance(self, now: float) -> None:
-        holds = self._holder == OPERATOR
+        holds = self._holder == DEMONSTRATION
         match self._phase:
             case _Phase.WAITING if not self._engaged and now - self._last >= QUIET - WARNING:
                 self._enter(_Phase.WARNING, now + WARNING)
@@ -139,5 +136,5 @@ def _is_wish(command: DriveCommand) -> bool:
 
 def with_demonstration(priorities: Mapping[str, int]) -> dict[str, int]:
     """The guard's priorities with the demonstration's, which is below everybody's."""
-    others = {name: priority for name, priority in priorities.items() if name != OPERATOR}
-    return others | {OPERATOR: min([_PRIORITY, *(priority - 1 for priority in others.values())])}
+    others = {name: priority for name, priority in priorities.items() if name != DEMONSTRATION}
+    return others | {DEMONSTRATION: min([0, *others.values()]) - 1}

@@ -14,12 +14,13 @@ from typing import Final, Literal
 
 import tomlkit
 
-from giraff_cli.run.demonstration import OPERATOR, with_demonstration
+from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
+from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.config import KNOWN, SimConfig
@@ -162,7 +163,7 @@ def _environment(given: Mapping[str, str], hand: Hand, *, local: bool) -> dict[s
     table = tomlkit.inline_table()
     table.update(priorities)
     environment["GIRAFF_GUARD_PRIORITIES"] = table.as_string()
-    environment["GIRAFF_JOYSTICK_OPERATOR"] = OPERATOR
+    environment["GIRAFF_JOYSTICK_OPERATOR"] = DEMONSTRATION
     # A hand that only lies there does not take the robot from nobody: `c` in `giraff drive` would be refused.
     environment["GIRAFF_JOYSTICK_ASKS_FROM_START"] = "true" if hand == "demo" else "false"
     return environment

@@ -14,7 +14,6 @@ from typing import Any, Final
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.run.announcer import Announcer
-from giraff_cli.run.demonstration import OPERATOR
 from giraff_cli.run.driver import Driver
 from giraff_cli.run.joystick import Joystick
 from giraff_cli.run.plan import Plan
@@ -29,6 +28,7 @@ from giraff_node import robot_now_ns
 from giraff_node.network.query_client import request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
+from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
 
@@ -146,7 +146,7 @@ class Run:
             return
         self._joystick.lay_flat()
         stop = None
-        if _driver(telemetry) not in ("", OPERATOR):
+        if _driver(telemetry) not in ("", DEMONSTRATION):
             stop = request_estop(
                 self._connection.session, self._plan.robot.name, by="giraff run", reason="the run ends"
             )

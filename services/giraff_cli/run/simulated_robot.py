@@ -1,4 +1,4 @@
-"""The simulated robot of a run: the simulator, the five services on its serial ports, and the world's truth."""
+"""The simulated robot of a run: the simulator, the services, on its serial ports, and the world's truth."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from giraff_schemas.services import SERVICES
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 
-START_ORDER: Final = ("joystick", "guard", "base", "ranger", "odometry")
+START_ORDER: Final = ("joystick", "guard", "base", "ranger", "odometry", "motion")
 SIMULATOR: Final = "simulator"
 
 _BOARDS: Final = tuple(service.name for service in SERVICES if service.simulated and service.board is not None)

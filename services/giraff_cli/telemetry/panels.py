@@ -15,6 +15,7 @@ from giraff_cli.telemetry.describe import DIRECTIONS, base_reason, base_text, ho
 from giraff_cli.terminal.layout import HEADING, NONE, block, left, right, text_or_dash, unit
 from giraff_cli.terminal.text import printable
 from giraff_schemas.messages import Range
+from giraff_schemas.topics import MOTION, MOTION_HOLD
 
 _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
@@ -98,9 +99,9 @@ def command(snapshot: Snapshot) -> Table:
 
 
 def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table:
-    """How each key flows, but for those of the ranges."""
-    of_ranges = {range_key(sensor) for sensor in snapshot.ranges}
-    rates = [(key, rate) for key, rate in snapshot.rates.items() if key not in of_ranges]
+    """How each key flows, but for those of the ranges, and of motion: with more rows a screen is no longer 24 high."""
+    left_out = {MOTION.key, MOTION_HOLD.key, *(range_key(sensor) for sensor in snapshot.ranges)}
+    rates = [(key, rate) for key, rate in snapshot.rates.items() if key not in left_out]
     lost = sum(rate.lost for rate in snapshot.rates.values())
     losing = any(rate.losing for rate in snapshot.rates.values())
     table = Table(box=None, padding=(0, 2, 0, 0), show_edge=False, pad_edge=False)

@@ -42,10 +42,13 @@ class Screen(Protocol):
 
 
 class Terminal:
-    """The live view on the terminal's second page, so that the first is as it was when this closes."""
+    """The live view on the terminal's second page, so that the first is as it was when this closes.
 
-    def __init__(self) -> None:
-        self._live = Live(console=Console(highlight=False), screen=True, auto_refresh=False)
+    Without a `page` it is at the end of the first, and gone when this closes.
+    """
+
+    def __init__(self, *, page: bool = True) -> None:
+        self._live = Live(console=Console(highlight=False), screen=page, transient=not page, auto_refresh=False)
         self._live.start()
 
     def show(self, view: View) -> None:
@@ -82,10 +85,10 @@ class NullScreen:
         """Nothing to restore."""
 
 
-def open_screen() -> Screen:
-    """What standard output is good for."""
+def open_screen(*, page: bool = True) -> Screen:
+    """What standard output is good for. `page`: of a terminal, its second one."""
     if sys.stdout.isatty() and os.environ.get("TERM", "dumb") != "dumb":
-        return Terminal()
+        return Terminal(page=page)
     return LineScreen()
 
 

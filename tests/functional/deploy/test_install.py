@@ -37,7 +37,7 @@ def test_a_service_of_the_installed_tree_runs_and_is_well(tree: Tree, tmp_path: 
     assert "giraff_client" in typed
     wants = tree.installed("/etc/systemd/system/giraff.target.wants")
     assert {path.name for path in wants.iterdir()} == {
-        f"giraff@{service}.service" for service in ("base", "ranger", "guard", "odometry")
+        f"giraff@{service}.service" for service in ("base", "ranger", "guard", "odometry", "motion")
     }
     environment = {
         "GIRAFF_CONFIG": str(tree.installed(CONFIGURATION)),
@@ -147,7 +147,9 @@ def test_a_role_enables_its_services_and_the_target(tree: Tree, role: str) -> No
     code, words = tree.install(ROLE=role)
     assert code == 0, words
     enabled = {path.name for path in tree.installed("/etc/systemd/system").glob("giraff.target.wants/*")}
-    expected = {"robot": {"base", "ranger", "guard", "odometry"}, "laptop": {"joystick"}, "": set[str]()}[role]
+    expected = {"robot": {"base", "ranger", "guard", "odometry", "motion"}, "laptop": {"joystick"}, "": set[str]()}[
+        role
+    ]
     assert enabled == {f"giraff@{service}.service" for service in expected}
     assert tree.installed("/etc/systemd/system/multi-user.target.wants/giraff.target").is_symlink() is bool(role)
 

@@ -26,6 +26,7 @@ from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import GUARD, LEASE
 from tests.support.examples import EXAMPLES, HALL, first_of_the_page
 from tests.support.process_robot import ProcessRobot, process_robot
+from tests.support.robots import ROBOT
 from tests.support.waiting import wait
 
 PATIENCE = 60.0  # s
@@ -35,6 +36,7 @@ PATIENCE = 60.0  # s
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
     with process_robot(tmp_path_factory.mktemp("hall"), HALL, boards="host") as made:
         made.stop("joystick")
+        made.start("motion")
         made.observer.follow(LEASE)
         yield made
 
@@ -267,17 +269,30 @@ def test_its_links_end_when_they_are_dead(script: Robot) -> None:
     wait(are_all_tuned, PATIENCE, what="a link of another wait")
 
 
+def test_it_knows_where_a_sensor_was(script: Robot) -> None:
+    then = script.odom()
+    rear = ROBOT.sensors["rear"]
+    found = script.wait_for("odom", "range_rear_link", then.tick, timeout=PATIENCE)
+    assert (found.parent, found.child, found.tick) == ("odom", "range_rear_link", then.tick)
+    assert math.dist((found.x, found.y), (then.x, then.y)) == pytest.approx(-rear.x, abs=0.02)
+    assert script.lookup("base_link", "range_rear_link").x == pytest.approx(rear.x)
+
+
 def test_it_draws_the_path_that_another_drives(named: ProcessRobot, script: Robot) -> None:
-    named.simulator.place(0.0, -2.0)
+    def draws_a_way() -> bool:
+        """A machine that stands still may have stopped the robot for all of these seconds."""
+        named.simulator.place(0.0, -2.0)
+        with example(named, "plot_path.py", "3", "path.svg") as drawing:
+            while drawing.poll() is None:
+                drive_on(script, 0.2, 0.3)
+            assert drawing.returncode == 0, drawing.communicate()
+        drawn = (named.directory / "path.svg").read_text().split(' d="M')[1].split('"')[0].split()
+        points = [[float(value) for value in point.split(",")] for point in drawn]
+        assert len(points) > 1
+        return max(math.dist(points[0], point) for point in points) > 0.1
+
     script.arm()
-    with example(named, "plot_path.py", "3", "path.svg") as drawing:
-        while drawing.poll() is None:
-            drive_on(script, 0.2, 0.3)
-        assert drawing.returncode == 0, drawing.communicate()
-    drawn = (named.directory / "path.svg").read_text().split(' d="M')[1].split('"')[0].split()
-    points = [[float(value) for value in point.split(",")] for point in drawn]
-    assert len(points) > 1
-    assert max(math.dist(points[0], point) for point in points) > 0.1
+    wait(draws_a_way, PATIENCE, what="a path that is drawn")
 
 
 def test_guard_stands_between_it_and_the_wall(named: ProcessRobot, script: Robot) -> None:

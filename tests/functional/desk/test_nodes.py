@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import signal
 from collections.abc import Mapping
@@ -63,6 +64,8 @@ def tells(*patterns: str) -> Holds:
     return lambda done: all(re.search(each, done.stdout, re.MULTILINE) for each in patterns)
 
 
+FRAMES: Final = 1 + len(ROBOT.sensors) + 1
+"""In others: the robot, its sensors, its laser."""
 ASKED: Final[Mapping[str, Holds]] = {
     "node list --json": in_json(are_well),
     "node list": lambda done: done.returncode == 0,
@@ -71,9 +74,11 @@ ASKED: Final[Mapping[str, Holds]] = {
     "graph --for 0.3 --json": in_json(is_whole_graph),
     "graph --for 0.3 --dot": lambda done: done.stdout.count(" -> ") >= len(EDGES),
     "graph --for 0.3": tells(r"tick +-> guard, joystick, ranger$", r"odom +-> nobody that says so$"),
-    "frames --json": in_json(lambda found: len(found["frames"]) == 1 + len(ROBOT.sensors)),
-    "frames": lambda done: done.stdout.count("\n") == 2 + len(ROBOT.sensors),
-    "frames --dot": lambda done: done.stdout.count(" -> ") == 1 + len(ROBOT.sensors),
+    "frames --json": in_json(lambda found: len(found["frames"]) == FRAMES),
+    "frames": lambda done: done.stdout.count("\n") == 1 + FRAMES,
+    "frames --dot": lambda done: done.stdout.count(" -> ") == FRAMES,
+    "frames --from laser --to range_rear_link --json": in_json(lambda pose: pose["fixed"]),
+    "frames --from laser --to odom": lambda done: done.returncode == 0,
 }
 
 
@@ -169,7 +174,15 @@ def test_the_graph_has_every_edge(told: Mapping[str, Done]) -> None:
 def test_the_tree_goes_from_odom_to_the_sensors(told: Mapping[str, Done]) -> None:
     found = document(told["frames --json"])
     places = {frame["child"]: frame for frame in found["frames"]}
-    assert set(places) == {"base_link", "range_front_left_link", "range_front_right_link", "range_rear_link"}
+    assert set(places) == {"base_link", "laser", "range_front_left_link", "range_front_right_link", "range_rear_link"}
+    laser = places["laser"]
+    assert (laser["parent"], laser["x"], laser["z"], laser["pitch"], laser["fixed"]) == (
+        "base_link",
+        -0.115,
+        0.226,
+        0.1,
+        True,
+    )
     assert (places["base_link"]["parent"], places["base_link"]["fixed"]) == ("odom", False)
     for sensor, pose in ROBOT.sensors.items():
         frame = places[f"range_{sensor}_link"]
@@ -178,9 +191,22 @@ def test_the_tree_goes_from_odom_to_the_sensors(told: Mapping[str, Done]) -> Non
     assert found["faults"] == []
 
 
+def test_the_pose_of_one_frame_is_told_in_another(told: Mapping[str, Done]) -> None:
+    """The rear sensor looks back."""
+    pose = document(told["frames --from laser --to range_rear_link --json"])
+    assert (pose["parent"], pose["child"]) == ("range_rear_link", "laser")
+    found = [pose[name] for name in ("x", "y", "z", "roll", "pitch")]
+    assert found == pytest.approx([-0.135, 0.0, 0.226, 0.0, 0.1])
+    assert abs(pose["yaw"]) == pytest.approx(math.pi)
+    text = told["frames --from laser --to odom"].stdout
+    assert text.startswith("laser in odom, now\nx       -0.115 m\n")
+    assert "\npitch   0.1000 rad     5.73°\n" in text
+
+
 def test_it_is_drawn(told: Mapping[str, Done]) -> None:
     text = told["frames"].stdout
     assert text.startswith("odom\n└── base_link  x 0.000 m, y 0.000 m, yaw ")
+    assert re.search(r"^    ├── laser  x -0.115 m, y 0.000 m, z 0.226 m, pitch 5.7°, yaw 0.0°$", text, re.MULTILINE)
     assert re.search(r"^    └── range_rear_link  x -0.250 m, y 0.000 m, yaw 180.0°$", text, re.MULTILINE)
     drawn = told["frames --dot"].stdout
     assert '"odom" -> "base_link" [label=' in drawn

@@ -39,8 +39,8 @@ PUBLISHERS = {
 }
 
 
-KEYS: Final = {*PUBLISHERS, "true_pose", "serial/*", "serial_write/*"}
-"""All that a list has. There is no gateway, and no `giraff run` that would tell the truth."""
+KEYS: Final = {*PUBLISHERS, "motion", "motion/hold", "true_pose", "serial/*", "serial_write/*"}
+"""All that a list has. There is no motion, no gateway, and no `giraff run` that would tell the truth."""
 
 
 def is_whole_list(rows: Any) -> bool:

@@ -25,6 +25,7 @@ STOPS_WITHIN = 0.6
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
     with process_robot(tmp_path_factory.mktemp("hall"), HALL, boards="host") as made:
         made.stop("joystick")
+        made.start("motion")
         made.observer.follow(LEASE)
         yield made
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_cli.run.demonstration import ASKS, DRIVES, FLAT, OPERATOR, QUIET, SETTLES, WARNING, Demonstration
+from giraff_cli.run.demonstration import ASKS, DRIVES, FLAT, QUIET, SETTLES, WARNING, Demonstration
 from giraff_core.lease import ASK
 from giraff_core.operator import ASKS_NOTHING
 from giraff_schemas.messages import DriveCommand, EStop, Lease, Sample, Source
+from giraff_schemas.services import DEMONSTRATION
 from tests.unit.cli.samples import estop
 
 LOOK = 0.2
@@ -27,7 +28,7 @@ def lease(operator: str) -> Lease:
 def demonstration() -> Demonstration:
     """One that drives."""
     made = Demonstration()
-    made.on_sample(lease(OPERATOR), 0.0)
+    made.on_sample(lease(DEMONSTRATION), 0.0)
     assert made.grip(0.0) == DRIVES
     return made
 
@@ -40,7 +41,7 @@ def drives_at(demonstration: Demonstration, since: float, until: float) -> float
         if grip == DRIVES:
             return now
         if grip == ASKS:
-            demonstration.on_sample(lease(OPERATOR), now)
+            demonstration.on_sample(lease(DEMONSTRATION), now)
     return None
 
 
@@ -61,8 +62,8 @@ def test_it_lets_go_at_once(demonstration: Demonstration, sample: Sample) -> Non
         says(0.0, counter=ASKS_NOTHING),
         says(0.0),
         says(0.0, counter=ASK, source="fault"),
-        says(0.4, operator=OPERATOR),
-        lease(OPERATOR),
+        says(0.4, operator=DEMONSTRATION),
+        lease(DEMONSTRATION),
         lease(""),
         estop(),
     ],
@@ -121,7 +122,7 @@ def test_at_the_end_of_the_run_it_is_flat_for_good(demonstration: Demonstration)
 
 def test_a_lease_that_ends_before_it_tilts_is_asked_for_again(demonstration: Demonstration) -> None:
     demonstration.on_sample(says(0.2), 0.0)
-    demonstration.on_sample(lease(OPERATOR), 0.0)  # its old one, which nobody has taken
+    demonstration.on_sample(lease(DEMONSTRATION), 0.0)  # its old one, which nobody has taken
     demonstration.grip(QUIET - WARNING)
     assert demonstration.grip(QUIET) == ASKS
     assert demonstration.grip(QUIET + LOOK) == FLAT

@@ -50,7 +50,9 @@ def test_the_defaults_make_a_run() -> None:
     assert (made.boards, made.why_boards) == choose_boards(None, BUILD)
 
 
-@pytest.mark.parametrize(("priorities", "lowest"), [("", -2), ("{ keyboard = 1 }", -2), ("{ keyboard = -7 }", -8)])
+@pytest.mark.parametrize(
+    ("priorities", "lowest"), [("", -2), ("{}", -1), ("{ keyboard = 1, demo = 3 }", -1), ("{ keyboard = -7 }", -8)]
+)
 def test_the_demonstration_is_an_operator_below_everybody(
     monkeypatch: pytest.MonkeyPatch, priorities: str, lowest: int
 ) -> None:

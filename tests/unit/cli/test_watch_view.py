@@ -156,7 +156,7 @@ def test_services_that_are_gone_or_there_twice_show() -> None:
     telemetry.on_liveliness("odometry", "m", present=False)
     telemetry.on_liveliness("joystick", "m", present=False)
     row = next(row for row in drawn(view(telemetry)) if row.startswith("SERVICES"))
-    assert row.rstrip().split("  ")[1:] == ["● base", "● guard x2", "● ranger", "○ odometry", "○ joystick"]
+    assert row.rstrip().split("  ")[1:] == ["● base", "● guard x2", "● ranger", "○ odometry", "○ joystick", "● motion"]
     assert missing(telemetry.snapshot(NOW)) == ["odometry"]
     assert "| 24.3 V | not there: odometry | 1.23 m ahead" in view(telemetry).line()
     assert missing(Telemetry().snapshot(NOW)) == ["base", "guard", "ranger", "odometry"]

@@ -10,6 +10,7 @@ import msgspec
 import pytest
 import zenoh
 
+import giraff_client.frames
 import giraff_client.jump
 import giraff_client.robot
 import giraff_node.network.query_client
@@ -19,6 +20,7 @@ from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Battery, Sample, Tick
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, ODOM_SET_POSE, RANGE, TICK, Topic, key_of
+from tests.support.robots import ROBOT
 from tests.unit.cli import samples
 
 
@@ -49,7 +51,7 @@ class Said:
 class Reply:
     """An answer as Zenoh hands it over."""
 
-    def __init__(self, answer: OdomAnswer) -> None:
+    def __init__(self, answer: msgspec.Struct) -> None:
         self.ok = Answered(encode(answer))
 
 
@@ -64,8 +66,8 @@ class Network:
         self.now = 100.0
         self.ticks = True
         self.asked: list[tuple[str, bytes]] = []
-        self.answer: OdomAnswer | None = None
-        """Of odometry, to the second time that it is asked."""
+        self.answer: msgspec.Struct | None = None
+        """Of who is asked, to the second time that it is asked."""
         self._listeners: dict[str, Callable[[Any], None]] = {}
         self._due: list[tuple[float, Topic[Any], Sample, str]] = []
 
@@ -92,7 +94,7 @@ class Network:
     def declare_subscriber(self, key: str, listener: Callable[[Any], None]) -> None:
         self._listeners[key] = listener
 
-    def get(self, key: str, on_reply: Callable[[Any], None], *, payload: bytes, **_: Any) -> None:
+    def get(self, key: str, on_reply: Callable[[Any], None], *, payload: bytes = b"", **_: Any) -> None:
         self.asked.append((key, payload))
         if self.answer is not None and len(self.asked) > 1:
             on_reply(Reply(self.answer))
@@ -114,7 +116,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network()
     monkeypatch.setattr(giraff_client.robot, "open_session", lambda *_, **__: made)
     monkeypatch.setattr(giraff_client.robot, "close_session", lambda _: None)
-    for module in (giraff_client.robot, giraff_client.jump, giraff_node.network.query_client):
+    for module in (giraff_client.robot, giraff_client.frames, giraff_client.jump, giraff_node.network.query_client):
         monkeypatch.setattr(module, "time", made)
     return made
 
@@ -260,9 +262,25 @@ def test_a_pose_that_is_not_set_says_why(network: Network, robot: Robot) -> None
         robot.reset_odom()
 
 
+def test_a_frame_is_looked_up_where_the_robot_is(network: Network, robot: Robot) -> None:
+    network.answer = ROBOT.sensors["rear"].transform("rear")
+    network.say(ODOM, odometry(1.0, 0), after=0.1)
+    found = robot.lookup("odom", "range_rear_link")
+    assert (found.parent, found.child, found.x, found.tick) == ("odom", "range_rear_link", 0.75, robot.odom().tick)
+    assert robot.wait_for("odom", "range_rear_link", robot.odom().tick).x == 0.75
+    network.pass_time(1.2)
+    with pytest.raises(SilentError, match=r"odom is silent for 1\.\d s; check that giraff_odometry"):
+        robot.lookup("odom", "range_rear_link")
+    network.ticks = False
+    network.pass_time(0.6)
+    with pytest.raises(LostRobotError, match="no tick of the robot"):
+        robot.lookup("odom", "nowhere")
+
+
 def test_what_is_read_outside_of_its_block_says_so() -> None:
     robot = Robot("sim-test")
-    for read in (robot.odom, robot.ranges, robot.arm, robot.reset_odom, lambda: robot.drive(0.1, 0.0)):
+    frames = (lambda: robot.lookup("odom", "base_link"), lambda: robot.wait_for("odom", "base_link"))
+    for read in (robot.odom, robot.ranges, robot.arm, robot.reset_odom, lambda: robot.drive(0.1, 0.0), *frames):
         with pytest.raises(NoRobotError, match=r"use it as `with Robot\(\) as robot:`"):
             read()
 
@@ -288,7 +306,9 @@ def test_a_robot_that_nobody_has_named_and_that_is_no_simulation_of_this_host_ta
                 found.drive(0.1, 0.0)
             with pytest.raises(NoRobotError, match="nobody has named it"):
                 found.reset_odom()
-    assert asked == [("sim-test", 'Robot("sim-test")')] * 4
+            with pytest.raises(NoRobotError, match="nobody has named it"):
+                found.move(1.0)
+    assert asked == [("sim-test", 'Robot("sim-test")')] * 6
 
 
 def test_one_address_is_an_address(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -270,6 +270,12 @@ def test_whoever_ranks_below_those_that_are_not_named_is_taken_from_and_the_reas
     assert "until it rests" in room.authority.reason(room.now)
 
 
+def test_a_file_that_names_others_puts_no_motion_beside_a_person(room: Room) -> None:
+    room.say("A", 0, name="motion")
+    room.say("B", 0, 0.5, name="joystick")
+    assert room.holder == "B"
+
+
 def test_each_process_counts_its_own_commands(held: Room) -> None:
     held.say("A", FIRST, 0.5, seq=5000)
     held.say("B", 0, 0.5, name="carer", seq=3)

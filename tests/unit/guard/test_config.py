@@ -40,7 +40,7 @@ def test_what_a_robot_file_leaves_out_is_what_safety_was_reckoned_with() -> None
     assert (default.margin, default.release, default.reaction_time, default.deceleration) == (0.25, 0.05, 0.10, None)
     assert (default.range_budget, default.operator_budget) == (0.4, 0.4)
     assert (default.operator_release, default.fault_release, default.idle_release) == (1.0, 2.0, 30.0)
-    assert (default.maker_silence, default.priorities) == (0.5, {})
+    assert (default.maker_silence, default.priorities) == (0.5, {"motion": -1, "demo": -2})
     assert (default.creep_linear, default.creep_angular, default.slowest, default.regain) == (0.10, 0.35, 0.03, 0.12)
     assert (default.reach, default.near, default.frozen_travel) == (4.0, 0.10, 0.20)
     assert [math.degrees(angle) for angle in (default.half_cone, default.incidence)] == pytest.approx([7.5, 25.0])

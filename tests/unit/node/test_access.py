@@ -12,7 +12,7 @@ import msgspec
 import pytest
 import zenoh
 
-from giraff_core.access import access_control
+from giraff_core.access import AccessConfig, access_control
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import session_config
@@ -20,6 +20,8 @@ from giraff_schemas.topics import (
     CMD_VEL,
     ESTOP_ENGAGE,
     ESTOP_RESET,
+    MOTION_HOLD,
+    MOTION_QUERIES,
     ODOM_RESET,
     ODOM_SET_POSE,
     OPERATOR_CMD_VEL,
@@ -33,9 +35,9 @@ from tests.support.secured_hosts import ACCESS, HOSTS, ROBOT, authority
 MINE, ANOTHERS = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("keyboard")
 
 
-def lets_in(host: str, message: str, key: str) -> bool:
+def lets_in(host: str, message: str, key: str, access: AccessConfig = ACCESS, me: str = "") -> bool:
     """Whether a node takes of this host a message whose key expression is that, or any part of it."""
-    control = access_control(ACCESS, ROBOT)
+    control = access_control(access, ROBOT, me)
     subjects = {subject["id"] for subject in control["subjects"] if host in subject["cert_common_names"]}
     granted = {rule for policy in control["policies"] if subjects & {*policy["subjects"]} for rule in policy["rules"]}
     return any(
@@ -74,6 +76,39 @@ def test_whoever_is_named_may_stop_and_operators_reset_and_set(host: str, stops:
     for query in (ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, PARAM_SET.at("guard")):
         assert lets_in(host, "query", key_of(ROBOT, query)) == sets, query.key
     assert {other for other in HOSTS if lets_in(other, "query", f"giraff/{ROBOT}/**")} == {"robot", "laptop", "desk"}
+
+
+MOVING = AccessConfig(
+    robot=("robot",),
+    operators={"laptop": ("joystick",), "desk": ("script", "motion")},
+    viewers=("screen",),
+    routers=("router",),
+)
+
+
+def moves(host: str, access: AccessConfig = MOVING) -> set[str]:
+    """What the robot takes of this host that begins, goes on with or ends a motion, or moves the wheels by its name."""
+    asked = {query.key for query in MOTION_QUERIES if lets_in(host, "query", key_of(ROBOT, query), access)}
+    said = (MOTION_HOLD, OPERATOR_CMD_VEL.at("motion"))
+    return asked | {topic.key for topic in said if lets_in(host, "put", key_of(ROBOT, topic), access)}
+
+
+ASKS_AND_HOLDS = {*(query.key for query in MOTION_QUERIES), MOTION_HOLD.key}
+
+
+def test_who_has_the_name_asks_for_motions_and_only_the_robot_drives_by_it() -> None:
+    assert moves("desk") == ASKS_AND_HOLDS
+    assert moves("robot") == {*ASKS_AND_HOLDS, OPERATOR_CMD_VEL.at("motion").key}
+
+
+@pytest.mark.parametrize("host", ["laptop", "screen", "unnamed"])
+def test_nobody_else_asks_for_a_motion_or_holds_one(host: str) -> None:
+    assert moves(host) == set()
+
+
+def test_a_router_passes_on_motions_where_some_operator_may_ask() -> None:
+    assert moves("router") == ASKS_AND_HOLDS
+    assert moves("router", msgspec.structs.replace(MOVING, operators={"laptop": ("joystick",)})) == set()
 
 
 @pytest.fixture(scope="module")

@@ -12,6 +12,7 @@ import pytest
 
 from giraff_base.config import BaseConfig
 from giraff_core.bounds import Bounds, bounds_of
+from giraff_core.kinematics.parts import PartPose
 from giraff_core.robot import RobotConfig, SensorPose
 from giraff_core.wheel_control import SpeedControl
 from giraff_guard.config import GuardConfig
@@ -50,7 +51,7 @@ def convert(table: str, **fields: object) -> msgspec.Struct:
     return msgspec.convert({**DEPLOYED.get(table, {}), **fields}, TABLES[table], strict=False)
 
 
-@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, SpeedControl, TruthRanges])
+@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, PartPose, SpeedControl, TruthRanges])
 def test_each_number_has_a_range(config: type[msgspec.Struct]) -> None:
     hints = get_type_hints(config)
     numbers = {name for name, hint in hints.items() if hint in (int, float, float | None)}

@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.kinematics.parts import PartPose
+from giraff_core.kinematics.systematic_error import SystematicError
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
-from giraff_odometry.systematic_error import SystematicError
 from giraff_schemas.messages import Odometry, Wheels
 from tests.unit.odometry.robots import PERIOD_US, ROBOT, wheels
 
@@ -59,6 +60,13 @@ def test_it_starts_at_zero_wherever_the_counters_stand() -> None:
     assert (*pose(start), start.linear_x, start.angular_z, start.path) == (0.0,) * 6
     assert start.covariance == (0.0,) * 6
     assert (start.board_us, start.boot_id, start.tick.epoch) == (77, 9, 3)
+
+
+def test_it_tells_where_the_parts_of_the_robot_are() -> None:
+    robot = msgspec.structs.replace(ROBOT, frames={"laser": PartPose(x=-0.115, z=0.226, pitch=0.1)})
+    [laser] = OdometryPolicy(CONFIG, robot).parts()
+    assert (laser.parent, laser.child, laser.fixed) == ("base_link", "laser", True)
+    assert (laser.x, laser.y, laser.z, laser.roll, laser.pitch, laser.yaw) == (-0.115, 0.0, 0.226, 0.0, 0.1, 0.0)
 
 
 def test_the_way_back_counts_as_way() -> None:
@@ -162,7 +170,7 @@ def test_a_gap_keeps_the_wheels_travel_and_costs_certainty_by_it() -> None:
     assert after.linear_x == pytest.approx(0.4)  # as the board measures it now, not the average of the gap
     assert "gap" in odometry.notice
     assert after.covariance[0] - before.covariance[0] == pytest.approx(0.25**2, rel=0.01)
-    heading = 2.0 * CONFIG.wheel_noise * 0.5 / ROBOT.track_width**2  # known as well as ever: the arc's shape is not
+    heading = 2.0 * ROBOT.wheel_noise * 0.5 / ROBOT.track_width**2  # known as well as ever: the arc's shape is not
     assert after.covariance[5] - before.covariance[5] == pytest.approx(heading)
 
 
@@ -239,7 +247,6 @@ def test_no_samples_make_a_leap_or_anything_but_numbers(samples: list[Wheels]) -
     [
         ({"max_wheel_speed": 0.0}, r"max_wheel_speed is 0: it must be within 0\.05\.\.20 m/s"),
         ({"max_gap": math.inf}, "max_gap is inf: it must be within .*; are these milliseconds"),
-        ({"wheel_noise": -1.0}, r"wheel_noise is -1: it must be within 0\.\.0\.1 m"),
         ({"lost_position": 1.7e308}, r"lost_position is 1.7e\+308: it must be within 0\.\.10 m"),
         ({"lost_yaw": math.nan}, "lost_yaw is nan: it must be within 0..2π rad"),
         ({"track_width": 0.5}, "unknown field `track_width`"),

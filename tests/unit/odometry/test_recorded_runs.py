@@ -9,6 +9,7 @@ import msgspec
 import pytest
 
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy, advance
@@ -61,7 +62,7 @@ def integrated(session: str, run: int) -> Estimate:
     drive = DifferentialDrive(track_width, max_wheel_speed=1.0)
     estimate = Estimate()
     for left, right in travels(session, run):
-        estimate = advance(estimate, left, right, drive, CONFIG.wheel_noise)
+        estimate = advance(estimate, left, right, drive, WHEEL_NOISE)
     return estimate
 
 

@@ -8,6 +8,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from giraff_schemas import messages as m
+from giraff_schemas import motion as mo
 
 _FINITE = st.floats(allow_nan=False, allow_infinity=False)
 _COUNTS = st.integers(min_value=-(1 << 63), max_value=(1 << 64) - 1)  # what MessagePack can carry
@@ -75,6 +76,7 @@ _BOARD = {
     "refused": 0,
     "line_errors": 0,
 }
+_DISPLACEMENT = {"path": 1.0, "x": 1.0, "y": 0.1, "yaw": 0.2}
 _TWIST = {"linear_x": 0.3, "angular_z": -0.2}
 
 _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
@@ -147,5 +149,22 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "operator": "b2",
         "reason": "",
         "sensors": {"rear": ""},
+    },
+    mo.MotionHold: _START | {"id": 11, "tick": _TIME},
+    mo.MotionState: _START
+    | {
+        "id": 11,
+        "by": "a script",
+        "stage": "moving",
+        "step": 1,
+        "steps": 2,
+        "asked": _DISPLACEMENT,
+        "achieved": _DISPLACEMENT,
+        "covariance": [0.0] * 6,
+        "elapsed": 1.5,
+        "time_limit": 20.0,
+        "outcome": "",
+        "sensor": "",
+        "reason": "",
     },
 }

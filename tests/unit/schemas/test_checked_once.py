@@ -16,12 +16,13 @@ from hypothesis import strategies as st
 
 from giraff_schemas import messages as m
 from giraff_schemas.codec import decode, encode, stamped
+from giraff_schemas.motion import Displacement
 from giraff_schemas.topics import TOPICS, Topic
 from tests.unit.schemas.samples import an_example, messages
 
 every_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.schema.__name__)
 
-OURS = {"giraff_schemas.messages", "giraff_schemas.checks"}
+OURS = {"giraff_schemas.messages", "giraff_schemas.motion", "giraff_schemas.checks"}
 
 
 def fields_of(sample: msgspec.Struct) -> dict[str, Any]:
@@ -63,7 +64,7 @@ def test_a_sample_is_checked_once_on_each_side(topic: Topic[Any]) -> None:
     assert at_creation["__post_init__"] == own
     assert not at_stamping
     assert not at_encoding
-    inner = sum(isinstance(value, m.RobotTime | m.Verdict) for value in given_fields.values())
+    inner = sum(isinstance(value, m.RobotTime | m.Verdict | Displacement) for value in given_fields.values())
     assert at_arrival["__post_init__"] == own + inner
 
 

@@ -75,5 +75,6 @@ def test_motion_and_what_it_is_judged_by_go_before_all_else() -> None:
         "wheels",
         "lease",
         "estop",
+        "motion/hold",
     }
     assert all(topic.rate_hz >= 0.0 for topic in TOPICS)

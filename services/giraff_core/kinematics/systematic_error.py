@@ -12,9 +12,9 @@ import math
 from typing import NamedTuple
 
 from giraff_core.kinematics.calibration import Calibration, Covariance
+from giraff_core.kinematics.dead_reckoning import chord_ratio
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.kinematics.pose import Pose
-from giraff_odometry.dead_reckoning import chord_ratio
 
 
 class _Factors(NamedTuple):

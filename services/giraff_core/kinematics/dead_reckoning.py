@@ -20,6 +20,8 @@ import msgspec
 from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 
+WHEEL_NOISE: Final = 1e-6
+"""m: variance (m²) of a wheel's travel per metre of it, where nobody knows better."""
 _SMALL: Final = 1e-4  # rad, of half a turn
 
 

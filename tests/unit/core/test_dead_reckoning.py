@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_core.kinematics.calibration import Covariance
+from giraff_core.kinematics.dead_reckoning import Estimate, advance
 from giraff_core.kinematics.differential_drive import DifferentialDrive
-from giraff_odometry.dead_reckoning import Estimate, advance
 
 TRACK = 0.47
 DRIVE = DifferentialDrive(TRACK, max_wheel_speed=0.6)

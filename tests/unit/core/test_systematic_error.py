@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from giraff_core.kinematics.calibration import EXACTLY, Calibration, Covariance
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.kinematics.pose import Pose
-from giraff_odometry.systematic_error import SystematicError
+from giraff_core.kinematics.systematic_error import SystematicError
 
 DRIVE = DifferentialDrive(0.47, max_wheel_speed=0.6)
 DOUBTED = Calibration()

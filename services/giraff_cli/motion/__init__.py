@@ -1,0 +1,1 @@
+"""`giraff move`, `turn`, `arc` and `go`: motions by metres and degrees."""

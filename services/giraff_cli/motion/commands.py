@@ -1,0 +1,158 @@
+"""The options of `giraff move`, `turn`, `arc` and `go`. What they do is imported when it is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Final
+
+import typer
+
+from giraff_cli.motion import typed
+from giraff_cli.options import AsJson, Connect, Robot, finite
+
+if TYPE_CHECKING:
+    from giraff_node.motion_client import Wish
+
+NEGATIVE: Final = {"ignore_unknown_options": True}
+"""A negative number is no option."""
+
+
+def _parser(read: Callable[[str], float]) -> Callable[[str], float]:
+    def parse(text: str | float) -> float:
+        try:
+            return read(str(text))
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from error
+
+    return parse
+
+
+Angle = Annotated[
+    float,
+    typer.Argument(
+        metavar="ANGLE",
+        parser=_parser(typed.angle),
+        help="Like 90deg, 1.57, pi/2, -3pi; to the left.",
+        show_default=False,
+    ),
+]
+Speed = Annotated[
+    float | None,
+    typer.Option(
+        metavar="M/S", min=0.01, callback=finite, help="At most; else as the robot file has it.", show_default=False
+    ),
+]
+TurnSpeed = Annotated[
+    float | None,
+    typer.Option(
+        "--speed",
+        metavar="RAD/S",
+        min=0.01,
+        callback=finite,
+        help="At most; else as the robot file has it.",
+        show_default=False,
+    ),
+]
+TimeLimit = Annotated[
+    float | None,
+    typer.Option(
+        metavar="S",
+        min=0.1,
+        callback=finite,
+        help="It ends then; else after twice the time it needs.",
+        show_default=False,
+    ),
+]
+
+
+def move(
+    distance: Annotated[
+        float,
+        typer.Argument(
+            metavar="DISTANCE", parser=_parser(typed.length), help="m; negative: backward.", show_default=False
+        ),
+    ],
+    speed: Speed = None,
+    time_limit: TimeLimit = None,
+    robot: Robot = None,
+    connect: Connect = None,
+    as_json: AsJson = False,
+) -> None:
+    """Move the robot straight on by DISTANCE. Ctrl-C stops it. Where an obstacle is, it stops before it.
+
+    Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
+    """
+    from giraff_cli.motion.steps import move as step  # noqa: PLC0415
+    from giraff_node.motion_client import Wish  # noqa: PLC0415
+
+    _perform("move", lambda: Wish((step(distance),), speed, None, time_limit), robot, connect, as_json=as_json)
+
+
+def turn(
+    angle: Angle,
+    speed: TurnSpeed = None,
+    time_limit: TimeLimit = None,
+    robot: Robot = None,
+    connect: Connect = None,
+    as_json: AsJson = False,
+) -> None:
+    """Turn the robot on the spot by ANGLE, however many turns that is. Ctrl-C stops it.
+
+    Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
+    """
+    from giraff_cli.motion.steps import turn as step  # noqa: PLC0415
+    from giraff_node.motion_client import Wish  # noqa: PLC0415
+
+    _perform("turn", lambda: Wish((step(angle),), None, speed, time_limit), robot, connect, as_json=as_json)
+
+
+def arc(
+    radius: Annotated[
+        float,
+        typer.Argument(metavar="RADIUS", parser=_parser(typed.length), help="m, of the circle.", show_default=False),
+    ],
+    angle: Angle,
+    speed: Speed = None,
+    time_limit: TimeLimit = None,
+    robot: Robot = None,
+    connect: Connect = None,
+    as_json: AsJson = False,
+) -> None:
+    """Drive the robot forward along a circle, whose middle is to its left, or to its right for a negative ANGLE.
+
+    Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
+    """
+    from giraff_cli.motion.steps import arc as step  # noqa: PLC0415
+    from giraff_node.motion_client import Wish  # noqa: PLC0415
+
+    _perform("arc", lambda: Wish((step(radius, angle),), speed, None, time_limit), robot, connect, as_json=as_json)
+
+
+def go(
+    pattern: Annotated[Path, typer.Argument(metavar="PATTERN.toml", help="See deploy/patterns.", show_default=False)],
+    robot: Robot = None,
+    connect: Connect = None,
+    as_json: AsJson = False,
+) -> None:
+    """Drive the robot by the steps of a file, one after the other. Ctrl-C stops it.
+
+    Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
+    """
+    from giraff_cli.motion.pattern import read_pattern  # noqa: PLC0415
+
+    _perform("go", lambda: read_pattern(pattern), robot, connect, as_json=as_json)
+
+
+def _perform(
+    verb: str, wish: Callable[[], Wish], robot: str | None, connect: list[str] | None, *, as_json: bool
+) -> None:
+    from giraff_cli.motion.pattern import PatternError  # noqa: PLC0415
+    from giraff_cli.motion.perform import perform  # noqa: PLC0415
+    from giraff_cli.network.command import print_error  # noqa: PLC0415
+
+    try:
+        wished = wish()
+    except (PatternError, ValueError) as error:
+        raise typer.Exit(print_error(f"{verb}: {error}")) from None
+    raise typer.Exit(perform(robot, connect or (), wished, as_json=as_json))

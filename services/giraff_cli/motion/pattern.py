@@ -1,0 +1,100 @@
+"""A pattern of steps in a TOML file. It is read as it is written: what it does not know, it refuses."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from giraff_cli.motion.steps import arc, move, turn
+from giraff_cli.motion.typed import angle
+from giraff_node.motion_client import Wish
+from giraff_schemas.motion import GoTo, Step
+
+_MOST: Final = 1_000_000  # bytes; more is no pattern
+_KINDS: Final = 'move = 2.0, turn = "180deg", arc = {radius = 1.0, angle = "90deg"} or go_to = [1.0, 0.0]'
+
+
+class PatternError(Exception):
+    """The file is no pattern. The message says where, and the way out."""
+
+
+class _Arc(msgspec.Struct, forbid_unknown_fields=True):
+    radius: float
+    angle: float | str
+
+
+class _Step(msgspec.Struct, forbid_unknown_fields=True):
+    move: float | None = None
+    turn: float | str | None = None
+    arc: _Arc | None = None
+    go_to: tuple[float, float] | None = None
+
+
+class _Pattern(msgspec.Struct, forbid_unknown_fields=True):
+    speed: float | None = None
+    turn_speed: float | None = None
+    time_limit: float | None = None
+    step: list[_Step] = []
+
+
+def read_pattern(path: Path) -> Wish:
+    """What the file asks for. Raises PatternError."""
+    try:
+        return _wish(msgspec.convert(tomllib.loads(_text(path)), _Pattern))
+    except OSError as error:
+        raise PatternError(f"{path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise PatternError(f"{path}: it is no text") from error
+    except tomllib.TOMLDecodeError as error:
+        raise PatternError(f"{path}: no TOML: {error}") from error
+    except msgspec.ValidationError as error:
+        raise PatternError(f"{path}: {error}; a step is one of {_KINDS}") from error
+    except (ValueError, RecursionError) as error:
+        raise PatternError(f"{path}: {error}") from error
+
+
+def _text(path: Path) -> str:
+    with path.open("rb") as file:
+        data = file.read(_MOST + 1)
+    if len(data) > _MOST:
+        raise ValueError(f"it has over {_MOST} bytes, which is no pattern")
+    return data.decode()
+
+
+def _wish(pattern: _Pattern) -> Wish:
+    for name in ("speed", "turn_speed", "time_limit"):
+        value: float | None = getattr(pattern, name)
+        if value is not None and not 0.0 < value < float("inf"):
+            raise ValueError(f"{name} is {value:g}: give a positive number")
+    if not pattern.step:
+        raise ValueError(f"it has no [[step]]; one has {_KINDS}")
+    steps = []
+    for number, step in enumerate(pattern.step, 1):
+        try:
+            steps.append(_step(step))
+        except ValueError as error:
+            raise ValueError(f"step {number}: {error}") from error
+    return Wish(tuple(steps), pattern.speed, pattern.turn_speed, pattern.time_limit)
+
+
+def _step(step: _Step) -> Step:
+    given: dict[str, Any] = {name: value for name, value in msgspec.structs.asdict(step).items() if value is not None}
+    if len(given) != 1:
+        raise ValueError(f"it has {' and '.join(given) or 'nothing'}: give one of {_KINDS}")
+    match given.popitem():
+        case "move", distance:
+            return move(distance)
+        case "turn", typed:
+            return turn(_angle(typed))
+        case "arc", _Arc(radius=radius, angle=typed):
+            return arc(radius, _angle(typed))
+        case _, (x, y):
+            return GoTo(x=x, y=y)
+    raise AssertionError(step)
+
+
+def _angle(typed: float | str) -> float:
+    return angle(str(typed).removesuffix(".0"))

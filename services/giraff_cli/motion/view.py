@@ -1,0 +1,93 @@
+"""A motion as whoever asked for it sees it: a bar in a terminal, a line, and how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final
+
+import msgspec
+from rich.console import RenderableType
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+from giraff_cli.terminal.text import printable
+from giraff_core.motion.result import MotionResult, way_of
+from giraff_schemas.motion import MotionState
+
+_BAR: Final = 24  # characters
+_LEAST: Final = 1e-6
+_HEADS: Final = {
+    "blocked": "BLOCKED",
+    "cancelled": "stopped",
+    "lost_lease": "ended, somebody else drives",
+    "time_limit": "ended, its time was over",
+    "lost_requester": "ended, this command was not heard any more",
+    "disarmed": "ended, the robot is disarmed",
+    "lost_odometry": "ended, odometry is lost",
+    "unheard": "HOW IT ENDED IS NOT KNOWN",
+    "lost_robot": "the robot is not heard any more",
+}
+"""Of how a motion ends that has begun."""
+
+
+@dataclass(frozen=True)
+class MotionView:
+    """At one moment."""
+
+    state: MotionState
+
+    @property
+    def elapsed(self) -> float:
+        """s since it was accepted."""
+        return self.state.elapsed
+
+    @property
+    def share(self) -> float:
+        """Of the way, 0 to 1; of a pattern, of its steps."""
+        state = self.state
+        if state.stage == "ended":
+            return 1.0 if state.outcome == "arrived" else 0.0
+        if state.steps > 1:
+            return max(0, state.step - 1) / state.steps
+        done, asked = state.achieved, state.asked
+        whole, part = (asked.path, done.path) if abs(asked.path) > _LEAST else (asked.yaw, done.yaw)
+        return min(1.0, max(0.0, part / whole)) if abs(whole) > _LEAST else 0.0
+
+    def render(self) -> RenderableType:
+        bar = Table.grid(padding=(0, 1))
+        text = Text(printable(self._words()), no_wrap=True, overflow="ellipsis")
+        bar.add_row(ProgressBar(total=1.0, completed=self.share, width=_BAR), text)
+        return bar
+
+    def line(self) -> str:
+        return f"{self.state.elapsed:6.1f} s | {self._words()}"
+
+    def _words(self) -> str:
+        state = self.state
+        parts: list[str] = [state.stage]
+        if state.steps > 1:
+            parts.append(f"step {state.step} of {state.steps}")
+        parts.append(way_of(state))
+        if state.reason:
+            parts.append(state.reason)
+        return " | ".join(parts)
+
+
+def describe(robot: str, result: MotionResult) -> str:
+    """How it ended, in one line, with the way out."""
+    if not result.begun:
+        return printable(f"{robot} has not moved: {result.reason or result.outcome}")
+    if result.arrived:
+        return f"{robot}: arrived after {result.elapsed:.1f} s: {result.way}"
+    head = _HEADS.get(result.outcome, result.outcome)
+    step = f" in step {result.step} of {result.steps}" if result.steps > 1 else ""
+    why = f": {result.reason}" if result.reason else ""
+    return printable(f"{robot}: {head}{step}{why}; it came {result.way}")
+
+
+def document(robot: str, result: MotionResult) -> dict[str, Any]:
+    """The same for programs: m, rad and s."""
+    x_sd, y_sd, yaw_sd = result.standard_deviations
+    told = msgspec.structs.asdict(result) | {"standard_deviations": {"x": x_sd, "y": y_sd, "yaw": yaw_sd}}
+    return {"robot": robot, **told}

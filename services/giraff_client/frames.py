@@ -1,0 +1,151 @@
+"""Where a frame of the robot is in another, for a script."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Final
+
+import msgspec
+import zenoh
+
+from giraff_client import errors
+from giraff_client.reading import require_finite
+from giraff_core.kinematics import frame_errors as found
+from giraff_core.kinematics.frames import FrameTree
+from giraff_schemas.frames import Transform
+from giraff_schemas.messages import Odometry, RobotTime
+from giraff_schemas.topics import frame_key
+
+_ASK_EVERY: Final = 0.3  # s, while a frame is missing
+_ANSWERED: Final = 0.5  # s in which whoever has frames tells of them
+_FIRST_WITHIN: Final = 2.0  # s in which a robot that is there is found by all who ask it
+_LOOK: Final = 0.01  # s
+_ERRORS: Final[dict[type[found.FrameError], type[errors.FrameError]]] = {
+    found.UnknownFrameError: errors.UnknownFrameError,
+    found.UnconnectedError: errors.UnconnectedError,
+    found.PastError: errors.PastError,
+    found.FutureError: errors.FutureError,
+    found.GapError: errors.GapError,
+}
+_LASTING: Final = (errors.PastError, errors.GapError)
+_MISSING: Final = (errors.UnknownFrameError, errors.UnconnectedError)
+
+
+class FrameFinder:
+    """Hears where the robot is, and asks where its parts are: the first time, and again while one is missing.
+
+    `odom`: raises RobotError where the newest of odometry says nothing of now. `silence`: why nothing is heard.
+    """
+
+    def __init__(self, odom: Callable[[], object], silence: Callable[[str], errors.RobotError]) -> None:
+        self._odom, self._silence = odom, silence
+        self._lock = threading.Lock()  # Zenoh's threads tell what they hear
+        self._tree = FrameTree()
+        self._session: zenoh.Session | None = None
+        self._key = ""
+        self._ask_at = self._first_until = 0.0  # s of the monotonic clock
+
+    def begin(self, session: zenoh.Session, robot: str) -> None:
+        """From here on there is somebody to ask."""
+        self._session, self._key = session, frame_key(robot)
+        self._first_until = time.monotonic() + _FIRST_WITHIN
+
+    def hear(self, odometry: Odometry) -> None:
+        """Take where the robot is, as it arrives."""
+        with self._lock:
+            self._tree.hear(odometry)
+
+    def lookup(self, target: str, source: str, at: RobotTime | None) -> Transform:
+        """As `Robot.lookup`."""
+        _require(target, source, at)
+        until = max(self._first_until, time.monotonic() + _ANSWERED)
+        while True:
+            try:
+                return self._found(target, source, at)
+            except _MISSING:
+                if time.monotonic() >= until:
+                    raise
+            time.sleep(_LOOK)
+
+    def wait_for(self, target: str, source: str, at: RobotTime | None, timeout: float) -> Transform:
+        """As `Robot.wait_for`."""
+        _require(target, source, at)
+        require_finite("wait_for", "s", timeout)
+        until = time.monotonic() + timeout
+        while True:
+            try:
+                return self._found(target, source, at)
+            except _LASTING:
+                raise
+            except errors.RobotError:
+                if time.monotonic() >= until or self._session is None:
+                    raise
+            time.sleep(_LOOK)
+
+    def _found(self, target: str, source: str, at: RobotTime | None) -> Transform:
+        try:
+            with self._lock:
+                transform = self._tree.lookup(target, source, at)
+        except found.FrameError as error:
+            self._ask()
+            silence = self._silence(str(error))
+            if isinstance(silence, errors.NoRobotError):  # it explains the silence of all its parts
+                raise silence from error
+            raise _ERRORS[type(error)](str(error)) from error
+        if at is None and not transform.fixed:
+            self._odom()
+        return transform
+
+    def _ask(self) -> None:
+        now = time.monotonic()
+        if self._session is None or now < self._ask_at:
+            return
+        self._ask_at = now + _ASK_EVERY
+        self._session.get(
+            self._key,
+            self._on_reply,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,
+            timeout=_ANSWERED,
+        )
+
+    def _on_reply(self, reply: zenoh.Reply) -> None:
+        if reply.ok is None:
+            return
+        with suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):  # of another version
+            told = msgspec.msgpack.decode(bytes(reply.ok.payload), type=Transform)
+            if told.fixed:  # where the robot is, odometry says all the time
+                with self._lock:
+                    self._tree.tell(told)
+
+
+class FrameReader:
+    """What of `Robot` is about frames."""
+
+    _frames: FrameFinder
+
+    def lookup(self, target: str, source: str, at: RobotTime | None = None) -> Transform:
+        """The pose of the frame `source` in `target`: m, and REP-103's roll, pitch and yaw, rad; order of names as tf2.
+
+        `at`: a tick of the last 10 s, such as `odom().tick`; None: now. Frames that are not known are asked for, which
+        takes up to 0.5 s, or 2 s from the begin of the `with`. Raises FrameError, SilentError, LostRobotError,
+        ValueError for what is no tick.
+        """
+        return self._frames.lookup(target, source, at)
+
+    def wait_for(self, target: str, source: str, at: RobotTime | None = None, timeout: float = 2.0) -> Transform:
+        """As `lookup`, once both frames and the moment are known; after `timeout` s it raises why they are not.
+
+        What no waiting mends is raised at once: PastError and GapError.
+        """
+        return self._frames.wait_for(target, source, at, timeout)
+
+
+def _require(target: object, source: object, at: object) -> None:
+    if not all(isinstance(name, str) for name in (target, source)):
+        raise ValueError(f"frames are called by name: {target!r} and {source!r} must be texts")
+    if not (at is None or isinstance(at, RobotTime)):
+        raise ValueError(f"at is {at!r}: it must be a tick of the robot, such as robot.odom().tick, or None for now")

@@ -1,0 +1,129 @@
+"""Motions by metres and radians, from a script: giraff_motion drives, and the script holds on to it."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from contextlib import closing
+
+import zenoh
+
+from giraff_client.errors import LostRobotError, MotionBlockedError, MotionError, SilentError
+from giraff_client.reading import require_finite
+from giraff_core.motion.result import MotionResult
+from giraff_node.motion_client import TURN, MotionClient, Wish
+from giraff_schemas.motion import Arc, GoTo, Move, Step, Turn
+
+
+class Motions(ABC):
+    """Each call is a wish of its own: it arms the robot, drives it, and returns when it has arrived.
+
+    Whatever else ends it raises: MotionBlockedError before an obstacle, MotionError with its `result` for all that
+    giraff_motion tells, SilentError where no giraff_motion answers, LostRobotError, NoRobotError, ValueError for what
+    is no number. Ctrl-C stops the robot, and then raises as ever. A robot that nobody has named takes a typed yes, as
+    of `arm`.
+    """
+
+    def move(self, distance: float, *, speed: float | None = None, time_limit: float | None = None) -> MotionResult:
+        """Straight on, m, negative for backward; at `speed` m/s at most, and no longer than `time_limit` s."""
+        require_finite("move", "m, m/s and s", distance, *_given(speed, time_limit))
+        return self.go([Move(distance=float(distance))], speed=speed, time_limit=time_limit)
+
+    def turn(self, angle: float, *, speed: float | None = None, time_limit: float | None = None) -> MotionResult:
+        """On the spot, rad, left positive, any number of turns; at `speed` rad/s at most."""
+        require_finite("turn", "rad, rad/s and s", angle, *_given(speed, time_limit))
+        return self.go([Turn(angle=float(angle))], turn_speed=speed, time_limit=time_limit)
+
+    def arc(
+        self, radius: float, angle: float, *, speed: float | None = None, time_limit: float | None = None
+    ) -> MotionResult:
+        """Forward along a circle, m and rad: its middle is to the left for a positive angle, else to the right."""
+        require_finite("arc", "m, rad, m/s and s", radius, angle, *_given(speed, time_limit))
+        return self.go([Arc(radius=float(radius), angle=float(angle))], speed=speed, time_limit=time_limit)
+
+    def go_to(
+        self,
+        x: float,
+        y: float,
+        *,
+        speed: float | None = None,
+        turn_speed: float | None = None,
+        time_limit: float | None = None,
+    ) -> MotionResult:
+        """Turn to a point of `odom`, m, and go straight to it. No way around anything is planned."""
+        require_finite("go_to", "m, m, m/s, rad/s and s", x, y, *_given(speed, turn_speed, time_limit))
+        return self.go([GoTo(x=float(x), y=float(y))], speed=speed, turn_speed=turn_speed, time_limit=time_limit)
+
+    def go(
+        self,
+        steps: Sequence[Step],
+        *,
+        speed: float | None = None,
+        turn_speed: float | None = None,
+        time_limit: float | None = None,
+    ) -> MotionResult:
+        """Steps, one after the other, as one motion: each begins where the one before it was to end.
+
+        A script that drove by `drive` lets go first, which takes about a second; its next `drive` arms anew. After a
+        motion that did not arrive it must call `arm` for that, unless it was blocked or its time was over.
+        """
+        require_finite("go", "m/s, rad/s and s", *_given(speed, turn_speed, time_limit))
+        steps = tuple(steps)
+        _require_steps(steps)
+        limits = [None if limit is None else float(limit) for limit in (speed, turn_speed, time_limit)]
+        session, name, by, patience = self._begin_motion()
+        client = MotionClient(session, name, by, Wish(steps, *limits))
+        with closing(client):
+            result = _followed(client, patience)
+        self._end_motion(result)
+        if result.arrived:
+            return result
+        raise _error_of(result)
+
+    @abstractmethod
+    def _begin_motion(self) -> tuple[zenoh.Session, str, str, float]:
+        """Let go of the robot. Session, robot, whom to name, s of patience. Raises RobotError."""
+
+    @abstractmethod
+    def _end_motion(self, result: MotionResult) -> None:
+        """Take how it ended."""
+
+
+def _require_steps(steps: Sequence[object]) -> None:
+    if not all(isinstance(step, Step) for step in steps):
+        raise ValueError(f"go({steps}): each step must be a Move, a Turn, an Arc or a GoTo")
+
+
+def _given(*values: float | None) -> list[float]:
+    return [value for value in values if value is not None]
+
+
+def _followed(client: MotionClient, patience: float) -> MotionResult:
+    """Until it has ended. Raises LostRobotError where the robot is not heard at all."""
+    until = time.monotonic() + patience
+    try:
+        while (result := client.turn(now := time.monotonic())) is None:
+            if not client.has_asked and now > until:
+                raise LostRobotError(
+                    "no tick of the robot; check that base runs and that both machines share a network"
+                )
+            time.sleep(TURN)
+    except KeyboardInterrupt:
+        client.cancel(time.monotonic())
+        while client.turn(time.monotonic()) is None:
+            time.sleep(TURN)
+        raise
+    return result
+
+
+def _error_of(result: MotionResult) -> MotionError | SilentError | LostRobotError:
+    match result.outcome:
+        case "blocked":
+            return MotionBlockedError(result)
+        case "unanswered":
+            return SilentError(result.reason)
+        case "lost_robot":
+            return LostRobotError(result.reason)
+        case _:
+            return MotionError(result)

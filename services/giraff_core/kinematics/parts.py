@@ -1,0 +1,73 @@
+"""Parts of a robot that have a frame of their own: the tables `[robot.frames.<name>]`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from typing import Annotated, Final
+
+import msgspec
+
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
+from giraff_schemas.topics import require_chunk
+
+PLACE: Final = Bounds(-2.0, 2.0, "m")
+ANGLE: Final = Bounds(-math.tau, math.tau, "rad")
+
+
+class PartPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where a part is in its parent: metres, radians. A laser, a camera, what a calibration has found."""
+
+    parent: str = BASE_FRAME
+    """`base_link`, a sensor's frame, or another of these."""
+    x: Annotated[float, PLACE] = 0.0
+    """m ahead."""
+    y: Annotated[float, PLACE] = 0.0
+    """m to the left."""
+    z: Annotated[float, PLACE] = 0.0
+    """m up."""
+    roll: Annotated[float, ANGLE] = 0.0
+    """rad. About the parent's fixed axes, first roll, then pitch, then yaw (REP-103)."""
+    pitch: Annotated[float, ANGLE] = 0.0
+    """rad; positive: what looks ahead looks down."""
+    yaw: Annotated[float, ANGLE] = 0.0
+    """rad, counter-clockwise positive."""
+
+    def __post_init__(self) -> None:
+        check_bounds(self)
+
+    def transform(self, name: str) -> Transform:
+        """Of the part of this name."""
+        return Transform(
+            parent=self.parent,
+            child=name,
+            x=self.x,
+            y=self.y,
+            z=self.z,
+            roll=self.roll,
+            pitch=self.pitch,
+            yaw=self.yaw,
+            fixed=True,
+        )
+
+
+def check_parts(parts: Mapping[str, PartPose], sensors: Collection[str]) -> None:
+    """ValueError where these are no tree below `base_link`. `sensors`: their frames."""
+    taken = {ODOM_FRAME: "odometry's", BASE_FRAME: "the robot's own", **dict.fromkeys(sensors, "a sensor's")}
+    there = [BASE_FRAME, *sensors, *parts]
+    for name, part in parts.items():
+        require_chunk(name)
+        if name in taken:
+            raise ValueError(f"frames.{name}: {name} is {taken[name]} frame already; give it another name")
+        if part.parent not in there:
+            others = ", ".join(frame for frame in there if frame != name)
+            raise ValueError(f"frames.{name} has the parent {part.parent!r}, which is no part of the robot: {others}")
+    for name in parts:
+        chain = [name]
+        while chain[-1] in parts:
+            above = parts[chain[-1]].parent
+            if above in chain:
+                round_about = " in ".join([*chain[chain.index(above) :], above])
+                raise ValueError(f"frames are in each other: {round_about}; let one of them have another parent")
+            chain.append(above)

@@ -1,0 +1,1 @@
+"""An operator that others ask for motions by metres and radians."""

@@ -1,0 +1,3 @@
+from giraff_motion.main import main
+
+main()

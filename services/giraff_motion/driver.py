@@ -1,0 +1,113 @@
+"""Brings the robot to the end of one piece of its way: a profile of speed, a stop in time, and a second try."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_core.kinematics.pose import Pose
+from giraff_motion.legs import Leg, Limits
+from giraff_schemas.messages import Direction, Odometry
+
+_TRIES: Final = 4
+SETTLES: Final = 0.2
+"""s at rest, after which what was missed is known."""
+_RESTS: Final = 0.005
+"""m/s or rad/s, as odometry has it, at which the robot counts as standing."""
+_FIRST_COAST: Final = 0.1
+_MOST_COAST: Final = 0.5
+"""s"""
+_LOOKS: Final = 0.05
+"""s, at most, from one command to the next."""
+_STIFF: Final = 0.5
+"""s: a robot that stands although it is asked to move is asked for more by its least speed in so long."""
+
+STANDS: Final = (0.0, 0.0)
+
+
+class Coast:
+    """How far the robot goes on after it was told to stop, learned from each stop: s, by the speed that it had."""
+
+    def __init__(self) -> None:
+        self.seconds = _FIRST_COAST
+
+    def learn(self, way: float, speed: float) -> None:
+        """It went on by `way` (m or rad) after it had `speed`."""
+        if speed > 0.0:
+            self.seconds += (max(0.0, min(_MOST_COAST, way / speed)) - self.seconds) / 2.0
+
+
+class Driver:
+    """Along one leg. Times are s of any one monotonic clock."""
+
+    def __init__(self, leg: Leg, limits: Limits, coast: Coast, pose: Pose) -> None:
+        self._leg = leg
+        self._limits = limits
+        self._coast = coast
+        self._tries = 0
+        self._least = limits.least
+        self.is_done = abs(leg.error(pose)) <= limits.tolerance
+        """The robot rests at its end, or as near to it as some tries have brought it."""
+        self._is_stopping = False
+        self._begin(pose)
+
+    @property
+    def direction(self) -> Direction:
+        """That it drives in now, for the guard."""
+        return self._leg.direction(self._sign)
+
+    @property
+    def is_under_way(self) -> bool:
+        """Towards the end, and not about to rest."""
+        return not self._is_stopping
+
+    def twist(self, pose: Pose, odometry: Odometry, now: float) -> tuple[float, float]:
+        """m/s and rad/s to ask for now."""
+        speed = abs(odometry.angular_z if self._leg.turns else odometry.linear_x)
+        remaining = self._leg.error(pose) * self._sign
+        if not self._is_stopping:
+            if remaining > self._coast.seconds * speed:
+                return self._leg.twist(pose, self._sign * self._speed(remaining, speed, now))
+            self._is_stopping, self._at_stop, self._moved = True, (remaining, speed), now
+        self._settle(pose, remaining, odometry, now)
+        return STANDS
+
+    def _begin(self, pose: Pose) -> None:
+        self._sign = math.copysign(1.0, self._leg.error(pose))
+        self._tries += 1
+        self._is_stopping = False
+        self._at_stop = (0.0, 0.0)
+        self._moved = 0.0
+        """When it was last seen to move while it stopped."""
+        self._stuck_since: float | None = None
+
+    def _speed(self, remaining: float, speed: float, now: float) -> float:
+        """√(2·a·d), within its limits."""
+        limits = self._limits
+        if speed > _RESTS:
+            self._stuck_since = None
+        elif self._stuck_since is None:
+            self._stuck_since = now
+        else:
+            asked_for = min(_LOOKS, now - self._stuck_since)  # while its way is blocked it asks for nothing
+            self._least = min(limits.top, self._least + limits.least * asked_for / _STIFF)
+            self._stuck_since = now
+        to_go = max(0.0, remaining - self._coast.seconds * speed)
+        return min(limits.top, max(self._least, math.sqrt(2.0 * limits.deceleration * to_go)))
+
+    def _settle(self, pose: Pose, remaining: float, odometry: Odometry, now: float) -> None:
+        if not is_at_rest(odometry):
+            self._moved = now
+        if now - self._moved < SETTLES:
+            return
+        before, speed = self._at_stop
+        self._coast.learn(before - remaining, speed)
+        if abs(remaining) <= self._limits.tolerance or self._tries >= _TRIES:
+            self.is_done = True
+        else:
+            self._begin(pose)
+
+
+def is_at_rest(odometry: Odometry) -> bool:
+    """As the wheels have it."""
+    return max(abs(odometry.linear_x), abs(odometry.angular_z)) <= _RESTS

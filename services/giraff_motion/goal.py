@@ -1,0 +1,176 @@
+"""One motion, from its request to its end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final
+
+from giraff_core.kinematics.pose import Pose
+from giraff_motion.driver import SETTLES, STANDS, Coast, Driver, is_at_rest
+from giraff_motion.legs import Plan
+from giraff_motion.travel import Travel
+from giraff_schemas.messages import Direction, GuardState, Odometry, RobotTime, Verdict
+from giraff_schemas.motion import MotionRequest, MotionState, Outcome, Stage
+
+_RESTS_WITHIN: Final = 1.5
+"""s"""
+_LONGEST_NAME: Final = 100
+_LONGEST_TEXT: Final = 300
+"""Letters that others may put into what all are told, ten times a second."""
+_ARMS: Final = "holds still until the robot is armed"
+
+
+class Goal:
+    """Times are s of any one monotonic clock."""
+
+    def __init__(
+        self,
+        request: MotionRequest,
+        way: Plan,
+        travel: Travel,
+        coasts: Mapping[bool, Coast],
+        patience: float,
+        time_limit: float,
+        now: float,
+    ) -> None:
+        """`coasts`: along the floor, and of turns; `patience`, `time_limit`: s."""
+        self.id = request.id
+        self.by = request.by[:_LONGEST_NAME]
+        self.began = now
+        self.ended_at = now
+        self._rolled_at = now
+        self.time_limit = time_limit
+        self.tick: RobotTime | None = None
+        """The newest that the requester has sent."""
+        self._holder = ""
+        """Instance of the requester: nobody else holds it, although its id is told to all."""
+        self.stage: Stage = "arming"
+        self.outcome: Outcome = ""
+        self.reason = _ARMS
+        self._way = way
+        self._travel = travel
+        self._coasts = coasts
+        self._patience = patience
+        self._leg = 0
+        self._driver: Driver | None = None
+        self._level_since: float | None = None
+        self._blocked_since: float | None = None
+        self._blocked: Verdict | None = None
+
+    @property
+    def goes_on(self) -> bool:
+        return self.stage in {"arming", "moving"}
+
+    @property
+    def pose(self) -> Pose:
+        """Where the robot is, in `odom`."""
+        return self._travel.pose
+
+    @property
+    def has_arrived(self) -> bool:
+        return self._leg == len(self._way.legs)
+
+    @property
+    def news(self) -> tuple[object, ...]:
+        """What is said at once when it becomes another."""
+        return self.id, self.stage, self.outcome, self.reason, self._leg
+
+    def hold(self, tick: RobotTime, instance: str) -> None:
+        """The requester is there, and has sent this tick. An older one says nothing, nor does another requester."""
+        self._holder = self._holder or instance
+        if instance != self._holder:
+            return
+        if self.tick is None or tick.epoch != self.tick.epoch or tick.robot_ns > self.tick.robot_ns:
+            self.tick = tick
+
+    def add(self, odometry: Odometry, now: float) -> None:
+        """Take where the robot is: also while it rolls to rest."""
+        if self.stage != "ended":
+            self._travel.add(odometry)
+        if not is_at_rest(odometry):
+            self._rolled_at = now
+
+    def is_level(self, since: float, heard: float, now: float) -> bool:
+        """Whether it has held still under its lease for `since` s when base's state was `heard`."""
+        if self._level_since is None:
+            self._level_since = now
+        return heard - self._level_since >= since
+
+    def lose_level(self) -> None:
+        """The lease is not its own, or not yet."""
+        self._level_since = None
+
+    def move(self) -> None:
+        """It is armed."""
+        self.stage, self.reason = "moving", ""
+
+    def twist(self, odometry: Odometry, guard: GuardState, now: float) -> tuple[float, float]:
+        """m/s and rad/s to ask for now."""
+        while not self.has_arrived and (self._driver is None or self._driver.is_done):
+            self._next()
+        if self._driver is None or self.has_arrived:
+            return STANDS
+        verdict = verdict_of(guard, self._driver.direction)
+        if self._driver.is_under_way and verdict.freedom == "blocked":
+            self._wait(verdict, now)
+            return STANDS
+        self._blocked_since, self._blocked, self.reason = None, None, ""
+        return self._driver.twist(self.pose, odometry, now)
+
+    def is_blocked(self, now: float) -> bool:
+        """Whether its way has been blocked for longer than its patience."""
+        return self._blocked_since is not None and now - self._blocked_since > self._patience
+
+    def end(self, outcome: Outcome, reason: str, now: float) -> None:
+        """For good."""
+        self.stage, self.outcome, self.reason, self.ended_at = "stopping", outcome, reason[:_LONGEST_TEXT], now
+        if outcome != "blocked":
+            self._blocked = None
+        if outcome == "lost_lease":  # what the robot goes from now on is another's
+            self.stage = "ended"
+        self.settle(now)
+
+    def settle(self, now: float) -> None:
+        """It has ended for good when the robot rests, or when nobody tells that it does."""
+        if self.stage == "stopping" and (now - self._rolled_at >= SETTLES or now - self.ended_at > _RESTS_WITHIN):
+            self.stage = "ended"
+
+    def state(self, now: float) -> MotionState:
+        """As it is said."""
+        legs, until = self._way.legs, now if self.goes_on else self.ended_at
+        return MotionState(
+            id=self.id,
+            by=self.by,
+            stage=self.stage,
+            step=legs[min(self._leg, len(legs) - 1)].step if self.stage != "arming" else 0,
+            steps=legs[-1].step,
+            asked=self._way.asked,
+            achieved=self._travel.displacement,
+            covariance=self._travel.covariance,
+            elapsed=until - self.began,
+            time_limit=self.time_limit,
+            outcome=self.outcome,
+            sensor=self._blocked.sensor if self._blocked is not None else "",
+            reason=self.reason,
+        )
+
+    def _next(self) -> None:
+        """Begin the next piece, if there is one."""
+        if self._driver is not None:
+            self._leg += 1
+        if not self.has_arrived:
+            _, leg, limits = self._way.legs[self._leg]
+            self._driver = Driver(leg, limits, self._coasts[leg.turns], self.pose)
+
+    def _wait(self, verdict: Verdict, now: float) -> None:
+        if self._blocked_since is None:
+            self._blocked_since = now
+        self._blocked = verdict
+        way_out = f"; {verdict.way_out}" if verdict.way_out else ""
+        self.reason = f"{verdict.reason}{way_out}"
+
+
+def verdict_of(guard: GuardState, direction: Direction) -> Verdict:
+    """What the guard allows there."""
+    verdict: Verdict = getattr(guard, direction)
+    return verdict

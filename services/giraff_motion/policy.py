@@ -1,0 +1,292 @@
+"""What giraff_motion decides: whom it obeys, when it moves, and why it ends. No I/O and no clock.
+
+It is an operator whose hand is the requester's: each command carries the tick that the requester has sent last, and no
+newer one. A requester that is gone stops the robot as a hand that is gone does, whatever goes on here.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_core.operator import LEVEL, Operator
+from giraff_core.robot import RobotConfig
+from giraff_motion.config import MotionConfig
+from giraff_motion.driver import STANDS
+from giraff_motion.goal import Goal
+from giraff_motion.pilot import Pilot
+from giraff_schemas.messages import BaseState, DriveCommand, EStop, GuardState, Lease, Odometry, RobotTime, Tick
+from giraff_schemas.motion import (
+    NOWHERE,
+    MotionAnswer,
+    MotionCancel,
+    MotionHold,
+    MotionRequest,
+    MotionState,
+    Outcome,
+)
+from giraff_schemas.services import MOTION
+
+_WISH_COUNTS: Final = 1.0
+"""s after which a request is too old to begin anything."""
+_AHEAD: Final = 0.1
+"""s by which a requester may have heard a newer tick than this process."""
+_HOLD_COUNTS: Final = 0.4
+"""s after which the requester's last word counts for nothing: no operator's does."""
+_ODOMETRY_COUNTS: Final = 0.3
+"""s"""
+_STATES_COUNT: Final = 1.0
+"""s; guard and base tell their state ten times a second."""
+_ARMS_WITHIN: Final = 2.5
+"""s"""
+_LAST_WORDS: Final = 0.3
+"""s for which it says that it has let go: one word may be lost."""
+_REMEMBERED: Final = 64
+"""Requests that are met once."""
+
+_SLOW: Final = "give it a longer time limit; the guard slows it where its sensors see little"
+_NO_GUARD: Final = "the guard is not heard; check that giraff_guard runs on base's machine"
+_NO_BASE: Final = "base is not heard; check that giraff_base runs"
+_NO_ODOMETRY: Final = "odometry is not heard; check that giraff_odometry runs"
+_JUMPED: Final = "the pose was set while it moved, or board or odometry began anew; ask again"
+_NO_REQUESTER: Final = (
+    f"who asked for it has not said for {_HOLD_COUNTS:g} s that it is still wished; check its link and its program"
+)
+
+
+class MotionPolicy:
+    """One motion at a time. Times are seconds of any one monotonic clock."""
+
+    def __init__(self, config: MotionConfig, robot: RobotConfig, instance: str) -> None:
+        self._operator = Operator(MOTION.name, instance, asks_from_start=False)
+        self._pilot = Pilot(config, robot)
+        self._answers: dict[int, MotionAnswer] = {}
+        self._odometry: Odometry | None = None
+        self._base: tuple[BaseState | None, float] = None, -math.inf
+        self._guard: tuple[GuardState | None, float] = None, -math.inf
+        self._estop: EStop | None = None
+        self._told_who_drives = -math.inf
+        self._motion: Goal | None = None
+        """The one that goes on, or the last one."""
+        self._told: tuple[object, ...] = ()
+
+    def reconfigure(self, config: MotionConfig) -> None:
+        """Use a new configuration from the next motion on."""
+        self._pilot.reconfigure(config)
+
+    def on_tick(self, tick: Tick, now: float) -> None:
+        """Take the robot's clock."""
+        self._operator.on_tick(tick, now)
+
+    def on_lease(self, lease: Lease, now: float) -> None:
+        """Take what the guard says of who drives."""
+        self._operator.on_lease(lease)
+        self._told_who_drives = now
+
+    def on_base(self, base: BaseState, now: float) -> None:
+        """Take whether the robot is armed."""
+        self._base = base, now
+
+    def on_estop(self, estop: EStop) -> None:
+        """Take whether the robot is stopped: what is asked for meanwhile must not begin with its release."""
+        self._estop = estop
+
+    def on_guard(self, guard: GuardState, now: float) -> None:
+        """Take which ways are free."""
+        self._guard = guard, now
+
+    def on_hold(self, hold: MotionHold) -> None:
+        """Take that who has asked still wishes it."""
+        motion = self._going_on
+        if motion is not None and hold.id == motion.id and -_AHEAD <= self._age(hold.tick) <= _HOLD_COUNTS:
+            motion.hold(hold.tick, hold.instance)
+
+    def on_odometry(self, odometry: Odometry, now: float) -> None:
+        """Take where the robot is."""
+        last, self._odometry = self._odometry, odometry
+        motion = self._motion
+        if motion is None or last is None:
+            return
+        if odometry.origin == last.origin and odometry.boot_id == last.boot_id:
+            motion.add(odometry, now)
+        elif motion.goes_on:
+            motion.end("lost_odometry", _JUMPED, now)
+
+    def on_request(self, request: MotionRequest, now: float) -> MotionAnswer:
+        """Begin a motion, or say why not. Asked again, it is the answer of the first time."""
+        if (met := self._answers.get(request.id)) is not None:
+            return met
+        reason = self._begin(request, now)
+        answer = self._answers[request.id] = MotionAnswer(accepted=not reason, reason=reason)
+        if len(self._answers) > _REMEMBERED:
+            del self._answers[next(iter(self._answers))]
+        return answer
+
+    def on_cancel(self, request: MotionCancel, now: float) -> MotionAnswer:
+        """Stop at once, whoever asks for it."""
+        motion = self._going_on
+        if motion is None or request.id not in (0, motion.id):
+            return MotionAnswer(accepted=False, reason="no such motion goes on")
+        motion.end("cancelled", f"cancelled by {request.by}", now)
+        return MotionAnswer(accepted=True, reason="")
+
+    def command(self, now: float) -> DriveCommand | None:
+        """The next one, fifty times a second; None: this operator has nothing to say."""
+        motion = self._motion
+        if motion is None:
+            return None
+        if motion.goes_on:
+            self._review(motion, now)
+        if not motion.goes_on:
+            motion.settle(now)
+        if motion.tick is None or (not motion.goes_on and now - motion.ended_at > _LAST_WORDS):
+            return None
+        if not motion.goes_on:
+            return self._operator.fault(f"its motion has ended: {motion.outcome}; ask for the next", tick=motion.tick)
+        linear_x, angular_z = self._twist(motion, now)
+        # Who merely waits takes the robot from nobody: it asks while nobody has it, and with a command that is neutral.
+        wishes = motion.stage == "arming" and not self._operator.holder
+        return self._operator.command(linear_x, angular_z, tick=motion.tick, wishes=wishes)
+
+    def final_command(self) -> DriveCommand | None:
+        """The last word of this process; None: it drives nothing."""
+        motion = self._going_on
+        return None if motion is None else self._operator.fault("giraff_motion has ended; start it", tick=motion.tick)
+
+    def has_news(self) -> bool:
+        """Whether the state has become another than the one that was told."""
+        motion = self._motion
+        return motion is not None and self._told != motion.news
+
+    def state(self, now: float) -> MotionState:
+        """How it goes on, or how the last one ended."""
+        motion = self._motion
+        if motion is None:
+            return MotionState(
+                id=0,
+                by="",
+                stage="idle",
+                step=0,
+                steps=0,
+                asked=NOWHERE,
+                achieved=NOWHERE,
+                covariance=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+                elapsed=0.0,
+                time_limit=0.0,
+                outcome="",
+                sensor="",
+                reason="",
+            )
+        self._told = motion.news
+        return motion.state(now)
+
+    @property
+    def _going_on(self) -> Goal | None:
+        return self._motion if self._motion is not None and self._motion.goes_on else None
+
+    def _begin(self, request: MotionRequest, now: float) -> str:
+        """Why not; empty: it has begun."""
+        if reason := self._unfit(now):
+            return reason
+        if reason := self._untimely(request):
+            return reason
+        if (other := self._motion) is not None and other.stage != "ended":
+            return f"a motion of {other.by} goes on; wait for its end, or cancel it"
+        if self._operator.holder and not self._operator.holds:
+            return f"{self._operator.holder} drives: {self._operator.refusal}"
+        if (odometry := self._odometry) is None or not self._knows_where:
+            return _NO_ODOMETRY
+        try:
+            self._motion = self._pilot.begin(request, odometry, now)
+        except ValueError as error:
+            return str(error)
+        return ""
+
+    def _untimely(self, request: MotionRequest) -> str:
+        """Why it is no new wish of now; empty: it is one."""
+        if request.id == 0:
+            return "its id is 0; give a random one, other for each request"
+        old = self._age(request.tick)
+        if -_AHEAD <= old <= _WISH_COUNTS:
+            return ""
+        if math.isfinite(old) and old > 0.0:
+            return f"it was wished {old:.1f} s ago; ask again"
+        return "its tick is of another start of base, or of another robot; ask again"
+
+    def _unfit(self, now: float) -> str:
+        """What is missing of the robot, with the way out; empty: nothing."""
+        if fault := self._operator.link_fault(now):
+            return fault
+        if now - min(self._guard[1], self._told_who_drives) > _STATES_COUNT:
+            return _NO_GUARD
+        base, heard = self._base
+        if base is None or now - heard > _STATES_COUNT:
+            return _NO_BASE
+        if self._estop is not None and self._estop.engaged:
+            return f"emergency stop, engaged by {self._estop.by}: {self._estop.reason}; release it, then ask again"
+        return "" if base.board.connected else f"{base.reason}; then ask again"
+
+    def _review(self, motion: Goal, now: float) -> None:
+        """End what must not go on; begin to move once the robot is armed."""
+        why = self._robot_fault(motion, now) or self._requester_fault(motion, now) or self._lease_fault(motion)
+        if why is not None:
+            motion.end(*why, now)
+        elif now - motion.began > motion.time_limit:
+            motion.end("time_limit", f"not there after {motion.time_limit:.1f} s; {_SLOW}", now)
+        elif motion.stage == "arming":
+            self._arm(motion, now)
+
+    def _robot_fault(self, motion: Goal, now: float) -> tuple[Outcome, str] | None:
+        if reason := self._unfit(now):
+            return "disarmed", reason
+        lost = motion.stage == "moving" and not self._knows_where
+        return ("lost_odometry", _NO_ODOMETRY) if lost else None
+
+    @property
+    def _knows_where(self) -> bool:
+        return self._odometry is not None and self._age(self._odometry.tick) <= _ODOMETRY_COUNTS
+
+    def _requester_fault(self, motion: Goal, now: float) -> tuple[Outcome, str] | None:
+        never = motion.tick is None
+        lost = now - motion.began > _WISH_COUNTS if never else self._age(motion.tick) > _HOLD_COUNTS
+        return ("lost_requester", _NO_REQUESTER) if lost else None
+
+    def _lease_fault(self, motion: Goal) -> tuple[Outcome, str] | None:
+        """While it is free one that is not armed yet may ask for it."""
+        if self._operator.holds:
+            base, _ = self._base
+            disarmed = motion.stage == "moving" and base is not None and not base.armed
+            return ("disarmed", base.reason) if base is not None and disarmed else None
+        lost = motion.stage == "moving" or self._operator.holder
+        return ("lost_lease", self._operator.refusal) if lost else None
+
+    def _arm(self, motion: Goal, now: float) -> None:
+        base, heard = self._base
+        if not self._operator.holds:
+            motion.lose_level()
+        is_armed = self._operator.holds and motion.is_level(LEVEL, heard, now) and base is not None and base.armed
+        if is_armed and self._knows_where:
+            motion.move()
+        elif now - motion.began > _ARMS_WITHIN and is_armed:
+            motion.end("lost_odometry", _NO_ODOMETRY, now)
+        elif now - motion.began > _ARMS_WITHIN:
+            reason = base.reason if base is not None and self._operator.holds else self._operator.refusal
+            motion.end("disarmed", reason, now)
+
+    def _twist(self, motion: Goal, now: float) -> tuple[float, float]:
+        guard, _ = self._guard
+        if motion.stage != "moving" or guard is None or self._odometry is None:
+            return STANDS
+        twist = motion.twist(self._odometry, guard, now)
+        if motion.is_blocked(now):
+            motion.end("blocked", motion.reason, now)
+        elif motion.has_arrived:
+            motion.end("arrived", "", now)
+        return twist
+
+    def _age(self, tick: RobotTime | None) -> float:
+        """s before the newest tick that was heard, negative when it is newer; infinite: of another clock."""
+        newest = self._operator.tick
+        if tick is None or newest is None or tick.epoch != newest.epoch:
+            return math.inf
+        return (newest.robot_ns - tick.robot_ns) * 1e-9

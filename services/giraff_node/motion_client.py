@@ -1,0 +1,119 @@
+"""Asks giraff_motion for a motion, and holds on to it: `giraff_core.motion.requester` on the network."""
+
+from __future__ import annotations
+
+import contextlib
+import secrets
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from typing import Any, Final, NamedTuple
+
+import zenoh
+
+from giraff_core.motion.requester import MotionRequester
+from giraff_core.motion.result import MotionResult
+from giraff_core.timer import Timer
+from giraff_node.network.query_client import QueryClient
+from giraff_node.network.tcp_options import set_tcp_options
+from giraff_node.node import Publisher
+from giraff_schemas.codec import DecodeError, decode
+from giraff_schemas.messages import Sample, Tick
+from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionGo, MotionState, Step
+from giraff_schemas.topics import MOTION, MOTION_CANCEL, MOTION_GO, MOTION_HOLD, TICK, Topic, key_of
+
+TURN: Final = 0.01
+"""s between two turns."""
+_TUNE_HZ: Final = 2.0  # a laptop on Wi-Fi comes back with another link
+_MOST_WAITING: Final = 1000  # samples, some 10 s of them; whoever stands still longer has lost the motion
+
+
+class Wish(NamedTuple):
+    """What is asked for."""
+
+    steps: Sequence[Step]
+    speed: float | None = None
+    """m/s at most; None: as `[motion]` has it."""
+    turn_speed: float | None = None
+    """rad/s at most, on the spot; None: as `[motion]` has it."""
+    time_limit: float | None = None
+    """s; None: as motion has it."""
+
+
+class MotionClient:
+    """One motion. Call `turn` every `TURN` s until it returns how the motion has ended; who calls no more lets go."""
+
+    def __init__(self, session: zenoh.Session, robot: str, by: str, wish: Wish) -> None:
+        """`by`: whom to name to those who ask who it was."""
+        self._session, self._robot, self._wish = session, robot, wish
+        self._requester = MotionRequester(secrets.randbits(63) or 1, by)
+        self._tuning = Timer(_TUNE_HZ)
+        self._heard: deque[tuple[Sample, float]] = deque(maxlen=_MOST_WAITING)  # Zenoh's threads fill it
+        self._declared: list[Any] = [
+            session.declare_subscriber(key_of(robot, topic), self._hearer(topic)) for topic in (TICK, MOTION)
+        ]
+        self._holds = Publisher(session, robot, MOTION_HOLD, secrets.token_hex(8))
+        self._asking: QueryClient[MotionGo, MotionAnswer] | None = None
+        self._cancelling: QueryClient[MotionCancel, MotionAnswer] | None = None
+
+    @property
+    def state(self) -> MotionState | None:
+        """The newest of this motion; None: none was heard."""
+        return self._requester.state
+
+    @property
+    def has_asked(self) -> bool:
+        """It has heard the robot, and has asked."""
+        return self._asking is not None
+
+    def turn(self, now: float) -> MotionResult | None:
+        """How it has ended, or why it is given up; None: it goes on. Raises ValueError for a wish of no numbers.
+
+        `now`: s of the monotonic clock.
+        """
+        requester = self._requester
+        if self._tuning.due(now):
+            set_tcp_options()
+        self._take()
+        if self._cancelling is not None:
+            self._cancelling.poll(now)
+        elif self._asking is not None:
+            if (answer := self._asking.poll(now)) is not None:
+                requester.on_answer(answer, now)
+            requester.on_fault(self._asking.fault)
+        elif (request := requester.ask(now, *self._wish)) is not None:
+            self._asking = QueryClient(self._session, self._robot, MOTION_GO, request)
+            self._asking.poll(now)
+        if (hold := requester.hold(now)) is not None:
+            self._holds.put(hold)
+        return requester.result(now)
+
+    def cancel(self, now: float) -> None:
+        """Let go of it, and ask for its end; `turn` tells of it."""
+        request = self._requester.cancel(now)
+        if self._cancelling is None:
+            self._cancelling = QueryClient(self._session, self._robot, MOTION_CANCEL, request)
+
+    def close(self) -> None:
+        """Listen no more."""
+        for one in self._declared:
+            one.undeclare()
+        self._declared.clear()
+
+    def _take(self) -> None:
+        with contextlib.suppress(IndexError):  # emptiness cannot be asked first
+            while True:
+                sample, at = self._heard.popleft()
+                if isinstance(sample, Tick):
+                    self._requester.on_tick(sample, at)
+                elif isinstance(sample, MotionState):
+                    self._requester.on_state(sample, at)
+
+    def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
+        def on_sample(received: zenoh.Sample) -> None:
+            key = str(received.key_expr)
+            with contextlib.suppress(DecodeError):  # of another version: it is as if nothing had come
+                sample = decode(topic, key, bytes(received.payload), str(received.encoding))
+                self._heard.append((sample, time.monotonic()))
+
+        return on_sample

@@ -1,0 +1,53 @@
+"""What people have beside the joystick, around a robot in simulated time: a keyboard's terminal, a command line."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import msgspec
+
+from giraff_core.retry import RetriedRequest
+from giraff_core.timer import Timer
+from giraff_schemas.topics import Query
+from giraff_sim.hosts.process import Process
+
+REPEAT: Final = 1.0 / 30.0
+"""s, of a key that is held."""
+
+
+class Desk:
+    """Where somebody types. Nobody reads what it shows."""
+
+    is_gone = False
+    typed = b""
+
+    def descriptor(self) -> int | None:
+        return None
+
+    def read(self) -> bytes:
+        typed, self.typed = self.typed, b""
+        return typed
+
+    def show(self, lines: list[str]) -> None:
+        del lines
+
+
+class Stopper:
+    """`giraff estop`."""
+
+    link = None
+
+    def __init__(self, process: Process) -> None:
+        self._process = process
+        self._asking: list[RetriedRequest[Any]] = []
+        self.timers = (Timer(20.0),)
+
+    def ask(self, query: Query[Any, Any], request: msgspec.Struct) -> None:
+        self._asking.append(self._process.ask(query, request, lambda _: True))
+
+    def turn(self, now: float) -> None:
+        self.timers[0].due(now)
+        self._asking = [asking for asking in self._asking if asking.poll(now) is None]
+
+    def end(self) -> None:
+        """Nothing is left to say."""

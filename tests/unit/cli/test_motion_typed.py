@@ -1,0 +1,204 @@
+"""Lengths, angles and patterns as they are typed: what is meant, and what is refused in a line with the way out."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from giraff_cli.motion.pattern import PatternError, read_pattern
+from giraff_cli.motion.typed import angle, length
+from giraff_schemas.motion import Arc, Move, Turn
+from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.typed import typed
+
+
+@pytest.mark.parametrize(
+    ("text", "rad"),
+    [
+        ("180deg", math.pi),
+        ("180°", math.pi),
+        ("180 deg", math.pi),
+        ("-540deg", -3 * math.pi),
+        ("+90deg", math.pi / 2),
+        ("3.14", 3.14),
+        ("-3.14", -3.14),
+        (".5", 0.5),
+        ("6.28", 6.28),
+        ("3.14rad", 3.14),
+        ("90rad", 90.0),
+        ("pi", math.pi),
+        ("π", math.pi),
+        ("-pi", -math.pi),
+        ("3pi", 3 * math.pi),
+        ("3*pi", 3 * math.pi),
+        ("0.5pi", math.pi / 2),
+        ("pi/2", math.pi / 2),
+        ("-3pi/4", -3 * math.pi / 4),
+        ("pirad", math.pi),
+        ("1e2deg", math.radians(100.0)),
+        ("360/8deg", math.pi / 4),
+        ("0", 0.0),
+    ],
+)
+def test_an_angle_is_what_is_meant(text: str, rad: float) -> None:
+    assert angle(text) == pytest.approx(rad)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("90", "90 is more than a whole turn: write 90deg or 90rad"),
+        ("-180", "-180 is more than a whole turn: write -180deg or -180rad"),
+        ("6.3", "6.3 is more than a whole turn"),
+        ("90degrees", "'90degrees' is no angle: write it like 90deg, 1.57rad, pi/2 or -3pi"),
+        ("pideg", "no angle"),
+        ("nan", "no angle"),
+        ("inf", "no angle"),
+        ("", "no angle"),
+        ("-", "no angle"),
+        ("deg", "no angle"),
+        ("/2", "no angle"),
+        ("3*", "no angle"),
+        ("1,5", "no angle"),
+        ("pi/0", "no finite angle"),
+        ("1e999deg", "no finite angle"),
+        ("2m", "no angle"),
+    ],
+)
+def test_what_is_no_angle_says_how_one_is_written(text: str, why: str) -> None:
+    with pytest.raises(ValueError, match=r"angle|whole turn") as told:
+        angle(text)
+    assert why in str(told.value)
+
+
+@given(st.floats(-1e6, 1e6))
+def test_degrees_and_radians_are_as_many(value: float) -> None:
+    assert angle(f"{value!r}deg") == math.radians(value)
+    assert angle(f"{value!r}rad") == value
+
+
+@given(st.text(max_size=12))
+def test_whatever_is_typed_is_a_finite_number_or_refused(text: str) -> None:
+    for read in (angle, length):
+        with suppress(ValueError):
+            assert math.isfinite(read(text))
+
+
+def test_a_length_is_in_metres() -> None:
+    assert [length(text) for text in ("2", "-0.5", "2m", " 1.5 m ", ".2")] == [2.0, -0.5, 2.0, 1.5, 0.2]
+    for text in ("2cm", "2 mm", "nan", "inf", "1e999", "", "m", "two", "1,5"):
+        with pytest.raises(ValueError, match=r"is no length: give metres, like 2 or -0\.5"):
+            length(text)
+
+
+def pattern(tmp_path: Path, text: str | bytes) -> Path:
+    path = tmp_path / "pattern.toml"
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    return path
+
+
+def test_a_pattern_is_its_steps(tmp_path: Path) -> None:
+    wish = read_pattern(
+        pattern(
+            tmp_path,
+            '[[step]]\nmove = 2\n[[step]]\nturn = "pi"\n[[step]]\nturn = -1.5\n'
+            '[[step]]\narc = {radius = 1.0, angle = "-90deg"}\n',
+        )
+    )
+    assert wish.steps == (
+        Move(distance=2.0),
+        Turn(angle=math.pi),
+        Turn(angle=-1.5),
+        Arc(radius=1.0, angle=-math.pi / 2),
+    )
+    assert (wish.speed, wish.turn_speed, wish.time_limit) == (None, None, None)
+
+
+BAD = (
+    ("", "it has no [[step]]; one has move = 2.0"),
+    ("step = 3", "Expected `array`, got `int`"),
+    ("[[step]]\nmove 2", "no TOML: "),
+    ("[[step]]\nmove = 2\nmove = 3", "no TOML: "),
+    ("[[step]]\n", "step 1: it has nothing: give one of move = 2.0"),
+    ("[[step]]\nmove = 1\n[[step]]\nmove = 2\nturn = 1", "step 2: it has move and turn: give one of"),
+    ("[[step]]\nmov = 2", "Object contains unknown field `mov` - at `$.step[0]`"),
+    ("sped = 0.3\n[[step]]\nmove = 2", "Object contains unknown field `sped`"),
+    ('[[step]]\nmove = "2m"', "Expected `float | null`, got `str`"),
+    ("[[step]]\nmove = true", "Expected `float | null`, got `bool`"),
+    ("[[step]]\nmove = 0", "step 1: a move of 0 m goes nowhere"),
+    ("[[step]]\nmove = nan", "step 1: distance is nan, not a finite number"),
+    ("[[step]]\nmove = inf", "step 1: distance is inf, not a finite number"),
+    ("[[step]]\nturn = 90", "step 1: 90 is more than a whole turn: write 90deg or 90rad"),
+    ("[[step]]\nturn = nan", "step 1: 'nan' is no angle"),
+    ('[[step]]\nturn = "0deg"', "step 1: a turn of 0 turns nothing"),
+    ('[[step]]\nturn = "right"', "step 1: 'right' is no angle"),
+    ("[[step]]\narc = {radius = 1.0}", "Object missing required field `angle`"),
+    ("[[step]]\narc = {radius = 0.0, angle = 1}", "step 1: a radius of 0 m is none"),
+    ("[[step]]\narc = {radius = nan, angle = 1}", "step 1: radius is nan"),
+    ("[[step]]\narc = {radius = 1.0, angle = 0}", "step 1: an arc of 0 goes nowhere"),
+    ("[[step]]\ngo_to = [1.0]", "Expected `array` of length 2, got 1"),
+    ("[[step]]\ngo_to = [1.0, nan]", "step 1: y is nan"),
+    ("speed = 0\n[[step]]\nmove = 2", "speed is 0: give a positive number"),
+    ("turn_speed = -1\n[[step]]\nmove = 2", "turn_speed is -1: give a positive number"),
+    ("time_limit = inf\n[[step]]\nmove = 2", "time_limit is inf: give a positive number"),
+    (b"\xff\xfe", "it is no text"),
+    (b"# " + b"x" * 1_000_001, "over 1000000 bytes"),
+    ("x = " + "[" * 5000, "pattern.toml: "),
+)
+
+
+@pytest.mark.parametrize(("text", "why"), BAD, ids=[repr(text[:40]) for text, _ in BAD])
+def test_what_is_no_pattern_is_told_in_a_line(tmp_path: Path, text: str | bytes, why: str) -> None:
+    with pytest.raises(PatternError) as told:
+        read_pattern(pattern(tmp_path, text))
+    assert why in str(told.value)
+    assert "\n" not in str(told.value)
+
+
+def test_what_is_no_file_is_told_in_a_line(tmp_path: Path) -> None:
+    for path, why in ((tmp_path, "Is a directory"), (tmp_path / "none.toml", "No such file or directory")):
+        with pytest.raises(PatternError, match=why):
+            read_pattern(path)
+
+
+ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
+    (("move",), "missing argument 'DISTANCE'"),
+    (("move", "nan"), "'nan' is no length: give metres, like 2 or -0.5"),
+    (("move", "2cm"), "'2cm' is no length"),
+    (("move", "0"), "a move of 0 m goes nowhere"),
+    (("move", "-1", "--sped", "1"), "--sped"),
+    (("move", "1", "--speed", "0"), "greater than or equal to 0.01"),
+    (("move", "1", "--speed", "inf"), "inf is no number to count with"),
+    (("move", "1", "--time-limit", "nan"), "'--time-limit'"),
+    (("turn", "90"), "90 is more than a whole turn: write 90deg or 90rad"),
+    (("turn", "--", "-90"), "-90 is more than a whole turn: write -90deg or -90rad"),
+    (("turn", "90degs"), "'90degs' is no angle"),
+    (("turn", "0"), "a turn of 0 turns nothing"),
+    (("arc", "1"), "missing argument 'ANGLE'"),
+    (("arc", "-1", "90deg"), "a radius of -1 m is none: give one above 0; a negative angle goes to the right"),
+    (("arc", "1", "0deg"), "an arc of 0 goes nowhere"),
+    (("go",), "missing argument 'PATTERN.toml'"),
+    (("go", "none.toml"), "go: none.toml: No such file or directory"),
+    (("go", "/"), "go: /: Is a directory"),
+)
+
+
+@pytest.mark.parametrize(("words", "said"), ROWS, ids=[" ".join(words) for words, _ in ROWS])
+def test_it_is_told_in_a_line_and_no_network_is_met(
+    words: tuple[str, ...],
+    said: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    network = meet(monkeypatch)
+    code, out, complaint = typed(monkeypatch, capsys, *words)
+    assert (code, out, network.opened) == (2, "", 0)
+    [line] = complaint.splitlines()
+    assert said in line
