@@ -205,3 +205,21 @@ class MotionState(Sample, frozen=True, kw_only=True):
         """Of x (m), y (m) and yaw (rad) of `achieved`."""
         xx, _, _, yy, _, tt = self.covariance
         return math.sqrt(max(0.0, xx)), math.sqrt(max(0.0, yy)), math.sqrt(max(0.0, tt))
+
+
+IDLE = MotionState(
+    id=0,
+    by="",
+    stage="idle",
+    step=0,
+    steps=0,
+    asked=NOWHERE,
+    achieved=NOWHERE,
+    covariance=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+    elapsed=0.0,
+    time_limit=0.0,
+    outcome="",
+    sensor="",
+    reason="",
+)
+"""Nobody has asked for a motion yet."""

@@ -48,7 +48,8 @@ class Driver:
         self._least = limits.least
         self.is_done = abs(leg.error(pose)) <= limits.tolerance
         """The robot rests at its end, or as near to it as some tries have brought it."""
-        self._is_stopping = False
+        self.is_stopping = False
+        """It is told to stand, and has not come to rest."""
         self._begin(pose)
 
     @property
@@ -56,26 +57,21 @@ class Driver:
         """That it drives in now, for the guard."""
         return self._leg.direction(self._sign)
 
-    @property
-    def is_under_way(self) -> bool:
-        """Towards the end, and not about to rest."""
-        return not self._is_stopping
-
     def twist(self, pose: Pose, odometry: Odometry, now: float) -> tuple[float, float]:
         """m/s and rad/s to ask for now."""
         speed = abs(odometry.angular_z if self._leg.turns else odometry.linear_x)
         remaining = self._leg.error(pose) * self._sign
-        if not self._is_stopping:
+        if not self.is_stopping:
             if remaining > self._coast.seconds * speed:
                 return self._leg.twist(pose, self._sign * self._speed(remaining, speed, now))
-            self._is_stopping, self._at_stop, self._moved = True, (remaining, speed), now
+            self.is_stopping, self._at_stop, self._moved = True, (remaining, speed), now
         self._settle(pose, remaining, odometry, now)
         return STANDS
 
     def _begin(self, pose: Pose) -> None:
         self._sign = math.copysign(1.0, self._leg.error(pose))
         self._tries += 1
-        self._is_stopping = False
+        self.is_stopping = False
         self._at_stop = (0.0, 0.0)
         self._moved = 0.0
         """When it was last seen to move while it stopped."""

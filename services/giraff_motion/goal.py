@@ -26,7 +26,7 @@ class Goal:
     def __init__(
         self,
         request: MotionRequest,
-        way: Plan,
+        plan: Plan,
         travel: Travel,
         coasts: Mapping[bool, Coast],
         patience: float,
@@ -47,7 +47,7 @@ class Goal:
         self.stage: Stage = "arming"
         self.outcome: Outcome = ""
         self.reason = _ARMS
-        self._way = way
+        self._plan = plan
         self._travel = travel
         self._coasts = coasts
         self._patience = patience
@@ -68,7 +68,7 @@ class Goal:
 
     @property
     def has_arrived(self) -> bool:
-        return self._leg == len(self._way.legs)
+        return self._leg == len(self._plan.legs)
 
     @property
     def news(self) -> tuple[object, ...]:
@@ -110,8 +110,8 @@ class Goal:
             self._next()
         if self._driver is None or self.has_arrived:
             return STANDS
-        verdict = verdict_of(guard, self._driver.direction)
-        if self._driver.is_under_way and verdict.freedom == "blocked":
+        verdict = _verdict_of(guard, self._driver.direction)
+        if not self._driver.is_stopping and verdict.freedom == "blocked":
             self._wait(verdict, now)
             return STANDS
         self._blocked_since, self._blocked, self.reason = None, None, ""
@@ -137,14 +137,14 @@ class Goal:
 
     def state(self, now: float) -> MotionState:
         """As it is said."""
-        legs, until = self._way.legs, now if self.goes_on else self.ended_at
+        legs, until = self._plan.legs, now if self.goes_on else self.ended_at
         return MotionState(
             id=self.id,
             by=self.by,
             stage=self.stage,
             step=legs[min(self._leg, len(legs) - 1)].step if self.stage != "arming" else 0,
             steps=legs[-1].step,
-            asked=self._way.asked,
+            asked=self._plan.asked,
             achieved=self._travel.displacement,
             covariance=self._travel.covariance,
             elapsed=until - self.began,
@@ -159,7 +159,7 @@ class Goal:
         if self._driver is not None:
             self._leg += 1
         if not self.has_arrived:
-            _, leg, limits = self._way.legs[self._leg]
+            _, leg, limits = self._plan.legs[self._leg]
             self._driver = Driver(leg, limits, self._coasts[leg.turns], self.pose)
 
     def _wait(self, verdict: Verdict, now: float) -> None:
@@ -170,7 +170,7 @@ class Goal:
         self.reason = f"{verdict.reason}{way_out}"
 
 
-def verdict_of(guard: GuardState, direction: Direction) -> Verdict:
+def _verdict_of(guard: GuardState, direction: Direction) -> Verdict:
     """What the guard allows there."""
     verdict: Verdict = getattr(guard, direction)
     return verdict

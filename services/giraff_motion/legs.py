@@ -18,7 +18,7 @@ _LONGEST: Final = Bounds(-1000.0, 1000.0, "m")
 _MOST_TURN: Final = Bounds(-100.0 * math.tau, 100.0 * math.tau, "rad")
 _RADII: Final = Bounds(0.05, 100.0, "m", "0 would be a turn on the spot")
 _MOST_STEPS: Final = 1000
-_REST_TAKES: Final = 1.0
+_SETTLING_TIME: Final = 1.0
 """s at the end of a piece."""
 _THERE: Final = 0.005
 """m from a point at which its direction says nothing."""
@@ -177,7 +177,7 @@ class Planned(NamedTuple):
     def seconds(self) -> float:
         """That it takes when nothing is in the way."""
         limits = self.limits
-        return self.leg.length / limits.top + limits.top / limits.deceleration + _REST_TAKES
+        return self.leg.length / limits.top + limits.top / limits.deceleration + _SETTLING_TIME
 
 
 class Plan(NamedTuple):

@@ -17,7 +17,7 @@ from giraff_motion.goal import Goal
 from giraff_motion.pilot import Pilot
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, GuardState, Lease, Odometry, RobotTime, Tick
 from giraff_schemas.motion import (
-    NOWHERE,
+    IDLE,
     MotionAnswer,
     MotionCancel,
     MotionHold,
@@ -162,21 +162,7 @@ class MotionPolicy:
         """How it goes on, or how the last one ended."""
         motion = self._motion
         if motion is None:
-            return MotionState(
-                id=0,
-                by="",
-                stage="idle",
-                step=0,
-                steps=0,
-                asked=NOWHERE,
-                achieved=NOWHERE,
-                covariance=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-                elapsed=0.0,
-                time_limit=0.0,
-                outcome="",
-                sensor="",
-                reason="",
-            )
+            return IDLE
         self._told = motion.news
         return motion.state(now)
 
@@ -253,12 +239,13 @@ class MotionPolicy:
 
     def _lease_fault(self, motion: Goal) -> tuple[Outcome, str] | None:
         """While it is free one that is not armed yet may ask for it."""
-        if self._operator.holds:
-            base, _ = self._base
-            disarmed = motion.stage == "moving" and base is not None and not base.armed
-            return ("disarmed", base.reason) if base is not None and disarmed else None
-        lost = motion.stage == "moving" or self._operator.holder
-        return ("lost_lease", self._operator.refusal) if lost else None
+        if not self._operator.holds:
+            lost = motion.stage == "moving" or self._operator.holder
+            return ("lost_lease", self._operator.refusal) if lost else None
+        base, _ = self._base
+        if motion.stage == "moving" and base is not None and not base.armed:
+            return "disarmed", base.reason
+        return None
 
     def _arm(self, motion: Goal, now: float) -> None:
         base, heard = self._base

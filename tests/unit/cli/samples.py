@@ -29,7 +29,7 @@ from giraff_schemas.messages import (
     Verdict,
     Wheels,
 )
-from giraff_schemas.motion import NOWHERE, MotionState
+from giraff_schemas.motion import IDLE
 from giraff_schemas.topics import Topic
 
 SENSORS = ("front_left", "front_right", "rear")
@@ -167,25 +167,6 @@ class Network:
             self.telemetry.on_sample(topic, key, stamped(sample, seq, 0, maker), at_ns)
 
 
-def motion() -> MotionState:
-    """Nobody has asked for one yet."""
-    return MotionState(
-        id=0,
-        by="",
-        stage="idle",
-        step=0,
-        steps=0,
-        asked=NOWHERE,
-        achieved=NOWHERE,
-        covariance=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
-        elapsed=0.0,
-        time_limit=0.0,
-        outcome="",
-        sensor="",
-        reason="",
-    )
-
-
 def ten_seconds() -> RunTelemetry:
     """A run that has heard ten seconds of it."""
     telemetry = RunTelemetry(SENSORS, truth(0))
@@ -226,7 +207,7 @@ def drive_ten_seconds(telemetry: Telemetry) -> None:
             network.send(topics.GUARD, guard(slow), now)
             network.send(topics.BASE, base(), now)
             network.send(topics.LEASE, lease(), now)
-            network.send(topics.MOTION, motion(), now)
+            network.send(topics.MOTION, IDLE, now)
         if ms % 500 == 0:
             network.send(topics.BATTERY, Battery(voltage=24.3), now)
             network.send(topics.ESTOP, estop(), now)
