@@ -10,7 +10,8 @@ ARG BUILD_IMAGE=${BASE_IMAGE}
 
 
 FROM ${BUILD_IMAGE} AS build
-# What for: robot, laptop (with the command line) or sim (with the simulated robot). requirements/<that>.lock pins it.
+# What for: robot, recorder, web (it can speak to browsers), laptop (with the command line, too) or sim (with the
+# simulated robot). requirements/<that>.lock pins it.
 ARG EXTRAS=robot
 RUN python -m venv /opt/giraff
 # The dependencies before the sources: a change of the sources does not install them again.
@@ -44,6 +45,7 @@ WORKDIR /tmp
 # A stage for each, which docker-compose asks for by the same word.
 FROM run AS robot
 FROM run AS recorder
+FROM run AS web
 FROM run AS laptop
 
 

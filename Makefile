@@ -50,8 +50,9 @@ lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest
 	$(COMPILE) --all-extras --group dev --output-file requirements/dev.lock
 	$(PART) --extra serial --output-file requirements/robot.lock
 	$(PART) --extra serial --extra record --output-file requirements/recorder.lock
-	$(PART) --extra serial --extra cli --output-file requirements/laptop.lock
-	$(PART) --extra serial --extra cli --extra sim --output-file requirements/sim.lock
+	$(PART) --extra serial --extra web --output-file requirements/web.lock
+	$(PART) --extra serial --extra cli --extra web --output-file requirements/laptop.lock
+	$(PART) --extra serial --extra cli --extra sim --extra web --output-file requirements/sim.lock
 
 install: ## Without containers, as root: make install ROLE=robot (or laptop); DESTDIR=DIR for a look; docs/install.md
 	@scripts/install

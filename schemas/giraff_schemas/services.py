@@ -52,6 +52,16 @@ KEYBOARD: Final = Service(
     publishes=(t.OPERATOR_CMD_VEL,),
     subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY),
 )
+WEB: Final = Service(
+    name="web",
+    host="operator",
+    package="giraff_web",
+    table="web",
+    publishes=(t.OPERATOR_CMD_VEL,),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.RANGE),
+    optional=True,
+)
+"""A page, for any number of browsers; whoever drives by one of them is this operator."""
 CLIENT: Final = Service(
     name="client",
     host="operator",
@@ -132,6 +142,7 @@ PLAY: Final = Service(name="play", host="any", optional=True)
 SERVICES: Final = (
     JOYSTICK,
     KEYBOARD,
+    WEB,
     CLIENT,
     BASE,
     GUARD,

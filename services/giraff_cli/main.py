@@ -25,6 +25,7 @@ from giraff_cli.top.commands import top
 from giraff_cli.topic.commands import topic
 from giraff_cli.view.commands import view
 from giraff_cli.watch.commands import watch
+from giraff_cli.web.commands import web
 from giraff_cli.why.commands import why
 
 app = typer.Typer(
@@ -34,7 +35,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, dst):
+for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, web, dst):
     app.command()(verb)
 for motion in (move, turn, arc):
     app.command(context_settings=NEGATIVE)(motion)

@@ -13,13 +13,11 @@ from giraff_client.errors import (
     RobotError,
     TakenError,
 )
-from giraff_core.operator import LEVEL, Operator
+from giraff_core.operator import ASKING, LEVEL, Operator
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, Sample, Tick
 
 _ANSWERS_WITHIN: Final = 0.5
 """s in which the guard answers who asks for the lease: it tells who drives ten times a second."""
-_ASKING: Final = (0.0, 0.1)
-"""m/s, rad/s. Only a wish for motion takes the lease from a lower priority. What asks for the lease moves nothing."""
 
 _END: Final = "the script has ended; start it again"
 
@@ -66,7 +64,7 @@ class OperatorPolicy:
             self._neutral_since = None
             if self._operator.holder and self._asked_at is not None and now - self._asked_at > _ANSWERS_WITHIN:
                 raise self._refused()
-            return self._made(_ASKING, wishes=True)
+            return self._made(ASKING, wishes=True)
         if self._neutral_since is None:
             self._neutral_since = now
         state, heard = self._base

@@ -7,7 +7,7 @@ from typing import Final
 
 from giraff_core.freshness import TickFilter
 from giraff_core.lease import LeaseClient
-from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick
+from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Lease, RobotTime, Source, Tick
 
 LINK_SILENCE: Final = 0.5
 """s without a new tick of the robot after which it counts as lost."""
@@ -16,6 +16,8 @@ _LINK_LOST: Final = (
 )
 LEVEL: Final = 0.3
 """s of neutral commands after which base speaks of this lease and no earlier one: 0.2 s of them arm."""
+ASKING: Final = (0.0, 0.1)
+"""m/s, rad/s. Only a wish for motion takes the lease from a lower priority. What asks for the lease moves nothing."""
 ASKS_NOTHING: Final = -1
 """Counter of a command that neither asks for the lease nor is given under one: real ones are never negative."""
 
@@ -99,3 +101,17 @@ class Operator(RobotLink):
         if not (self._asks_from_start or wishes or self.holds):
             return ASKS_NOTHING
         return self._lease.counter(wishes=wishes)
+
+
+def what_stops(own: str, base: BaseState | None, guard: GuardState | None) -> str:
+    """The first link of the chain that stops the robot, with the way out; empty: none does.
+
+    `own`: what the operator itself says. None: that one is not heard.
+    """
+    if own:
+        return own
+    if guard is None:
+        return "the guard is not heard; check that giraff_guard runs on base's machine"
+    if base is None:
+        return "base is not heard; check that giraff_base runs"
+    return guard.reason or base.reason

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.tilt.curves import Curve
 from giraff_core.tuning import Tuning
 from giraff_schemas.topics import require_chunk
-
-Curve = Literal["angle", "source"]
 
 
 class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,14 +1,11 @@
 """Whether a hand holds the joystick, told by its accelerometer alone. One reading every TILT_PERIOD_MS.
 
-What the thresholds stand on:
+What the thresholds stand on, beside those of `giraff_core.tilt.disturbance`:
 
 - The sensor's noise is 0.012 m/s² rms an axis (BNO055 datasheet: 150 µg/√Hz, at 62.5 Hz of bandwidth), 0.021 m/s² of
   the vector. Three axes of it, in steps of 0.01 m/s², repeat by chance in 1 of 80 readings.
 - A hand's postural tremor is 0.015 to 0.35 m/s² peak at its main frequency of 6 to 12 Hz, most often 0.1 (97 people,
   Arch Neurol 1982;39:358-362), and its slow wandering comes on top.
-- Free fall is below 0.3 to 0.6 g on every axis (ADXL345 datasheet, "free-fall"). Of a tumbling thing less than the
-  whole vector vanishes: the threshold is the lower end, of the vector.
-- A wrist turns at up to 5 rad/s when a driver hurries. That turns gravity by 1 m/s² between two readings.
 """
 
 from __future__ import annotations
@@ -17,30 +14,19 @@ import math
 from collections import deque
 from typing import Final
 
+from giraff_core.tilt.disturbance import SHAKE_STEPS, Disturbance, falling, shaken
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS
 
 Counts = tuple[int, int, int]
 """A reading as it is on the wire: TILT_LSB_PER_M_S2."""
 
-FREE_FALL: Final = 3.0
-"""m/s². Whatever is shorter is no gravity, and its direction no tilt."""
-JOLT: Final = 2.0
-"""m/s² between two readings: twice what a hurried wrist does."""
-JOLTS: Final = 3
-"""Of the last SHAKE_STEPS steps: a shake. A knock is two, one there and one back."""
-SHAKE_STEPS: Final = 5
 FROZEN_READINGS: Final = 10
 """Equal ones in a row, 0.2 s. By chance once in 10^17."""
 LAID_DOWN_READINGS: Final = 50
 """1 s."""
-SOUND_READINGS: Final = 25
-"""0.5 s without any of it, after which a hand counts again."""
 
-_GRAVITY: Final = 9.81
-_QUIET: Final = 4.0  # m/s² from gravity, beyond which a reading is no sign that it is over
-
-FALLING: Final = "the joystick is falling; take it in the hand and hold it level"
-SHAKEN: Final = "the joystick is being shaken; hold it still and level"
+FALLING: Final = falling("joystick")
+SHAKEN: Final = shaken("joystick")
 FROZEN: Final = "the tilt sensor repeats one reading; reset the joystick board, or unplug it for a second"
 LAID_DOWN: Final = (
     "the joystick lies tilted and nobody holds it; take it in the hand and hold it level, or lay it down level"
@@ -60,37 +46,22 @@ class HandDetector:
 
     def forget(self) -> None:
         """Readings were missing: what came before says nothing about what comes now."""
+        self._disturbance = Disturbance("joystick")
+        self._readings = 0
         self._before: Counts | None = None
-        self._steps: deque[float] = deque(maxlen=SHAKE_STEPS)
         self._repeats = 0
-        self._alarm = ""
-        self._sound = 0
         self._window = _Window()
         self._lies = False
 
     def judge(self, counts: Counts, *, deflected: bool) -> str:
         """Why this reading is no hand's, with the way out; empty when it is. `deflected`: it would drive."""
-        step = 0.0 if self._before is None else math.dist(counts, self._before) / TILT_LSB_PER_M_S2
-        self._steps.append(step)
+        self._readings += 1
         self._repeats = self._repeats + 1 if counts == self._before else 0
         self._before = counts
-        length = math.hypot(*counts) / TILT_LSB_PER_M_S2
-        if alarm := self._found(length):
-            self._alarm, self._sound = alarm, 0
-        elif step > JOLT or abs(length - _GRAVITY) > _QUIET:
-            self._sound = 0
-        else:
-            self._sound += 1
-            if self._sound >= SOUND_READINGS:
-                self._alarm = ""
-        return self._alarm or self._laid_down(counts, deflected=deflected)
-
-    def _found(self, length: float) -> str:
-        if length < FREE_FALL:
-            return FALLING
-        if sum(step > JOLT for step in self._steps) >= JOLTS:
-            return SHAKEN
-        return FROZEN if self._repeats >= FROZEN_READINGS - 1 else ""
+        frozen = FROZEN if self._repeats >= FROZEN_READINGS - 1 else ""
+        x, y, z = (count / TILT_LSB_PER_M_S2 for count in counts)
+        alarm = self._disturbance.judge((x, y, z), self._readings * TILT_PERIOD_MS / 1000, also=frozen)
+        return alarm or self._laid_down(counts, deflected=deflected)
 
     def _laid_down(self, counts: Counts, *, deflected: bool) -> str:
         """Once it lies it does so until it is level: nothing less would arm the robot anyway."""

@@ -8,12 +8,12 @@ from typing import Final, NamedTuple
 from giraff_core.operator import LINK_SILENCE, Operator
 from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickRelay, tick_of
-from giraff_joystick.clutch import Clutch
+from giraff_core.tilt.clutch import Clutch, Words
+from giraff_core.tilt.curves import asked
 from giraff_joystick.config import JoystickConfig
-from giraff_joystick.curves import asked
 from giraff_joystick.hand_detector import HandDetector
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick, Tilt, TiltStatus
-from giraff_schemas.wire import TILT_LSB_PER_M_S2, TickFrame, TiltFrame
+from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, TickFrame, TiltFrame
 from giraff_schemas.wire import TiltStatus as WireStatus
 
 BOARD_SILENCE: Final = 0.2
@@ -46,6 +46,11 @@ _REASONS: Final[dict[TiltStatus, str]] = {
 }
 
 
+_CLUTCH: Final = Words(
+    "the clutch was let go",
+    "joystick",
+    "the old zero stays; hold the joystick level, or press the button, hold still and let it go",
+)
 _NO_TICK: Final = "the joystick has not heard the robot yet; check that base runs and that both share a network"
 _OLD_TICK: Final = (
     f"no tick of the robot has reached the joystick board for {LINK_SILENCE:g} s; "
@@ -81,7 +86,8 @@ class JoystickPolicy:
         self._robot = robot
         self._operator = Operator(config.operator, instance, asks_from_start=config.asks_from_start)
         self._hand = HandDetector(config.stillness)
-        self._clutch = Clutch()
+        self._clutch = Clutch(_CLUTCH)
+        self._readings = 0
         self.sensor_fault = ""
         """What is wrong with the tilt sensor, by the newest frame, and the way out."""
         self._heard = -math.inf
@@ -150,7 +156,8 @@ class JoystickPolicy:
     def _wish(self, tilt: Tilt, frame: TiltFrame, now: float) -> _Asks:
         """What a reading of a running sensor asks for, if a hand is behind it."""
         vector = (tilt.x, tilt.y, tilt.z)
-        self._clutch.take(vector, pressed=bool(frame.button))
+        self._readings += 1
+        self._clutch.take(vector, self._readings * TILT_PERIOD_MS / 1000, pressed=bool(frame.button))
         linear, angular = asked(self._clutch.relative(vector), self._config, self._robot)
         if self._clutch.engaged:
             linear = angular = 0.0

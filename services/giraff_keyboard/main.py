@@ -7,8 +7,8 @@ import sys
 import time
 from typing import Final, TypeVar
 
+from giraff_core.estop_request import EStopRequest
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.estop_request import EStopRequest
 from giraff_keyboard.service import Keyboard, Screen, View
 from giraff_keyboard.status import StatusView
 from giraff_keyboard.terminal import Terminal

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from giraff_keyboard.estop_request import Request
+from giraff_core.estop_request import Request
 from giraff_keyboard.policy import Key
 from giraff_schemas.messages import EStop, RobotTime, Sample
 

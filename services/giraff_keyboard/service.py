@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from typing import Any, Final, Generic, Protocol, TypeVar
 
 from giraff_core.estop import is_confirmed_stop
+from giraff_core.estop_request import EStopRequest, Request
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO, Selectable
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer, Timer
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.estop_request import EStopRequest, Request
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_keyboard.reset_request import ResetRequest
@@ -72,7 +72,7 @@ class Keyboard(Generic[PictureT]):
         self._keys, self._view = KeyReader(), view
         by = f"{config.operator}@{io.hostname}"
         engage = EStopEngage(by=by, reason="space bar")
-        self.stopping = EStopRequest(lambda: io.ask(ESTOP_ENGAGE, engage, is_confirmed_stop))
+        self.stopping = EStopRequest(lambda: io.ask(ESTOP_ENGAGE, engage, is_confirmed_stop), "press r to release it")
 
         def reset(shown: EStop, moment: RobotTime) -> Request:
             asked = EStopReset(by=by, id=shown.id, tick=moment, engaged_ns=shown.engaged_ns)

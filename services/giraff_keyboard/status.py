@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Final
 
+from giraff_core.operator import what_stops
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardState, Sample, Verdict
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, SampleT, Topic
@@ -45,7 +46,7 @@ class StatusView:
             first.append(f"round trip {base.round_trip * 1000:.0f} ms")
         if battery is not None:
             first.append(f"battery {battery.voltage:.1f} V")
-        why = what_stops(policy, base, guard, now)
+        why = what_stops(policy.command(now).reason or policy.refusal, base, guard)
         lines = ["   ".join(first), _verdicts(guard), f"why not: {why}" if why else "the robot obeys"]
         if stop:
             lines.append(stop)
@@ -67,17 +68,6 @@ def _armed(base: BaseState | None) -> str:
     if base is None:
         return "base not heard"
     return "armed" if base.armed else "not armed"
-
-
-def what_stops(policy: KeyboardPolicy, base: BaseState | None, guard: GuardState | None, now: float) -> str:
-    """The first link of the chain that stops the robot, with the way out; empty: none does. None: it is not heard."""
-    if reason := policy.command(now).reason or policy.refusal:
-        return reason
-    if guard is None:
-        return "the guard is not heard; check that giraff_guard runs on base's machine"
-    if base is None:
-        return "base is not heard; check that giraff_base runs"
-    return guard.reason or base.reason
 
 
 def _verdicts(guard: GuardState | None) -> str:

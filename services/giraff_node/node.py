@@ -133,6 +133,7 @@ class Node(Generic[ConfigT]):
         self.hostname = socket.gethostname()
         try:
             filed, self.robot, network = config if isinstance(config, Settings) else Settings.load(service, config)
+            self.network = network
             self._addresses = None if network.local else AddressWatch(host_addresses())
             self.session = session or open_session(network, self.robot.name, records=records)
         except ConfigError as error:

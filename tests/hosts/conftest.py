@@ -11,9 +11,9 @@ from tests.hosts.hardware import PORTS, permit
 from tests.hosts.lab import NUMBERS, Lab
 from tests.unit.node.ports import FakePort
 
-IMAGES = {"laptop": ("laptop",), "robot": ("robot", "laptop", "recorder"), "desk": ("laptop", "sim")}
+IMAGES = {"laptop": ("laptop",), "robot": ("robot", "laptop", "recorder", "web"), "desk": ("laptop", "sim")}
 """The robot's computer has the command line, too, as docs/deploy.md has it for one that may lose its network."""
-EXTRAS = {"COMPOSE_PROFILES": "robot,recorder,gateway"}
+EXTRAS = {"COMPOSE_PROFILES": "robot,recorder,gateway,web"}
 SETTINGS = {
     "GIRAFF_RECORDER_BEFORE": "8",
     "GIRAFF_RECORDER_AFTER": "1",
@@ -44,7 +44,7 @@ def arduino(lab: Lab) -> Iterator[FakePort]:
 
 @pytest.fixture(scope="session")
 def up(lab: Lab, arduino: FakePort) -> None:
-    """All three, by docs/deploy.md; beside the robot's services the flight recorder and the Arduino's gateway."""
+    """All three, by docs/deploy.md; beside the robot's services recorder, the Arduino's gateway and the page."""
     type_the_page(lab, {"robot": lambda: lab.write_env("robot", EXTRAS, SETTINGS)})
     lab.wait_until_healthy(*NUMBERS)
     del arduino

@@ -19,9 +19,9 @@ KEPT: Final = ROOT / "build" / "hosts"
 CURRENT_COMPOSE: Final = KEPT / "compose"
 """As `prepare` gets it."""
 _STAND_IN: Final = Path(__file__).with_name("stand_in")
-_SERVICE: Final = {"robot": "base", "laptop": "joystick", "sim": "sim", "recorder": "recorder"}
+_SERVICE: Final = {"robot": "base", "laptop": "joystick", "sim": "sim", "recorder": "recorder", "web": "web"}
 """Image -> a compose service that runs in it."""
-_HOST: Final = {"recorder": "robot"}
+_HOST: Final = {"recorder": "robot", "web": "robot"}
 """Image -> the kind of host that builds it, where that is another word."""
 _MADE_OF: Final = (
     *("Dockerfile", ".dockerignore", "docker-compose.yml", "pyproject.toml", "requirements"),

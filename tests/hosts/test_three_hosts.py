@@ -6,6 +6,8 @@ Whether is asked here; how fast, in tests/timing/hosts.
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -16,7 +18,7 @@ import pytest
 
 from giraff_mcap.reading import Recording
 from tests.hosts.deploy_page import EDIT, ON_EACH, OTHERWISE, SECTIONS, SHOWS, lines
-from tests.hosts.lab import PATIENCE, Lab, Listener
+from tests.hosts.lab import PATIENCE, Lab, Listener, address
 from tests.hosts.machine import BIN, LabError
 from tests.support.terminals import Screen, screen
 from tests.support.waiting import wait
@@ -70,6 +72,23 @@ def test_the_desk_hears_the_arduino(lab: Lab, arduino: FakePort) -> None:
 
         wait(heard, PATIENCE, what="a line on the desk", every=0.5)
         assert listener.heard()[0].sample["text"] == "23.5 °C"
+
+
+PAGE = """
+import ssl, sys, urllib.request
+def get(path, context):
+    return urllib.request.urlopen(f"https://{sys.argv[1]}:8443{path}", context=context, timeout=20).read().decode()
+trusted = ssl.create_default_context(cadata=get("/ca.crt", ssl._create_unverified_context()))
+print(get("/", trusted))
+"""
+"""Trusts the certificate as a phone does that has installed it."""
+
+
+def test_the_desk_has_the_robots_page(lab: Lab) -> None:
+    command = [sys.executable, "-c", PAGE, address("robot")]
+    with lab.machines["desk"].start(command, stdout=subprocess.PIPE, text=True) as asking:
+        told, _ = asking.communicate(timeout=PATIENCE)
+    assert "<title>" in told
 
 
 def test_a_tilt_on_the_laptop_turns_the_wheels_until_its_cable_is_cut(lab: Lab, desk: Listener) -> None:

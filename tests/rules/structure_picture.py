@@ -15,6 +15,7 @@ _TITLES: Final = {
     "giraff_client": "a script of yours",
     "giraff_cli": "the giraff command",
     "giraff_sim": "world, boards, faults",
+    "giraff_keys": "certificates",
     "giraff_mcap": "recordings",
     "giraff_viewer": "rerun",
     "giraff_node": "config, network, process, boards",

@@ -60,6 +60,7 @@ def test_contracts_hold() -> None:
         ("services/giraff_sim/main.py", "import giraff_base.policy"),
         ("services/giraff_cli/main.py", "import giraff_base.service"),
         ("services/giraff_cli/main.py", "import giraff_joystick.main"),
+        ("services/giraff_cli/run/plan.py", "import giraff_web.service"),
         ("services/giraff_client/robot.py", "import giraff_cli.network.connection"),
         ("services/giraff_cli/main.py", "import giraff_client"),
         ("services/giraff_core/robot.py", "import giraff_node.node"),
@@ -120,8 +121,14 @@ def installed_packages_imported_by(statement: str) -> set[str]:
 # What requirements/robot.lock installs, and what msgspec takes along where it happens to be. The robot's
 # 32-bit computer has neither numpy nor rerun.
 ROBOT_SIDE = {"zenoh", "msgspec", "serial", "typing_extensions"}
-OF_ONE_SERVICE = {"giraff_recorder": {"mcap", "lz4", "zstandard", "_cffi_backend"}}
-"""What only requirements/recorder.lock installs."""
+OF_ONE_SERVICE = {
+    "giraff_recorder": {"mcap", "lz4", "zstandard", "_cffi_backend"},
+    "giraff_web": {
+        *("aiohttp", "aiohappyeyeballs", "aiosignal", "attr", "frozenlist", "multidict", "propcache", "yarl", "idna"),
+        *("cryptography", "_cffi_backend"),
+    },
+}
+"""What only requirements/recorder.lock and web.lock install."""
 
 
 @pytest.mark.parametrize("package", ["giraff_schemas", "giraff_core", "giraff_node", "giraff_client", *services()])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Iterable
 from itertools import chain
@@ -17,8 +18,9 @@ PIN = re.compile(r"(?P<name>[a-z0-9-]+)==(?P<version>[\w.]+)( ; [\w.'<>=! ]+)? \
 PARTS = {
     "robot": ["serial"],
     "recorder": ["serial", "record"],
-    "laptop": ["serial", "cli"],
-    "sim": ["serial", "cli", "sim"],
+    "web": ["serial", "web"],
+    "laptop": ["serial", "cli", "web"],
+    "sim": ["serial", "cli", "sim", "web"],
 }
 """Lock of what a kind of host needs -> the extras that it pins."""
 HASH = re.compile(r"    --hash=sha256:[0-9a-f]{64}( \\)?")
@@ -83,6 +85,19 @@ def test_there_is_no_lock_beside_these() -> None:
 def test_the_robots_lock_stays_small() -> None:
     robot = pins((ROOT / "requirements" / "robot.lock").read_text())
     assert not {"numpy", "rerun-sdk", "typer", "rich", "cffi", "cryptography"} & set(robot)
+
+
+def test_what_judges_the_page_is_pinned_by_hash_and_not_by_where_it_is() -> None:
+    folder = ROOT / "tests" / "functional" / "desk"
+    text = (folder / "package-lock.json").read_text()
+    lock, asked = json.loads(text), json.loads((folder / "package.json").read_text())
+    packages = {name: package for name, package in lock["packages"].items() if name}
+    assert lock["packages"][""]["devDependencies"] == asked["devDependencies"]
+    assert {name.removeprefix("node_modules/"): each["version"] for name, each in packages.items()} == asked[
+        "devDependencies"
+    ]
+    assert all(each["integrity"].startswith("sha512-") for each in packages.values())
+    assert "://" not in text
 
 
 @pytest.mark.parametrize(

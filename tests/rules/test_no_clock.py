@@ -23,7 +23,10 @@ EXCEPTIONS = {
     "tests/timing/faults.py": "the rows of the fault table, which are read, and not run",
     TOOLS: "git, compilers, linters and an interpreter that has imported nothing yet: each ends by itself",
 }
-USERS_OF_TOOLS = ("tests/rules/", "tests/firmware/", "tests/mutants/", "tests/fuzz/boards.py")
+USERS_OF_TOOLS = (
+    *("tests/rules/", "tests/firmware/", "tests/mutants/", "tests/fuzz/boards.py"),
+    "tests/unit/web/test_page.py",  # node, which runs the page's own tests
+)
 
 
 def seen_in(source: str) -> tuple[list[str], list[str]]:

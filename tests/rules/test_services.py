@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections import Counter
 from importlib import import_module
+from typing import Any
 from unittest.mock import MagicMock
 
 import pytest
@@ -110,7 +111,7 @@ def test_doctor_tells_what_follows_where_one_is_missing() -> None:
 
 
 def test_a_hand_is_what_a_person_drives_by() -> None:
-    assert HANDS == ("joystick", "keyboard")
+    assert HANDS == ("joystick", "keyboard", "web")
 
 
 @pytest.mark.parametrize("service", TURNING, ids=lambda service: service.name)
@@ -120,8 +121,12 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
     io = MagicMock(instance="one", hostname="host")
     io.store.read.side_effect = FileNotFoundError
     io.token.return_value = 1
-    screen = (MagicMock(), StatusView()) if service.name == "keyboard" else ()
-    made(io, load(service.table, config, {"GIRAFF_CONFIG": "/dev/null", **needed(service)}), ROBOT, *screen)
+    people: dict[str, tuple[Any, ...]] = {
+        "keyboard": (MagicMock(), StatusView()),  # its screen
+        "web": (MagicMock(), MagicMock()),  # its pages and its log
+    }
+    given = load(service.table, config, {"GIRAFF_CONFIG": "/dev/null", **needed(service)})
+    made(io, given, ROBOT, *people.get(service.name, ()))
     for method, rows in ((io.publisher, service.publishes), (io.inbox, service.subscribes)):
         assert {topics.topic_of(call.args[0].key) for call in method.call_args_list} == set(rows)
     assert {call.args[0] for call in io.requests.call_args_list} == set(service.answers)

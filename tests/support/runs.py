@@ -46,6 +46,7 @@ class Command:
             "GIRAFF_ROBOT_NAME": self.robot,
             "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
             "TMPDIR": str(self.left),
+            "XDG_STATE_HOME": str(directory / "state"),
         }
 
     def start(self, *options: str, local: bool = True, **popen: Any) -> subprocess.Popen[str]:

@@ -126,8 +126,8 @@ def _keys(network: NetworkConfig) -> tuple[str, bool]:
     """What is wrong with this host's bundle, with the way out, and whether no link comes about with it."""
     folder, now = Path(network.keys), datetime.now(UTC)
     if find_spec("cryptography") is not None:
-        from giraff_cli.keys.files import KeyFileError, read_certificate  # noqa: PLC0415
         from giraff_cli.keys.status import State, host_standing  # noqa: PLC0415
+        from giraff_keys.files import KeyFileError, read_certificate  # noqa: PLC0415
 
         try:
             standing = host_standing(folder, read_certificate(folder / CA_CERTIFICATE), now)

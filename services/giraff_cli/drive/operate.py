@@ -7,11 +7,11 @@ import os
 from collections.abc import Sequence
 from typing import Final
 
-from giraff_cli.drive.limits import ask_limits
 from giraff_cli.drive.terminal import DriveTerminal
 from giraff_cli.drive.view import DriveView
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.limits import ask_limits
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.main import go_on_asking, in_terminal, run_keyboard
 from giraff_node import Node
@@ -32,7 +32,7 @@ def drive(robot: str | None, connect: Sequence[str]) -> int:
         return print_error("drive: cannot draw on this terminal, of which TERM says that it is dumb")
 
     def act(connection: RobotConnection) -> int:
-        limits = ask_limits(connection)
+        limits = ask_limits(connection, "drive")
         return _drive(connection, Settings(KeyboardConfig(), limits, connection.network))
 
     return run_with_robot(robot, connect, _PATIENCE, act, moves=True)

@@ -6,8 +6,8 @@ from typing import Any
 
 from giraff_cli.drive.picture import DrivePicture
 from giraff_cli.telemetry.collector import Latest, SampleT, Telemetry, range_key
+from giraff_core.operator import what_stops
 from giraff_keyboard.policy import KeyboardPolicy
-from giraff_keyboard.status import what_stops
 from giraff_schemas.messages import Range, Sample
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, Topic
 
@@ -40,7 +40,7 @@ class DriveView:
             is_lost=policy.moment(now) is None,
             is_mine=not policy.refusal,
             driver=policy.driver,
-            why=what_stops(policy, _fresh(snapshot.base), _fresh(snapshot.guard), now),
+            why=what_stops(policy.command(now).reason or policy.refusal, _fresh(snapshot.base), _fresh(snapshot.guard)),
             stop=stop,
             step=policy.step,
             steps=policy.steps,

@@ -11,11 +11,12 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.keys.certificates import CertificateError, addresses_of, new_authority, new_host
-from giraff_cli.keys.files import CA_KEY, KeyFileError, bundle_text, read_authority, read_certificate
-from giraff_cli.keys.folder import holding, lay_down
-from giraff_cli.keys.host_names import Address, require_address, require_name, without_local
+from giraff_cli.keys.bundle import bundle_text
 from giraff_cli.keys.status import Standing, State, authority_standing, host_standing, keys_command
+from giraff_keys.certificates import CertificateError, addresses_of, new_authority, new_host
+from giraff_keys.files import CA_KEY, KeyFileError, read_authority, read_certificate
+from giraff_keys.folder import holding, lay_down
+from giraff_keys.host_names import Address, require_address, require_name, without_local
 from giraff_node.network.key_bundle import BUNDLE_FILE, CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
 
 _DONE: Final = 0

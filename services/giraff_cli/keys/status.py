@@ -11,10 +11,10 @@ from pathlib import Path
 from cryptography import x509
 from cryptography.exceptions import InvalidSignature
 
-from giraff_cli.keys.certificates import addresses_of, common_name
-from giraff_cli.keys.files import CA_KEY, KeyFileError, is_pair, read_certificate, read_key
-from giraff_cli.keys.folder import is_readable_by_others
-from giraff_cli.keys.host_names import without_local
+from giraff_keys.certificates import addresses_of, common_name
+from giraff_keys.files import CA_KEY, KeyFileError, is_pair, read_certificate, read_key
+from giraff_keys.folder import is_readable_by_others
+from giraff_keys.host_names import without_local
 from giraff_node.network.key_bundle import (
     CA_CERTIFICATE,
     EXPIRES_SOON,

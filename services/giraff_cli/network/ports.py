@@ -1,4 +1,4 @@
-"""What a run holds of this host: a free port, and its robot's name."""
+"""What a run holds of this host: ports that are free, and its robot's name."""
 
 from __future__ import annotations
 
@@ -23,6 +23,17 @@ def free_port() -> int:
             except OSError:
                 continue
         return port
+
+
+def port_or_any(port: int) -> int:
+    """This one, if a server can have it on all of this host's addresses; else 0, for which the kernel gives any."""
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)  # a server that has just ended has left it
+        try:
+            probe.bind(("", port))
+        except OSError:
+            return 0
+    return port
 
 
 def claim(robot: str) -> socket.socket | None:

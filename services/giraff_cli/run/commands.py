@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from giraff_cli.options import require_extra
+
 _REFUSED = 2  # exit code: nothing was started
 
 
@@ -35,9 +37,15 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     ] = None,
     summary: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the summary as JSON.")] = None,
     picture: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the last live view as SVG.")] = None,
+    web: Annotated[
+        bool, typer.Option("--web", help="Also serve a page, to drive and watch it by phone or laptop.")
+    ] = False,
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:
     """Drive the simulated robot through its services, and watch it."""
+    if web:
+        for library in ("aiohttp", "cryptography", "segno"):
+            require_extra("run --web", library, "cli,sim,web")
     from giraff_cli.run.begin import drive  # noqa: PLC0415
     from giraff_cli.run.plan import PlanError, make_plan  # noqa: PLC0415
 
@@ -52,6 +60,7 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
             boards=boards,
             summary=summary,
             picture=picture,
+            web=web,
             local=local,
         )
     except PlanError as error:

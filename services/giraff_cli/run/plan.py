@@ -14,6 +14,7 @@ from typing import Final, Literal
 
 import tomlkit
 
+from giraff_cli.network.ports import port_or_any
 from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
@@ -29,6 +30,7 @@ from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world.hand import ScriptError
 from giraff_sim.world.room import RoomError, read_room
 from giraff_sim.world.world import World
+from giraff_web.config import WebConfig
 
 Boards = Literal["avr", "host"]
 Hand = Literal["demo", "keyboard", "none"]
@@ -67,6 +69,8 @@ class Plan:
     """Why not the better ones; empty when they are, or when they were asked for."""
     summary: Path | None
     picture: Path | None
+    web: bool
+    """A page is served beside the robot."""
 
 
 def make_plan(  # noqa: PLR0913  one argument an option
@@ -79,6 +83,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     boards: Boards | None,
     summary: Path | None,
     picture: Path | None,
+    web: bool,
     local: bool,
     truth: Level,
 ) -> Plan:
@@ -93,7 +98,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
             "--hand none, and `giraff drive` in another"
         )
     try:
-        environment = _environment(os.environ, hand, local=local)
+        environment = _environment(os.environ, hand, local=local, web=web)
         robot = load("robot", RobotConfig, environment)
         network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
@@ -129,6 +134,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
         why_boards=why,
         summary=summary,
         picture=picture,
+        web=web,
     )
 
 
@@ -146,7 +152,7 @@ def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
     raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make setup builds it")
 
 
-def _environment(given: Mapping[str, str], hand: Hand, *, local: bool) -> dict[str, str]:
+def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool) -> dict[str, str]:
     environment = {**KNOWN, **given}
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")
@@ -166,7 +172,16 @@ def _environment(given: Mapping[str, str], hand: Hand, *, local: bool) -> dict[s
     environment["GIRAFF_JOYSTICK_OPERATOR"] = DEMONSTRATION
     # A hand that only lies there does not take the robot from nobody: `c` in `giraff drive` would be refused.
     environment["GIRAFF_JOYSTICK_ASKS_FROM_START"] = "true" if hand == "demo" else "false"
+    if web:
+        environment |= _page_settings(environment, local=local)
     return environment
+
+
+def _page_settings(given: Mapping[str, str], *, local: bool) -> dict[str, str]:
+    """Where the page is served: at the port that somebody has given, else at the usual one or any that is free."""
+    config = load("web", WebConfig, given)
+    port = config.port if "GIRAFF_WEB_PORT" in given else port_or_any(config.port)
+    return {"GIRAFF_WEB_ADDRESS": "127.0.0.1" if local else config.address, "GIRAFF_WEB_PORT": str(port)}
 
 
 def _require_writable(option: str, path: Path) -> None:

@@ -21,14 +21,15 @@ from giraff_cli.run.screen import Frame, RunView
 from giraff_cli.run.simulated_robot import SIMULATOR, START_ORDER, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
+from giraff_cli.terminal import addresses
 from giraff_cli.terminal.layout import Standing
-from giraff_cli.terminal.screen import NullScreen, Screen, as_svg, open_screen, say
+from giraff_cli.terminal.screen import LineScreen, NullScreen, Screen, as_svg, open_screen, say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node import robot_now_ns
 from giraff_node.network.query_client import request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
-from giraff_schemas.services import DEMONSTRATION
+from giraff_schemas.services import DEMONSTRATION, WEB
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
 
@@ -78,6 +79,7 @@ class Run:
         self._joystick = Joystick(robot, is_driven=plan.driver == "demo")
         self._announcer: Announcer | None = None
         self._driver: Driver | None = None
+        self._page = robot.page
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
         self._began_ns: int | None = None
@@ -106,6 +108,7 @@ class Run:
     def _watch(self, telemetry: RunTelemetry) -> None:
         self._connection.subscribe_all(topic for topic in TOPICS if topic is not TRUE_POSE)  # its own word
         self._announcer = Announcer(self._connection.session, self._plan.robot.name)
+        self._await_page()
         if self._plan.driver != "keyboard":  # whoever drives has the terminal
             self._screen = open_screen()
         try:
@@ -130,6 +133,20 @@ class Run:
                 return
             if self._stopping.wait(_LOOK_EVERY) or not self._look(telemetry):
                 return
+
+    def _await_page(self) -> None:
+        """On a terminal its addresses are told before the live view takes all of it."""
+        if self._page is None:
+            return
+        deadline = time.monotonic() + _SERVICES_WITHIN
+        while not self._page.look():
+            self._note_ended()
+            if WEB.name in self._robot.ended or self._stopping.wait(_LOOK_EVERY):
+                return
+            if time.monotonic() > deadline:
+                self._failures.append(f"the page has told no address after {_SERVICES_WITHIN:g} s")
+                return
+        addresses.tell(self._page.addresses)
 
     def _drive(self, telemetry: RunTelemetry) -> None:
         until = math.inf if self._plan.seconds is None else time.monotonic() + self._plan.seconds
@@ -170,6 +187,8 @@ class Run:
         telemetry.see(self._robot.truth())
         if self._announcer is not None:
             self._announcer.tell(telemetry.true_pose)
+        if self._page is not None and self._page.look() and isinstance(self._screen, LineScreen):
+            addresses.tell(self._page.addresses)
         try:
             self._screen.show(self._view(telemetry))
         except OSError:  # whoever watched has gone
@@ -187,15 +206,19 @@ class Run:
 
     def _view(self, telemetry: RunTelemetry) -> RunView:
         now_ns = robot_now_ns()
+        told = () if self._page is None else self._page.addresses
+        hints = [f"drive it: {told[0]}", *self._hints[1:]] if told else self._hints
+        services = START_ORDER if self._page is None else (*START_ORDER, WEB.name)
         frame = Frame(
             robot=self._plan.robot.name,
             boards=self._plan.boards,
             seed=self._plan.seed,
             elapsed=0.0 if self._began_ns is None else (now_ns - self._began_ns) * 1e-9,
             seconds=self._plan.seconds,
-            hints=self._hints,
+            hints=hints,
             note=self._joystick.note,
-            services={service: self._standing(service, telemetry) for service in START_ORDER},
+            address=addresses.of_others(told),
+            services={service: self._standing(service, telemetry) for service in services},
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )
         return RunView(telemetry.snapshot(now_ns), frame)

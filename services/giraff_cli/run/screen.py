@@ -15,10 +15,12 @@ from giraff_cli.run.line import line
 from giraff_cli.run.telemetry import RunSnapshot
 from giraff_cli.telemetry import panels as blocks
 from giraff_cli.telemetry.panels import dim
+from giraff_cli.terminal.addresses import BesideCode, Code
 from giraff_cli.terminal.layout import NONE, Standing, beside, block, clock, header, notice, right, services
 from giraff_cli.terminal.text import printable
 from giraff_core.kinematics.pose import Pose
 
+_COLUMNS: Final = 80
 _TOPIC_COLUMNS: Final = 3
 
 
@@ -37,6 +39,8 @@ class Frame:
     """What a person can do, a line each."""
     note: str
     """What the demonstration does instead of driving; empty: it drives."""
+    address: str
+    """Of the page, for another host; empty: there is none."""
     services: dict[str, Standing]
     notices: tuple[str, ...]
     """What went wrong so far, one line each."""
@@ -71,7 +75,7 @@ def _hints(frame: Frame) -> list[str]:
 def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
     """The picture."""
     truth = snapshot.truth
-    return Group(
+    picture = Group(
         _header(frame),
         *(Text(printable(hint), style="green", no_wrap=True, overflow="ellipsis") for hint in _hints(frame)),
         beside(_poses(snapshot), blocks.motion(truth.path, truth.speed, truth.turn), _hand(snapshot)),
@@ -82,6 +86,7 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
         services(list(frame.services.items())),
         *map(notice, frame.notices),
     )
+    return BesideCode(picture, _COLUMNS, Code(frame.address)) if frame.address else picture
 
 
 def _header(frame: Frame) -> RenderableType:

@@ -13,6 +13,7 @@ import msgspec
 from giraff_cli.run.demonstration import Grip
 from giraff_cli.run.driver import Driver
 from giraff_cli.run.odometry_error import Truth
+from giraff_cli.run.page import ROOM_FILE, Page, write_room
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.processes import Ended, ProcessGroup
 from giraff_cli.terminal.signals import StopSignal
@@ -20,9 +21,10 @@ from giraff_core.estop import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_schemas.services import SERVICES
+from giraff_schemas.services import SERVICES, WEB
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
+from giraff_sim.world.room import read_room
 
 START_ORDER: Final = ("joystick", "guard", "base", "ranger", "odometry", "motion")
 SIMULATOR: Final = "simulator"
@@ -58,6 +60,10 @@ class SimulatedRobot:
         self._client: SimulatorClient | None = None
         self.drawn: Drawn | None = None
         """How this robot differs from its file; None before it is there."""
+        self.page: Page | None = None
+        if plan.web:
+            everywhere = not plan.environment["GIRAFF_WEB_ADDRESS"]
+            self.page = Page(self._processes.log(WEB.name), everywhere=everywhere)
 
     def start_simulator(self, stopping: StopSignal) -> bool:
         """Start boards and world; False when the end was asked for meanwhile. Raises StartError."""
@@ -96,6 +102,16 @@ class SimulatedRobot:
         write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
         for service in START_ORDER:
             self._processes.start(service, f"giraff_{service}", [], environment)
+        if self.page is not None:
+            self._start_page(environment)
+
+    def _start_page(self, environment: dict[str, str]) -> None:
+        """It keeps its state where it would without a run, so that a phone that trusts it once does so at the next."""
+        room = self._directory / ROOM_FILE
+        write_room(read_room(self._plan.world), room)
+        own = {name: value for name, value in environment.items() if name != "STATE_DIRECTORY"}
+        given = {name: value for name, value in self._plan.environment.items() if name == "STATE_DIRECTORY"}
+        self._processes.start(WEB.name, WEB.package, [], own | given | {"GIRAFF_WEB_ROOM": str(room)})
 
     def truth(self) -> Truth:
         """The robot as the world has it now. Raises SimulatorError."""
@@ -136,7 +152,7 @@ class SimulatedRobot:
 
     def stop(self) -> list[str]:
         """End the services, then the simulator. Bounded. Returns what went wrong."""
-        troubles = self._processes.stop(START_ORDER, _GRACE)
+        troubles = self._processes.stop((*START_ORDER, WEB.name), _GRACE)
         if self._client is not None:
             self._client.close()
         return troubles + self._processes.stop([SIMULATOR], _GRACE)

@@ -102,15 +102,19 @@ class Process:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Leave the network, whatever it does, with an exit code that says whether this was wanted."""
-        if kind is not None:
+        """Leave the network, whatever it does, with an exit code that says whether this was wanted.
+
+        Who has said why, and leaves by `sys.exit`, chooses its own.
+        """
+        chosen = error.code if isinstance(error, SystemExit) and isinstance(error.code, int) else None
+        if kind is not None and not chosen:
             self.log.error("ended by %s: %s", kind.__name__, error, exc_info=(kind, error, trace) if error else None)
         self._notifier.stopping()
         self._health_socket.close()
         signal.set_wakeup_fd(-1)
         closed = close_session(session)
         self.log.info("ended")
-        status = 1 if kind is not None or self._failure is not None else 0
+        status = chosen or (1 if kind is not None or self._failure is not None else 0)
         if self._again and not status:
             restart_program()
         if not closed:

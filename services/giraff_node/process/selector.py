@@ -42,6 +42,11 @@ class Waker:
         with contextlib.suppress(BlockingIOError):
             self._read_end.recv(4096)
 
+    def close(self) -> None:
+        """Nobody wakes it any more."""
+        self._read_end.close()
+        self._write_end.close()
+
 
 def wait_for(watched: Iterable[Selectable], seconds: float) -> set[Selectable]:
     """Wait at most `seconds` until one of these is readable; which are."""

@@ -31,6 +31,7 @@ from typing import Final, NamedTuple
 
 import msgspec
 
+_CORNERS: Final = 8  # of a post where it is drawn
 _SHORTEST_WALL: Final = 1e-3  # m: below it a segment has no direction worth the name
 
 
@@ -166,6 +167,19 @@ class Room:
             _side(begin, end, one) != _side(begin, end, other) and _side(one, other, begin) != _side(one, other, end)
             for begin, end in self.thresholds
         )
+
+    def outlines(self) -> list[tuple[Point, ...]]:
+        """Lines that show all walls and posts, for whoever draws them."""
+        walls = [
+            ((x, y), (x + along_x * length, y + along_y * length))
+            for _, x, y, along_x, along_y, length in self._segments
+        ]
+        corners = [number * math.tau / _CORNERS for number in range(_CORNERS + 1)]
+        posts = [
+            tuple((post.x + post.radius * math.cos(angle), post.y + post.radius * math.sin(angle)) for angle in corners)
+            for post in self._posts
+        ]
+        return [*walls, *posts]
 
     def remove(self, name: str) -> None:
         """Take away every wall and post called `name`."""

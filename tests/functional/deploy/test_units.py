@@ -20,7 +20,7 @@ ROLES = {
     role: services.split()
     for role, services in re.findall(r"(\w+)\) SERVICES=\(([\w ]+)\)", (ROOT / "scripts" / "install").read_text())
 }
-BY_HAND = ("gateway", "recorder", "router", "sentry")
+BY_HAND = ("gateway", "recorder", "router", "sentry", "web")
 """Services that `systemctl enable --now giraff@SERVICE` adds to a machine."""
 DROP_IN = "giraff@recorder.service.d"
 MOST_EXPOSED = 20  # tenths of systemd's own scale, which ends at 100; 17 when this was written

@@ -29,6 +29,7 @@ ASKING: dict[str, Words] = {
     "why": (),
     "watch": ("--for", "3"),
     "drive": (),
+    "web": (),
     "estop status": (),
     "estop reset": (),
     "estop engage": (),
@@ -97,7 +98,7 @@ ROBOTLESS: Mapping[str, str] = {
     "keys list": "likewise",
 }
 """Those that ask no robot, and where below tests/ they are tried."""
-WAITING = {"watch", "record", "view", "drive"}
+WAITING = {"watch", "record", "view", "drive", "web"}
 """They say so while they wait, and in the end."""
 
 

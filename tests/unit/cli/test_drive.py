@@ -15,10 +15,10 @@ from rich.console import Console
 from giraff_base.arming import HOW_TO_ARM
 from giraff_base.board import engaged_by
 from giraff_cli.drive import operate
-from giraff_cli.drive.limits import limits_of
 from giraff_cli.drive.picture import COLUMNS, ROWS, DrivePicture
 from giraff_cli.drive.view import DriveView
 from giraff_cli.drive.words import for_keys
+from giraff_cli.network.limits import limits_of
 from giraff_cli.terminal.screen import as_svg
 from giraff_core.parameters.table import Parameters
 from giraff_guard.authority import _HOW_TO_ASK, _HOW_TO_TAKE

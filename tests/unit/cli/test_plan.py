@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import math
 import os
+import socket
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from giraff_node.network.discovery import simulated_name
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
 from giraff_sim.world.room import read_room
+from giraff_web.config import WebConfig
 
 BUILT = {
     "avr": ["lockstep/lockstep.so", "firmware/base.elf", "firmware/joystick.elf", "firmware/ranger.elf"],
@@ -37,7 +39,9 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 def plan(**options: Any) -> Plan:
     defaults: dict[str, Any] = dict.fromkeys(("seconds", "world", "tilt_script", "boards", "summary", "picture"))
-    return make_plan(**defaults | {"seed": 1, "truth": "calibrated", "hand": "demo", "local": False} | options)
+    return make_plan(
+        **defaults | {"seed": 1, "truth": "calibrated", "hand": "demo", "local": False, "web": False} | options
+    )
 
 
 def test_the_defaults_make_a_run() -> None:
@@ -97,6 +101,40 @@ def test_the_robot_file_below_the_working_directory_counts(tmp_path: Path) -> No
     made = plan()
     assert made.robot.footprint_radius == 0.25
     assert Path(made.environment["GIRAFF_CONFIG"]) == tmp_path / "deploy" / "robot.toml"
+
+
+def test_without_a_page_nothing_of_one_is_settled() -> None:
+    assert [name for name in plan().environment if name.startswith("GIRAFF_WEB_")] == []
+
+
+def page_of(**options: Any) -> WebConfig:
+    return load("web", WebConfig, plan(web=True, **options).environment)
+
+
+def test_a_page_has_the_files_port_or_any_where_somebody_has_that(tmp_path: Path) -> None:
+    (tmp_path / "deploy").mkdir()
+    shipped = (ROOT / "deploy" / "robot.toml").read_text()
+    with socket.socket() as held:
+        held.bind(("", 0))
+        held.listen()
+        port = held.getsockname()[1]
+        (tmp_path / "deploy" / "robot.toml").write_text(shipped.replace("[web]", f"[web]\nport = {port}"))
+        assert page_of().port == 0
+    assert page_of().port == port
+
+
+def test_a_port_that_somebody_has_given_is_not_replaced(monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.socket() as held:
+        held.bind(("", 0))
+        held.listen()
+        port = held.getsockname()[1]
+        monkeypatch.setenv("GIRAFF_WEB_PORT", str(port))
+        assert page_of().port == port
+
+
+def test_a_run_that_keeps_off_the_network_has_its_page_on_this_host_alone() -> None:
+    assert page_of(local=True).address == "127.0.0.1"
+    assert page_of(local=False).address == ""
 
 
 def world_file(directory: Path, text: str) -> Path:

@@ -43,6 +43,7 @@ FRAME = Frame(
     seconds=600.0,
     hints=("drive it: .venv/bin/giraff drive", "stop it:  .venv/bin/giraff estop engage"),
     note="",
+    address="",
     services={"joystick": "alive", "guard": "alive", "base": "alive", "ranger": "silent", "odometry": "ended"},
     notices=(),
 )

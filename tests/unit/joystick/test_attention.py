@@ -6,19 +6,21 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_core.tilt.disturbance import SOUND
 from giraff_joystick.hand_detector import (
     DETECTION_S,
     FALLING,
     FROZEN,
     LAID_DOWN,
     SHAKEN,
-    SOUND_READINGS,
     Counts,
     HandDetector,
 )
 from giraff_sim.world.bno055 import GRAVITY, Vector
 from tests.unit.joystick.frames import ANGLE
 from tests.unit.joystick.hands import MODAL_TREMOR, NOISE, PERIOD, counts, readings, tilted
+
+SOUND_READINGS = round(SOUND / PERIOD)
 
 
 def judged(seen: list[Counts], *, deflected: bool = True) -> list[str]:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_joystick.clutch import FLAT, Clutch, Vector
+from giraff_core.tilt.clutch import FLAT, Clutch, Vector, Words
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_schemas.messages import DriveCommand, Lease
@@ -151,7 +151,7 @@ directions = st.tuples(*[st.floats(-1.0, 1.0)] * 2).map(lambda xy: unit(xy[0], x
 
 @given(directions, st.tuples(*[st.floats(-40.0, 40.0)] * 3))
 def test_turning_to_the_zero_is_a_rotation_that_lays_it_flat(zero: Vector, vector: Vector) -> None:
-    clutch = Clutch()
+    clutch = Clutch(Words("", "", ""))
     clutch.zero = zero
     assert clutch.relative(zero) == pytest.approx(FLAT, abs=1e-12)
     assert math.hypot(*clutch.relative(vector)) == pytest.approx(math.hypot(*vector), abs=1e-9)
@@ -162,4 +162,4 @@ def test_turning_to_the_zero_is_a_rotation_that_lays_it_flat(zero: Vector, vecto
 
 @given(st.tuples(*[st.floats(-40.0, 40.0)] * 3))
 def test_with_the_zero_flat_nothing_is_changed(vector: Vector) -> None:
-    assert Clutch().relative(vector) == vector
+    assert Clutch(Words("", "", "")).relative(vector) == vector

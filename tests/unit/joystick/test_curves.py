@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_joystick import curves
-from giraff_joystick.config import Curve
+from giraff_core.tilt import curves
+from giraff_core.tilt.curves import Curve
 from giraff_joystick.policy import JoystickPolicy, reading
 from giraff_schemas.messages import DriveCommand
 from tests.unit.joystick.frames import ANGLE, ROBOT, SOURCE, tilt_frame

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_joystick.clutch import BOUNCE_READINGS
+from giraff_core.tilt.clutch import BOUNCE
 from giraff_joystick.policy import BOARD_SILENCE, JoystickPolicy
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick, Tilt
@@ -217,7 +217,7 @@ def test_after_missing_readings_no_attitude_of_before_becomes_the_zero(gap: str)
         now += BOARD_SILENCE + 0.02
     else:
         joystick.on_frame(tilt_frame(status=TiltStatus.BUS_FAULT, button=1), now)
-    for step in range(BOUNCE_READINGS):
+    for step in range(round(BOUNCE / 0.02) + 1):
         now += 0.02
         joystick.on_frame(tilt_frame(5.0 + step % 2 / 100, 0.0, 8.4, robot_ns=100 + step), now)
     assert_fault(joystick.command(now), "before the sensor had been read for 0.2 s", "old zero stays")

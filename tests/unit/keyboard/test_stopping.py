@@ -1,6 +1,6 @@
 """The space bar's request: repeated until base says that it has stopped."""
 
-from giraff_keyboard.estop_request import EStopRequest
+from giraff_core.estop_request import EStopRequest
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
 
@@ -31,14 +31,14 @@ STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="")
 
 def test_nothing_is_asked_before_the_space_bar() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask)
+    stopping = EStopRequest(line.ask, "press r to release it")
     assert not stopping.poll(0.0)
     assert (line.requests, stopping.asked, stopping.text) == (0, False, "")
 
 
 def test_it_asks_until_base_confirms() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask)
+    stopping = EStopRequest(line.ask, "press r to release it")
     stopping.engage()
     assert "NOT CONFIRMED" in stopping.text
     line.fault = "estop/engage: nobody there"
@@ -57,7 +57,7 @@ def test_it_asks_until_base_confirms() -> None:
 
 def test_an_answer_that_does_not_confirm_is_told_and_asked_again() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask)
+    stopping = EStopRequest(line.ask, "press r to release it")
     stopping.engage()
     line.refusal = EStopAnswer(done=False, engaged=True, id=4, reason="disk full")
     for turn in range(21):
@@ -68,7 +68,7 @@ def test_an_answer_that_does_not_confirm_is_told_and_asked_again() -> None:
 
 def test_pressed_again_while_asking_it_is_one_request() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask)
+    stopping = EStopRequest(line.ask, "press r to release it")
     for _ in range(5):
         stopping.engage()
         stopping.poll(0.0)
@@ -77,7 +77,7 @@ def test_pressed_again_while_asking_it_is_one_request() -> None:
 
 def test_it_can_stop_again_after_a_reset() -> None:
     line = Line()
-    stopping = EStopRequest(line.ask)
+    stopping = EStopRequest(line.ask, "press r to release it")
     line.answer = STOPPED
     stopping.engage()
     assert stopping.poll(0.0)

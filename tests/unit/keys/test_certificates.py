@@ -10,7 +10,7 @@ from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric.ec import SECP256R1
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
-from giraff_cli.keys.certificates import (
+from giraff_keys.certificates import (
     AUTHORITY_LIFE,
     CertificateError,
     addresses_of,

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_cli.keys.host_names import LOCAL, require_address, require_name, with_local, without_local
+from giraff_keys.host_names import LOCAL, require_address, require_name, with_local, without_local
 from giraff_schemas.topics import require_chunk
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from giraff_cli.keys import folder as key_folder
-from giraff_cli.keys.folder import holding
+from giraff_keys import folder as key_folder
+from giraff_keys.folder import holding
 from tests.unit.keys.folders import authority, bundle, contents
 
 

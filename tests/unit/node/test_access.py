@@ -16,6 +16,7 @@ from giraff_core.access import AccessConfig, access_control
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import session_config
+from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import (
     CMD_VEL,
     ESTOP_ENGAGE,
@@ -28,6 +29,10 @@ from giraff_schemas.topics import (
     PARAM_SET,
     TILT,
     TOPICS,
+    Query,
+    Topic,
+    alive_key,
+    health_key,
     key_of,
 )
 from tests.support.secured_hosts import ACCESS, HOSTS, ROBOT, authority
@@ -109,6 +114,31 @@ def test_nobody_else_asks_for_a_motion_or_holds_one(host: str) -> None:
 def test_a_router_passes_on_motions_where_some_operator_may_ask() -> None:
     assert moves("router") == ASKS_AND_HOLDS
     assert moves("router", msgspec.structs.replace(MOVING, operators={"laptop": ("joystick",)})) == set()
+
+
+WITH_PAGE = AccessConfig(robot=("robot",), operators={"hall": ("web",)}, viewers=("screen",))
+"""A page is served by the host `hall`."""
+
+
+def test_the_host_of_a_page_drives_stops_and_resets_by_its_name() -> None:
+    def may(message: str, *topics: Topic[Any] | Query[Any, Any]) -> list[bool]:
+        return [lets_in("hall", message, key_of(ROBOT, topic), WITH_PAGE) for topic in topics]
+
+    assert may("put", OPERATOR_CMD_VEL.at("web")) == [True]
+    assert may("query", ESTOP_ENGAGE, ESTOP_RESET) == [True, True]
+    for message in ("liveliness_token", "declare_queryable", "reply"):
+        assert [lets_in("hall", message, key(ROBOT, "web"), WITH_PAGE) for key in (alive_key, health_key)] == [True] * 2
+
+
+def test_it_speaks_neither_as_the_robot_nor_as_another_operator() -> None:
+    said = {topic.key for topic in TOPICS if lets_in("hall", "put", key_of(ROBOT, topic), WITH_PAGE)}
+    assert said == {TILT.key, OPERATOR_CMD_VEL.key}, "of the latter its own name alone"
+    others = [OPERATOR_CMD_VEL.at(name) for name in ("joystick", "keyboard", "motion")]
+    assert [topic for topic in others if lets_in("hall", "put", key_of(ROBOT, topic), WITH_PAGE)] == []
+    assert not lets_in("hall", "put", key_of(ROBOT, CMD_VEL), WITH_PAGE)
+    robots = [service.name for service in SERVICES if service.host == "robot"]
+    assert [name for name in robots if lets_in("hall", "liveliness_token", alive_key(ROBOT, name), WITH_PAGE)] == []
+    assert [query for query in MOTION_QUERIES if lets_in("hall", "query", key_of(ROBOT, query), WITH_PAGE)] == []
 
 
 @pytest.fixture(scope="module")

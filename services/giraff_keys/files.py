@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from datetime import datetime
 from pathlib import Path
 from typing import Final
 
-import tomlkit
 from cryptography import x509
 from cryptography.exceptions import UnsupportedAlgorithm
 from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePrivateKey
 from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
-from giraff_cli.keys.certificates import Identity, addresses_of, common_name
-from giraff_cli.keys.host_names import without_local
+from giraff_keys.certificates import Identity
 from giraff_node.network.key_bundle import CA_CERTIFICATE
 
 CA_KEY: Final = "ca.key"
@@ -63,17 +60,6 @@ def read_authority(folder: Path) -> Identity:
 def is_pair(certificate: x509.Certificate, key: EllipticCurvePrivateKey) -> bool:
     """Whether the key is the certificate's."""
     return certificate.public_key() == key.public_key()
-
-
-def bundle_text(certificate: x509.Certificate, made: datetime) -> str:
-    """What is in the `bundle.toml` of this certificate; giraff_node.network.key_bundle reads it."""
-    document = tomlkit.document()
-    document.add(tomlkit.comment("Written by `giraff keys`: who uses these keys, and until when. host.pem decides."))
-    document["name"] = common_name(certificate)
-    document["addresses"] = [str(address) for address in without_local(addresses_of(certificate))]
-    document["made"] = made
-    document["expires"] = certificate.not_valid_after_utc
-    return tomlkit.dumps(document)
 
 
 def _read(path: Path) -> bytes:

@@ -12,7 +12,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric.ec import SECP256R1, EllipticCurvePrivateKey, generate_private_key
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
-from giraff_cli.keys.host_names import Address, with_local
+from giraff_keys.host_names import Address, with_local
 from giraff_node.network.key_bundle import BACKDATED
 
 AUTHORITY_LIFE: Final = timedelta(days=3652)  # ten years

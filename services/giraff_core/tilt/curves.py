@@ -3,17 +3,29 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, Literal, Protocol
 
 from giraff_core.robot import RobotConfig
-from giraff_joystick.config import JoystickConfig
+
+Curve = Literal["angle", "source"]
 
 # The published curve in PWM counts is 14a - 63, 0 at the first of these accelerations and 70 at the second.
 SOURCE_START: Final = 4.5  # m/s²
 SOURCE_FULL: Final = 9.5  # m/s²
 
 
-def asked(vector: tuple[float, float, float], config: JoystickConfig, robot: RobotConfig) -> tuple[float, float]:
+class CurveConfig(Protocol):
+    """Which curve, and where it begins and ends."""
+
+    @property
+    def curve(self) -> Curve: ...
+    @property
+    def dead_zone_deg(self) -> float: ...
+    @property
+    def full_tilt_deg(self) -> float: ...
+
+
+def asked(vector: tuple[float, float, float], config: CurveConfig, robot: RobotConfig) -> tuple[float, float]:
     """Speed (m/s) and turn (rad/s) that an acceleration (m/s²) relative to the zero asks for."""
     forward, left = _deflection(vector, config)
     fastest_turn = robot.drive.fastest_spin
@@ -22,7 +34,7 @@ def asked(vector: tuple[float, float, float], config: JoystickConfig, robot: Rob
     return robot.drive.within_limits(forward * robot.max_wheel_speed, left * fastest_turn)
 
 
-def _deflection(vector: tuple[float, float, float], config: JoystickConfig) -> tuple[float, float]:
+def _deflection(vector: tuple[float, float, float], config: CurveConfig) -> tuple[float, float]:
     """Forward and left, each as a share of full speed, -1..1."""
     x, y, z = vector
     if config.curve == "source":

@@ -1,4 +1,4 @@
-"""The space bar: an emergency stop asked for until base has confirmed it."""
+"""A person's emergency stop: asked for until base has confirmed it."""
 
 from __future__ import annotations
 
@@ -24,10 +24,11 @@ class Request(Protocol):
 class EStopRequest:
     """Asks base until it says that it has stopped and will stay so. Times are monotonic, s."""
 
-    def __init__(self, ask: Callable[[], Request]) -> None:
+    def __init__(self, ask: Callable[[], Request], how_to_release: str) -> None:
         self.text = ""
-        """What the person at the keyboard must know."""
+        """What the person who asked must know."""
         self._ask = ask
+        self._how_to_release = how_to_release
         self._request: Request | None = None
 
     @property
@@ -36,7 +37,7 @@ class EStopRequest:
         return self._request is not None
 
     def engage(self) -> None:
-        """The space bar was pressed."""
+        """A stop is wished."""
         if self._request is None:
             self._request = self._ask()
             self._tell(self._request)
@@ -47,7 +48,7 @@ class EStopRequest:
             return False
         if self._request.poll(now) is not None:
             self._request = None
-            self.text = "STOPPED: base has confirmed; press r to release it"
+            self.text = f"STOPPED: base has confirmed; {self._how_to_release}"
             return True
         self._tell(self._request)
         return False

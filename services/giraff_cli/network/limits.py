@@ -1,4 +1,4 @@
-"""What a keyboard must know of a robot before it may ask for anything: base tells it."""
+"""What an operator must know of a robot before it may ask for anything: base tells it."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ _TURN: Final = 0.01  # s
 _SHARED: Final = "robot."
 
 
-def ask_limits(connection: RobotConnection) -> RobotConfig:
-    """The robot's geometry and limits, as base goes by them. Raises NoRobotError."""
+def ask_limits(connection: RobotConnection, verb: str) -> RobotConfig:
+    """The robot's geometry and limits, as base goes by them. Raises NoRobotError. `verb`: that asks."""
     robot = connection.robot
     asking = QueryClient(connection.session, robot, PARAM_DESCRIBE.at(BASE.name), ParamDescribe())
     began = time.monotonic()
@@ -33,7 +33,8 @@ def ask_limits(connection: RobotConnection) -> RobotConfig:
         if (answer := asking.poll(now)) is not None:
             return limits_of(answer, robot)
         if now >= says_at:
-            print(f"giraff drive: waits for base of {robot} to tell the robot's limits", file=sys.stderr, flush=True)
+            waits = f"giraff {verb}: waits for base of {robot} to tell the robot's limits"
+            print(waits, file=sys.stderr, flush=True)
             says_at = began + _PATIENCE
         time.sleep(_TURN)
     there = list_robots(connection.session)
@@ -49,7 +50,7 @@ def ask_limits(connection: RobotConnection) -> RobotConfig:
 def limits_of(answer: ParamAnswer, robot: str) -> RobotConfig:
     """What base's answer has of the table [robot]. Raises NoRobotError where it cannot be one."""
     told = {param.name.removeprefix(_SHARED): param.value for param in answer.params if param.name.startswith(_SHARED)}
-    # A newer base may know more, which is no business of a keyboard.
+    # A newer base may know more, which is no business of an operator.
     known = {field: told[field] for field in RobotConfig.__struct_fields__ if field in told}
     try:
         return msgspec.convert(known | {"name": robot}, RobotConfig)

@@ -1,0 +1,66 @@
+"""The page of a run: what its service is told of the room, and where it is to be opened."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from giraff_cli.terminal.addresses import with_loopback
+from giraff_core.kinematics.pose import Pose
+from giraff_sim.world.room import Room
+from giraff_web.messages import Room as Walls
+
+ROOM_FILE: Final = "room.json"
+_ANNOUNCED: Final = "to drive, open "
+
+
+class _Line(msgspec.Struct):
+    """What counts of a line of the service's log."""
+
+    message: str
+
+
+def walls_of(room: Room) -> Walls:
+    """What stands in a room, in the frame of odometry, which begins where the robot does."""
+    start = Pose(*room.start)
+    return Walls(walls=tuple(tuple(start.sees(x, y) for x, y in line) for line in room.outlines()))
+
+
+def write_room(room: Room, path: Path) -> None:
+    """As giraff_web reads it."""
+    path.write_bytes(msgspec.json.encode(walls_of(room)))
+
+
+class Page:
+    """The addresses that its service tells in its log, one a line; those of one moment share their token."""
+
+    def __init__(self, log: Path, *, everywhere: bool) -> None:
+        """`log`: which may not be there yet. `everywhere`: the port is open at all of this host's addresses."""
+        self._log = log
+        self._everywhere = everywhere
+        self.addresses: tuple[str, ...] = ()
+        """The newest; empty: none so far."""
+
+    def look(self) -> bool:
+        """Whether there are new ones since the last call."""
+        told = list(self._told())
+        newest = tuple(each for each in told if each.partition("#")[2] == told[-1].partition("#")[2])
+        newest = with_loopback(newest) if self._everywhere else newest
+        is_news = newest != self.addresses
+        self.addresses = newest
+        return is_news
+
+    def _told(self) -> Iterator[str]:
+        try:
+            whole, _, _ = self._log.read_bytes().rpartition(b"\n")
+        except FileNotFoundError:
+            return
+        for line in whole.splitlines():
+            with contextlib.suppress(msgspec.MsgspecError):  # Python's own words, of a fault
+                message = msgspec.json.decode(line, type=_Line).message
+                if message.startswith(_ANNOUNCED):
+                    yield message.removeprefix(_ANNOUNCED)

@@ -1,0 +1,40 @@
+"""`giraff web`: finds the robot, asks it for its limits, and is giraff_web in this terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final
+
+from giraff_cli.network.command import run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.limits import ask_limits
+from giraff_cli.network.ports import port_or_any
+from giraff_cli.terminal import addresses
+from giraff_node import Node
+from giraff_node.node import Settings
+from giraff_schemas.services import WEB
+from giraff_web.config import WebConfig
+from giraff_web.main import run_web
+
+_PATIENCE: Final = 3.0  # s, for a robot to be found
+
+_DONE: Final = 0
+
+
+def serve(robot: str | None, connect: Sequence[str], port: int | None) -> int:
+    """Until Ctrl-C; the exit code. `port`: None: the usual one, or any where somebody has that."""
+
+    def act(connection: RobotConnection) -> int:
+        limits = ask_limits(connection, "web")
+        usual = WebConfig()
+        config = WebConfig(port=port_or_any(usual.port) if port is None else port)
+        return _serve(connection, Settings(config, limits, connection.network))
+
+    return run_with_robot(robot, connect, _PATIENCE, act, moves=True)
+
+
+def _serve(connection: RobotConnection, settings: Settings[WebConfig]) -> int:
+    # The services' runtime from here on, with its signals: whatever ends it, the robot is told first.
+    with Node(WEB.name, settings, session=connection.session) as node:
+        run_web(node, lambda told: addresses.tell(addresses.with_loopback(told)))
+    return _DONE

@@ -1,0 +1,3 @@
+from giraff_web.main import main
+
+main()

@@ -1,0 +1,69 @@
+"""What one page, one address and all together may take of this service. No I/O and no clock."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Final, NamedTuple
+
+UNSEEN_AT_MOST: Final = 3
+"""States that a page was sent and has not shown yet."""
+
+
+class Limits(NamedTuple):
+    """As they are; tests have shorter times."""
+
+    connections: int = 300
+    """TCP, of all together."""
+    of_one_address: int = 60
+    drivers: int = 16
+    """Pages with a session."""
+    rate: float = 250.0
+    """Messages a second of one page, and as many at once."""
+    silent: float = 5.0
+    """s after which a page that shows nothing of what it is sent is closed."""
+    idle: float = 5.0
+    """s that a handshake may take, and a connection from one request to the next; a page has no such end."""
+
+
+class Rate:
+    """How many messages may come."""
+
+    def __init__(self, per_second: float, now: float) -> None:
+        self._per_second = self._left = per_second
+        self._at = now
+
+    def take(self, now: float) -> bool:
+        """Whether one more may."""
+        self._left = min(self._per_second, self._left + (now - self._at) * self._per_second)
+        self._at = now
+        if self._left < 1.0:
+            return False
+        self._left -= 1.0
+        return True
+
+
+class Credit:
+    """Which states a page was sent and has not shown yet: so many that it gets no more, or for too long."""
+
+    def __init__(self) -> None:
+        self._unseen: deque[int] = deque()
+        self._since = 0.0
+
+    def allows(self) -> bool:
+        """Whether it may be sent the newest state."""
+        return len(self._unseen) < UNSEEN_AT_MOST
+
+    def sent(self, n: int, now: float) -> None:
+        if not self._unseen:
+            self._since = now
+        self._unseen.append(n)
+
+    def seen(self, n: int, now: float) -> None:
+        """The page has shown state `n`, and with it all that are older."""
+        while self._unseen and self._unseen[0] <= n:
+            self._unseen.popleft()
+            self._since = now
+
+    def waits(self, now: float) -> float:
+        """s for which the page has shown nothing though it was sent something."""
+        return now - self._since if self._unseen else 0.0

@@ -1,0 +1,108 @@
+"""giraff_web: the process."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from contextlib import closing
+from datetime import UTC, datetime
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import msgspec
+
+from giraff_node import Node
+from giraff_node.network.host_addresses import host_addresses
+from giraff_node.process.state import state_directory
+from giraff_web.config import WebConfig
+from giraff_web.messages import Room
+from giraff_web.service import Web
+
+if TYPE_CHECKING:
+    from giraff_web.server.server import Site
+
+_LIBRARIES: Final = ("aiohttp", "cryptography")
+_REFUSED: Final = 2
+
+
+def main() -> None:
+    if why := missing_library():
+        print(f"giraff_web: {why}", file=sys.stderr)
+        sys.exit(_REFUSED)
+    with Node("web", WebConfig) as node:
+        run_web(node, lambda addresses: _log_addresses(node, addresses))
+
+
+def missing_library() -> str:
+    """What is to be installed before `run_web` can be called; empty: all is there."""
+    missing = [library for library in _LIBRARIES if find_spec(library) is None]
+    return f"the library {missing[0]} is missing: pip install 'giraff[web]'" if missing else ""
+
+
+def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> None:
+    """Serve the pages until the node's end. SystemExit with 2, after a line in the log, where that cannot be.
+
+    `announce`: takes the addresses to open, at the start and after each use of one of them, in a thread of its own.
+    """
+    from giraff_web.server.certificates import CertificateProblemError  # noqa: PLC0415  its libraries may be missing
+    from giraff_web.server.server import PortError, Server  # noqa: PLC0415
+
+    try:
+        room = _room(node.config.room)
+        config = _open_at(node)
+        server = Server(config, _site(node, config), announce, node.log.info, node.fail)
+        with closing(server):
+            server.start()
+            node.run(Web(node, config, node.robot, server, node.log.info, room))
+    except (_RoomError, CertificateProblemError, PortError) as error:
+        node.log.error("%s", error)
+        sys.exit(_REFUSED)
+
+
+class _RoomError(Exception):
+    """The file of the room cannot be used."""
+
+
+def _open_at(node: Node[WebConfig]) -> WebConfig:
+    """The configuration, with the address of a service that keeps off the network."""
+    config = node.config
+    return msgspec.structs.replace(config, address=config.address or "127.0.0.1") if node.network.local else config
+
+
+def _site(node: Node[WebConfig], config: WebConfig) -> Site:
+    """Raises CertificateProblemError."""
+    from giraff_web.server import certificates  # noqa: PLC0415
+    from giraff_web.server.server import Site  # noqa: PLC0415
+
+    network = node.network
+    addresses = frozenset() if network.local else host_addresses()
+    addresses |= {config.address} if config.address else set()
+    names = certificates.own_names(node.hostname, addresses, config.names)
+    state = state_directory(node.robot.name)
+    certificate, notice = certificates.for_this_host(network, state, node.hostname, names, datetime.now(UTC))
+    node.set_notice("certificate", notice)
+    reached_at = [config.address] if config.address else [*config.names, *sorted(addresses)]
+    return Site(
+        certificate=certificate,
+        names=tuple(str(name) for name in names),
+        reached_at=tuple(dict.fromkeys(reached_at)) or ("localhost",),
+        strangers_watch=not certificates.is_secured(network),
+    )
+
+
+def _room(path: str) -> Room | None:
+    """Raises _RoomError."""
+    if not path:
+        return None
+    try:
+        return msgspec.json.decode(Path(path).read_bytes(), type=Room)
+    except OSError as error:
+        raise _RoomError(f"[web] room: {path} cannot be read: {error.strerror}") from error
+    except (msgspec.MsgspecError, ValueError, RecursionError) as error:
+        raise _RoomError(f"[web] room: {path} is no room: {error}") from error
+
+
+def _log_addresses(node: Node[WebConfig], addresses: list[str]) -> None:
+    for address in addresses:
+        node.log.info("to drive, open %s", address)

@@ -1,0 +1,212 @@
+"""What page and service say to each other on the WebSocket: JSON objects, each with its `type`.
+
+Numbers of 64 bits travel as decimal strings, since a page's own numbers are exact to 2^53 only. SI units, REP-103.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Final, Literal
+
+import msgspec
+
+from giraff_schemas.messages import RobotTime
+
+LARGEST: Final = 8192
+"""Bytes of a message of a page."""
+
+_Digits = Annotated[str, msgspec.Meta(pattern=r"^[0-9]{1,20}\Z")]
+Moment = tuple[_Digits, _Digits]
+"""A tick: epoch and robot_ns, as the state has them; the page gives it back unchanged."""
+
+_Seconds = Annotated[float, msgspec.Meta(ge=0.0, le=1e9)]
+_Acceleration = Annotated[float, msgspec.Meta(ge=-1e4, le=1e4)]
+Reading = tuple[_Seconds, _Acceleration, _Acceleration, _Acceleration]
+"""When (s, of the page's own clock) and DeviceMotion's accelerationIncludingGravity (x, y, z; m/s²)."""
+
+Input = Literal["tilt", "pad", "keys"]
+
+
+def moment(tick: RobotTime | None) -> Moment | None:
+    """As a page is told it."""
+    return None if tick is None else (str(tick.epoch), str(tick.robot_ns))
+
+
+def robot_time(tick: Moment | None) -> RobotTime | None:
+    """As a page gives it back. Raises ValueError."""
+    return None if tick is None else RobotTime(epoch=int(tick[0]), robot_ns=int(tick[1]))
+
+
+class _FromPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type"):
+    """What a page says."""
+
+
+class Wish(_FromPage, frozen=True, kw_only=True, tag="wish"):
+    """What the hand asks, made in one animation frame of a page that is visible and has the focus."""
+
+    n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
+    """Counts the wishes of this page's connection upwards."""
+    tick: Moment | None
+    """Newest the page held at the newest event that this stands on (`tilt`: of the newest reading; else this frame)."""
+    hold: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
+    """Counts the touches (or presses, when no key was down) since the page was loaded; 0: nothing is held now."""
+    input: Input
+    forward: Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)] = 0.0
+    """Of the pad or the keys: share of their full speed, backwards negative. 0 in the first wish of each hold."""
+    left: Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)] = 0.0
+    """The same of their turn, counter-clockwise positive."""
+    readings: Annotated[tuple[Reading, ...], msgspec.Meta(max_length=40)] = ()
+    """Of `tilt`: those since the last wish, oldest first, also while nothing is held."""
+    angle: Literal[0, 90, 180, 270] = 0
+    """screen.orientation.angle: by how much the screen's content is turned in the device."""
+
+
+class LetGo(_FromPage, frozen=True, kw_only=True, tag="let_go"):
+    """The hold has ended. `finger`: on purpose. Else the page has lost the hand, and why is told."""
+
+    n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
+    """Goes on counting the wishes."""
+    why: Literal["finger", "cancelled", "hidden", "focus", "turned", "idle", "stalled", "left"]
+    """`cancelled`: the browser took the touch for itself; `idle`: 1 s without an event; `stalled`: the page stood
+    still; `turned`: the screen; `left`: the page is being closed."""
+
+
+class Stop(_FromPage, frozen=True, kw_only=True, tag="stop"):
+    """The emergency stop."""
+
+
+class Reset(_FromPage, frozen=True, kw_only=True, tag="reset"):
+    """Release the emergency stop that is shown: a second tap, on a question that names it."""
+
+    id: _Digits
+    engaged_ns: _Digits
+    tick: Moment | None
+    """Newest that the page held at the tap."""
+
+    def __post_init__(self) -> None:
+        if max(int(self.id), int(self.engaged_ns)) >= 1 << 63:
+            raise ValueError(f"id {self.id}, engaged_ns {self.engaged_ns}: no stop is called so")
+
+
+class Seen(_FromPage, frozen=True, kw_only=True, tag="seen"):
+    """The page has shown the state of this number: it may be sent newer ones."""
+
+    n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
+
+
+FromPage = Wish | LetGo | Stop | Reset | Seen
+
+
+class _ToPage(msgspec.Struct, frozen=True, kw_only=True, tag_field="type"):
+    """What a page is told."""
+
+
+class Part(msgspec.Struct, frozen=True, kw_only=True):
+    """A sensor of the robot: where it looks from, in base_link."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+class Room(msgspec.Struct, frozen=True, kw_only=True):
+    """The room of a simulated robot, in `odom` as it was when the robot began."""
+
+    walls: tuple[tuple[tuple[float, float], ...], ...]
+    """Polylines, m."""
+
+
+class Hello(_ToPage, frozen=True, kw_only=True, tag="hello"):
+    """The first message of each connection."""
+
+    page: int
+    """Number of this connection."""
+    device: str
+    """What this device is called here."""
+    may_drive: bool
+    """It has shown a token: it may drive and reset."""
+    robot: str
+    radius: float
+    """m, of the robot's footprint."""
+    sensors: dict[str, Part]
+    slow_speed: float
+    trail: tuple[tuple[float, float], ...]
+    """The path so far, m in odom, oldest first; the page goes on with the poses of the states."""
+    room: Room | None = None
+
+
+class Direction(msgspec.Struct, frozen=True, kw_only=True):
+    """The guard's verdict on one way."""
+
+    freedom: str
+    """free, slow, creep or blocked."""
+    allowed: float
+    """m/s or rad/s."""
+    sensor: str
+    reason: str
+    way_out: str
+
+
+class Latch(msgspec.Struct, frozen=True, kw_only=True):
+    """The emergency stop, as base says it."""
+
+    engaged: bool
+    by: str
+    reason: str
+    id: str
+    engaged_ns: str
+
+
+class Echo(msgspec.Struct, frozen=True, kw_only=True):
+    """A sensor's newest reading."""
+
+    state: str
+    """echo, clear, fault, or silent: nothing was heard of it of late."""
+    range: float | None
+    """m, of an echo."""
+    reason: str
+
+
+class State(_ToPage, frozen=True, kw_only=True, tag="state"):
+    """All that is shown, 25 times a second at most; None: it is not heard."""
+
+    n: int
+    tick: Moment | None
+    """Newest of the robot; None: it is lost."""
+    age: float | None
+    """s since one was heard here; None: none was."""
+    operator: str
+    """Who drives, by the name on its commands; empty: nobody."""
+    device: str
+    """Whose page it is that drives, when it is one of this service's; empty: none."""
+    page: int
+    """Number of that page; 0: none."""
+    armed: bool | None
+    why: str
+    """Why the robot does not drive as this service's hand asks, or would not, with the way out; empty: it obeys."""
+    stop: Latch | None
+    stop_text: str
+    """What became of a stop or a release that was asked for here; empty: nothing is open."""
+    directions: dict[str, Direction] | None
+    """By forward, backward, turn_left, turn_right."""
+    ranges: dict[str, Echo]
+    pose: tuple[float, float, float] | None
+    """x, y (m) and yaw (rad) in odom."""
+    origin: str
+    """Another one: the pose was set from outside, and path and room begin anew."""
+    speed: tuple[float, float] | None
+    """m/s and rad/s, by the wheels."""
+    path: float | None
+    """m travelled."""
+    battery: float | None
+    """V."""
+    round_trip: float | None
+    """s from the hand to the wheels."""
+
+
+class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):
+    """Why this page's hold does not count, with the way out; empty: it does, or there is none."""
+
+    why: str
+
+
+ToPage = Hello | State | Refused

@@ -1,0 +1,221 @@
+// The floor plan: the robot in the middle, its front up; walls, path and what the sensors see around it.
+
+/** m from the robot to the nearer edge of the picture. */
+const VIEW = 1.9;
+/** rad to either side of a sensor's axis that are drawn. */
+const HALF_CONE = 0.22;
+/** m that a cone is drawn for when nothing is near. */
+const CLEAR = 1.4;
+const MOST_TRAIL = 4000;
+/** m between two points of the path. */
+const TRAIL_STEP = 0.03;
+
+/** The path in odom; it begins anew where the pose was set from outside. */
+export class Trail {
+  constructor() {
+    /** @type {[number, number][]} */
+    this.points = [];
+    /** @type {string | null} */
+    this._origin = null;
+    /** The room is where it was when the robot began. */
+    this.roomFits = true;
+  }
+
+  onHello(hello) {
+    this.points = hello.trail.map(([x, y]) => [x, y]);
+    this._origin = null;
+    this.roomFits = true;
+  }
+
+  onState(state) {
+    if (!state.pose) return;
+    if (this._origin !== null && state.origin !== this._origin) {
+      this.points = [];
+      this.roomFits = false;
+    }
+    this._origin = state.origin;
+    const [x, y] = state.pose;
+    const last = this.points.at(-1);
+    if (last && Math.hypot(x - last[0], y - last[1]) < TRAIL_STEP) return;
+    this.points.push([x, y]);
+    if (this.points.length > MOST_TRAIL) this.points.shift();
+  }
+}
+
+export class Floor {
+  /** @param {HTMLCanvasElement} canvas */
+  constructor(canvas) {
+    this._canvas = canvas;
+    this._pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+    this._colours = {};
+    this._changed = true;
+    new ResizeObserver(() => this._resize()).observe(canvas);
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    dark.addEventListener("change", () => this._readColours());
+    this._readColours();
+  }
+
+  /** Something is to be drawn anew. */
+  touch() {
+    this._changed = true;
+  }
+
+  /** Draw what has changed. `linked`: it is of now. */
+  draw(hello, state, trail, linked) {
+    if (!this._changed || !this._canvas.width) return;
+    this._changed = false;
+    const pen = this._pen;
+    const { width, height } = this._canvas;
+    pen.setTransform(1, 0, 0, 1, 0, 0);
+    pen.clearRect(0, 0, width, height);
+    if (!hello || !state) return;
+    this._scale = Math.min(width, height) / (2 * VIEW);
+    // Base_link: x forward is up, y left is left.
+    pen.setTransform(0, -this._scale, -this._scale, 0, width / 2, height / 2);
+    pen.globalAlpha = linked ? 1 : 0.35;
+    this._rings();
+    if (state.pose) this._around(state.pose, hello.room, trail);
+    for (const [name, part] of Object.entries(hello.sensors)) this._cone(part, state.ranges[name], hello.radius);
+    this._robot(hello.radius, state.directions);
+  }
+
+  _resize() {
+    const ratio = devicePixelRatio || 1;
+    this._canvas.width = Math.round(this._canvas.clientWidth * ratio);
+    this._canvas.height = Math.round(this._canvas.clientHeight * ratio);
+    this._ratio = ratio;
+    this._changed = true;
+  }
+
+  _readColours() {
+    const style = getComputedStyle(this._canvas);
+    for (const name of ["ink", "quiet", "line", "good", "warn", "bad", "accent", "card"]) {
+      this._colours[name] = style.getPropertyValue(`--${name}`).trim();
+    }
+    this._changed = true;
+  }
+
+  /** A width on the screen, px, in the plan's metres. */
+  _px(pixels) {
+    return (pixels * (this._ratio ?? 1)) / this._scale;
+  }
+
+  _stroke(colour, pixels, dash = []) {
+    this._pen.strokeStyle = colour;
+    this._pen.lineWidth = this._px(pixels);
+    this._pen.setLineDash(dash.map((length) => this._px(length)));
+    this._pen.stroke();
+    this._pen.setLineDash([]);
+  }
+
+  _rings() {
+    for (const radius of [0.5, 1.0, 1.5]) {
+      this._pen.beginPath();
+      this._pen.arc(0, 0, radius, 0, 2 * Math.PI);
+      this._stroke(this._colours.line, 1);
+    }
+    this._label("1 m", 1.0);
+  }
+
+  /** Written at a ring's right, upright whatever the plan's axes. */
+  _label(text, radius) {
+    const pen = this._pen;
+    pen.save();
+    pen.translate(0, -radius);
+    pen.transform(0, -1, -1, 0, 0, 0);
+    pen.font = `${this._px(11)}px system-ui, sans-serif`;
+    pen.fillStyle = this._colours.quiet;
+    pen.fillText(text, this._px(3), this._px(4));
+    pen.restore();
+  }
+
+  _around([x, y, yaw], room, trail) {
+    const pen = this._pen;
+    pen.save();
+    pen.rotate(-yaw);
+    pen.translate(-x, -y);
+    pen.lineJoin = pen.lineCap = "round";
+    this._line(trail.points);
+    this._stroke(this._colours.accent, 2);
+    if (room && trail.roomFits) {
+      for (const wall of room.walls) {
+        this._line(wall);
+        this._stroke(this._colours.ink, 3);
+      }
+    }
+    pen.restore();
+  }
+
+  _line(points) {
+    this._pen.beginPath();
+    points.forEach(([x, y], index) => (index ? this._pen.lineTo(x, y) : this._pen.moveTo(x, y)));
+  }
+
+  _cone(part, echo, radius) {
+    const pen = this._pen;
+    const heard = echo && (echo.state === "echo" || echo.state === "clear");
+    const near = echo?.state === "echo" && echo.range !== null;
+    const reach = near ? echo.range : heard ? CLEAR : 0.5;
+    const colour = !heard ? this._colours.bad : near && echo.range < radius + 0.2 ? this._colours.bad : this._colours.warn;
+    pen.beginPath();
+    pen.moveTo(part.x, part.y);
+    pen.arc(part.x, part.y, reach, part.yaw - HALF_CONE, part.yaw + HALF_CONE);
+    pen.closePath();
+    if (!heard) return this._stroke(colour, 2, [4, 4]);
+    const alpha = pen.globalAlpha;
+    pen.globalAlpha = alpha * (near ? 0.22 : 0.12);
+    pen.fillStyle = near ? colour : this._colours.good;
+    pen.fill();
+    pen.globalAlpha = alpha;
+    if (!near) return;
+    pen.beginPath();
+    pen.arc(part.x, part.y, reach, part.yaw - HALF_CONE, part.yaw + HALF_CONE);
+    this._stroke(colour, 4);
+  }
+
+  _robot(radius, directions) {
+    const pen = this._pen;
+    pen.beginPath();
+    pen.arc(0, 0, radius, 0, 2 * Math.PI);
+    pen.fillStyle = this._colours.card;
+    pen.fill();
+    this._stroke(this._colours.ink, 2.5);
+    // The nose.
+    pen.beginPath();
+    pen.moveTo(radius * 0.8, 0);
+    pen.lineTo(radius * 0.3, radius * 0.38);
+    pen.lineTo(radius * 0.3, -radius * 0.38);
+    pen.closePath();
+    pen.fillStyle = this._colours.ink;
+    pen.fill();
+    const ways = [
+      ["forward", 0],
+      ["turn_left", Math.PI / 2],
+      ["backward", Math.PI],
+      ["turn_right", -Math.PI / 2],
+    ];
+    for (const [way, angle] of ways) this._way(directions?.[way]?.freedom, angle, radius);
+  }
+
+  /** An arrow where the guard lets the robot go, a bar where it does not. */
+  _way(freedom, angle, radius) {
+    const pen = this._pen;
+    pen.save();
+    pen.rotate(angle);
+    const [from, half] = [radius + 0.06, 0.1];
+    pen.beginPath();
+    if (freedom === "free" || freedom === "slow" || freedom === "creep") {
+      pen.moveTo(from + 0.13, 0);
+      pen.lineTo(from, half);
+      pen.lineTo(from, -half);
+      pen.closePath();
+      pen.fillStyle = freedom === "free" ? this._colours.good : this._colours.warn;
+      pen.fill();
+    } else {
+      pen.moveTo(from, half * 1.5);
+      pen.lineTo(from, -half * 1.5);
+      this._stroke(freedom ? this._colours.bad : this._colours.quiet, 5);
+    }
+    pen.restore();
+  }
+}

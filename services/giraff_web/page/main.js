@@ -1,0 +1,221 @@
+// What the page is made of, wired together.
+
+import { Floor, Trail } from "./floor.js";
+import { Hand, isFresh } from "./hand.js";
+import * as keys from "./keys.js";
+import { Link } from "./link.js";
+import * as pad from "./pad.js";
+import { Panel, byId, write } from "./panel.js";
+import { Question, StopButton } from "./question.js";
+import { Motion, screenAngle } from "./tilt.js";
+
+const clock = () => performance.now() / 1000;
+/** ms between two looks of the timer. */
+const LOOK = 100;
+/** s for which a refusal is shown after the service no longer says it. */
+const REFUSAL = 6;
+
+const at = {
+  hello: /** @type {any} */ (null),
+  state: /** @type {any} */ (null),
+  arrived: -Infinity,
+  linked: false,
+  heard: false,
+  closed: "",
+  session: "",
+  refused: "",
+  refusedUntil: Infinity,
+  mayDrive: false,
+  me: 0,
+  hold: 0,
+  stopping: false,
+  ended: "",
+  input: /** @type {import("./hand.js").Input} */ ("pad"),
+};
+
+/** Something has changed that the next frame shows; what only grows older waits for the timer's look. */
+let changed = true;
+
+const link = new Link({ onMessage, onCut, onWhy, onSession, onUntrusted });
+const hand = new Hand((message) => link.say(message));
+const motion = new Motion(hand, clock);
+const panel = new Panel();
+const floor = new Floor(byId("floor"));
+const trail = new Trail();
+const stop = new StopButton(clock, {
+  say: () => {
+    hand.onStop();
+    link.say({ type: "stop" });
+    fetch("/stop", { method: "POST", keepalive: true }).catch(() => {});
+  },
+});
+const question = new Question({
+  release: (latch, when) => {
+    if (!isFresh(when, clock()) || !hand.isLinked(clock())) {
+      at.refused = "the release was not sent, since this page stood still or the link is lost; tap again";
+      at.refusedUntil = clock() + REFUSAL;
+      return;
+    }
+    link.say({ type: "reset", id: latch.id, engaged_ns: latch.engaged_ns, tick: hand.tick });
+  },
+});
+
+function onMessage(message) {
+  const now = clock();
+  changed = true;
+  if (message.type === "hello") {
+    at.hello = message;
+    at.me = message.page;
+    at.mayDrive = message.may_drive;
+    if (message.may_drive) at.session = "";
+    hand.onMayDrive(message.may_drive);
+    trail.onHello(message);
+    floor.touch();
+  } else if (message.type === "state") {
+    buzz(message);
+    at.state = message;
+    at.arrived = now;
+    at.heard = true;
+    hand.onState(message.tick, Boolean(message.stop?.engaged), now);
+    stop.onState(message);
+    trail.onState(message);
+    floor.touch();
+    link.say({ type: "seen", n: message.n });
+  } else if (message.type === "refused") {
+    if (message.why) {
+      hand.onRefused();
+      at.refused = message.why;
+      at.refusedUntil = Infinity;
+    } else at.refusedUntil = now + REFUSAL;
+  }
+}
+
+/** The robot, driven from here, has come upon what holds it. */
+function buzz(state) {
+  const mine = hand.hold && state.page && state.page === at.me;
+  if (mine && state.why && at.state && !at.state.why) navigator.vibrate?.(60);
+}
+
+function onCut() {
+  hand.onCut();
+  floor.touch();
+}
+
+function onWhy(why) {
+  at.closed = why;
+}
+
+function onSession(why) {
+  at.session = why;
+}
+
+function onUntrusted() {
+  byId("trust").hidden = false;
+}
+
+/** @type {WakeLockSentinel | null} */
+let awake = null;
+let wakes = false;
+
+/** Keep the screen on while the robot is driven from here. */
+async function wake(held) {
+  if (held === wakes || !navigator.wakeLock) return;
+  wakes = held;
+  if (held) awake = await navigator.wakeLock.request("screen").catch(() => null);
+  if (!wakes) await awake?.release().catch(() => {}); // also when it was let go before the answer came
+}
+
+function look() {
+  const now = clock();
+  hand.onLook(now);
+  link.look(now);
+  stop.look(now);
+  draw(now);
+}
+
+function frame() {
+  const now = clock();
+  hand.onFrame(now);
+  if (changed || hand.hold !== at.hold) draw(now);
+  floor.draw(at.hello, at.state, trail, at.linked);
+  const field = byId(at.input);
+  if (at.input === "keys") keys.draw(field, hand);
+  else pad.draw(field, field.querySelector(".ring"), field.querySelector(".knob"), hand);
+  requestAnimationFrame(frame);
+}
+
+function draw(now) {
+  changed = false;
+  const linked = link.isOpen && hand.isLinked(now);
+  if (linked !== at.linked) floor.touch();
+  if (linked) byId("trust").hidden = true;
+  at.linked = linked;
+  at.hold = hand.hold;
+  at.stopping = stop.isOpen;
+  at.ended = hand.ended;
+  if (hand.hold || now > at.refusedUntil) at.refused = "";
+  wake(hand.hold > 0);
+  panel.draw(at, now);
+  stop.draw(now, linked);
+  question.draw(at.state?.stop, at.mayDrive, linked);
+}
+
+/** @param {import("./hand.js").Input} input */
+async function choose(input) {
+  show(input);
+  write(byId("input-note"), "");
+  if (input === "tilt") {
+    const why = await motion.open();
+    if (!why || at.input !== "tilt") return;
+    write(byId("input-note"), why);
+    show("pad");
+  }
+  // Arrow keys on the choice itself would only wander along it.
+  if (at.input === "keys") byId("keys").focus({ preventScroll: true });
+}
+
+function show(input) {
+  changed = true;
+  hand.choose(input);
+  at.input = input;
+  for (const each of ["tilt", "pad", "keys"]) {
+    const button = byId(`mode-${each}`);
+    button.setAttribute("aria-checked", String(each === input));
+    button.tabIndex = each === input ? 0 : -1;
+    byId(each).hidden = each !== input;
+  }
+}
+
+const modes = ["tilt", "pad", "keys"];
+modes.forEach((mode, index) => {
+  const button = byId(`mode-${mode}`);
+  button.addEventListener("click", () => choose(/** @type {any} */ (mode)));
+  button.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    byId(`mode-${modes[(index + step + 3) % 3]}`).focus();
+  });
+});
+
+pad.listen(byId("pad"), hand, clock);
+pad.listen(byId("tilt"), hand, clock);
+keys.listen(hand, () => stop.press(), clock);
+document.addEventListener("visibilitychange", () => hand.onVisible(!document.hidden));
+addEventListener("focus", () => hand.onFocused(true));
+addEventListener("blur", () => hand.onFocused(false));
+addEventListener("pagehide", () => hand.onLeft());
+const onTurn = () => {
+  hand.onTurned();
+  hand.onAngle(screenAngle());
+};
+if (screen.orientation) screen.orientation.addEventListener("change", onTurn);
+else addEventListener("orientationchange", onTurn);
+
+hand.onVisible(!document.hidden);
+hand.onFocused(document.hasFocus());
+hand.onAngle(screenAngle());
+show(matchMedia("(pointer: coarse)").matches ? "pad" : "keys");
+setInterval(look, LOOK);
+requestAnimationFrame(frame);
+link.start();

@@ -1,0 +1,138 @@
+// What is written on the page. No DOM and no clock.
+
+/** s from which what is shown is too old to drive by. */
+export const OLD = 0.5;
+
+const ENDED = {
+  cancelled: "the browser took your finger for itself",
+  hidden: "the page was hidden",
+  focus: "another window has the keyboard",
+  turned: "the screen was turned",
+  idle: "nothing moved for 1 s",
+  stalled: "this page stood still for a moment",
+  left: "the page was left",
+  lost: "the link was lost",
+};
+const AGAIN = { tilt: "let go, then hold again", pad: "let go, then hold again" };
+const HOW = {
+  tilt: "Hold the phone flat, put a finger on the field, then tilt",
+  pad: "Put a finger on the pad and drag",
+  keys: "Press an arrow key or W, A, S, D",
+};
+const TAKE = { tilt: "hold the field", pad: "hold the pad", keys: "press a drive key" };
+const ARM = { tilt: "hold the field and keep the phone flat", pad: "hold the pad without dragging", keys: "let go of the keys" };
+
+const known = (value) => typeof value === "number" && Number.isFinite(value);
+
+/** Age of what is shown, s, as people read it. */
+export function ageText(age) {
+  return known(age) ? `${age.toFixed(1)} s` : "LOST";
+}
+
+export function driverText(state, me, mayDrive, input) {
+  const free = mayDrive && !state.stop?.engaged;
+  const take = free ? ` To take over, ${TAKE[input]}.` : "";
+  if (state.page && state.page === me) return "You drive.";
+  if (state.device) return `${sentence(state.device)} drives.${take}`;
+  if (state.operator) return `${sentence(state.operator)} drives.${take}`;
+  return free ? `Nobody drives. To drive, ${TAKE[input]}.` : "Nobody drives.";
+}
+
+export function armedText(state, me, input) {
+  if (state.armed === null) return "Base is not heard.";
+  if (state.armed) return "Armed.";
+  const mine = state.page && state.page === me && !state.stop?.engaged;
+  return mine ? `Not armed: to arm, ${ARM[input]} for a moment.` : "Not armed.";
+}
+
+/**
+ * Why the robot does not drive as this page asks, in one sentence; else what to do.
+ * @param {{linked: boolean, heard: boolean, closed: string, mayDrive: boolean, session: string, refused: string,
+ *   ended: string, hold: number, stopping: boolean, input: "tilt" | "pad" | "keys", me: number, state: any}} at
+ */
+export function whyText(at) {
+  if (!at.linked) {
+    if (at.closed) return `Not connected: ${at.closed}`;
+    return at.heard ? "The link is lost. The robot stops by itself; connecting again." : "Connecting to the robot.";
+  }
+  if (!at.mayDrive) {
+    if (at.session) return sentence(at.session);
+    return "You can watch and stop. To drive, open the address that the robot’s page service shows now.";
+  }
+  if (at.stopping) return "The emergency stop was asked for on this page.";
+  if (at.refused) return sentence(at.refused);
+  if (!at.hold && ENDED[at.ended]) {
+    return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input] ?? "let go of the keys, then press again"}.`;
+  }
+  if (at.state?.why) return sentence(at.state.why);
+  return at.hold ? "The robot obeys." : `${HOW[at.input]}.`;
+}
+
+export const DIRECTIONS = [
+  ["forward", "Forward", "m/s"],
+  ["backward", "Backward", "m/s"],
+  ["turn_left", "Left", "rad/s"],
+  ["turn_right", "Right", "rad/s"],
+];
+
+/** Freedom of one direction as a word; "unknown" when the guard is not heard. */
+export function freedom(directions, way) {
+  return directions?.[way]?.freedom ?? "unknown";
+}
+
+/**
+ * What holds the directions back, ways of the same reason together: "Forward, left: reason; way out."
+ * `said`: what is written already.
+ */
+export function reasons(directions, said = "") {
+  if (!directions) return ["The guard is not heard."];
+  /** @type {Map<string, string[]>} */
+  const ways = new Map();
+  for (const [way, label] of DIRECTIONS) {
+    const verdict = directions[way];
+    if (!verdict?.reason || said.includes(verdict.reason)) continue;
+    const text = verdict.way_out ? `${verdict.reason}; ${verdict.way_out}` : verdict.reason;
+    ways.set(text, [...(ways.get(text) ?? []), label]);
+  }
+  return [...ways].map(([text, labels]) => `${sentence(labels.join(", ").toLowerCase())}: ${text}.`);
+}
+
+/** What a sensor says, as a line: "Front left: 0.84 m". */
+export function echoText(name, echo) {
+  const label = sentence(name.replaceAll("_", " "));
+  if (echo.state === "echo" && known(echo.range)) return `${label}: ${echo.range.toFixed(2)} m`;
+  if (echo.state === "clear") return `${label}: nothing near`;
+  const words = echo.state === "fault" ? "fault" : "not heard";
+  return `${label}: ${echo.reason || words}`;
+}
+
+export function facts(state) {
+  return {
+    speed: known(state.speed?.[0]) ? `${fixed(state.speed[0], 2)} m/s` : "–",
+    turn: known(state.speed?.[1]) ? `${fixed(state.speed[1], 1)} rad/s` : "–",
+    battery: known(state.battery) ? `${state.battery.toFixed(1)} V` : "–",
+    trip: known(state.round_trip) ? `${Math.round(state.round_trip * 1000)} ms` : "–",
+    path: known(state.path) ? `${state.path.toFixed(1)} m` : "–",
+  };
+}
+
+/** The floor plan for those who do not see it, a line each. */
+export function floorLines(state) {
+  const lines = Object.entries(state.ranges).map(([name, echo]) => echoText(name, echo));
+  for (const [way, label] of DIRECTIONS) lines.push(`${label}: ${freedom(state.directions, way)}`);
+  if (state.pose) {
+    const [x, y, yaw] = state.pose;
+    lines.push(`Position: x ${fixed(x, 1)} m, y ${fixed(y, 1)} m, heading ${Math.round((yaw * 180) / Math.PI)}°`);
+  }
+  return lines;
+}
+
+/** Without a minus before a zero, nor numbers that jump between both. */
+function fixed(value, digits) {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? (0).toFixed(digits) : text;
+}
+
+export function sentence(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}

@@ -1,0 +1,58 @@
+"""The pages that are open, as the service's turn reaches them: `giraff_web.server` in a process, a list in a test."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple, Protocol
+
+from giraff_core.io import Selectable
+from giraff_web.messages import Hello, LetGo, Refused, Reset, State, Wish
+
+
+class Opened(NamedTuple):
+    """A page has connected."""
+
+    page: int
+    """From 1, never again the same one."""
+    device: str
+    """As people know it: `Android phone at 192.168.1.7`."""
+    may_drive: bool
+
+
+class Closed(NamedTuple):
+    """A page's connection has ended, however it did."""
+
+    page: int
+
+
+class Said(NamedTuple):
+    """A page has said what is its hand's."""
+
+    page: int
+    message: Wish | LetGo | Reset
+
+
+class StopAsked(NamedTuple):
+    """Somebody asks for the emergency stop: by a page, or by a request without one."""
+
+    device: str
+
+
+Event = Opened | Closed | Said | StopAsked
+
+
+class Pages(Selectable, Protocol):
+    """Its descriptor is readable when there are events."""
+
+    def poll(self) -> Iterable[Event]:
+        """What has happened since the last call, in its order. A flood of one page's loses that page's oldest wishes,
+        and never a stop."""
+        ...
+
+    def show(self, state: State) -> None:
+        """Replace what every page is shown: each gets the newest as soon as it can take it."""
+        ...
+
+    def tell(self, page: int, message: Hello | Refused) -> None:
+        """Tell one page; nothing when it is gone."""
+        ...

@@ -1,0 +1,156 @@
+"""What all pages are shown: the newest of each kind, as long as it says something of now. No I/O and no clock."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import Final
+
+from giraff_core.estop import RESET_COMMAND
+from giraff_core.operator import what_stops
+from giraff_core.robot import RobotConfig
+from giraff_schemas.messages import (
+    BaseState,
+    Battery,
+    EStop,
+    GuardState,
+    Odometry,
+    Range,
+    Sample,
+    Verdict,
+)
+from giraff_schemas.topics import BATTERY, RANGE, SampleT
+from giraff_web.messages import Direction, Echo, Latch, Part, State, moment
+from giraff_web.policy import WebPolicy
+
+STALE: Final = 1.5
+"""s after which what was heard says nothing of now."""
+_POINTS: Final = 2000
+_APART: Final = 0.03  # m between two points of the path
+
+_Heard = tuple[SampleT | None, float]
+
+
+class Picture:
+    """Times are seconds of any one monotonic clock."""
+
+    def __init__(self, robot: RobotConfig) -> None:
+        self._robot = robot
+        self._base: _Heard[BaseState] = None, -math.inf
+        self._guard: _Heard[GuardState] = None, -math.inf
+        self._estop: _Heard[EStop] = None, -math.inf
+        self._battery: _Heard[Battery] = None, -math.inf
+        self._odom: _Heard[Odometry] = None, -math.inf
+        self._ranges: dict[str, tuple[Range, float]] = {}
+        self._trail: deque[tuple[float, float]] = deque(maxlen=_POINTS)
+        self._origin: tuple[str, int] | None = None
+        self._n = 0
+
+    @property
+    def trail(self) -> tuple[tuple[float, float], ...]:
+        """The path so far, m in odom, oldest first."""
+        return tuple(self._trail)
+
+    @property
+    def sensors(self) -> dict[str, Part]:
+        """Where each looks from."""
+        return {name: Part(x=pose.x, y=pose.y, yaw=pose.yaw) for name, pose in self._robot.sensors.items()}
+
+    def take(self, sample: Sample, now: float) -> None:
+        """Take what the robot says."""
+        match sample:
+            case BaseState():
+                self._base = sample, now
+            case GuardState():
+                self._guard = sample, now
+            case EStop():
+                self._estop = sample, now
+            case Battery():
+                self._battery = sample, now
+            case Odometry():
+                self._odom = sample, now
+                self._go_on(sample)
+            case Range() if sample.sensor in self._robot.sensors:
+                self._ranges[sample.sensor] = sample, now
+
+    def state(self, policy: WebPolicy, stop_text: str, age: float, now: float) -> State:
+        """The next state. `age`: s since the newest tick was heard; `stop_text`: of what was asked for here."""
+        self._n += 1
+        base, guard = _fresh(self._base, now), _fresh(self._guard, now)
+        odom, battery = _fresh(self._odom, now), _fresh(self._battery, now, 3.0 / BATTERY.rate_hz)
+        estop = _fresh(self._estop, now)
+        driver = policy.driver if policy.holds else None
+        reason = policy.command(now).reason or (policy.refusal if policy.holder else "")
+        nobody_asks = base and guard and not (reason or policy.holder)
+        return State(
+            n=self._n,
+            tick=moment(None if policy.link_fault(now) else policy.newest),
+            age=round(age, 3) if math.isfinite(age) else None,
+            operator=policy.holder,
+            device=driver.device if driver else "",
+            page=driver.page if driver else 0,
+            armed=base.armed if base else None,
+            why="" if nobody_asks else what_stops(reason, base, guard),
+            stop=_latch(estop) if estop else None,
+            stop_text=stop_text,
+            directions=_directions(guard) if guard else None,
+            ranges={sensor: self._echo(sensor, now) for sensor in self._robot.sensors},
+            pose=(round(odom.x, 4), round(odom.y, 4), round(odom.yaw, 4)) if odom else None,
+            origin=f"{odom.instance}:{odom.jumps}" if odom else "",
+            speed=(round(odom.linear_x, 3), round(odom.angular_z, 3)) if odom else None,
+            path=round(odom.path, 3) if odom else None,
+            battery=round(battery.voltage, 2) if battery else None,
+            round_trip=base.round_trip if base else None,
+        )
+
+    def _go_on(self, odom: Odometry) -> None:
+        if odom.origin != self._origin:
+            self._origin = odom.origin
+            self._trail.clear()
+        here = odom.x, odom.y
+        if not self._trail or math.dist(self._trail[-1], here) >= _APART:
+            self._trail.append(here)
+
+    def _echo(self, sensor: str, now: float) -> Echo:
+        heard = self._ranges.get(sensor)
+        if heard is None:
+            return Echo(state="silent", range=None, reason="never heard; check that giraff_ranger runs")
+        reading, when = heard
+        if now - when > max(STALE, 3.0 / RANGE.rate_hz):
+            return Echo(state="silent", range=None, reason=f"silent for {now - when:.0f} s; check giraff_ranger")
+        return Echo(state=reading.state, range=reading.range, reason=reading.reason)
+
+
+def _fresh(heard: _Heard[SampleT], now: float, lasts: float = STALE) -> SampleT | None:
+    sample, when = heard
+    return sample if now - when <= lasts else None
+
+
+def _latch(state: EStop) -> Latch:
+    return Latch(
+        engaged=state.engaged,
+        by=state.by,
+        reason=state.reason.removesuffix(f"; to go on: {RESET_COMMAND}"),
+        id=str(state.id),
+        engaged_ns=str(state.engaged_ns),
+    )
+
+
+def _directions(guard: GuardState) -> dict[str, Direction]:
+    ways = {
+        "forward": guard.forward,
+        "backward": guard.backward,
+        "turn_left": guard.turn_left,
+        "turn_right": guard.turn_right,
+    }
+    return {way: _direction(verdict) for way, verdict in ways.items()}
+
+
+def _direction(verdict: Verdict) -> Direction:
+    return Direction(
+        freedom=verdict.freedom,
+        allowed=round(verdict.allowed, 3),
+        sensor=verdict.sensor,
+        reason=verdict.reason,
+        way_out=verdict.way_out,
+    )

@@ -1,0 +1,177 @@
+"""One page's WebSocket: what it is told and when, and what it may say."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import Final, NamedTuple
+
+import msgspec
+from aiohttp import WSMsgType, web
+
+from giraff_web.limits import Credit, Limits, Rate
+from giraff_web.messages import LARGEST, FromPage, Hello, Refused, Seen, Stop
+from giraff_web.pages import Event, Said, StopAsked
+
+BAD_MESSAGE: Final = 4400
+NOT_ALLOWED: Final = 4403
+SILENT: Final = 4408
+TOO_MANY: Final = 4429
+LEAVING: Final = 1001
+
+_MOST_TOLD: Final = 16
+"""Messages that wait beside the state; the oldest goes."""
+_LONGEST_REASON: Final = 120
+"""Bytes; a close frame has room for 123."""
+_GOODBYE: Final = 1.0  # s that the page has to close its side
+_READ_AT_MOST: Final = 4 * LARGEST
+"""Bytes; what is larger is not read to its end."""
+_MADE_BY_LIBRARY: Final = {
+    1002: "this is no WebSocket frame",
+    1007: "a message is text of UTF-8",
+    1009: f"a message has at most {LARGEST} bytes",
+}
+
+_decoder: Final = msgspec.json.Decoder(FromPage)
+
+
+class Shown(NamedTuple):
+    """A state, encoded once for all pages."""
+
+    n: int
+    data: bytes
+
+
+class Socket(web.WebSocketResponse):
+    """Closes with the codes of this service, also where the library finds the fault."""
+
+    def __init__(self) -> None:
+        super().__init__(timeout=_GOODBYE, max_msg_size=_READ_AT_MOST, compress=False)
+
+    async def close(self, *, code: int = LEAVING, message: bytes = b"", drain: bool = True) -> bool:
+        if code in _MADE_BY_LIBRARY:
+            code, message = BAD_MESSAGE, _MADE_BY_LIBRARY[code].encode()
+        return await super().close(code=code, message=message, drain=drain)
+
+
+class Connection:
+    """Of the event loop's thread."""
+
+    def __init__(
+        self, page: int, device: str, cookie: str, put: Callable[[Event], None], limits: Limits, now: float
+    ) -> None:
+        """`cookie`: of its session; empty: it watches only."""
+        self.page = page
+        self.device = device
+        self.cookie = cookie
+        self.socket = Socket()
+        self._put = put
+        self._limits = limits
+        self._rate = Rate(limits.rate, now)
+        self._credit = Credit()
+        self._sent = -1
+        self._state: Shown | None = None
+        self._told: deque[bytes] = deque(maxlen=_MOST_TOLD)
+        self._greeted = False
+        self._silenced = False
+        self.dropping: asyncio.Task[None] | None = None
+        """Its end, where the service has begun that."""
+        self._news = asyncio.Event()
+        self._loop = asyncio.get_running_loop()
+
+    @property
+    def may_drive(self) -> bool:
+        return bool(self.cookie)
+
+    def offer(self, state: Shown) -> None:
+        """The newest there is, in the place of one that still waits."""
+        self._state = state
+        self._news.set()
+
+    def tell(self, message: Hello | Refused) -> None:
+        self._greeted = self._greeted or isinstance(message, Hello)
+        self._told.append(msgspec.json.encode(message))
+        self._news.set()
+
+    def is_silent(self, now: float) -> bool:
+        return self._credit.waits(now) >= self._limits.silent
+
+    def silence(self) -> None:
+        """Its hand counts no more; it may still say stop."""
+        self._silenced = True
+
+    async def serve(self) -> None:
+        """Until either side has closed it. The socket is prepared."""
+        writing = asyncio.create_task(self._write())
+        try:
+            await self._read()
+        finally:
+            writing.cancel()
+            with contextlib.suppress(asyncio.CancelledError, ConnectionError):
+                await writing
+
+    async def end(self, code: int, reason: str) -> None:
+        """Close it, and wait a moment for the page to do so, too."""
+        await bounded(self.socket.close(code=code, message=reason.encode()[:_LONGEST_REASON]))
+
+    async def _read(self) -> None:
+        while True:
+            message = await self.socket.receive()
+            if message.type is not WSMsgType.TEXT:
+                if message.type is WSMsgType.BINARY:
+                    await self.end(BAD_MESSAGE, "a message is JSON text, and no binary data")
+                return
+            if fault := self._take(message.data):
+                await self.end(BAD_MESSAGE, fault)
+                return
+
+    def _take(self, text: str) -> str:
+        """What is wrong with what the page has said; empty: it is done."""
+        data = text.encode()
+        if len(data) > LARGEST:
+            return _MADE_BY_LIBRARY[1009]
+        try:
+            said = _decoder.decode(data)
+        except (msgspec.MsgspecError, ValueError, RecursionError) as error:
+            return f"not a message of a page: {error}"
+        now = self._loop.time()
+        if isinstance(said, Stop):
+            self._put(StopAsked(self.device))  # before its rate is looked at
+        if not self._rate.take(now):
+            return f"more than {self._limits.rate:g} messages a second"
+        if isinstance(said, Seen):
+            if said.n > self._sent:
+                return f"no state {said.n} was sent here"
+            self._credit.seen(said.n, now)
+            self._news.set()
+        elif not isinstance(said, Stop) and self.may_drive and not self._silenced:
+            self._put(Said(self.page, said))
+        return ""
+
+    async def _write(self) -> None:
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            while (data := self._next()) is not None:
+                # As bytes: it is encoded once, for all pages.
+                await self.socket.send_frame(data, WSMsgType.TEXT)
+
+    def _next(self) -> bytes | None:
+        """What is to be sent now."""
+        if self._told:
+            return self._told.popleft()
+        if self._state is None or not self._greeted or not self._credit.allows():
+            return None
+        state, self._state = self._state, None
+        self._sent = state.n
+        self._credit.sent(state.n, self._loop.time())
+        return state.data
+
+
+async def bounded(closing: Awaitable[object]) -> None:
+    """Close without waiting longer than a moment, whatever the other side does."""
+    with contextlib.suppress(TimeoutError, ConnectionError, RuntimeError):
+        async with asyncio.timeout(_GOODBYE):
+            await closing

@@ -1,0 +1,112 @@
+"""The emergency stop and its release, asked for on pages: a stop is never refused nor put off. No clock.
+
+A latch that is shown as engaged answers further stops by itself. A release that somebody has asked for elsewhere may be
+on its way meanwhile: so such a stop stands until base was heard engaged when no earlier release can come any more. If
+base is heard released before, it is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final
+
+from giraff_core.estop_request import EStopRequest, Request
+from giraff_schemas.messages import EStop
+from giraff_schemas.requests import EStopReset
+from giraff_web.limited_log import LimitedLog
+
+_STATE_LASTS: Final = 1.5  # s that base's word of its stop is of now
+_STANDS: Final = 2.5  # s: a reset may be 1 s old, and then wait 1 s for base's disk
+_ONE_WISH: Final = 1.0  # s; a page says each stop in two ways, and again until it is shown
+_GIVES_UP: Final = 2.0  # s; base takes no reset whose tick is older than a second
+
+
+class Stops:
+    """Times are monotonic, s."""
+
+    def __init__(
+        self, engage: Callable[[str], Request], reset: Callable[[EStopReset], Request], log: LimitedLog
+    ) -> None:
+        """`engage` begins to ask base for a stop by that device; `reset` to ask for a release."""
+        self._device = ""
+        self._stop = EStopRequest(lambda: engage(self._device), "release it on a page that may drive")
+        self._ask_reset = reset
+        self._reset: tuple[Request, float] | None = None
+        self._reset_text = ""
+        self._states: dict[str, tuple[EStop, float]] = {}
+        """By base, its newest word, and when it came."""
+        self._stands_since: float | None = None
+        """When a stop was asked for that base's word has answered; None: none that a release could still cross."""
+        self._begun = "", -math.inf
+        """Who has asked for the stop that base was asked for last, and when: who releases it was shown that one."""
+        self._log = log
+
+    @property
+    def asked(self) -> bool:
+        """Whether a stop was asked for that base has not confirmed."""
+        return self._stop.asked
+
+    @property
+    def text(self) -> str:
+        """What became of a stop or a release that was asked for; empty: nothing is open."""
+        return self._stop.text if self.asked else self._reset_text
+
+    def stop(self, device: str, now: float) -> None:
+        """Somebody asks for the emergency stop."""
+        self._device = device
+        self._reset, self._reset_text = None, ""  # who wants a stop wants no release any more
+        self._log.say("stop", f"{device} asks for the emergency stop", now)
+        if not self._engaged(now):
+            self._stop.engage()
+            self._begun = device, now
+        elif self._begun[0] != device or now - self._begun[1] > _ONE_WISH:
+            self._stands_since = now
+
+    def on_estop(self, state: EStop, now: float) -> None:
+        """Take what base says of its stop."""
+        self._states[state.instance] = state, now
+        self._stop.on_sample(state)
+        since = self._stands_since
+        if state.engaged:
+            if since is not None and now - since >= _STANDS:
+                self._stands_since = None
+            return
+        if self._reset is None:
+            self._reset_text = ""
+        if since is not None:
+            self._stands_since = None
+            self._reset_text = f"STILL STOPPED: {self._device} asked for STOP meanwhile; release it again"
+            self._stop.engage()
+
+    def reset(self, device: str, asked: EStopReset, now: float) -> None:
+        """Somebody asks for the release of the latch that he was shown: he knows of each stop before."""
+        self._log.say("release", f"{device} asks for the release of the emergency stop", now)
+        if self.asked:
+            self._reset_text = "STILL STOPPED: a stop was not confirmed yet; release it again when it is"
+            return
+        self._stands_since = None
+        self._reset = self._ask_reset(asked), math.inf
+        self._reset_text = "RELEASING, not confirmed yet"
+
+    def poll(self, now: float) -> bool:
+        """Go on asking; whether base has confirmed a stop just now."""
+        confirmed = self._stop.poll(now)
+        if self._reset is not None:
+            self._go_on(*self._reset, now)
+        return confirmed
+
+    def _go_on(self, request: Request, until: float, now: float) -> None:
+        self._reset = request, min(until, now + _GIVES_UP)
+        answer = request.poll(now)
+        if answer is not None:
+            self._reset_text = "" if answer.done and not answer.engaged else f"STILL STOPPED: {answer.reason}"
+            self._log.say("released", self._reset_text or "the emergency stop is released", now)
+            self._reset = None
+        elif now > until:
+            self._reset_text = f"RELEASE NOT CONFIRMED: {request.fault or 'base does not answer'}; ask again"
+            self._reset = None
+
+    def _engaged(self, now: float) -> bool:
+        self._states = {base: heard for base, heard in self._states.items() if now - heard[1] <= _STATE_LASTS}
+        return bool(self._states) and all(state.engaged for state, _ in self._states.values())

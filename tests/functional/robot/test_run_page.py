@@ -1,0 +1,102 @@
+"""`giraff run --web` and `giraff web` as processes: addresses that open, and nothing left behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import signal
+import ssl
+import subprocess
+from collections.abc import Iterator
+from contextlib import closing
+from http.client import HTTPSConnection
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+from tests.support.process_robot import PATIENCE
+from tests.support.runs import GIRAFF, PROCESSES, Command, command_in, line_of
+
+RUN = ("--web", "--hand", "none", "--boards", "host")
+
+
+@pytest.fixture
+def command(tmp_path: Path) -> Iterator[Command]:
+    with command_in(tmp_path) as made:
+        yield made
+
+
+def told(process: subprocess.Popen[str]) -> str:
+    """The address for this host's own browser, which comes first."""
+    words = line_of(process, "page: ").split()
+    assert words[0] == "page:"
+    assert re.fullmatch(r"https://127\.0\.0\.1:\d+/#[\w-]{20,}", words[1])
+    return words[1]
+
+
+def got(address: str, path: str, authority: str = "", data: bytes | None = None) -> str:
+    """Of the page's port; by a host that trusts `authority`, or trusts anybody."""
+    context = ssl.create_default_context(cadata=authority or None)
+    if not authority:
+        context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    asked = urlsplit(address)
+    with closing(HTTPSConnection(str(asked.hostname), asked.port, context=context, timeout=PATIENCE)) as connection:
+        connection.request("GET" if data is None else "POST", path, data)
+        answer = connection.getresponse()
+        assert answer.status < 300, answer.status
+        return answer.read().decode()
+
+
+def host_of(address: str) -> str:
+    return address.partition("/#")[0]
+
+
+def test_the_page_of_a_run_comes_and_goes_with_it_and_is_named_where_it_dies(
+    command: Command,
+) -> None:
+    with command.start(*RUN) as process:
+        page = host_of(told(process))
+        trusted = got(page, "/ca.crt")
+        assert "<title>" in got(page, "/", trusted)
+        line_of(process, "base not armed")
+        assert len(command.pids()) == PROCESSES + 1
+        assert json.loads(got(page, "/stop", trusted, b"")) == {"asked": True}
+        line_of(process, "base EMERGENCY STOP")
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate(timeout=PATIENCE)
+    assert (process.returncode, err) == (0, "")
+    assert command.leaves_nothing()
+    with command.start(*RUN) as process:
+        again = host_of(told(process))
+        assert "<title>" in got(again, "/", trusted), "a phone that has come to trust it does so again"
+        os.kill(command.pid("giraff_web"), signal.SIGKILL)
+        for _ in range(3):
+            line_of(process, " | ")
+        process.send_signal(signal.SIGTERM)
+        _, err = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 1
+    assert "giraff run: web ended by itself (SIGKILL)" in err, "and the run has gone on"
+
+
+def test_giraff_web_serves_a_robot_that_is_there(command: Command) -> None:
+    with command.start("--hand", "none", "--boards", "host") as process:
+        line = line_of(process, "giraff drive")
+        target = shlex.split(line)[shlex.split(line).index("drive") + 1 :]
+        line_of(process, "base not armed")
+        words = [str(GIRAFF), "web", *target, "--port", "0"]
+        with subprocess.Popen(
+            words,
+            env=command.environment,
+            cwd=command.directory,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        ) as web:
+            page = host_of(told(web))
+            assert "<title>" in got(page, "/", got(page, "/ca.crt"))
+            web.send_signal(signal.SIGINT)
+            _, err = web.communicate(timeout=PATIENCE)
+        assert web.returncode == 0, err

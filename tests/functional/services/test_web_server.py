@@ -1,0 +1,200 @@
+"""The real server on loopback: who may watch, drive and stop, and what each is told."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import ssl
+from pathlib import Path
+
+import aiohttp
+import pytest
+
+from giraff_web.messages import LetGo, Reset, Wish
+from giraff_web.pages import Closed, Opened, Said, StopAsked
+from tests.support.web_pages import HOST, IPHONE, STOP, Desk, browser, page, sign_in, told, trying, wish
+
+
+def test_who_has_no_token_watches_and_may_stop_and_nothing_else(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with browser(it) as session, page(it, session) as socket:
+            it.show()
+            await it.until(lambda: it.of(Opened))
+            first = await told(socket)
+            assert (first["type"], first["device"], first["may_drive"]) == ("hello", IPHONE, False)
+            reset = '{"type": "reset", "id": "1", "engaged_ns": "2", "tick": null}'
+            for text in (wish(1), reset, '{"type": "let_go", "n": 2, "why": "finger"}', STOP):
+                await socket.send_str(text)
+            await it.until(lambda: it.of(StopAsked))
+            assert it.events == [Opened(1, IPHONE, may_drive=False), StopAsked(IPHONE)]
+        await it.until(lambda: it.of(Closed))
+
+    trying(tmp_path, course)
+
+
+def test_a_token_opens_a_session_once_and_another_is_announced(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        await it.until(lambda: it.announced)
+        token = it.server.token
+        assert it.announced == [[f"{it.url}/#{token}"]]
+        async with browser(it) as session:
+            assert await sign_in(it, session) == (200, {"device": IPHONE})
+            (cookie,) = session.cookie_jar
+            assert cookie.key == "__Host-giraff"
+            assert (cookie["path"], cookie["samesite"]) == ("/", "Strict")
+            assert cookie["secure"]
+            assert cookie["httponly"]
+            await it.until(lambda: len(it.announced) == 2)
+            assert it.announced[1] == [f"{it.url}/#{it.server.token}"] != it.announced[0]
+            async with page(it, session) as socket:
+                await it.until(lambda: it.of(Opened))
+                assert (await told(socket))["may_drive"]
+                await socket.send_str(wish(1))
+                await socket.send_str('{"type": "reset", "id": "1", "engaged_ns": "2", "tick": null}')
+                await socket.send_str('{"type": "let_go", "n": 2, "why": "finger"}')
+                await it.until(lambda: len(it.of(Said)) == 3)
+                assert [type(said.message) for said in it.of(Said)] == [Wish, Reset, LetGo]
+        async with browser(it, agent="X11; Linux Firefox/132.0") as other:
+            status, answer = await sign_in(it, other, token)
+            assert status == 403
+            assert answer["why"].startswith("this address was used ")
+            assert IPHONE in answer["why"]
+        assert it.log[0] == f"{IPHONE} may drive; the next device opens another address"
+
+    trying(tmp_path, course)
+
+
+def test_guessing_is_slowed(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with browser(it) as session:
+            answers = [await sign_in(it, session, "wrong") for _ in range(7)]
+            assert [status for status, _ in answers] == [403] * 5 + [429] * 2
+            async with session.post(f"{it.url}/session", json={"token": it.server.token}) as answer:
+                assert 0 < int(answer.headers["Retry-After"]) <= 60
+        async with browser(it, address="127.0.0.2") as other:
+            assert (await sign_in(it, other))[0] == 200
+        assert any("not a token of this service" in line for line in it.log)
+
+    trying(tmp_path, course)
+
+
+def test_what_is_no_session_request_is_told(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with browser(it) as session:
+            for body in (b"", b"nonsense", b'{"token": 5}', b"[" * 8000, b"x" * 1_000_000, b"\xff"):
+                async with session.post(f"{it.url}/session", data=body) as answer:
+                    assert answer.status == 400
+                    assert (await answer.json())["why"].startswith("the body is to be")
+
+    trying(tmp_path, course)
+
+
+def test_another_page_and_another_name_are_refused(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        port = it.server.port
+        bad: tuple[dict[str, str], ...] = (
+            {"Origin": "https://evil.example"},
+            {"Origin": "null"},
+            {"Origin": f"http://{HOST}:{port}"},
+            {"Origin": f"https://{HOST}:{port + 1}"},
+            {"Host": "evil.example"},
+            {"Host": f"evil.example:{port}", "Origin": f"https://evil.example:{port}"},
+            {"Host": "[::"},
+        )
+        good: tuple[dict[str, str], ...] = (
+            {"Origin": it.url},
+            {"Host": f"desk.local:{port}", "Origin": f"https://desk.local:{port}"},
+            {"Host": "DESK"},
+        )
+        async with browser(it) as session:
+            for headers in bad:
+                for method, path in (("GET", "/"), ("POST", "/stop"), ("POST", "/session"), ("GET", "/ws")):
+                    async with session.request(method, it.url + path, headers=headers) as answer:
+                        assert answer.status == 403, (method, path, headers)
+                with pytest.raises(aiohttp.WSServerHandshakeError):
+                    await session.ws_connect(f"{it.url}/ws", headers=headers)
+            for headers in good:
+                async with session.post(f"{it.url}/stop", headers=headers) as answer:
+                    assert answer.status == 202
+        await it.until(lambda: len(it.of(StopAsked)) == len(good))
+        assert it.of(Opened) == []
+
+    trying(tmp_path, course)
+
+
+def test_each_answer_keeps_the_page_to_itself(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with browser(it) as session:
+            for method, path, status in (
+                ("GET", "/ca.crt", 200),
+                ("GET", "/page/../main.py", 404),
+                ("GET", "/page/%2e%2e/main.py", 404),
+                ("GET", "/nothing", 404),
+                ("GET", "/stop", 405),
+                ("GET", "/ws", 426),
+                ("POST", "/stop", 202),
+            ):
+                async with session.request(method, it.url + path) as answer:
+                    assert answer.status == status, path
+                    assert answer.headers["X-Content-Type-Options"] == "nosniff"
+                    assert answer.headers["Cache-Control"] == "no-store"
+                    assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
+                    assert "accelerometer=(self)" in answer.headers["Permissions-Policy"]
+
+    trying(tmp_path, course)
+
+
+def test_who_has_the_certificate_trusts_it_and_nobody_else(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with aiohttp.ClientSession() as stranger:
+            with pytest.raises(aiohttp.ClientConnectorCertificateError):
+                await stranger.get(it.url)
+            async with stranger.get(f"{it.url}/ca.crt", ssl=False) as answer:
+                assert answer.content_type == "application/x-x509-ca-cert"
+                authority = await answer.read()
+        async with browser(it, trusting=authority) as session, session.post(f"{it.url}/stop") as answer:
+            assert answer.status == 202
+
+    trying(tmp_path, course)
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "headers", "status"),
+    [
+        ("POST", "/session", {"Content-Encoding": "gzip"}, 415),
+        ("GET", "/ws", {"Upgrade": "websocket", "Connection": "keep-alive"}, 400),
+        ("GET", "/ws", {"Upgrade": "websocket", "Connection": "upgrade", "Sec-WebSocket-Key": "abc"}, 400),
+    ],
+)
+def test_what_the_library_refuses_gets_a_clear_word_and_no_line_in_the_log(
+    tmp_path: Path, method: str, path: str, headers: dict[str, str], status: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    async def course(it: Desk) -> None:
+        async with (
+            browser(it) as session,
+            session.request(
+                method, it.url + path, headers=headers, data=b"abc", skip_auto_headers=["Content-Type"]
+            ) as got,
+        ):
+            assert got.status == status
+            assert "giraff web" in (await got.json())["why"]
+            assert got.headers["Server"] == "giraff"
+        assert it.log == []
+
+    trying(tmp_path, course)
+    assert caplog.records == []
+
+
+def test_a_request_that_is_none_leaves_no_line_in_the_log(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    async def course(it: Desk) -> None:
+        context = ssl.create_default_context(cadata=it.authority.decode())
+        reader, writer = await asyncio.open_connection(HOST, it.server.port, ssl=context)
+        writer.write(b"GET / HTTP/1.1\r\nContent-Length: -1\r\nHost: 127.0.0.1\r\n\r\n")
+        assert b"400" in await reader.readline()
+        writer.close()
+        with contextlib.suppress(ConnectionError, ssl.SSLError):  # the service has closed it first
+            await writer.wait_closed()
+        assert it.log == []
+
+    trying(tmp_path, course)
+    assert caplog.records == []

@@ -1,0 +1,61 @@
+"""What pages are told of who drives and why the robot does not, in simulated time."""
+
+from __future__ import annotations
+
+from giraff_web.messages import State
+from tests.loop.browsers import Browser, room
+
+
+def shown(browser: Browser) -> State:
+    assert browser.state is not None
+    return browser.state
+
+
+def test_before_anybody_holds_nothing_is_wrong() -> None:
+    with room() as it:
+        watcher = it.browsers.add("laptop", may_drive=False)
+        it.run(1.0)
+        assert (shown(watcher).why, shown(watcher).operator, shown(watcher).armed) == ("", "", False)
+
+
+def test_all_pages_are_told_who_drives() -> None:
+    with room() as it:
+        phone, watcher = it.browsers.add("phone"), it.browsers.add("laptop", may_drive=False)
+        it.drive(phone)
+        state = shown(watcher)
+        assert (state.operator, state.device, state.page, state.why) == ("web", "phone", phone.number, "")
+        assert state.speed is not None
+        assert state.speed[0] > 0.2
+        assert it.log[-1] == "phone drives"
+
+
+def test_who_puts_the_phone_away_is_no_broken_link() -> None:
+    with room() as it:
+        phone, watcher = it.browsers.add("phone"), it.browsers.add("laptop", may_drive=False)
+        it.drive(phone)
+        phone.let_go()
+        it.run(0.5)
+        phone.hung = True
+        it.run(0.9)
+        assert "the page of phone is out of sight" in shown(watcher).why
+        it.run(4.0)
+        assert (shown(watcher).why, shown(watcher).operator) == ("", "")
+
+
+def test_a_hand_that_was_lost_is_told_with_whose_it_was() -> None:
+    with room() as it:
+        phone, watcher = it.browsers.add("phone"), it.browsers.add("laptop", may_drive=False)
+        it.drive(phone)
+        phone.let_go("hidden")
+        phone.hung = True  # it says nothing more
+        it.run(0.2)
+        assert shown(watcher).why.startswith("phone: the page was hidden")
+
+
+def test_one_that_lets_go_keeps_the_lease_while_it_is_seen() -> None:
+    with room() as it:
+        phone = it.browsers.add("phone")
+        it.drive(phone)
+        phone.let_go()
+        it.run(3.0)
+        assert (it.driver, it.armed, shown(phone).why) == ("web", True, "")

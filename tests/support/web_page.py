@@ -1,0 +1,95 @@
+"""The page of giraff_web, as whoever holds the device uses it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Final, Literal
+
+from tests.support.browser import Device, Phone
+from tests.support.process_robot import PATIENCE, ProcessRobot
+
+TILT: Final = "#tilt"
+PAD: Final = "#pad"
+"""Where the finger lies that holds."""
+_FULL: Final = 0.4
+"""Of the pad's smaller side: so far from where it was put, a finger asks for full speed."""
+
+
+@contextmanager
+def served(robot: ProcessRobot) -> Iterator[str]:
+    """The service beside a robot, for browsers of this host, until the end of the block. An address that may drive."""
+    robot.environment |= {"GIRAFF_WEB_PORT": "0", "GIRAFF_WEB_ADDRESS": "127.0.0.1"}
+    robot.start("web")
+    robot.wait("an address", lambda: _addresses(robot), PATIENCE)
+    try:
+        yield _addresses(robot)[-1]
+    finally:
+        robot.stop("web")  # nothing, where a test has killed it
+
+
+def _addresses(robot: ProcessRobot) -> list[str]:
+    """That the service's log has told since it was started, oldest first."""
+    return [word for line in robot.messages("web") for word in line.split() if word.startswith("https://")]
+
+
+def open_page(device: Device, address: str) -> None:
+    """And wait until it shows the robot."""
+    device.page.goto(address)
+    device.page.locator("body[data-link=open]").wait_for()
+
+
+def take(device: Device, address: str) -> None:
+    """The same, with an address that lets it drive."""
+    open_page(device, address)
+    device.page.locator("body[data-link=open][data-may=drive]").wait_for()
+
+
+def tap(device: Device, name: str, role: Literal["button", "radio"] = "button") -> None:
+    """As `STOP`."""
+    device.tap(device.page.get_by_role(role, name=name, exact=True))
+
+
+def choose(device: Device, what: Literal["Tilt", "Pad", "Keys"]) -> None:
+    """What is to drive."""
+    tap(device, what, "radio")
+
+
+def is_held(device: Device) -> bool:
+    """Whether the page counts a finger or a key."""
+    return device.page.locator(".field.held").count() > 0
+
+
+def is_armed(device: Device) -> bool:
+    """Whether the page says that the robot is."""
+    return device.page.locator("#armed").inner_text() == "Armed."
+
+
+def slide(phone: Phone, forward: float, left: float = 0.0) -> None:
+    """Of a finger on the pad's middle: shares of what the pad asks for at most."""
+    box = phone.page.locator(PAD).bounding_box()
+    assert box is not None
+    side = _FULL * min(box["width"], box["height"])
+    phone.slide(PAD, 0.5 - left * side / box["width"], 0.5 - forward * side / box["height"])
+
+
+def drive_by_pad(robot: ProcessRobot, phone: Phone, seconds: float) -> None:
+    """Forward for so long, as fast as the pad asks for, with a finger that stays there.
+
+    Where a machine that stood still has stopped it meanwhile, all over again, as a person would.
+    """
+
+    def has_driven() -> bool:
+        phone.hold(0.5)
+        phone.touch(PAD)
+        phone.hold(0.3)
+        slide(phone, 1.0)
+        until = robot.simulator.now() + (seconds + 0.5) * 1e6
+        phone.wait(lambda: robot.simulator.now() >= until or not is_held(phone), "driving")
+        if is_held(phone) and robot.drives():
+            return True
+        print(phone.told())
+        phone.lift()
+        return False
+
+    phone.wait(has_driven, "driving")

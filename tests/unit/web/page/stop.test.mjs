@@ -1,0 +1,64 @@
+// The emergency stop as the page asks for it and says it.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { AGAIN, LONGEST, StopRequest, isSameStop } from "../../../../services/giraff_web/page/stop.js";
+
+const latch = (engaged = true, id = "1", engaged_ns = "5") => ({ engaged, by: "ann", reason: "a chair", id, engaged_ns });
+
+test("nothing is confirmed before a state says so", () => {
+  const stop = new StopRequest();
+  stop.onLatch(latch(false));
+  assert.equal(stop.text(0, true), "");
+  stop.press(10);
+  assert.equal(stop.text(10, true), "STOPPING, NOT CONFIRMED");
+  stop.onLatch(latch(false));
+  stop.onLatch(null);
+  assert.equal(stop.text(10.99, true), "STOPPING, NOT CONFIRMED");
+  assert.equal(stop.text(11, true), "NOT CONFIRMED: use the battery switch");
+  stop.onLatch(latch());
+  assert.equal(stop.text(11.1, true), "STOPPED, confirmed, by ann: a chair");
+});
+
+test("a second press does not hide that the first was not confirmed", () => {
+  const stop = new StopRequest();
+  stop.press(10);
+  stop.press(11.5);
+  assert.equal(stop.text(11.5, true), "NOT CONFIRMED: use the battery switch");
+});
+
+test("it asks again until it is confirmed, and not for ever", () => {
+  const stop = new StopRequest();
+  assert.equal(stop.isDue(9), false);
+  stop.press(10);
+  assert.equal(stop.isDue(10 + AGAIN - 0.01), false);
+  assert.equal(stop.isDue(10 + AGAIN), true);
+  assert.equal(stop.isDue(10 + AGAIN + 0.1), false);
+  assert.equal(stop.isDue(10 + LONGEST + 1), false);
+  assert.equal(stop.text(10 + LONGEST + 1, true), "NOT CONFIRMED: use the battery switch");
+  stop.press(12);
+  stop.onLatch(latch());
+  assert.equal(stop.isDue(13), false);
+});
+
+test("a press after a long silence asks for as long again", () => {
+  const stop = new StopRequest();
+  stop.press(10);
+  stop.press(10 + LONGEST + 5);
+  assert.equal(stop.isDue(10 + LONGEST + 5 + AGAIN), true);
+});
+
+test("what was heard before the link was lost is not said of now", () => {
+  const stop = new StopRequest();
+  stop.onLatch(latch());
+  assert.equal(stop.text(20, false), "When last heard: STOPPED by ann: a chair");
+});
+
+test("one stop is another one than that which engaged later", () => {
+  assert.equal(isSameStop(latch(), latch()), true);
+  assert.equal(isSameStop(latch(), latch(true, "2")), false);
+  assert.equal(isSameStop(latch(), latch(true, "1", "6")), false);
+  assert.equal(isSameStop(latch(), latch(false)), false);
+  assert.equal(isSameStop(latch(), null), false);
+});

@@ -1,0 +1,95 @@
+// What is written on the page.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import * as words from "../../../../services/giraff_web/page/words.js";
+
+const free = { freedom: "free", allowed: 0.6, sensor: "", reason: "", way_out: "" };
+const blocked = { freedom: "blocked", allowed: 0, sensor: "rear", reason: "rear is blind", way_out: "turn away" };
+const state = { page: 0, device: "", operator: "", armed: true, why: "", stop: null };
+const at = {
+  linked: true,
+  heard: true,
+  closed: "",
+  mayDrive: true,
+  session: "",
+  refused: "",
+  ended: "",
+  hold: 0,
+  stopping: false,
+  input: "pad",
+  me: 3,
+  state,
+};
+
+test("an age is in tenths, and none is LOST", () => {
+  assert.equal(words.ageText(0.04), "0.0 s");
+  assert.equal(words.ageText(0.56), "0.6 s");
+  for (const none of [null, undefined, Infinity, NaN]) assert.equal(words.ageText(none), "LOST");
+});
+
+test("why: the first of what is between the hand and the robot", () => {
+  const why = (change) => words.whyText({ ...at, ...change });
+  assert.match(why({ linked: false, heard: false }), /^Connecting/);
+  assert.match(why({ linked: false, mayDrive: false }), /^The link is lost/);
+  assert.equal(why({ linked: false, closed: "too many pages" }), "Not connected: too many pages");
+  assert.match(why({ mayDrive: false }), /open the address/);
+  assert.equal(why({ mayDrive: false, session: "this code was used" }), "This code was used");
+  assert.equal(why({ refused: "begin neutral", ended: "idle" }), "Begin neutral");
+  assert.match(why({ ended: "stalled", state: { ...state, why: "not armed" } }), /stood still.*let go/);
+  assert.match(why({ ended: "focus", input: "keys" }), /let go of the keys/);
+  assert.equal(why({ hold: 2, state: { ...state, why: "not armed" } }), "Not armed");
+  assert.equal(why({ hold: 2 }), "The robot obeys.");
+  assert.match(why({ ended: "finger" }), /^Put a finger/);
+  assert.match(why({ stopping: true }), /emergency stop was asked/);
+});
+
+test("who drives, and how to take it", () => {
+  const driver = (change, may = true) => words.driverText({ ...state, ...change }, 3, may, "pad");
+  assert.equal(driver({ page: 3, device: "phone", operator: "web" }), "You drive.");
+  assert.equal(driver({ page: 4, device: "phone", operator: "web" }), "Phone drives. To take over, hold the pad.");
+  assert.equal(driver({ operator: "joystick" }, false), "Joystick drives.");
+  assert.equal(driver({}), "Nobody drives. To drive, hold the pad.");
+  assert.equal(driver({ stop: { engaged: true } }), "Nobody drives.");
+});
+
+test("how to arm", () => {
+  const armed = (change, input) => words.armedText({ ...state, page: 3, ...change }, 3, input);
+  assert.equal(armed({ armed: null }, "pad"), "Base is not heard.");
+  assert.equal(armed({}, "pad"), "Armed.");
+  assert.match(armed({ armed: false }, "tilt"), /keep the phone flat for a moment/);
+  assert.equal(armed({ armed: false, page: 4 }, "tilt"), "Not armed.", "who drives arms");
+  assert.equal(armed({ armed: false, stop: { engaged: true } }, "tilt"), "Not armed.");
+});
+
+test("reasons: those of several ways together, and none that is written already", () => {
+  const directions = { forward: free, backward: blocked, turn_left: blocked, turn_right: free };
+  assert.deepEqual(words.reasons(directions), ["Backward, left: rear is blind; turn away."]);
+  assert.deepEqual(words.reasons(directions, "backward: rear is blind; turn away"), []);
+  assert.deepEqual(words.reasons(null), ["The guard is not heard."]);
+});
+
+test("what is not heard is no number", () => {
+  const none = words.facts({ speed: null, battery: null, round_trip: null, path: null });
+  assert.ok(Object.values(none).every((text) => text === "–"));
+  const some = words.facts({ speed: [-0.001, 0.31], battery: 24.61, round_trip: 0.0432, path: 3.25 });
+  assert.deepEqual(some, { speed: "0.00 m/s", turn: "0.3 rad/s", battery: "24.6 V", trip: "43 ms", path: "3.3 m" });
+});
+
+test("the floor plan as lines", () => {
+  const ranges = {
+    front_left: { state: "echo", range: 0.84, reason: "" },
+    rear: { state: "fault", range: null, reason: "no echo at all" },
+    left: { state: "silent", range: null, reason: "" },
+    right: { state: "clear", range: null, reason: "" },
+  };
+  const lines = words.floorLines({ ranges, directions: null, pose: [1, -0.01, Math.PI / 2] });
+  assert.deepEqual(lines.slice(0, 4), [
+    "Front left: 0.84 m",
+    "Rear: no echo at all",
+    "Left: not heard",
+    "Right: nothing near",
+  ]);
+  assert.equal(lines.at(-1), "Position: x 1.0 m, y 0.0 m, heading 90°");
+});

@@ -1,0 +1,44 @@
+"""How the process begins, where it cannot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from giraff_web import main as it
+from giraff_web.messages import Room
+
+
+def test_a_library_that_is_missing_is_told_with_the_way_out(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(it, "find_spec", lambda name: None if name == "aiohttp" else object())
+    with pytest.raises(SystemExit) as left:
+        it.main()
+    assert left.value.code == 2
+    assert capsys.readouterr().err == "giraff_web: the library aiohttp is missing: pip install 'giraff[web]'\n"
+
+
+def test_nothing_is_missing_here() -> None:
+    assert it.missing_library() == ""
+
+
+def test_the_room_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "room.json"
+    path.write_text('{"walls": [[[0, 0], [1, 0]]]}')
+    assert it._room(str(path)) == Room(walls=(((0.0, 0.0), (1.0, 0.0)),))
+    assert it._room("") is None
+
+
+@pytest.mark.parametrize(("text", "told"), [("nonsense", "is no room"), ('{"walls": 1}', "is no room")])
+def test_a_room_that_is_none_is_told(tmp_path: Path, text: str, told: str) -> None:
+    path = tmp_path / "room.json"
+    path.write_text(text)
+    with pytest.raises(it._RoomError, match=f"^\\[web\\] room: {path} {told}"):
+        it._room(str(path))
+
+
+def test_a_room_that_is_not_there_is_told(tmp_path: Path) -> None:
+    with pytest.raises(it._RoomError, match="cannot be read: No such file or directory"):
+        it._room(str(tmp_path / "room.json"))

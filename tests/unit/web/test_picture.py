@@ -1,0 +1,111 @@
+"""What pages are shown: the newest, and nothing that says nothing of now."""
+
+import msgspec
+import pytest
+
+from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
+from giraff_web.config import WebConfig
+from giraff_web.messages import State, ToPage
+from giraff_web.picture import STALE, Picture
+from giraff_web.policy import WebPolicy
+from tests.support.robots import ROBOT
+from tests.unit.keyboard.test_status import BASE, GUARD
+
+TICK = RobotTime(epoch=7, robot_ns=1 << 62)
+
+
+class Shown:
+    """A picture, and the policy whose driver it tells."""
+
+    def __init__(self) -> None:
+        self.picture = Picture(ROBOT)
+        self.policy = WebPolicy(WebConfig(), ROBOT, "me")
+        self.policy.on_tick(Tick(instance="base", epoch=7, robot_ns=1 << 62), 0.0)
+
+    def at(self, now: float) -> State:
+        state = self.picture.state(self.policy, "", 0.0, now)
+        decoded = msgspec.json.decode(msgspec.json.encode(state), type=ToPage)
+        assert isinstance(decoded, State)
+        return decoded
+
+
+def odometry(x: float, **fields: int) -> Odometry:
+    return Odometry(
+        instance="odometry",
+        x=x,
+        y=0.0,
+        yaw=0.0,
+        linear_x=0.2,
+        angular_z=0.0,
+        covariance=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
+        path=x,
+        board_us=0,
+        boot_id=1,
+        tick=TICK,
+        **fields,
+    )
+
+
+def test_what_is_not_heard_is_not_shown() -> None:
+    state = Shown().at(0.1)
+    assert (state.armed, state.stop, state.directions, state.pose, state.battery) == (None,) * 5
+    assert set(state.ranges) == set(ROBOT.sensors)
+    assert {echo.state for echo in state.ranges.values()} == {"silent"}
+    assert "guard" in state.why
+
+
+def test_a_tick_goes_down_exactly_and_none_of_a_robot_that_is_lost() -> None:
+    shown = Shown()
+    assert shown.at(0.1).tick == ("7", str(1 << 62))
+    assert shown.at(1.0).tick is None
+
+
+def test_all_that_is_heard_is_shown_as_long_as_it_is_new() -> None:
+    shown = Shown()
+    latch = EStop(instance="base", engaged=False, id=1, by="x", reason="")
+    for sample in (BASE, GUARD, latch, Battery(voltage=24.0), odometry(1.0)):
+        shown.picture.take(sample, 0.0)
+    state = shown.at(0.1)
+    assert None not in (state.armed, state.stop, state.directions, state.pose, state.battery, state.speed)
+    old = shown.at(STALE + 0.5)
+    assert (old.armed, old.stop, old.directions, old.pose, old.battery) == (None,) * 5
+
+
+def test_a_sensor_that_is_silent_is_told_so() -> None:
+    shown = Shown()
+    name = next(iter(ROBOT.sensors))
+    reading = Range(instance="r", sensor=name, state="echo", range=0.8, echo_us=1, reason="", tick=TICK)
+    shown.picture.take(reading, 0.0)
+    shown.picture.take(msgspec.structs.replace(reading, sensor="stranger"), 0.0)
+    state = shown.at(0.1)
+    assert (state.ranges[name].state, state.ranges[name].range) == ("echo", 0.8)
+    assert "stranger" not in state.ranges
+    assert shown.at(STALE + 0.1).ranges[name].state == "silent"
+
+
+def test_the_path_is_bounded_and_begins_anew_where_a_pose_was_set() -> None:
+    shown = Shown()
+    for step in range(3000):
+        shown.picture.take(odometry(step * 0.04), 0.0)
+        shown.picture.take(odometry(step * 0.04 + 0.01), 0.0)
+    assert len(shown.picture.trail) == 2000
+    assert shown.picture.trail[-1][0] == pytest.approx(2999 * 0.04)
+    shown.picture.take(odometry(0.0, jumps=1), 0.0)
+    assert shown.picture.trail == ((0.0, 0.0),)
+
+
+def test_numbers_that_a_page_cannot_hold_are_texts() -> None:
+    shown = Shown()
+    latch = EStop(instance="base", engaged=True, id=(1 << 53) - 1, by="x", reason="y", engaged_ns=1 << 62)
+    shown.picture.take(latch, 0.0)
+    state = shown.at(0.1)
+    assert state.stop is not None
+    assert (state.stop.id, state.stop.engaged_ns) == (str((1 << 53) - 1), str(1 << 62))
+
+
+def test_who_drives_is_named() -> None:
+    shown = Shown()
+    shown.policy.on_lease(Lease(instance="g", holder="x", operator="joystick", counter=1, reason="joystick drives"))
+    state = shown.at(0.1)
+    assert (state.operator, state.device, state.page) == ("joystick", "", 0)
+    assert state.why == "joystick drives"

@@ -1,0 +1,189 @@
+"""STOP on a page: never refused nor put off, and its release is base's to judge."""
+
+from __future__ import annotations
+
+import pytest
+
+from giraff_schemas.messages import EStop, RobotTime
+from giraff_schemas.requests import EStopAnswer, EStopReset
+from giraff_web.limited_log import LimitedLog
+from giraff_web.stops import Stops
+
+RESET = EStopReset(by="web@host (phone)", id=4, tick=RobotTime(epoch=7, robot_ns=1), engaged_ns=9)
+STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="")
+RELEASED = EStopAnswer(done=True, engaged=False, id=4, reason="")
+REFUSED = EStopAnswer(done=False, engaged=True, id=5, reason="there is another stop now")
+
+
+class Asked:
+    """A request to a base that answers what it is told to."""
+
+    refusal = None
+    fault = "nobody answers"
+
+    def __init__(self, what: str | EStopReset) -> None:
+        self.what = what
+        self.attempts = 0
+        self.answer: EStopAnswer | None = None
+
+    def poll(self, now: float) -> EStopAnswer | None:
+        del now
+        self.attempts += 1
+        return self.answer
+
+
+class Base:
+    """What is asked of it, and what was logged."""
+
+    def __init__(self) -> None:
+        self.asked: list[Asked] = []
+        self.log: list[str] = []
+        self.stops = Stops(self.ask, self.ask, LimitedLog(self.log.append))
+
+    def ask(self, what: str | EStopReset) -> Asked:
+        self.asked.append(Asked(what))
+        return self.asked[-1]
+
+    def says(self, now: float, *, engaged: bool, base: str = "base") -> None:
+        state = EStop(instance=base, engaged=engaged, id=4, by="x", reason="y", engaged_ns=9)
+        self.stops.on_estop(state, now)
+
+
+def test_it_asks_until_base_confirms() -> None:
+    base = Base()
+    base.stops.stop("phone", 0.0)
+    assert [asked.what for asked in base.asked] == ["phone"]
+    for n in range(5):
+        assert not base.stops.poll(n * 0.1)
+    assert "NOT CONFIRMED" in base.stops.text
+    assert "battery switch" in base.stops.text
+    base.asked[0].answer = STOPPED
+    assert base.stops.poll(1.0)
+    assert not base.stops.asked
+
+
+def test_while_it_is_latched_further_ones_are_answered_by_bases_state() -> None:
+    base = Base()
+    base.says(0.0, engaged=True)
+    for n in range(100):
+        base.stops.stop("phone", n * 0.01)
+    assert base.asked == []
+    assert not base.stops.asked
+
+
+def test_a_stop_that_meets_a_reset_on_its_way_is_asked_for_after_all() -> None:
+    base = Base()
+    base.says(0.0, engaged=True)
+    base.stops.stop("phone", 0.1)
+    base.says(0.2, engaged=False)
+    assert [asked.what for asked in base.asked] == ["phone"]
+    base.says(0.3, engaged=False)
+    assert len(base.asked) == 1
+
+
+@pytest.mark.parametrize("heard", [0.2, 2.0, 9.0])
+def test_one_that_base_is_silent_about_stands_until_it_is_heard(heard: float) -> None:
+    """The word that answered it may be of before a release: the link was cut, or base's disk was slow."""
+    base = Base()
+    base.says(0.0, engaged=True)
+    base.stops.stop("phone", 0.1)
+    base.says(heard, engaged=False)
+    assert [asked.what for asked in base.asked] == ["phone"]
+
+
+def test_one_that_was_answered_does_not_stop_what_is_released_later() -> None:
+    base = Base()
+    base.says(0.0, engaged=True)
+    base.stops.stop("phone", 0.1)
+    base.says(2.7, engaged=True)
+    base.says(3.0, engaged=False)
+    assert base.asked == []
+
+
+@pytest.mark.parametrize(("again", "asked"), [("phone", 1), ("laptop", 2)])
+def test_a_page_says_each_stop_twice_and_whoever_saw_it_may_release_it(again: str, asked: int) -> None:
+    base = Base()
+    base.stops.stop("phone", 0.0)
+    base.asked[0].answer = STOPPED
+    base.stops.poll(0.1)
+    base.says(0.1, engaged=True)
+    base.stops.stop(again, 0.2)
+    base.says(0.8, engaged=False)
+    assert len(base.asked) == asked
+
+
+def test_who_releases_on_a_page_knows_of_the_stop() -> None:
+    base = Base()
+    base.says(0.0, engaged=True)
+    base.stops.stop("phone", 0.1)
+    base.stops.reset("phone", RESET, 0.5)
+    base.says(0.6, engaged=False)
+    assert [asked.what for asked in base.asked] == [RESET]
+
+
+def test_what_is_told_of_a_release_goes_with_the_stop() -> None:
+    base = Base()
+    base.says(0.0, engaged=True)
+    base.stops.reset("phone", RESET, 0.0)
+    base.asked[0].answer = REFUSED
+    base.stops.poll(0.1)
+    assert base.stops.text
+    base.says(1.0, engaged=False)
+    assert base.stops.text == ""
+
+
+@pytest.mark.parametrize("age", [0.0, 2.0])
+def test_what_base_said_long_ago_or_one_of_two_bases_answers_nothing(age: float) -> None:
+    base = Base()
+    base.says(0.0, engaged=True)
+    if not age:
+        base.says(0.0, engaged=False, base="other")
+    base.stops.stop("phone", age)
+    assert len(base.asked) == 1
+
+
+def test_the_log_is_limited_and_not_the_stop() -> None:
+    base = Base()
+    for n in range(250):
+        base.stops.stop("phone", n * 0.01)
+        base.asked[-1].answer = STOPPED
+        base.stops.poll(n * 0.01)
+    assert len(base.asked) == 250
+    assert len(base.log) == 3
+    assert "99 more" in base.log[-1]
+
+
+def test_a_release_names_what_was_shown_and_tells_what_base_says() -> None:
+    base = Base()
+    base.stops.reset("phone", RESET, 0.0)
+    assert base.asked[0].what == RESET
+    base.stops.poll(0.0)
+    assert "not confirmed" in base.stops.text
+    base.asked[0].answer = REFUSED
+    base.stops.poll(0.1)
+    assert base.stops.text == "STILL STOPPED: there is another stop now"
+    base.stops.reset("phone", RESET, 0.1)
+    base.asked[1].answer = RELEASED
+    base.stops.poll(0.2)
+    assert base.stops.text == ""
+
+
+def test_a_release_that_base_does_not_answer_is_given_up() -> None:
+    base = Base()
+    base.stops.reset("phone", RESET, 0.0)
+    base.stops.poll(0.0)
+    base.stops.poll(2.1)
+    assert "NOT CONFIRMED: nobody answers" in base.stops.text
+    attempts = base.asked[0].attempts
+    base.stops.poll(2.2)
+    assert base.asked[0].attempts == attempts
+
+
+def test_who_wants_a_stop_wants_no_release_any_more() -> None:
+    base = Base()
+    base.stops.reset("phone", RESET, 0.0)
+    base.stops.stop("laptop", 0.0)
+    base.stops.poll(0.0)
+    assert base.asked[0].attempts == 0
+    base.stops.reset("phone", RESET, 0.0)
+    assert len(base.asked) == 2, "a stop is not confirmed yet"
