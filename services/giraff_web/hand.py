@@ -91,10 +91,6 @@ class Hand:
         if self.holds:
             self._end(why)
 
-    def refuse(self, why: str) -> None:
-        """The hold that has just begun does not count."""
-        self._end(why)
-
     def is_out_of_sight(self, now: float) -> bool:
         """Whether its page, which holds nothing, says nothing either: it is hidden, or put away."""
         return now - self._heard > OUT_OF_SIGHT

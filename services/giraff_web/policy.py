@@ -159,7 +159,7 @@ class WebPolicy:
     def _take_up(self, page: int, hand: Hand) -> None:
         driving = self._pages.get(self.driver.page)
         if driving is not None and self.driver.page != page and driving.hand.holds:
-            hand.refuse(f"{driving.device} drives by a page of its own; drive when it has let go")
+            hand.lose(f"{driving.device} drives by a page of its own; drive when it has let go")
             return
         self._gone = ""
         self.driver = Driver(page, self._pages[page].device)

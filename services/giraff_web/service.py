@@ -61,7 +61,7 @@ class Web:
         self._policy = WebPolicy(config, robot, io.instance)
         self._picture = Picture(robot)
         self._by = f"{config.operator}@{io.hostname}"
-        self.stops = Stops(self._engage, self._reset, self._log)
+        self._stops = Stops(self._engage, self._reset, self._log)
         self._ticks, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=_LAST)
         told = (BASE, GUARD, ESTOP, BATTERY, RANGE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
@@ -86,9 +86,9 @@ class Web:
         for sample in (sample for inbox in self._told for sample in inbox.take()):
             self._picture.take(sample, now)
             if isinstance(sample, EStop):
-                self.stops.on_estop(sample, now)
-        self.stops.poll(now)
-        policy.stopping = self.stops.asked
+                self._stops.on_estop(sample, now)
+        self._stops.poll(now)
+        policy.stopping = self._stops.asked
         if self._timer.due(now):
             command = policy.command(now)
             self._commands.put(command)
@@ -96,7 +96,7 @@ class Web:
             self._io.set_notice("page", command.reason)
             self._io.set_notice("lease", policy.refusal if policy.driver.page else "")
         if self._show_timer.due(now):
-            self._pages.show(self._picture.state(policy, self.stops.text, now - self._tick_heard, now))
+            self._pages.show(self._picture.state(policy, self._stops.text, now - self._tick_heard, now))
 
     def end(self) -> None:
         """Let go of the robot."""
@@ -113,7 +113,7 @@ class Web:
                 self._lost.pop(event.page, None)
             case StopAsked():
                 policy.on_stop(event.device)
-                self.stops.stop(event.device, now)
+                self._stops.stop(event.device, now)
             case Said(page, Wish() as wish):
                 policy.on_wish(page, wish, now)
             case Said(page, LetGo() as message):
@@ -133,7 +133,7 @@ class Web:
             tick=time_of(reset.tick),
             engaged_ns=int(reset.engaged_ns),
         )
-        self.stops.reset(device, asked, now)
+        self._stops.reset(device, asked, now)
 
     def _engage(self, device: str) -> Request:
         asked = EStopEngage(by=f"{self._by} ({device})", reason="STOP on a page")
