@@ -16,14 +16,18 @@ def require_finite(message: msgspec.Struct, *values: float) -> None:
 
 def _field_of(message: msgspec.Struct, value: float) -> str:
     """The first field that holds this very object: NaN equals nothing, not even itself."""
-    for name, held in msgspec.structs.asdict(message).items():
-        if held is value:
-            return name
-        if isinstance(held, tuple):
-            for index, each in enumerate(held):
-                if each is value:
-                    return f"{name}[{index}]"
-    return type(message).__name__
+    found = (_path_to(value, held, name) for name, held in msgspec.structs.asdict(message).items())
+    return next(filter(None, found), type(message).__name__)
+
+
+def _path_to(value: float, held: object, name: str) -> str:
+    """Of the very object in what a field holds; empty: it is not there."""
+    if held is value:
+        return name
+    if isinstance(held, tuple):
+        found = (_path_to(value, each, f"{name}[{index}]") for index, each in enumerate(held))
+        return next(filter(None, found), "")
+    return ""
 
 
 def require_moment(epoch: int, robot_ns: int) -> None:

@@ -9,6 +9,8 @@ import msgspec
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime
 
+MAP_FRAME: Final = "map"
+"""The floor plan's own."""
 ODOM_FRAME: Final = "odom"
 """Where the robot was when odometry began."""
 BASE_FRAME: Final = "base_link"

@@ -247,6 +247,8 @@ class Odometry(Sample, frozen=True, kw_only=True):
     tick: RobotTime
     jumps: int = 0
     """How often its pose was set from outside since odometry began: `origin` says what follows."""
+    breaks: int = 0
+    """How often the wheels could not be followed, or only over a gap: what that may have missed is in `covariance`."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.x, self.y, self.yaw, self.linear_x, self.angular_z, self.path, *self.covariance)

@@ -50,8 +50,10 @@ class GoTo(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     """Turn to a point, and straight to it. No way around anything is planned."""
 
     x: float
-    """m, in `odom`."""
+    """m, in `frame`."""
     y: float
+    frame: Literal["odom", "map"] = "odom"
+    """`map`: it begins only while the robot is localized, and ends where that is over."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.x, self.y)
@@ -167,7 +169,16 @@ NOWHERE = Displacement(path=0.0, x=0.0, y=0.0, yaw=0.0)
 Stage = Literal["idle", "arming", "moving", "stopping", "ended"]
 """`stopping`: it is over, and the robot still rolls: what was achieved is not known yet."""
 Outcome = Literal[
-    "", "arrived", "blocked", "cancelled", "lost_lease", "time_limit", "lost_requester", "disarmed", "lost_odometry"
+    "",
+    "arrived",
+    "blocked",
+    "cancelled",
+    "lost_lease",
+    "time_limit",
+    "lost_requester",
+    "disarmed",
+    "lost_odometry",
+    "lost_localization",
 ]
 """Why it has ended; empty: it has not."""
 

@@ -66,7 +66,7 @@ CLIENT: Final = Service(
     name="client",
     host="operator",
     publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD),
-    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.RANGE, t.MOTION),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.POSE, t.RANGE, t.MOTION),
 )
 """A script of somebody's own, with `giraff_client`."""
 BASE: Final = Service(
@@ -115,12 +115,23 @@ MOTION: Final = Service(
     package="giraff_motion",
     table="motion",
     publishes=(t.OPERATOR_CMD_VEL, t.MOTION),
-    subscribes=(t.TICK, t.LEASE, t.ODOM, t.BASE, t.ESTOP, t.GUARD, t.MOTION_HOLD),
+    subscribes=(t.TICK, t.LEASE, t.ODOM, t.POSE, t.BASE, t.ESTOP, t.GUARD, t.MOTION_HOLD),
     answers=t.MOTION_QUERIES,
     optional=True,
     simulated=True,
 )
 """An operator that others ask for motions by metres and radians."""
+LOCALIZATION: Final = Service(
+    name="localization",
+    host="any",
+    package="giraff_localization",
+    table="localization",
+    publishes=(t.POSE, t.PARTICLES, t.MAP),
+    subscribes=(t.ODOM, t.RANGE),
+    answers=(t.LOCALIZATION_SET_POSE, t.LOCALIZATION_GLOBAL),
+    optional=True,
+)
+"""Tells where the robot is on a map. No part of what keeps it from obstacles."""
 RECORDER: Final = Service(name="recorder", host="any", package="giraff_recorder", table="recorder", optional=True)
 """Hears all that there is."""
 SENTRY: Final = Service(name="sentry", host="robot", package="giraff_sentry", table="sentry", optional=True)
@@ -149,6 +160,7 @@ SERVICES: Final = (
     RANGER,
     ODOMETRY,
     MOTION,
+    LOCALIZATION,
     RECORDER,
     SENTRY,
     GATEWAY,

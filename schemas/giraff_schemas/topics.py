@@ -9,6 +9,7 @@ from typing import Any, Generic, Literal, TypeVar
 
 import msgspec
 
+from giraff_schemas import localization as lo
 from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
 from giraff_schemas import params as p
@@ -68,6 +69,9 @@ GUARD = Topic("guard", m.GuardState, 10, "state")
 ESTOP = Topic("estop", m.EStop, 2, "control")
 MOTION = Topic("motion", mo.MotionState, 10, "state")
 MOTION_HOLD = Topic("motion/hold", mo.MotionHold, 25, "control")
+POSE = Topic("pose", lo.MapPose, 10, "state")
+PARTICLES = Topic("particles", lo.Particles, 2, "state")
+MAP = Topic("map", lo.MapWalls, 0.2, "state")
 TRUE_POSE = Topic("true_pose", m.TruePose, 5, "state")
 SERIAL = Topic("serial/*", m.SerialLine, 0, "state", "name")
 SERIAL_WRITE = Topic("serial_write/*", m.SerialWrite, 0, "state", "name")
@@ -87,6 +91,9 @@ TOPICS: tuple[Topic[Any], ...] = (
     ESTOP,
     MOTION,
     MOTION_HOLD,
+    POSE,
+    PARTICLES,
+    MAP,
     TRUE_POSE,
     SERIAL,
     SERIAL_WRITE,
@@ -98,8 +105,18 @@ ESTOP_RESET = Query("estop/reset", r.EStopReset, r.EStopAnswer)
 ODOM_RESET = Query("odom/reset", r.OdomReset, r.OdomAnswer)
 ODOM_SET_POSE = Query("odom/set_pose", r.OdomSetPose, r.OdomAnswer)
 
-QUERIES: tuple[Query[Any, Any], ...] = (ESTOP_ENGAGE, ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE)
-"""Of base and odometry."""
+LOCALIZATION_SET_POSE = Query("localization/set_pose", lo.LocalizationSetPose, lo.LocalizationAnswer)
+LOCALIZATION_GLOBAL = Query("localization/global", lo.LocalizationGlobal, lo.LocalizationAnswer)
+
+QUERIES: tuple[Query[Any, Any], ...] = (
+    ESTOP_ENGAGE,
+    ESTOP_RESET,
+    ODOM_RESET,
+    ODOM_SET_POSE,
+    LOCALIZATION_SET_POSE,
+    LOCALIZATION_GLOBAL,
+)
+"""Of base, odometry and localization."""
 
 MOTION_MOVE = Query("motion/move", mo.MotionMove, mo.MotionAnswer)
 MOTION_TURN = Query("motion/turn", mo.MotionTurn, mo.MotionAnswer)

@@ -13,6 +13,8 @@ from giraff_cli.estop.commands import estop
 from giraff_cli.frames.commands import frames
 from giraff_cli.graph.commands import graph
 from giraff_cli.keys.commands import keys
+from giraff_cli.localize.commands import localize
+from giraff_cli.map.commands import maps
 from giraff_cli.motion.commands import NEGATIVE, arc, go, move, turn
 from giraff_cli.node.commands import node
 from giraff_cli.odom.commands import odom
@@ -35,16 +37,17 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, web, dst):
+for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, web, localize, dst):
     app.command()(verb)
 for motion in (move, turn, arc):
     app.command(context_settings=NEGATIVE)(motion)
-app.command()(go)
+app.command(context_settings=NEGATIVE)(go)
 for name, verbs in (
     ("estop", estop),
     ("calibrate", calibrate),
     ("check", check),
     ("keys", keys),
+    ("map", maps),
     ("topic", topic),
     ("node", node),
     ("param", param),

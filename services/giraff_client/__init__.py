@@ -18,6 +18,7 @@ from giraff_client.errors import (
     TakenError,
     UnconnectedError,
     UnknownFrameError,
+    UnlocalizedError,
 )
 from giraff_client.robot import Robot
 from giraff_core.motion.result import MotionResult
@@ -47,4 +48,5 @@ __all__ = [
     "Turn",
     "UnconnectedError",
     "UnknownFrameError",
+    "UnlocalizedError",
 ]

@@ -96,6 +96,10 @@ class UnconnectedError(FrameError):
     """Both frames are known, and nothing joins them."""
 
 
+class UnlocalizedError(FrameError):
+    """It is not known where the robot is on the map. The message says why, and the way out."""
+
+
 class PastError(FrameError):
     """The moment is before what is remembered, or of an earlier start of base."""
 

@@ -12,12 +12,14 @@ import msgspec
 import zenoh
 
 from giraff_client import errors
-from giraff_client.reading import require_finite
+from giraff_client.reading import is_fresh, require_finite
 from giraff_core.kinematics import frame_errors as found
 from giraff_core.kinematics.frames import FrameTree
-from giraff_schemas.frames import Transform
+from giraff_core.kinematics.origin import Origin
+from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
+from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Odometry, RobotTime
-from giraff_schemas.topics import frame_key
+from giraff_schemas.topics import POSE, frame_key
 
 _ASK_EVERY: Final = 0.3  # s, while a frame is missing
 _ANSWERED: Final = 0.5  # s in which whoever has frames tells of them
@@ -44,6 +46,9 @@ class FrameFinder:
         self._odom, self._silence = odom, silence
         self._lock = threading.Lock()  # Zenoh's threads tell what they hear
         self._tree = FrameTree()
+        self._origin = Origin()
+        self._pose: MapPose | None = None
+        self._posed = 0.0  # s of the monotonic clock
         self._session: zenoh.Session | None = None
         self._key = ""
         self._ask_at = self._first_until = 0.0  # s of the monotonic clock
@@ -57,6 +62,12 @@ class FrameFinder:
         """Take where the robot is, as it arrives."""
         with self._lock:
             self._tree.hear(odometry)
+            self._origin.hear(odometry)
+
+    def hear_pose(self, pose: MapPose) -> None:
+        """Take where the robot is on the map, as it arrives."""
+        with self._lock:
+            self._pose, self._posed = pose, time.monotonic()
 
     def lookup(self, target: str, source: str, at: RobotTime | None) -> Transform:
         """As `Robot.lookup`."""
@@ -86,10 +97,14 @@ class FrameFinder:
             time.sleep(_LOOK)
 
     def _found(self, target: str, source: str, at: RobotTime | None) -> Transform:
+        with self._lock:
+            unlocalized = self._place_odom()
         try:
             with self._lock:
                 transform = self._tree.lookup(target, source, at)
         except found.FrameError as error:
+            if unlocalized and MAP_FRAME in (target, source):
+                raise errors.UnlocalizedError(unlocalized) from error
             self._ask()
             silence = self._silence(str(error))
             if isinstance(silence, errors.NoRobotError):  # it explains the silence of all its parts
@@ -98,6 +113,27 @@ class FrameFinder:
         if at is None and not transform.fixed:
             self._odom()
         return transform
+
+    def _place_odom(self) -> str:
+        """Put it where it is in `map`, or nowhere while that is not known; why it is not, if anything says so."""
+        pose, old = self._pose, time.monotonic() - self._posed
+        if pose is None:
+            return ""
+        if not is_fresh(POSE, old):
+            fault = f"the pose on the map is silent for {old:.1f} s; check giraff_localization"
+        elif pose.state != "localized":
+            fault = pose.reason or f"it is not known where the robot is on the map ({pose.state}); `giraff localize`"
+        elif not self._origin.holds(pose.tick):
+            fault = "the pose on the map is from before odometry was set or began anew; wait for localization"
+        else:
+            at = pose.odom
+            told = Transform(
+                parent=MAP_FRAME, child=ODOM_FRAME, x=at.x, y=at.y, yaw=at.yaw, fixed=False, tick=pose.tick
+            )
+            self._tree.tell(told)
+            return ""
+        self._tree.forget(ODOM_FRAME)
+        return fault
 
     def _ask(self) -> None:
         now = time.monotonic()
@@ -130,7 +166,8 @@ class FrameReader:
     def lookup(self, target: str, source: str, at: RobotTime | None = None) -> Transform:
         """The pose of the frame `source` in `target`: m, and REP-103's roll, pitch and yaw, rad; order of names as tf2.
 
-        `at`: a tick of the last 10 s, such as `odom().tick`; None: now. Frames that are not known are asked for, which
+        `at`: a tick of the last 10 s, such as `odom().tick`; None: now. Where `odom` is in `map` is known of now alone,
+        and taken for then, too: it is a correction, and no motion. Frames that are not known are asked for, which
         takes up to 0.5 s, or 2 s from the begin of the `with`. Raises FrameError, SilentError, LostRobotError,
         ValueError for what is no tick.
         """

@@ -6,6 +6,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from contextlib import closing
+from typing import Literal
 
 import zenoh
 
@@ -47,13 +48,22 @@ class Motions(ABC):
         x: float,
         y: float,
         *,
+        frame: Literal["odom", "map"] = "odom",
         speed: float | None = None,
         turn_speed: float | None = None,
         time_limit: float | None = None,
     ) -> MotionResult:
-        """Turn to a point of `odom`, m, and go straight to it. No way around anything is planned."""
+        """Turn to a point of `frame`, m, and go straight to it. No way around anything is planned.
+
+        One of `map` is gone to only while the robot is localized: where it is not, or that is over, MotionError says
+        why, and its result's `outcome` is `refused` or `lost_localization`.
+        """
         require_finite("go_to", "m, m, m/s, rad/s and s", x, y, *_given(speed, turn_speed, time_limit))
-        return self.go([GoTo(x=float(x), y=float(y))], speed=speed, turn_speed=turn_speed, time_limit=time_limit)
+        if frame not in ("odom", "map"):
+            raise ValueError(f"go_to: there are the frames 'odom' and 'map', and not {frame!r}")
+        return self.go(
+            [GoTo(x=float(x), y=float(y), frame=frame)], speed=speed, turn_speed=turn_speed, time_limit=time_limit
+        )
 
     def go(
         self,

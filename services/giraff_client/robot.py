@@ -20,6 +20,7 @@ from giraff_client.jump import jump
 from giraff_client.motion import Motions
 from giraff_client.policy import OperatorPolicy
 from giraff_client.reading import blockage, has_heard_each_sensor, is_fresh, ranges_of, require_finite
+from giraff_client.states import States
 from giraff_core.motion.result import MotionResult
 from giraff_core.timer import Timer
 from giraff_node import Publisher
@@ -37,16 +38,11 @@ from giraff_node.network.reach import find_silent
 from giraff_node.network.session import close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
-from giraff_schemas.messages import BaseState, Battery, DriveCommand, EStop, GuardState, Odometry, Range, Sample
-from giraff_schemas.motion import MotionState
+from giraff_schemas.localization import MapPose
+from giraff_schemas.messages import DriveCommand, Odometry, Range, Sample
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
 from giraff_schemas.services import CLIENT
 from giraff_schemas.topics import (
-    BASE,
-    BATTERY,
-    ESTOP,
-    GUARD,
-    MOTION,
     ODOM,
     ODOM_RESET,
     ODOM_SET_POSE,
@@ -70,7 +66,7 @@ _TWIST: Final = "m/s and rad/s"
 _OUTSIDE: Final = "not on the network; use it as `with Robot() as robot:`"
 
 
-class Robot(Motions, FrameReader):
+class Robot(Motions, States, FrameReader):
     """One robot, for one script and one thread. Nothing is asked of the robot before the first `arm` or `drive`.
 
     `name`: of the robot; else GIRAFF_ROBOT_NAME, else the robot file's, else the only one on the network.
@@ -164,29 +160,6 @@ class Robot(Motions, FrameReader):
             if not readings or isinstance(silence, NoRobotError):
                 raise silence
         return readings
-
-    def battery(self) -> Battery:
-        """Voltage, V, heard within the last one and a half seconds. Raises SilentError, LostRobotError."""
-        return self._fresh(BATTERY, "check that giraff_base runs, and that [robot] battery_volts_per_count is not 0")
-
-    def estop(self) -> EStop:
-        """Whether the emergency stop is engaged, by whom and why, heard within the last one and a half seconds.
-
-        Raises SilentError, LostRobotError.
-        """
-        return self._fresh(ESTOP, "check that giraff_base runs")
-
-    def base(self) -> BaseState:
-        """Whether base drives, and if not, why. Raises SilentError, LostRobotError."""
-        return self._fresh(BASE, "check that giraff_base runs")
-
-    def guard(self) -> GuardState:
-        """What the guard allows in each direction, and why not more. Raises SilentError, LostRobotError."""
-        return self._fresh(GUARD, "check that giraff_guard runs on base's machine")
-
-    def motion(self) -> MotionState:
-        """How the newest motion by metres and radians goes on or has ended. Raises SilentError, LostRobotError."""
-        return self._fresh(MOTION, "check that giraff_motion runs")
 
     def arm(self) -> None:
         """Ask for the lease and hold still until the robot is armed, about half a second. The first `drive` does so.
@@ -377,6 +350,8 @@ class Robot(Motions, FrameReader):
                 self._policy.take(sample, now)
             if isinstance(sample, Odometry):
                 self._frames.hear(sample)
+            if isinstance(sample, MapPose):
+                self._frames.hear_pose(sample)
             self._newest[key.removeprefix(prefix)] = sample, now
 
         return on_sample

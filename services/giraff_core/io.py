@@ -135,8 +135,8 @@ class IO(Protocol):
         """Ask another service until it gives an answer that settles the matter."""
         ...
 
-    def frame(self, child: str, where: Transform | Callable[[], Transform]) -> None:
-        """Tell whoever asks where the frame `child` is; of one that moves, by a call."""
+    def frame(self, child: str, where: Transform | Callable[[], Transform | None]) -> None:
+        """Tell whoever asks where the frame `child` is; of one that moves, by a call. None: it is not known now."""
         ...
 
     def board(self, path: str, baud: int, kind: BoardKind) -> Board: ...

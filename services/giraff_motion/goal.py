@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Final
 
 from giraff_core.kinematics.pose import Pose
 from giraff_motion.driver import SETTLES, STANDS, Coast, Driver, is_at_rest
-from giraff_motion.legs import Plan
 from giraff_motion.travel import Travel
+from giraff_motion.way import Way
 from giraff_schemas.messages import Direction, GuardState, Odometry, RobotTime, Verdict
 from giraff_schemas.motion import MotionRequest, MotionState, Outcome, Stage
 
@@ -26,7 +27,7 @@ class Goal:
     def __init__(
         self,
         request: MotionRequest,
-        plan: Plan,
+        way: Way,
         travel: Travel,
         coasts: Mapping[bool, Coast],
         patience: float,
@@ -47,11 +48,10 @@ class Goal:
         self.stage: Stage = "arming"
         self.outcome: Outcome = ""
         self.reason = _ARMS
-        self._plan = plan
+        self._way = way
         self._travel = travel
         self._coasts = coasts
         self._patience = patience
-        self._leg = 0
         self._driver: Driver | None = None
         self._level_since: float | None = None
         self._blocked_since: float | None = None
@@ -68,12 +68,26 @@ class Goal:
 
     @property
     def has_arrived(self) -> bool:
-        return self._leg == len(self._plan.legs)
+        return self._way.is_done
+
+    @property
+    def needs_map(self) -> bool:
+        """Whether what is left of it goes by where the robot is on the map."""
+        return self._way.needs_map
+
+    def follow(self, odom: Pose) -> str:
+        """Go by where `odom` is in `map` now; why it cannot, or empty."""
+        if (jump := self._way.jump(odom, self.pose)) is not None:
+            by = f"{jump.shift:.2f} m and {math.degrees(jump.turn):.0f}°"
+            return f"localization has moved its goal or the robot by {by} at once; see that it is right, and ask again"
+        if self._way.is_off(odom, self.pose):
+            self._driver = None
+        return ""
 
     @property
     def news(self) -> tuple[object, ...]:
         """What is said at once when it becomes another."""
-        return self.id, self.stage, self.outcome, self.reason, self._leg
+        return self.id, self.stage, self.outcome, self.reason, self._way.at
 
     def hold(self, tick: RobotTime, instance: str) -> None:
         """The requester is there, and has sent this tick. An older one says nothing, nor does another requester."""
@@ -137,14 +151,14 @@ class Goal:
 
     def state(self, now: float) -> MotionState:
         """As it is said."""
-        legs, until = self._plan.legs, now if self.goes_on else self.ended_at
+        way, until = self._way, now if self.goes_on else self.ended_at
         return MotionState(
             id=self.id,
             by=self.by,
             stage=self.stage,
-            step=legs[min(self._leg, len(legs) - 1)].step if self.stage != "arming" else 0,
-            steps=legs[-1].step,
-            asked=self._plan.asked,
+            step=way.step if self.stage != "arming" else 0,
+            steps=way.steps,
+            asked=way.asked,
             achieved=self._travel.displacement,
             covariance=self._travel.covariance,
             elapsed=until - self.began,
@@ -156,10 +170,8 @@ class Goal:
 
     def _next(self) -> None:
         """Begin the next piece, if there is one."""
-        if self._driver is not None:
-            self._leg += 1
-        if not self.has_arrived:
-            _, leg, limits = self._plan.legs[self._leg]
+        if (planned := self._way.next(self.pose)) is not None:
+            _, leg, limits = planned
             self._driver = Driver(leg, limits, self._coasts[leg.turns], self.pose)
 
     def _wait(self, verdict: Verdict, now: float) -> None:

@@ -187,22 +187,23 @@ class Plan(NamedTuple):
     asked: Displacement
 
 
-def plan(steps: Iterable[Step], start: Pose, floor: Limits, spot: Limits) -> Plan:
-    """The way of these steps from `start`, along the floor and on the spot. Raises ValueError where they are none."""
+def plan(steps: Iterable[Step], start: Pose, floor: Limits, spot: Limits, first: int = 1) -> Plan:
+    """The way of these steps in `odom` from `start`, along the floor and on the spot; `first`: number of the first.
+
+    Raises ValueError where they are none.
+    """
     steps = tuple(steps)
     if len(steps) > _MOST_STEPS:
         raise ValueError(f"these are {len(steps)} steps: give {_MOST_STEPS} at most")
     legs: list[Planned] = []
     here, path = start, 0.0
-    for number, step in enumerate(steps, 1):
+    for number, step in enumerate(steps, first):
         try:
             pieces, here = _pieces(step, here)
         except ValueError as error:
             raise ValueError(f"step {number}: {error}" if len(steps) > 1 else str(error)) from error
         legs += [Planned(number, piece, _limits(piece, floor, spot)) for piece in pieces]
         path += sum(_signed(piece) for piece in pieces if not piece.turns)
-    if not legs:
-        raise ValueError("this asks for no motion: the robot is there")
     x, y = start.sees(here.x, here.y)
     return Plan(tuple(legs), Displacement(path=path, x=x, y=y, yaw=here.yaw - start.yaw))
 

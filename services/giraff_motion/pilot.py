@@ -9,8 +9,10 @@ from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
 from giraff_motion.driver import Coast
 from giraff_motion.goal import Goal
-from giraff_motion.legs import Limits, plan
+from giraff_motion.legs import Limits
+from giraff_motion.localized import Localized
 from giraff_motion.travel import Travel
+from giraff_motion.way import Way
 from giraff_schemas.messages import Odometry
 from giraff_schemas.motion import MotionRequest, steps_of
 
@@ -24,8 +26,8 @@ _LONGEST: Final = Bounds(0.1, 86_400.0, "s")
 class Pilot:
     """Of one robot."""
 
-    def __init__(self, config: MotionConfig, robot: RobotConfig) -> None:
-        self._config, self._robot = config, robot
+    def __init__(self, config: MotionConfig, robot: RobotConfig, localized: Localized) -> None:
+        self._config, self._robot, self._localized = config, robot, localized
         self._coasts = {False: Coast(), True: Coast()}
         """Along the floor, and of turns."""
 
@@ -37,7 +39,7 @@ class Pilot:
         """Raises ValueError, in plain words, where the request cannot be met."""
         floor, spot = self._limits(request)
         travel = Travel(self._robot, odometry)
-        way = plan(steps_of(request), travel.start, floor, spot)
+        way = Way(steps_of(request), travel.start, floor, spot, self._localized)
         if request.time_limit is not None:
             _LONGEST.require("time_limit", request.time_limit)
         nominal = _BEGINS + sum(planned.seconds for planned in way.legs)

@@ -14,7 +14,9 @@ from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
 from giraff_motion.driver import STANDS
 from giraff_motion.goal import Goal
+from giraff_motion.localized import Localized, is_in_map
 from giraff_motion.pilot import Pilot
+from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, GuardState, Lease, Odometry, RobotTime, Tick
 from giraff_schemas.motion import (
     IDLE,
@@ -24,6 +26,7 @@ from giraff_schemas.motion import (
     MotionRequest,
     MotionState,
     Outcome,
+    steps_of,
 )
 from giraff_schemas.services import MOTION
 
@@ -59,7 +62,8 @@ class MotionPolicy:
 
     def __init__(self, config: MotionConfig, robot: RobotConfig, instance: str) -> None:
         self._operator = Operator(MOTION.name, instance, asks_from_start=False)
-        self._pilot = Pilot(config, robot)
+        self._localized = Localized()
+        self._pilot = Pilot(config, robot, self._localized)
         self._answers: dict[int, MotionAnswer] = {}
         self._odometry: Odometry | None = None
         self._base: tuple[BaseState | None, float] = None, -math.inf
@@ -104,6 +108,7 @@ class MotionPolicy:
     def on_odometry(self, odometry: Odometry, now: float) -> None:
         """Take where the robot is."""
         last, self._odometry = self._odometry, odometry
+        self._localized.hear_odometry(odometry)
         motion = self._motion
         if motion is None or last is None:
             return
@@ -111,6 +116,10 @@ class MotionPolicy:
             motion.add(odometry, now)
         elif motion.goes_on:
             motion.end("lost_odometry", _JUMPED, now)
+
+    def on_pose(self, pose: MapPose, now: float) -> None:
+        """Take where the robot is on the map."""
+        self._localized.hear(pose, now)
 
     def on_request(self, request: MotionRequest, now: float) -> MotionAnswer:
         """Begin a motion, or say why not. Asked again, it is the answer of the first time."""
@@ -183,6 +192,8 @@ class MotionPolicy:
         if (odometry := self._odometry) is None or not self._knows_where:
             return _NO_ODOMETRY
         try:
+            if any(map(is_in_map, steps_of(request))) and (fault := self._localized.fault(self._age, now)):
+                return fault
             self._motion = self._pilot.begin(request, odometry, now)
         except ValueError as error:
             return str(error)
@@ -215,6 +226,7 @@ class MotionPolicy:
     def _review(self, motion: Goal, now: float) -> None:
         """End what must not go on; begin to move once the robot is armed."""
         why = self._robot_fault(motion, now) or self._requester_fault(motion, now) or self._lease_fault(motion)
+        why = why or self._map_fault(motion, now)
         if why is not None:
             motion.end(*why, now)
         elif now - motion.began > motion.time_limit:
@@ -246,6 +258,12 @@ class MotionPolicy:
         if motion.stage == "moving" and base is not None and not base.armed:
             return "disarmed", base.reason
         return None
+
+    def _map_fault(self, motion: Goal, now: float) -> tuple[Outcome, str] | None:
+        if not motion.needs_map:
+            return None
+        reason = self._localized.fault(self._age, now) or motion.follow(self._localized.odom)
+        return ("lost_localization", reason) if reason else None
 
     def _arm(self, motion: Goal, now: float) -> None:
         base, heard = self._base

@@ -24,6 +24,7 @@ from giraff_schemas.topics import (
     MOTION_TURN,
     ODOM,
     OPERATOR_CMD_VEL,
+    POSE,
     TICK,
 )
 
@@ -46,6 +47,7 @@ class Motion:
         self._ticks, self._leases = io.inbox(TICK, limit=1, wakes=False), io.inbox(LEASE, limit=10, wakes=False)
         self._odometry = io.inbox(ODOM, limit=_LATE, wakes=False)
         self._bases, self._guards = io.inbox(BASE, limit=1, wakes=False), io.inbox(GUARD, limit=1, wakes=False)
+        self._poses = io.inbox(POSE, limit=10, wakes=False)
         self._estops = io.inbox(ESTOP, limit=10, wakes=False)
         self._holds = io.inbox(MOTION_HOLD, limit=_LATE, wakes=False)
         self._requests = (
@@ -81,6 +83,8 @@ class Motion:
             policy.on_hold(hold)
         for odometry in self._odometry.take():
             policy.on_odometry(odometry, now)
+        for pose in self._poses.take():
+            policy.on_pose(pose, now)
         for base in self._bases.take():
             policy.on_base(base, now)
         for estop in self._estops.take():

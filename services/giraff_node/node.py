@@ -235,13 +235,14 @@ class Node(Generic[ConfigT]):
         self._declared.append(self.session.declare_queryable(key_of(self.robot.name, query), on_query))
         return inbox
 
-    def frame(self, child: str, where: Transform | Callable[[], Transform]) -> None:
+    def frame(self, child: str, where: Transform | Callable[[], Transform | None]) -> None:
         """As `IO.frame`; of one that moves, by a call in Zenoh's thread."""
         key = frame_key(self.robot.name, child)
 
         def on_query(asked: zenoh.Query) -> None:
             with asked:
-                asked.reply(key, encode(where() if callable(where) else where), encoding=encoding_of(Transform))
+                if (transform := where() if callable(where) else where) is not None:
+                    asked.reply(key, encode(transform), encoding=encoding_of(Transform))
 
         self._process.condition.answers.append(key.removeprefix(f"{ROOT}/{self.robot.name}/"))
         self._declared.append(self.session.declare_queryable(key, on_query))

@@ -155,4 +155,5 @@ class OdometryPolicy:
             boot_id=wheels.boot_id,
             tick=wheels.tick,
             jumps=self.jumps,
+            breaks=self.breaks,
         )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from giraff_schemas.localization import LocalizationState
 from giraff_viewer.cones import ConeState
 
 Colour = tuple[int, int, int]
@@ -24,6 +25,9 @@ PATH: Final = BLUE
 ELLIPSE: Final = CYAN
 TRUTH: Final = PINK
 TILT: Final = PINK
+WALLS: Final[Colour] = (175, 165, 150)
+PARTICLES: Final[Colour] = (90, 130, 190)
+CANDIDATES: Final[Colour] = (255, 140, 60)
 
 CONES: Final[dict[ConeState, Colour]] = {
     "free": GREEN,
@@ -31,5 +35,11 @@ CONES: Final[dict[ConeState, Colour]] = {
     "blocked": RED,
     "doubted": OLIVE,
     "fault": VIOLET,
+}
+PLACES: Final[dict[LocalizationState, Colour]] = {
+    "localized": (120, 255, 60),
+    "ambiguous": (255, 215, 60),
+    "lost": (255, 90, 90),
+    "no_map": GREY,
 }
 LEVELS: Final[dict[str, Colour]] = {"INFO": WHITE, "WARN": AMBER, "ERROR": RED}

@@ -5,7 +5,8 @@ from __future__ import annotations
 import rerun.blueprint as rrb
 
 from giraff_viewer.plots import PLOTS
-from giraff_viewer.scene import FLOOR, GUARD, HAND, LOG
+from giraff_viewer.rows import FLOOR
+from giraff_viewer.scene import GUARD, HAND, LOG
 
 TIMELINE = "time"
 """When it was heard, by the wall clock of whoever heard it."""

@@ -1,7 +1,7 @@
 """Samples in, rerun's archetypes out. Nothing is sent from here: the rows say what is drawn where.
 
-Frames are REP-105's, `odom` → `base_link` → `range_<sensor>_link`. A drawing's y points down, theirs up: `floor` is
-`odom` turned about x.
+Frames are REP-105's, `map` → `odom` → `base_link` → `range_<sensor>_link`. A drawing's y points down, theirs up:
+`floor` is `map` turned about x. Until localization tells where `odom` is in `map`, they are the same.
 """
 
 from __future__ import annotations
@@ -13,26 +13,26 @@ import msgspec
 import rerun as rr
 
 from giraff_core.robot import RobotConfig
+from giraff_schemas.localization import MapPose, MapWalls, Particles
 from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tilt, TruePose
 from giraff_schemas.topics import Topic
 from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, PATH, ROBOT, TILT, TRUTH, WHITE
 from giraff_viewer.cones import Cone, ConeState
 from giraff_viewer.ghost import Ghost
 from giraff_viewer.plots import Values, series
+from giraff_viewer.rows import FLOOR, Row, planar, turned
 from giraff_viewer.shapes import arc, cone, ellipse, headings, outline, placed
 from giraff_viewer.story import Line, Story
 from giraff_viewer.trail import Trail
+from giraff_viewer.whereabouts import Whereabouts
 
-Row = tuple[str, Any]
-"""Path of an entity, and the archetype that is logged there."""
-
-FLOOR: Final = "floor"
 LOG: Final = "log"
 GUARD: Final = "guard"
 HAND: Final = "hand"
 
 _PLOT_EVERY: Final = 40_000_000  # ns between two points of a line; a screen shows no more
 _TRAIL_EVERY: Final = 500_000_000  # ns
+_UNPLACED_EVERY: Final = 5_000_000_000  # ns; a viewer with little memory forgets what is older than its newest data
 _HEADING: Final = 1.5  # radii of the robot
 _GRAVITY: Final = 9.81  # m/s²
 
@@ -45,6 +45,7 @@ class Scene:
         self._cones = {sensor: Cone(sensor) for sensor in robot.sensors}
         self._drawn: dict[str, tuple[ConeState, float | None]] = {}
         self._outline = outline(robot.footprint_radius, robot.track_width)
+        self._whereabouts = Whereabouts(self._outline, _HEADING * robot.footprint_radius)
         self._ghost = Ghost()
         self._trail = Trail()
         self._moved = False
@@ -55,10 +56,11 @@ class Scene:
 
     def begin(self) -> list[Row]:
         """What never changes: frames that are fixed, outlines, the colours of the lines."""
-        upside_up = _turned(1.0, 0.0, 0.0, math.pi)
+        upside_up = turned(1.0, 0.0, 0.0, math.pi)
         rows: list[Row] = [
             (FLOOR, rr.CoordinateFrame("floor")),
-            ("frames/odom", rr.Transform3D(**upside_up, parent_frame="floor", child_frame="odom")),
+            ("frames/map", rr.Transform3D(**upside_up, parent_frame="floor", child_frame="map")),
+            *self._whereabouts.begin(),
             (f"{FLOOR}/path", rr.CoordinateFrame("odom")),
             (f"{FLOOR}/ellipse", rr.CoordinateFrame("odom")),
             (f"{FLOOR}/truth", rr.CoordinateFrame("base_link")),
@@ -68,11 +70,10 @@ class Scene:
         ]
         for sensor, pose in self._robot.sensors.items():
             frame = f"range_{sensor}_link"
-            turned = _turned(0.0, 0.0, 1.0, pose.yaw)
-            at = rr.Transform3D(
-                translation=[pose.x, pose.y, 0.0], **turned, parent_frame="base_link", child_frame=frame
-            )
-            rows += [(f"frames/{frame}", at), (f"{FLOOR}/{frame}", rr.CoordinateFrame(frame))]
+            rows += [
+                planar("base_link", frame, pose.x, pose.y, pose.yaw),
+                (f"{FLOOR}/{frame}", rr.CoordinateFrame(frame)),
+            ]
         for line in series(tuple(self._robot.sensors)):
             rows.append((line.path, rr.SeriesLines(colors=[line.colour], names=[line.name], widths=[1.5])))
         return rows
@@ -89,6 +90,8 @@ class Scene:
             case Range(sensor=sensor) if sensor in self._cones:
                 self._cones[sensor].read(sample, at_ns)
                 rows += self._draw_cones(at_ns)
+            case MapPose() | Particles() | MapWalls():
+                rows += self._whereabouts.on_sample(sample)
             case Tilt() if self._due(HAND, _PLOT_EVERY, at_ns):
                 rows.append((f"{HAND}/tilt", _tilt(sample)))
             case GuardState():
@@ -114,13 +117,10 @@ class Scene:
         rows: list[Row] = []
         self._ghost.hear(odometry)
         if self._due("frames/base_link", _PLOT_EVERY, at_ns):
-            where = rr.Transform3D(
-                translation=[odometry.x, odometry.y, 0.0],
-                **_turned(0.0, 0.0, 1.0, odometry.yaw),
-                parent_frame="odom",
-                child_frame="base_link",
-            )
-            rows += [("frames/base_link", where), (f"{FLOOR}/ellipse", self._ellipse(odometry))]
+            where = planar("odom", "base_link", odometry.x, odometry.y, odometry.yaw)
+            rows += [where, (f"{FLOOR}/ellipse", self._ellipse(odometry))]
+        if not self._whereabouts.known and self._due("frames/odom", _UNPLACED_EVERY, at_ns):
+            rows.append(planar("map", "odom", 0.0, 0.0, 0.0))
         self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.origin)
         return rows + self._draw_trail(at_ns)
 
@@ -179,11 +179,6 @@ class Scene:
             return False
         self._last[what] = at_ns
         return True
-
-
-def _turned(x: float, y: float, z: float, angle: float) -> dict[str, Any]:
-    """A rotation about an axis."""
-    return {"rotation_axis_angle": rr.RotationAxisAngle(axis=[x, y, z], radians=angle)}
 
 
 def _tilt(tilt: Tilt) -> Any:

@@ -13,7 +13,8 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic
 from giraff_viewer.desk import TIMELINE, blueprint
-from giraff_viewer.scene import Row, Scene
+from giraff_viewer.rows import Row
+from giraff_viewer.scene import Scene
 from giraff_viewer.window import ViewerError
 
 _LOOK_EVERY: Final = 100_000_000  # ns

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
+from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import BaseState, EStop, Freedom, GuardState, Lease, Sample, Verdict
 from giraff_viewer.glyphs import drawable
 
@@ -22,6 +23,7 @@ class Story:
         self._base: BaseState | None = None
         self._estop: EStop | None = None
         self._lease: Lease | None = None
+        self._place = ""
         self._told: dict[str, Line] = {}
 
     def on_sample(self, sample: Sample) -> list[Line]:
@@ -40,6 +42,9 @@ class Story:
                 self._lease = sample
                 holder = sample.operator or "nobody"
                 return self._changes({"lease": ("INFO", f"{holder} drives{_because(sample.reason)}")})
+            case MapPose():
+                level, self._place = _of_place(sample)
+                return self._changes({"map": (level, self._place)})
             case _:
                 return []
 
@@ -59,10 +64,12 @@ class Story:
             parts.append(f"**operator** {self._lease.operator or 'nobody'}")
         if self._guard is not None and self._guard.reason:
             parts.append(f"**guard** {self._guard.reason}")
-        told = [drawable(part) for part in parts]
+        if self._place:
+            parts.append(f"**map** {self._place}")
+        page = [drawable(part) for part in parts]
         if self._guard is not None:
-            told.append("\n".join(drawable(row) for row in _table(self._guard)))
-        return "\n\n".join(told)
+            page.append("\n".join(drawable(row) for row in _table(self._guard)))
+        return "\n\n".join(page)
 
     def _changes(self, said: dict[str, Line]) -> list[Line]:
         """Those that are new; a number that changes within a text is none."""
@@ -131,3 +138,8 @@ def _strong(freedom: Freedom) -> str:
 
 def _cell(text: str) -> str:
     return text.replace("|", "/") or "-"
+
+
+def _of_place(pose: MapPose) -> Line:
+    on = f" on {pose.map}" if pose.map else ""
+    return "INFO" if pose.state == "localized" else "WARN", f"{pose.state.replace('_', ' ')}{on}{_because(pose.reason)}"

@@ -14,12 +14,15 @@ import msgspec
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.codec import DecodeError, decode, encode
+from giraff_schemas.localization import LocalizationGlobal, LocalizationSetPose
 from giraff_schemas.messages import Lease, RobotTime, Tick
 from giraff_schemas.motion import Arc, GoTo, MotionArc, MotionCancel, MotionGo, MotionMove, MotionTurn, Move, Turn
 from giraff_schemas.requests import EStopEngage, EStopReset, OdomReset, OdomSetPose
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
+    LOCALIZATION_GLOBAL,
+    LOCALIZATION_SET_POSE,
     MOTION_ARC,
     MOTION_CANCEL,
     MOTION_GO,
@@ -54,6 +57,8 @@ REQUESTS: Final[dict[str, msgspec.Struct]] = {
     ESTOP_RESET.key: EStopReset(by="somebody", id=0, tick=_OLD),
     ODOM_RESET.key: OdomReset(by="somebody", id=1),
     ODOM_SET_POSE.key: OdomSetPose(by="somebody", id=2, x=1.0, y=-1.0, yaw=0.5),
+    LOCALIZATION_SET_POSE.key: LocalizationSetPose(by="somebody", id=7, x=1.0, y=-1.0, yaw=0.5),
+    LOCALIZATION_GLOBAL.key: LocalizationGlobal(by="somebody", id=8),
     MOTION_MOVE.key: MotionMove(by="somebody", id=3, tick=_OLD, distance=1.0),
     MOTION_TURN.key: MotionTurn(by="somebody", id=4, tick=_OLD, angle=-1.5, turn_speed=0.5),
     MOTION_ARC.key: MotionArc(by="somebody", id=5, tick=_OLD, radius=0.5, angle=1.5, time_limit=10.0),

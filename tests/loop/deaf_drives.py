@@ -9,7 +9,8 @@ from typing import Final, Literal, TypeVar
 
 import msgspec
 
-from giraff_sim.world.room import Point, Pose, Room
+from giraff_maps.room_file import Point
+from giraff_sim.world.room import Pose, Room
 from tests.loop.rooms import cluttered
 from tests.support.robots import ROBOT
 

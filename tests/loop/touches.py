@@ -10,8 +10,9 @@ from typing import Final, NamedTuple
 
 import msgspec
 
+from giraff_maps.room_file import Point
 from giraff_sim.closed_loop import ClosedLoop
-from giraff_sim.world.room import Point, Pose
+from giraff_sim.world.room import Pose
 from giraff_sim.world.sonar import Sonar
 from tests.loop.rooms import NEARLY
 from tests.support.robots import ROBOT

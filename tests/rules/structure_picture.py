@@ -16,6 +16,7 @@ _TITLES: Final = {
     "giraff_cli": "the giraff command",
     "giraff_sim": "world, boards, faults",
     "giraff_keys": "certificates",
+    "giraff_maps": "floor plans",
     "giraff_mcap": "recordings",
     "giraff_viewer": "rerun",
     "giraff_node": "config, network, process, boards",

@@ -61,6 +61,7 @@ def test_contracts_hold() -> None:
         ("services/giraff_cli/main.py", "import giraff_base.service"),
         ("services/giraff_cli/main.py", "import giraff_joystick.main"),
         ("services/giraff_cli/run/plan.py", "import giraff_web.service"),
+        ("services/giraff_cli/run/plan.py", "import giraff_localization.service"),
         ("services/giraff_client/robot.py", "import giraff_cli.network.connection"),
         ("services/giraff_cli/main.py", "import giraff_client"),
         ("services/giraff_core/robot.py", "import giraff_node.node"),
@@ -127,8 +128,9 @@ OF_ONE_SERVICE = {
         *("aiohttp", "aiohappyeyeballs", "aiosignal", "attr", "frozenlist", "multidict", "propcache", "yarl", "idna"),
         *("cryptography", "_cffi_backend"),
     },
+    "giraff_localization": {"numpy"},
 }
-"""What only requirements/recorder.lock and web.lock install."""
+"""What only requirements/recorder.lock, web.lock and localization.lock install."""
 
 
 @pytest.mark.parametrize("package", ["giraff_schemas", "giraff_core", "giraff_node", "giraff_client", *services()])

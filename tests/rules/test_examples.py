@@ -12,8 +12,8 @@ EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 MOST_LINES = 20
 
 
-def test_there_are_three() -> None:
-    assert [path.name for path in EXAMPLES] == ["follow_wall.py", "patrol.py", "plot_path.py"]
+def test_there_are_four() -> None:
+    assert [path.name for path in EXAMPLES] == ["follow_wall.py", "go_to_place.py", "patrol.py", "plot_path.py"]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)

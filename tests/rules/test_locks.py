@@ -19,8 +19,9 @@ PARTS = {
     "robot": ["serial"],
     "recorder": ["serial", "record"],
     "web": ["serial", "web"],
-    "laptop": ["serial", "cli", "web"],
-    "sim": ["serial", "cli", "sim", "web"],
+    "localization": ["serial", "localization"],
+    "laptop": ["serial", "cli", "web", "localization"],
+    "sim": ["serial", "cli", "sim", "web", "localization"],
 }
 """Lock of what a kind of host needs -> the extras that it pins."""
 HASH = re.compile(r"    --hash=sha256:[0-9a-f]{64}( \\)?")

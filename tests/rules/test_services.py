@@ -124,6 +124,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
     people: dict[str, tuple[Any, ...]] = {
         "keyboard": (MagicMock(), StatusView()),  # its screen
         "web": (MagicMock(), MagicMock()),  # its pages and its log
+        "localization": ("there is none",),  # its map
     }
     given = load(service.table, config, {"GIRAFF_CONFIG": "/dev/null", **needed(service)})
     made(io, given, ROBOT, *people.get(service.name, ()))
@@ -144,7 +145,8 @@ def test_so_does_one_with_a_loop_of_its_own(service: Service) -> None:
 
 def test_a_script_hears_what_it_can_read_and_what_its_policy_takes() -> None:
     sources = ROOT / "services" / "giraff_client"
-    read = {getattr(topics, name) for name in re.findall(r"\b_fresh\(([A-Z_]+),", (sources / "robot.py").read_text())}
+    readers = "".join((sources / name).read_text() for name in ("robot.py", "states.py"))
+    read = {getattr(topics, name) for name in re.findall(r"\b_fresh\(([A-Z_]+),", readers)}
     taken = set(re.findall(r"case (\w+)\(\):", (sources / "policy.py").read_text()))
     assert read
     assert set(CLIENT.subscribes) == {

@@ -10,7 +10,11 @@ import pytest
 from giraff_schemas.services import SERVICES
 from tests.rules.repository import ROOT, services
 
-SIMULATED = {service.package for service in SERVICES if service.simulated} | {"giraff_keyboard", "giraff_web"}
+SIMULATED = {service.package for service in SERVICES if service.simulated} | {
+    "giraff_keyboard",
+    "giraff_web",
+    "giraff_localization",
+}
 # What is not in the chain that drives, and no simulation runs, may turn in its main.
 LOOPS_OF_THEIR_OWN = {"giraff_gateway", "giraff_recorder", "giraff_router", "giraff_sentry"}
 

@@ -24,7 +24,7 @@ class Talker:
     """One process of a robot."""
 
     def __init__(self, session: zenoh.Session, robot: str) -> None:
-        self._session = session
+        self.session = session
         self.robot = robot
 
     def say(self, topic: Topic[Any], sample: Sample, seqs: Collection[int], hz: float) -> None:
@@ -33,7 +33,7 @@ class Talker:
         A number that is left out takes its period all the same. Each is stamped with the time it is due, which is the
         same on a machine that is late.
         """
-        publisher = self._session.declare_publisher(
+        publisher = self.session.declare_publisher(
             key_of(self.robot, topic),
             encoding=encoding_of(topic.schema),
             congestion_control=zenoh.CongestionControl.BLOCK,  # what is lost is what the test leaves out

@@ -21,7 +21,7 @@ def frames(
     dot: Annotated[bool, typer.Option("--dot", help="For Graphviz: giraff frames --dot | dot -Tsvg.")] = False,
     as_json: AsJson = False,
 ) -> None:
-    """The tree of the robot's frames, from odom to its parts, and where each is in its parent.
+    """The tree of the robot's frames, from map, or else odom, to its parts, and where each is in its parent.
 
     With --from and --to: where the one is in the other, now.
 

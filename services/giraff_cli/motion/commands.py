@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import TYPE_CHECKING, Annotated, Final, Literal
 
 import typer
 
@@ -130,18 +130,47 @@ def arc(
 
 
 def go(
-    pattern: Annotated[Path, typer.Argument(metavar="PATTERN.toml", help="See deploy/patterns.", show_default=False)],
+    goal: Annotated[
+        str,
+        typer.Argument(
+            metavar="X,Y|PATTERN.toml",
+            help="A point, m; or steps in a file, see deploy/patterns.",
+            show_default=False,
+        ),
+    ],
+    frame: Annotated[
+        Literal["odom", "map"] | None,
+        typer.Option(
+            help="Of the point: odom, where odometry began, which is the default; or map, the floor plan, while it is "
+            "known where the robot is.",
+            show_default=False,
+        ),
+    ] = None,
+    speed: Speed = None,
+    time_limit: TimeLimit = None,
     robot: Robot = None,
     connect: Connect = None,
     as_json: AsJson = False,
 ) -> None:
-    """Drive the robot by the steps of a file, one after the other. Ctrl-C stops it.
+    """Turn the robot to a point and drive it straight there; or drive it by the steps of a file, one after the other.
+
+    Ctrl-C stops it. Where an obstacle is, it stops before it: no way around anything is planned.
 
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
     from giraff_cli.motion.pattern import read_pattern  # noqa: PLC0415
+    from giraff_node.motion_client import Wish  # noqa: PLC0415
+    from giraff_schemas.motion import GoTo  # noqa: PLC0415
 
-    _perform("go", lambda: read_pattern(pattern), robot, connect, as_json=as_json)
+    def wish() -> Wish:
+        if "," not in goal or Path(goal).exists():
+            if (frame, speed, time_limit) != (None, None, None):
+                raise ValueError("--frame, --speed and --time-limit are for a point: a pattern says them in its file")
+            return read_pattern(Path(goal))
+        x, y = typed.point(goal)
+        return Wish((GoTo(x=x, y=y, frame=frame or "odom"),), speed, None, time_limit)
+
+    _perform("go", wish, robot, connect, as_json=as_json)
 
 
 def _perform(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import msgspec
 
@@ -31,6 +31,8 @@ class _Step(msgspec.Struct, forbid_unknown_fields=True):
     turn: float | str | None = None
     arc: _Arc | None = None
     go_to: tuple[float, float] | None = None
+    frame: Literal["odom", "map"] | None = None
+    """Of `go_to`."""
 
 
 class _Pattern(msgspec.Struct, forbid_unknown_fields=True):
@@ -82,6 +84,9 @@ def _wish(pattern: _Pattern) -> Wish:
 
 def _step(step: _Step) -> Step:
     given: dict[str, Any] = {name: value for name, value in msgspec.structs.asdict(step).items() if value is not None}
+    frame = given.pop("frame", "odom")
+    if step.frame is not None and step.go_to is None:
+        raise ValueError(f"it has a frame, {frame}, and no go_to: only a point is in a frame")
     if len(given) != 1:
         raise ValueError(f"it has {' and '.join(given) or 'nothing'}: give one of {_KINDS}")
     match given.popitem():
@@ -92,7 +97,7 @@ def _step(step: _Step) -> Step:
         case "arc", _Arc(radius=radius, angle=typed):
             return arc(radius, _angle(typed))
         case _, (x, y):
-            return GoTo(x=x, y=y)
+            return GoTo(x=x, y=y, frame=frame)
     raise AssertionError(step)
 
 

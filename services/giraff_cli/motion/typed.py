@@ -23,6 +23,15 @@ def length(text: str) -> float:
     return value
 
 
+def point(text: str) -> tuple[float, float]:
+    """m, m, of `1.5,-2`."""
+    x, _, y = text.partition(",")
+    try:
+        return length(x), length(y)
+    except ValueError:
+        raise ValueError(f"{text!r} is no point: give x and y in metres, like 1.5,-2, without a space") from None
+
+
 def angle(text: str) -> float:
     """rad, of `180deg`, `180°`, `1.57`, `1.57rad`, `pi`, `3pi`, `-pi/2`.
 

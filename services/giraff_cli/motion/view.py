@@ -25,6 +25,7 @@ _HEADS: Final = {
     "lost_requester": "ended, this command was not heard any more",
     "disarmed": "ended, the robot is disarmed",
     "lost_odometry": "ended, odometry is lost",
+    "lost_localization": "ended, where it is on the map is not known any more",
     "unheard": "HOW IT ENDED IS NOT KNOWN",
     "lost_robot": "the robot is not heard any more",
 }

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from giraff_schemas.services import PLAY, SERVICES
+from giraff_schemas.services import LOCALIZATION, PLAY, SERVICES
 from giraff_schemas.topics import (
     CMD_VEL,
     MOTION_HOLD,
@@ -21,7 +21,11 @@ from giraff_schemas.topics import (
 
 _COMMANDS: Final = (CMD_VEL.key, OPERATOR_CMD_VEL.key, MOTION_HOLD.key)
 _ROBOTS_OWN: Final = frozenset(
-    topic.key for service in SERVICES if service.host == "robot" for topic in service.publishes if topic != CMD_VEL
+    topic.key
+    for service in SERVICES
+    if service.host == "robot" or service is LOCALIZATION  # by whose word it drives on a map
+    for topic in service.publishes
+    if topic != CMD_VEL
 )
 _NEAR: Final = 0.5
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from io import StringIO
 from pathlib import Path
-from typing import TypeVar
 
 import msgspec
 from rich.console import Console
@@ -18,12 +17,11 @@ from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odo
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_node.config.robot_file import ConfigError, load
+from giraff_mcap.tables import table_of
+from giraff_node.config.robot_file import ConfigError
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of
-
-ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
 _AGREES = 0
 _DIFFERS = 1
@@ -61,27 +59,11 @@ def agreements(recording: Recording, unread: dict[str, str]) -> list[Agreement]:
             said.add(sample.decode())
         except DecodeError as error:
             unread.setdefault(sample.key, str(error))
-    robot = _config(recording, "robot", RobotConfig)
+    robot = table_of(recording, "robot", RobotConfig)
     return [
-        replay_odometry(said, _config(recording, "odometry", OdometryConfig), robot),
-        *replay_guard(said, _config(recording, "guard", GuardConfig), robot),
+        replay_odometry(said, table_of(recording, "odometry", OdometryConfig), robot),
+        *replay_guard(said, table_of(recording, "guard", GuardConfig), robot),
     ]
-
-
-def _config(recording: Recording, table: str, config: type[ConfigT]) -> ConfigT:
-    """As it was when it was recorded; else as the robot file at hand has it."""
-    tables = recording.tables()
-    if not tables:
-        try:
-            return load(table, config)
-        except ConfigError as error:
-            raise ConfigError(f"{recording.path} was recorded where its robot file was not; {error}") from error
-    try:
-        return msgspec.convert(tables.get(table, {}), config, strict=False)
-    except msgspec.ValidationError as error:
-        raise RecordingError(
-            f"{recording.path}: table [{table}] of the robot file in it is not one of this version: {error}"
-        ) from error
 
 
 def _told(found: list[Agreement], *, as_json: bool) -> str:

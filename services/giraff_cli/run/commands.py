@@ -40,12 +40,18 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
     web: Annotated[
         bool, typer.Option("--web", help="Also serve a page, to drive and watch it by phone or laptop.")
     ] = False,
+    localize: Annotated[
+        bool,
+        typer.Option("--localize", help="Also look for it on the room's map; tell how far off that is."),
+    ] = False,
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:
     """Drive the simulated robot through its services, and watch it."""
     if web:
         for library in ("aiohttp", "cryptography", "segno"):
             require_extra("run --web", library, "cli,sim,web")
+    if localize:
+        require_extra("run --localize", "numpy", "cli,sim,localization")
     from giraff_cli.run.begin import drive  # noqa: PLC0415
     from giraff_cli.run.plan import PlanError, make_plan  # noqa: PLC0415
 
@@ -61,6 +67,7 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
             summary=summary,
             picture=picture,
             web=web,
+            localize=localize,
             local=local,
         )
     except PlanError as error:

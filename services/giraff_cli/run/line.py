@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from giraff_cli.run.telemetry import RunSnapshot
-from giraff_cli.telemetry.describe import base_text, forward_text, range_text
+from giraff_cli.telemetry.describe import base_text, forward_text, localization_text, range_text
 from giraff_core.kinematics.pose import Pose
 
 
@@ -22,4 +22,8 @@ def line(snapshot: RunSnapshot, elapsed: float) -> str:
         f"base {base_text(snapshot)}",
         f"lost {sum(rate.lost for rate in snapshot.rates.values())}",
     ]
+    if snapshot.localization is not None:
+        parts.append(f"map {localization_text(snapshot)}")
+    if (off := snapshot.off_map) is not None:
+        parts.append(f"off {off.distance:.2f} m, {math.degrees(off.angle):.1f}°")
     return " | ".join(parts)

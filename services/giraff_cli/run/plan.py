@@ -71,6 +71,8 @@ class Plan:
     picture: Path | None
     web: bool
     """A page is served beside the robot."""
+    localize: bool
+    """It is looked for on the room's floor plan."""
 
 
 def make_plan(  # noqa: PLR0913  one argument an option
@@ -84,6 +86,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     summary: Path | None,
     picture: Path | None,
     web: bool,
+    localize: bool,
     local: bool,
     truth: Level,
 ) -> Plan:
@@ -135,6 +138,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
         summary=summary,
         picture=picture,
         web=web,
+        localize=localize,
     )
 
 

@@ -29,7 +29,7 @@ from giraff_node import robot_now_ns
 from giraff_node.network.query_client import request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
-from giraff_schemas.services import DEMONSTRATION, WEB
+from giraff_schemas.services import DEMONSTRATION, LOCALIZATION, WEB
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
 
@@ -80,6 +80,7 @@ class Run:
         self._announcer: Announcer | None = None
         self._driver: Driver | None = None
         self._page = robot.page
+        self._awaited = (*START_ORDER, LOCALIZATION.name) if plan.localize else START_ORDER
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
         self._began_ns: int | None = None
@@ -127,7 +128,7 @@ class Run:
 
     def _await_services(self, telemetry: RunTelemetry) -> None:
         deadline = time.monotonic() + _SERVICES_WITHIN
-        while missing := set(START_ORDER) - telemetry.alive - self._robot.ended.keys():
+        while missing := set(self._awaited) - telemetry.alive - self._robot.ended.keys():
             if time.monotonic() > deadline:
                 self._failures.append(f"not on the network after {_SERVICES_WITHIN:g} s: {', '.join(sorted(missing))}")
                 return
@@ -219,6 +220,7 @@ class Run:
             note=self._joystick.note,
             address=addresses.of_others(told),
             services={service: self._standing(service, telemetry) for service in services},
+            localization=self._standing(LOCALIZATION.name, telemetry) if self._plan.localize else None,
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )
         return RunView(telemetry.snapshot(now_ns), frame)

@@ -42,6 +42,8 @@ class Frame:
     address: str
     """Of the page, for another host; empty: there is none."""
     services: dict[str, Standing]
+    localization: Standing | None
+    """Of the service that looks for it on the map; None: there is none."""
     notices: tuple[str, ...]
     """What went wrong so far, one line each."""
 
@@ -84,9 +86,18 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
         blocks.command(snapshot),
         blocks.topics(snapshot, _TOPIC_COLUMNS),
         services(list(frame.services.items())),
-        *map(notice, frame.notices),
+        *_last_row(snapshot, frame),
     )
     return BesideCode(picture, _COLUMNS, Code(frame.address)) if frame.address else picture
+
+
+def _last_row(snapshot: RunSnapshot, frame: Frame) -> list[RenderableType]:
+    """What went wrong, else what is known of the place on the map: for both there is no room."""
+    if frame.notices or frame.localization is None:
+        return [*map(notice, frame.notices)]
+    off = snapshot.off_map
+    told = "" if off is None else f"off {off.distance:.2f} m, {math.degrees(off.angle):.1f}°"
+    return [blocks.localization(snapshot, told if frame.localization == "alive" else frame.localization)]
 
 
 def _header(frame: Frame) -> RenderableType:

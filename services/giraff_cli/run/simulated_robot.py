@@ -21,7 +21,7 @@ from giraff_core.estop import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_schemas.services import SERVICES, WEB
+from giraff_schemas.services import LOCALIZATION, SERVICES, WEB
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 from giraff_sim.world.room import read_room
@@ -102,8 +102,14 @@ class SimulatedRobot:
         write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
         for service in START_ORDER:
             self._processes.start(service, f"giraff_{service}", [], environment)
+        if self._plan.localize:
+            self._processes.start(LOCALIZATION.name, LOCALIZATION.package, [], environment | self._map())
         if self.page is not None:
             self._start_page(environment)
+
+    def _map(self) -> dict[str, str]:
+        """The room itself, whatever map the robot file names."""
+        return {"GIRAFF_LOCALIZATION_MAP": str(self._plan.world)}
 
     def _start_page(self, environment: dict[str, str]) -> None:
         """It keeps its state where it would without a run, so that a phone that trusts it once does so at the next."""
@@ -152,7 +158,7 @@ class SimulatedRobot:
 
     def stop(self) -> list[str]:
         """End the services, then the simulator. Bounded. Returns what went wrong."""
-        troubles = self._processes.stop((*START_ORDER, WEB.name), _GRACE)
+        troubles = self._processes.stop((*START_ORDER, LOCALIZATION.name, WEB.name), _GRACE)
         if self._client is not None:
             self._client.close()
         return troubles + self._processes.stop([SIMULATOR], _GRACE)

@@ -10,6 +10,7 @@ import msgspec
 from giraff_cli.run.odometry_error import OdometryError
 from giraff_cli.run.telemetry import AgeSummary, RunTelemetry
 from giraff_cli.telemetry.collector import Latest
+from giraff_cli.telemetry.localization_summary import LocalizationSummary, localization_rows
 from giraff_cli.terminal.text import counted
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_schemas.messages import Odometry
@@ -59,6 +60,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     """By key. What boards pace is measured in their time, the rest in the host's."""
     age_ms: AgeSummary | None
     """Of the operator's measurement, when the guard's command that goes back to it reached base's host."""
+    localization: LocalizationSummary | None
+    """Where it was taken to be on the map, and how far off that was; None: nothing was heard of that."""
     skew_percent: float
     """By which simulated time went slower than the wall's."""
     failures: list[str]
@@ -103,6 +106,7 @@ def summarize(
         line_errors=None if base is None else base.sample.board.line_errors,
         rates_hz={key: round(rate, 3) for key, rate in telemetry.rates_hz.items()},
         age_ms=telemetry.age_ms,
+        localization=telemetry.localization,
         skew_percent=round(telemetry.skew * 100, 3),
         failures=failures,
     )
@@ -122,6 +126,7 @@ def to_text(summary: Summary) -> str:
         ("distance", f"{summary.distance_m:.2f} m"),
         ("odometry off by", "unknown" if error is None else f"{error:.3f} m, {summary.odom_error_deg:.2f}°{per_cent}"),
         ("its own sigma", _claim(summary)),
+        *(localization_rows(summary.localization) if summary.localization is not None else ()),
         ("true robot", _difference(summary.truth, summary.drawn)),
         ("closest", f"{summary.closest_m:.3f} m, {counted(summary.contacts, 'contact')}"),
         ("samples lost", _losses(summary)),
@@ -129,7 +134,8 @@ def to_text(summary: Summary) -> str:
         ("command age", "unknown" if age is None else f"{age.p50} ms median, {age.p99} ms p99, {age.max} ms at most"),
         ("rates in Hz", _rates(summary.rates_hz)),
     ]
-    return "\n".join(f"{label:>{_LABEL}}  {value}" for label, value in rows)
+    indented = ((label, value.replace("\n", f"\n{_INDENT}")) for label, value in rows)
+    return "\n".join(f"{label:>{_LABEL}}  {value}" for label, value in indented)
 
 
 def _sigma(odometry: Latest[Odometry] | None) -> OdometryError | None:
@@ -152,7 +158,7 @@ def _claim(summary: Summary) -> str:
         return "unknown"
     where = "within" if summary.within_ellipse else "OUTSIDE"
     off = f"truth {where} its 95 % ellipse, {summary.odom_mahalanobis:.2f} sigma off"
-    return f"{summary.odom_sigma_m:.3f} m, {summary.odom_sigma_deg:.2f}°,\n{_INDENT}{off}"
+    return f"{summary.odom_sigma_m:.3f} m, {summary.odom_sigma_deg:.2f}°,\n{off}"
 
 
 def _difference(level: Level, drawn: Drawn | None) -> str:
@@ -164,13 +170,13 @@ def _difference(level: Level, drawn: Drawn | None) -> str:
     left, right = drawn.left, drawn.right
     geometry = f"wheels {left.scale - 1.0:+.2%} {right.scale - 1.0:+.2%}, track {drawn.track_scale - 1.0:+.2%}"
     motors = f"motors {left.strength:.0%} {right.strength:.0%}, {drawn.turn_slip:.1%} of turning slips"
-    return f"{level}: {geometry},\n{_INDENT}{motors}"
+    return f"{level}: {geometry},\n{motors}"
 
 
 def _rates(rates_hz: dict[str, float]) -> str:
     shown = [f"{key} {rate:.1f}" for key, rate in rates_hz.items()]
     lines = [", ".join(shown[start : start + _RATES_A_LINE]) for start in range(0, len(shown), _RATES_A_LINE)]
-    return f",\n{_INDENT}".join(lines) or "none heard"
+    return ",\n".join(lines) or "none heard"
 
 
 def _losses(summary: Summary) -> str:

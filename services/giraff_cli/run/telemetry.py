@@ -8,9 +8,13 @@ from typing import Any, Final
 from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.odometry_error import Comparison, OdometryError, Truth
 from giraff_cli.telemetry.collector import Snapshot, Telemetry
+from giraff_cli.telemetry.localization import WayByState
+from giraff_cli.telemetry.localization_error import LocalizationError, LocalizationErrors
+from giraff_cli.telemetry.localization_summary import LocalizationSummary, summarize_localization
 from giraff_core.kinematics.pose import Pose
+from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import GuardedCommand, Odometry, RobotTime, Sample, TruePose
-from giraff_schemas.topics import ODOM, RANGE, TICK, TILT, WHEELS, Topic
+from giraff_schemas.topics import ODOM, POSE, RANGE, TICK, TILT, WHEELS, Topic
 
 _BY_BOARD: Final = {topic.key for topic in (TILT, RANGE, WHEELS, ODOM)}
 """What the boards' clocks pace: judged in simulated time, in which all three agree. The rest goes by the wall's."""
@@ -34,6 +38,8 @@ class RunSnapshot(Snapshot):
     """The truth in the frame of odometry."""
     apart: OdometryError | None
     age_ms: AgeSummary | None
+    off_map: LocalizationError | None
+    """Localization's error at its newest pose that the truth reaches up to."""
 
 
 class RunTelemetry(Telemetry):
@@ -46,11 +52,14 @@ class RunTelemetry(Telemetry):
         self._first_truth = truth
         self._comparison = Comparison()
         self._ages = AgeHistogram()
+        self._map_errors, self._map_way = LocalizationErrors(), WayByState()
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         super().on_sample(topic, key, sample, at_ns)
         if isinstance(sample, Odometry):
             self._comparison.on_sample(sample)
+        elif isinstance(sample, MapPose):
+            self._map_errors.on_pose(sample)
         elif isinstance(sample, GuardedCommand):
             self._note_age(sample, at_ns)
 
@@ -63,11 +72,20 @@ class RunTelemetry(Telemetry):
         """The world's truth."""
         self.truth = truth
         self._comparison.see(truth)
+        self._map_errors.see(truth.robot_ns, truth.pose)  # the room's frame is the map's
+        said = self.newest(POSE, truth.robot_ns)
+        self._map_way.come(truth.path, said.sample.state if said is not None and said.fresh else None)
 
     @property
     def apart(self) -> OdometryError | None:
         """Odometry's error now."""
         return self._comparison.apart
+
+    @property
+    def localization(self) -> LocalizationSummary | None:
+        """How well it knew where it was on the map; None: nothing was heard of that."""
+        said = self.newest(POSE, self.truth.robot_ns)
+        return None if said is None else summarize_localization(said.sample, self._map_way, self._map_errors)
 
     @property
     def true_pose(self) -> TruePose | None:
@@ -96,6 +114,7 @@ class RunTelemetry(Telemetry):
             true_pose=self._comparison.in_odom(self.truth.pose),
             apart=self.apart,
             age_ms=self.age_ms,
+            off_map=self._map_errors.newest,
         )
 
     def _clock(self, topic: Topic[Any], at_ns: int) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Generic, TypeVar
 
 from giraff_cli.telemetry.rate import RateEstimator, Totals
+from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
     BaseState,
     Battery,
@@ -27,6 +28,7 @@ from giraff_schemas.topics import (
     GUARD,
     LEASE,
     ODOM,
+    POSE,
     RANGE,
     TILT,
     TOPICS,
@@ -87,6 +89,7 @@ class Snapshot:
     battery: Latest[Battery] | None
     estop: Latest[EStop] | None
     lease: Latest[Lease] | None
+    localization: Latest[MapPose] | None
     ranges: dict[str, Latest[Range] | None]
     """By sensor: first those that the guard knows of, in the order of the robot file."""
     rates: dict[str, KeyRate]
@@ -212,6 +215,7 @@ class Telemetry:
             battery=self.newest(BATTERY, now_ns),
             estop=self.newest(ESTOP, now_ns),
             lease=self.newest(LEASE, now_ns),
+            localization=self.newest(POSE, now_ns),
             ranges={sensor: self._seen(range_key(sensor), now_ns) for sensor in self._all_sensors(guard)},
             rates={name: self._rate(self._keys[name], now_ns) for name in self._names()},
             services={service: len(instances) for service, instances in self._alive.items()},

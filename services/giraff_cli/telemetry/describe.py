@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 from giraff_cli.telemetry.collector import Latest, Snapshot
+from giraff_cli.telemetry.localization import short_pose_text
 from giraff_schemas.messages import GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
 
@@ -94,6 +95,14 @@ def base_reason(snapshot: Snapshot) -> str:
     if base is None:
         return ""
     return base.sample.reason if base.fresh else f"not heard for {base.age:.0f} s"
+
+
+def localization_text(snapshot: Snapshot) -> str:
+    """Where it is on the map, and how sure that is; empty: nothing ever told."""
+    seen = snapshot.localization
+    if seen is None:
+        return ""
+    return short_pose_text(seen.sample) if seen.fresh else f"not heard for {seen.age:.0f} s"
 
 
 def estop_text(snapshot: Snapshot) -> str:

@@ -11,16 +11,26 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_cli.telemetry.collector import KeyRate, Latest, Snapshot, range_key
-from giraff_cli.telemetry.describe import DIRECTIONS, base_reason, base_text, holder_text, range_text, verdicts
+from giraff_cli.telemetry.describe import (
+    DIRECTIONS,
+    base_reason,
+    base_text,
+    holder_text,
+    localization_text,
+    range_text,
+    verdicts,
+)
 from giraff_cli.terminal.layout import HEADING, NONE, block, left, right, text_or_dash, unit
 from giraff_cli.terminal.text import printable
 from giraff_schemas.messages import Range
-from giraff_schemas.topics import MOTION, MOTION_HOLD
+from giraff_schemas.topics import MAP, MOTION, MOTION_HOLD, PARTICLES, POSE
 
 _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
+_LEFT_OUT: Final = (MOTION.key, MOTION_HOLD.key, POSE.key, PARTICLES.key, MAP.key)
 FREEDOM_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
+_STATES: Final = {"localized": "green", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
 _BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}
 
 
@@ -99,8 +109,8 @@ def command(snapshot: Snapshot) -> Table:
 
 
 def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table:
-    """How each key flows, but for those of the ranges, and of motion: with more rows a screen is no longer 24 high."""
-    left_out = {MOTION.key, MOTION_HOLD.key, *(range_key(sensor) for sensor in snapshot.ranges)}
+    """How each key flows, but for ranges, motion and localization: with more rows a screen is no longer 24 high."""
+    left_out = {*_LEFT_OUT, *(range_key(sensor) for sensor in snapshot.ranges)}
     rates = [(key, rate) for key, rate in snapshot.rates.items() if key not in left_out]
     lost = sum(rate.lost for rate in snapshot.rates.values())
     losing = any(rate.losing for rate in snapshot.rates.values())
@@ -115,6 +125,16 @@ def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table
     for row in range(rows):
         table.add_row(*_cells(rates[row::rows], with_age=with_age))
     return table
+
+
+def localization(snapshot: Snapshot, more: str = "") -> Text:
+    """Where it is on the map, in a row; `more` goes before its words."""
+    seen = snapshot.localization
+    style = _STATES[seen.sample.state] if seen is not None and seen.fresh else "dim"
+    text = Text.assemble(("MAP  ", HEADING), no_wrap=True, overflow="ellipsis")
+    if more:
+        text.append(f"{printable(more)}  ")
+    return text.append_text(text_or_dash(localization_text(snapshot), style))
 
 
 def dim(seen: Latest[Any] | None) -> str:

@@ -53,6 +53,7 @@ class WatchReport(msgspec.Struct, frozen=True, kw_only=True):
     base: dict[str, Any] | None
     estop: dict[str, Any] | None
     battery: dict[str, Any] | None
+    localization: dict[str, Any] | None
     topics: dict[str, TopicReport]
     """By key, below the robot's name."""
     unreadable: tuple[str, ...]
@@ -88,6 +89,7 @@ def report(view: WatchView) -> WatchReport:
         base=_sample(snapshot.base),
         estop=_sample(snapshot.estop),
         battery=_sample(snapshot.battery),
+        localization=_sample(snapshot.localization),
         topics={key: _topic(rate) for key, rate in snapshot.rates.items()},
         unreadable=view.notices,
     )

@@ -17,6 +17,7 @@ from giraff_cli.telemetry.describe import (
     forward_text,
     holder_text,
     limit_text,
+    localization_text,
     moving,
     range_text,
 )
@@ -77,7 +78,7 @@ class WatchView:
                 blocks.motion(*moving(snapshot), style=dim(snapshot.odometry)),
                 _operator(snapshot),
             ),
-            Text(),
+            Text() if snapshot.localization is None else blocks.localization(snapshot),
             beside(blocks.ranges(snapshot), blocks.base(snapshot, ("e-stop", text_or_dash(estop_text(snapshot))))),
             Text(),
             blocks.guard(snapshot),
@@ -102,6 +103,7 @@ def _told(snapshot: Snapshot) -> list[str]:
         f"holder {holder_text(snapshot) or 'unknown'}",
         f"base {base_text(snapshot)}",
     ]
+    told += [] if snapshot.localization is None else [f"map {localization_text(snapshot)}"]
     told += [] if battery is None else [f"{battery.sample.voltage:.1f} V"]
     told += [f"not there: {', '.join(gone)}"] if gone else []
     return [*told, limit] if limit else told

@@ -6,12 +6,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Final
 
 from giraff_core.kinematics.frame_errors import GapError, UnconnectedError, UnknownFrameError
 from giraff_core.kinematics.rigid import HERE, Rigid, rigid
 from giraff_core.kinematics.way import Way
-from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
+from giraff_schemas.frames import BASE_FRAME, MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.messages import Odometry, RobotTime
+
+_OTHERS: Final = "ranger tells of the sensors', odometry of all others: check the name, and that they run"
+_MAP: Final = (
+    "localization tells of the map, and only while it is known where the robot is: check that giraff_localization "
+    "runs, and what it says"
+)
 
 
 class FrameTree:
@@ -24,6 +31,10 @@ class FrameTree:
     def tell(self, transform: Transform) -> None:
         """Take where a frame is."""
         self._told[transform.child] = transform
+
+    def forget(self, child: str) -> None:
+        """Of a frame that is told of: nobody knows any more where it is."""
+        self._told.pop(child, None)
 
     def hear(self, odometry: Odometry) -> None:
         """Take where the robot is, as it arrives."""
@@ -45,10 +56,8 @@ class FrameTree:
         for frame in (target, source):
             if frame not in known:
                 others = ", ".join(known) or "none"
-                raise UnknownFrameError(
-                    f"no frame is called {frame!r}, those that are known: {others}; "
-                    "ranger tells of the sensors', odometry of all others: check the name, and that they run"
-                )
+                teller = _MAP if frame == MAP_FRAME else _OTHERS
+                raise UnknownFrameError(f"no frame is called {frame!r}, those that are known: {others}; {teller}")
         above_target, above_source = self._up(target), self._up(source)
         common = next((frame for frame in above_source if frame in above_target), None)
         if common is None:
@@ -97,7 +106,9 @@ class FrameTree:
         newest = self._way.newest() if frame == BASE_FRAME else None
         if newest is None:
             told = self._told[frame]
-            if at is not None and not told.fixed and told.tick != at:
+            # Where odom is in the map is how odometry's error of the whole way is corrected, not where anything went:
+            # the newest word is the best one of any moment.
+            if at is not None and not told.fixed and told.tick != at and frame != ODOM_FRAME:
                 raise GapError(f"where {frame} is in {told.parent} is known of one moment only, and not of that one")
             return told
         pose = newest[0] if at is None else self._way.at(at)

@@ -9,7 +9,7 @@ from typing import Annotated, Final
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
-from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
+from giraff_schemas.frames import BASE_FRAME, MAP_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.topics import require_chunk
 
 PLACE: Final = Bounds(-2.0, 2.0, "m")
@@ -54,7 +54,12 @@ class PartPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
 def check_parts(parts: Mapping[str, PartPose], sensors: Collection[str]) -> None:
     """ValueError where these are no tree below `base_link`. `sensors`: their frames."""
-    taken = {ODOM_FRAME: "odometry's", BASE_FRAME: "the robot's own", **dict.fromkeys(sensors, "a sensor's")}
+    taken = {
+        MAP_FRAME: "the floor plan's",
+        ODOM_FRAME: "odometry's",
+        BASE_FRAME: "the robot's own",
+        **dict.fromkeys(sensors, "a sensor's"),
+    }
     there = [BASE_FRAME, *sensors, *parts]
     for name, part in parts.items():
         require_chunk(name)

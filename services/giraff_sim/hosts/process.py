@@ -126,7 +126,7 @@ class Process:
     ) -> RetriedRequest[AnswerT]:
         return _Asking(self, query.key, request, settles)
 
-    def frame(self, child: str, where: Transform | Callable[[], Transform]) -> None:
+    def frame(self, child: str, where: Transform | Callable[[], Transform | None]) -> None:
         """Nobody asks for frames here."""
 
     def board(self, path: str, baud: int, kind: BoardKind) -> Board:

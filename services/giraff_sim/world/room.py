@@ -1,45 +1,23 @@
-"""A room: walls, posts, edges on the floor, where the robot starts and where a hand would steer it.
-
-The file is TOML, metres, with x to the east and y to the north:
-
-    name = "living room"
-    waypoints = [[4.6, 1.4], [1.4, 3.2]]      # for the demonstration's hand, in turn, for ever
-    start = { x = 1.5, y = 2.2, yaw_deg = 0.0 }
-
-    [[walls]]
-    name = "sofa"
-    points = [[1.5, 4.1], [3.5, 4.1], [3.5, 5.0]]
-    closed = false                            # true: the last point is joined to the first
-
-    [[posts]]
-    name = "table leg"
-    x = 4.7
-    y = 3.6
-    radius = 0.03
-
-    [[thresholds]]                            # a wheel slips on it; it neither stops the robot nor echoes
-    name = "carpet"
-    points = [[2.0, 0.0], [2.0, 5.0]]
-"""
+"""A room: walls, posts, edges on the floor, where the robot starts and where a hand would steer it."""
 
 from __future__ import annotations
 
 import math
-import tomllib
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
-import msgspec
+from giraff_maps.floor_plan import MapError
+from giraff_maps.room_file import (
+    SHORTEST_WALL,
+    Point,
+    post_outline,
+    read_room_file,
+    require_post,
+    wall_segments,
+)
 
-_CORNERS: Final = 8  # of a post where it is drawn
-_SHORTEST_WALL: Final = 1e-3  # m: below it a segment has no direction worth the name
-
-
-Point = tuple[float, float]
-
-
-class RoomError(Exception):
-    """A room file, or a change of a room, that cannot be used. The message names the place."""
+RoomError = MapError
+"""A room file, or a change of a room, that cannot be used. The message names the place."""
 
 
 class Pose(NamedTuple):
@@ -79,43 +57,6 @@ class _Post(NamedTuple):
     radius: float
 
 
-class _Strict(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    pass
-
-
-class _StartFile(_Strict, frozen=True, kw_only=True):
-    x: float
-    y: float
-    yaw_deg: float
-
-
-class _WallFile(_Strict, frozen=True, kw_only=True):
-    name: str
-    points: list[tuple[float, float]]
-    closed: bool = False
-
-
-class _PostFile(_Strict, frozen=True, kw_only=True):
-    name: str
-    x: float
-    y: float
-    radius: float
-
-
-class _ThresholdFile(_Strict, frozen=True, kw_only=True):
-    name: str
-    points: tuple[tuple[float, float], tuple[float, float]]
-
-
-class _RoomFile(_Strict, frozen=True, kw_only=True):
-    name: str
-    start: _StartFile
-    waypoints: list[tuple[float, float]] = []
-    walls: list[_WallFile] = []
-    posts: list[_PostFile] = []
-    thresholds: list[_ThresholdFile] = []
-
-
 class Room:
     """Surfaces that stop a robot and echo its pings. Walls can be added and removed by name."""
 
@@ -132,32 +73,20 @@ class Room:
 
     def add_wall(self, name: str, points: list[tuple[float, float]], *, closed: bool = False) -> None:
         """A polyline through `points`."""
-        if len(points) < 2:
-            raise RoomError(f"wall {name!r} has {len(points)} points: it needs two or more")
-        if closed and len(points) < 3:
-            raise RoomError(f"wall {name!r} has {len(points)} points: a closed one needs three or more")
-        ends = [*points[1:], points[0]] if closed else points[1:]
-        added = []
-        for (x, y), (end_x, end_y) in zip(points, ends, strict=False):
-            if not all(math.isfinite(value) for value in (x, y, end_x, end_y)):
-                raise RoomError(f"wall {name!r} has a point that is not finite")
+        for x, y, end_x, end_y in wall_segments(name, points, closed=closed):
             length = math.hypot(end_x - x, end_y - y)
-            if length < _SHORTEST_WALL:
-                raise RoomError(f"wall {name!r} repeats the point ({x:g}, {y:g})")
-            added.append(_Segment(name, x, y, (end_x - x) / length, (end_y - y) / length, length))
-        self._segments += added
+            self._segments.append(_Segment(name, x, y, (end_x - x) / length, (end_y - y) / length, length))
         self.version += 1
 
     def add_post(self, name: str, x: float, y: float, radius: float) -> None:
         """An upright cylinder."""
-        if not all(math.isfinite(value) for value in (x, y, radius)) or radius <= 0.0:
-            raise RoomError(f"post {name!r} at ({x:g}, {y:g}), radius {radius:g}: the radius must be positive")
+        require_post(name, x, y, radius)
         self._posts.append(_Post(name, x, y, radius))
         self.version += 1
 
     def add_threshold(self, name: str, begin: Point, end: Point) -> None:
         """The edge of a carpet, or a sill, from `begin` to `end`, on which a wheel slips."""
-        if not all(math.isfinite(value) for value in (*begin, *end)) or math.dist(begin, end) < _SHORTEST_WALL:
+        if not all(math.isfinite(value) for value in (*begin, *end)) or math.dist(begin, end) < SHORTEST_WALL:
             raise RoomError(f"threshold {name!r} must go from one place to another")
         self.thresholds.append((begin, end))
 
@@ -174,11 +103,7 @@ class Room:
             ((x, y), (x + along_x * length, y + along_y * length))
             for _, x, y, along_x, along_y, length in self._segments
         ]
-        corners = [number * math.tau / _CORNERS for number in range(_CORNERS + 1)]
-        posts = [
-            tuple((post.x + post.radius * math.cos(angle), post.y + post.radius * math.sin(angle)) for angle in corners)
-            for post in self._posts
-        ]
+        posts = [post_outline(post.x, post.y, post.radius) for post in self._posts]
         return [*walls, *posts]
 
     def remove(self, name: str) -> None:
@@ -307,18 +232,9 @@ class Room:
 
 
 def read_room(path: Path) -> Room:
-    """The room in a file."""
-    try:
-        content = msgspec.convert(tomllib.loads(path.read_text()), _RoomFile)
-    except OSError as error:
-        raise RoomError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise RoomError(f"{path}: not TOML: {error}") from error
-    except msgspec.ValidationError as error:
-        raise RoomError(f"{path}: {error}") from error
+    """The room in a file. Raises RoomError."""
+    content = read_room_file(path)
     start = Pose(content.start.x, content.start.y, math.radians(content.start.yaw_deg))
-    if not all(math.isfinite(value) for point in (start, *content.waypoints) for value in point):
-        raise RoomError(f"{path}: start and waypoints must be finite numbers")
     room = Room(content.name, start, content.waypoints)
     try:
         for wall in content.walls:

@@ -15,10 +15,11 @@ from typing import Final
 import msgspec
 
 from giraff_core.robot import SensorPose
+from giraff_maps.room_file import Point
 from giraff_schemas.wire import ECHO_US_PER_M
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import EXACT, Truth
-from giraff_sim.world.room import Hit, Point, Pose, Room
+from giraff_sim.world.room import Hit, Pose, Room
 
 SILENT_US: Final = 0.0  # for board_model.h: the echo line never rises
 STUCK_US: Final = -1.0  # for board_model.h: it rises and stays

@@ -20,9 +20,9 @@ ROLES = {
     role: services.split()
     for role, services in re.findall(r"(\w+)\) SERVICES=\(([\w ]+)\)", (ROOT / "scripts" / "install").read_text())
 }
-BY_HAND = ("gateway", "recorder", "router", "sentry", "web")
+BY_HAND = ("gateway", "localization", "recorder", "router", "sentry", "web")
 """Services that `systemctl enable --now giraff@SERVICE` adds to a machine."""
-DROP_IN = "giraff@recorder.service.d"
+DROP_INS = [path.name for path in UNITS.glob("*.service.d")]
 MOST_EXPOSED = 20  # tenths of systemd's own scale, which ends at 100; 17 when this was written
 
 
@@ -48,7 +48,8 @@ def machine(bare: Path) -> Iterator[Path]:
     ours.mkdir(parents=True)
     for name in ("giraff@.service", "giraff.target"):
         shutil.copy(UNITS / name, ours)
-    shutil.copytree(UNITS / DROP_IN, ours / DROP_IN)
+    for drop_in in DROP_INS:
+        shutil.copytree(UNITS / drop_in, ours / drop_in)
     yield bare
     shutil.rmtree(bare / "etc")
 
@@ -86,10 +87,11 @@ def test_a_mistake_shows(machine: Path, old: str, new: str) -> None:
     assert analyze(machine, "verify", "giraff@base.service").stderr
 
 
-def test_what_is_the_recorders_own_is_read_for_it_alone(machine: Path) -> None:
-    own = machine / "etc/systemd/system" / DROP_IN / "behind.conf"
+@pytest.mark.parametrize("service", ["recorder", "localization"])
+def test_what_is_a_services_own_is_read_for_it_alone(service: str, machine: Path) -> None:
+    own = machine / "etc/systemd/system" / f"giraff@{service}.service.d" / "behind.conf"
     own.write_text(own.read_text().replace("CPUWeight=20", "CPUWeight=twenty"))
-    assert "Invalid CPU weight" in analyze(machine, "verify", "giraff@recorder.service").stderr
+    assert "Invalid CPU weight" in analyze(machine, "verify", f"giraff@{service}.service").stderr
     assert not analyze(machine, "verify", "giraff@base.service").stderr
 
 

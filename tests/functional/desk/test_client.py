@@ -21,15 +21,17 @@ from typing import Any
 import pytest
 
 from giraff_client import EmergencyStopError, NoRobotError, Robot, RobotError, SilentError, TakenError
+from giraff_core.kinematics.pose import Pose
 from giraff_node.network.session import LEASE as LINK_LEASE
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import GUARD, LEASE
-from tests.support.examples import EXAMPLES, HALL, first_of_the_page
+from tests.functional.desk.scripts import PATIENCE, example, first_line, is_free
+from tests.support.examples import HALL, first_of_the_page
+from tests.support.locating import locating
+from tests.support.map_poses import LOST
 from tests.support.process_robot import ProcessRobot, process_robot
 from tests.support.robots import ROBOT
 from tests.support.waiting import wait
-
-PATIENCE = 60.0  # s
 
 
 @pytest.fixture(scope="module")
@@ -66,11 +68,6 @@ def script(named: ProcessRobot) -> Iterator[Robot]:
         yield it
 
 
-def is_free(robot: ProcessRobot) -> bool:
-    lease = robot.observer.newest(LEASE)
-    return lease is not None and not lease.holder
-
-
 def drive_on(robot: Robot, linear_x: float, angular_z: float) -> None:
     """One word of a script that arms the robot again when it has lost it."""
     try:
@@ -81,39 +78,6 @@ def drive_on(robot: Robot, linear_x: float, angular_z: float) -> None:
         time.sleep(0.05)  # one that is not heard is not asked without end
         with suppress(RobotError):
             robot.arm()
-
-
-@contextmanager
-def example(robot: ProcessRobot, name: str, *words: str) -> Iterator[subprocess.Popen[str]]:
-    """One that runs, and ends with the block."""
-    command = [sys.executable, str(EXAMPLES / name), *words]
-    streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
-    with subprocess.Popen(command, text=True, env=robot.environment, cwd=robot.directory, **streams) as process:
-        try:
-            yield process
-        finally:
-            process.kill()
-
-
-def first_line(robot: ProcessRobot, name: str, x: float, y: float, *words: str) -> str:
-    """What an example says first, from this place. One that loses the robot says so, and is started again."""
-    said: list[str] = []
-
-    def says_it() -> bool:
-        robot.wait("nobody who drives", lambda: is_free(robot), PATIENCE)
-        robot.simulator.place(x, y)
-        with example(robot, name, *words) as process:
-            assert process.stdout is not None
-            assert process.stderr is not None
-            said.append(process.stdout.readline())
-            if said[-1]:
-                return True
-            why = process.stderr.read()
-            assert "giraff_client.errors." in why, why
-            return False
-
-    robot.wait(name, says_it, PATIENCE)
-    return said[-1]
 
 
 def test_it_follows_a_wall(alone: ProcessRobot) -> None:
@@ -129,6 +93,36 @@ def test_it_patrols_where_the_path_is_free(alone: ProcessRobot) -> None:
     assert first_line(alone, "patrol.py", 0.0, -2.0).startswith("at 1, 0; the guard says: ")
     truth = alone.simulator.state()
     assert math.hypot(truth.x, truth.y + 2.0) == pytest.approx(1.0, abs=0.3)
+
+
+def test_it_goes_to_a_place_once_it_is_known_where_the_robot_is(alone: ProcessRobot) -> None:
+    """Half a metre ahead, on a map in which `odom` looks along y."""
+    rendezvous, name = alone.environment["GIRAFF_NETWORK_RENDEZVOUS"], alone.environment["GIRAFF_ROBOT_NAME"]
+    with locating(rendezvous, name, Pose(2.0, 1.0, math.pi / 2.0)) as localization:
+
+        def arrives() -> bool:
+            """A machine that stands still may have stopped the robot on its way."""
+            alone.wait("nobody who drives", lambda: is_free(alone), PATIENCE)
+            alone.simulator.place(0.0, -2.0)
+            localization.state = "lost"
+            wait(lambda: localization.newest is not None, PATIENCE, what="odometry")
+            assert localization.newest is not None
+            here = Pose(localization.newest.x, localization.newest.y, localization.newest.yaw)
+            goal = here.moved(0.5, 0.0).placed_in(localization.odom)
+            with example(alone, "go_to_place.py", f"{goal.x}", f"{goal.y}") as process:
+                assert process.stdout is not None
+                assert process.stdout.readline() == f"lost: {LOST}\n"
+                localization.state = "localized"
+                said, why = process.communicate()
+            if process.returncode:
+                assert why
+                return False
+            assert said.splitlines()[-1].startswith("at ")
+            return True
+
+        alone.wait("go_to_place.py", arrives, PATIENCE)
+    truth = alone.simulator.state()
+    assert math.hypot(truth.x, truth.y + 2.0) == pytest.approx(0.5, abs=0.1)
 
 
 def is_blocked(robot: ProcessRobot) -> bool | None:

@@ -39,8 +39,18 @@ PUBLISHERS = {
 }
 
 
-KEYS: Final = {*PUBLISHERS, "motion", "motion/hold", "true_pose", "serial/*", "serial_write/*"}
-"""All that a list has. There is no motion, no gateway, and no `giraff run` that would tell the truth."""
+KEYS: Final = {
+    *PUBLISHERS,
+    "motion",
+    "motion/hold",
+    "pose",
+    "particles",
+    "map",
+    "true_pose",
+    "serial/*",
+    "serial_write/*",
+}
+"""All that a list has. There is no motion, no localization, no gateway, and no `giraff run`, which tells the truth."""
 
 
 def is_whole_list(rows: Any) -> bool:

@@ -30,6 +30,7 @@ ASKING: dict[str, Words] = {
     "watch": ("--for", "3"),
     "drive": (),
     "web": (),
+    "localize": (),
     "estop status": (),
     "estop reset": (),
     "estop engage": (),
@@ -96,6 +97,8 @@ ROBOTLESS: Mapping[str, str] = {
     "keys init": "unit/keys: it asks a folder",
     "keys host": "likewise",
     "keys list": "likewise",
+    "map show": "unit/maps: it asks a file",
+    "map convert": "likewise",
 }
 """Those that ask no robot, and where below tests/ they are tried."""
 WAITING = {"watch", "record", "view", "drive", "web"}

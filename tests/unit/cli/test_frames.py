@@ -127,6 +127,19 @@ def test_the_pose_of_one_in_another_is_printed(say: Callable[..., Any]) -> None:
     assert (pose.x, pose.y, pose.yaw) == pytest.approx((0.0, 1.0, -math.pi / 2))
 
 
+def test_where_localization_tells_of_the_map_the_tree_begins_there(say: Callable[..., Any]) -> None:
+    code, _, complaint = say("--from", "base_link", "--to", "map")
+    assert (code, "check that giraff_localization runs" in complaint) == (2, True)
+    placed = msgspec.structs.replace(frame("map", "odom"), x=4.0, yaw=math.pi / 2, fixed=False)
+    code, output, _ = say("--from", "base_link", "--to", "map", more=[placed])
+    assert (code, output.splitlines()[:3]) == (
+        0,
+        ["base_link in map, now", "x        4.000 m", "y        1.000 m"],
+    )
+    code, output, _ = say(more=[placed])
+    assert (code, output.splitlines()[0]) == (0, "map")
+
+
 def test_what_cannot_be_told_says_why(say: Callable[..., Any]) -> None:
     code, _, complaint = say("--from", "lasre", "--to", "odom")
     assert code == 2

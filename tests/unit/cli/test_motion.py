@@ -113,6 +113,8 @@ def test_it_arrives_and_says_how_far_it_came(desk: Desk) -> None:
             ("go", str(THERE_AND_BACK)),
             [Move(distance=2.0), Turn(angle=math.pi), Move(distance=2.0), Turn(angle=-math.pi)],
         ),
+        (("go", "1,-2.5"), [GoTo(x=1.0, y=-2.5)]),
+        (("go", "-1.5,2m", "--frame", "map", "--speed", "0.2"), [GoTo(x=-1.5, y=2.0, frame="map")]),
         (("go", str(SQUARE)), [Move(distance=1.0), Turn(angle=math.pi / 2)] * 4),
     ],
     ids=str,
@@ -137,7 +139,14 @@ def test_a_blocked_way_says_which_sensor_and_the_way_out(desk: Desk) -> None:
     assert complaint == f"giraff: {NAME}: BLOCKED: {BLOCKED}; {came}\n"
 
 
-OUTCOMES: tuple[Outcome, ...] = ("lost_lease", "time_limit", "lost_requester", "disarmed", "lost_odometry")
+OUTCOMES: tuple[Outcome, ...] = (
+    "lost_lease",
+    "time_limit",
+    "lost_requester",
+    "disarmed",
+    "lost_odometry",
+    "lost_localization",
+)
 
 
 @pytest.mark.parametrize("outcome", OUTCOMES)
@@ -285,8 +294,11 @@ def test_what_the_network_says_steers_no_terminal() -> None:
 
 
 def test_a_point_is_a_step_of_a_pattern(desk: Desk, tmp_path: Path) -> None:
-    (tmp_path / "p.toml").write_text("speed = 0.2\nturn_speed = 0.5\ntime_limit = 30\n[[step]]\ngo_to = [1, -2.5]\n")
+    (tmp_path / "p.toml").write_text(
+        "speed = 0.2\nturn_speed = 0.5\ntime_limit = 30\n[[step]]\ngo_to = [1, -2.5]\n"
+        '[[step]]\ngo_to = [3, 4]\nframe = "map"\n'
+    )
     assert desk.type("go", str(tmp_path / "p.toml"))[0] == 0
     [request] = desk.motion.asked
-    assert request.steps == (GoTo(x=1.0, y=-2.5),)
+    assert request.steps == (GoTo(x=1.0, y=-2.5), GoTo(x=3.0, y=4.0, frame="map"))
     assert (request.speed, request.turn_speed, request.time_limit) == (0.2, 0.5, 30.0)

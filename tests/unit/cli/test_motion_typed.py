@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_cli.motion.pattern import PatternError, read_pattern
-from giraff_cli.motion.typed import angle, length
+from giraff_cli.motion.typed import angle, length, point
 from giraff_schemas.motion import Arc, Move, Turn
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
@@ -96,6 +96,13 @@ def test_a_length_is_in_metres() -> None:
             length(text)
 
 
+def test_a_point_is_two_lengths() -> None:
+    assert [point(text) for text in ("2,1", "-0.5,2m", "1, -3")] == [(2.0, 1.0), (-0.5, 2.0), (1.0, -3.0)]
+    for text in ("2", "2,", ",", "1;2", "1,2,3", "nan,1", "1,1e999", "kitchen"):
+        with pytest.raises(ValueError, match=r"is no point: give x and y in metres, like 1\.5,-2"):
+            point(text)
+
+
 def pattern(tmp_path: Path, text: str | bytes) -> Path:
     path = tmp_path / "pattern.toml"
     path.write_bytes(text.encode() if isinstance(text, str) else text)
@@ -143,6 +150,8 @@ BAD = (
     ("[[step]]\narc = {radius = 1.0, angle = 0}", "step 1: an arc of 0 goes nowhere"),
     ("[[step]]\ngo_to = [1.0]", "Expected `array` of length 2, got 1"),
     ("[[step]]\ngo_to = [1.0, nan]", "step 1: y is nan"),
+    ('[[step]]\ngo_to = [1.0, 2.0]\nframe = "mop"', "Invalid enum value 'mop'"),
+    ('[[step]]\nmove = 1\nframe = "map"', "step 1: it has a frame, map, and no go_to"),
     ("speed = 0\n[[step]]\nmove = 2", "speed is 0: give a positive number"),
     ("turn_speed = -1\n[[step]]\nmove = 2", "turn_speed is -1: give a positive number"),
     ("time_limit = inf\n[[step]]\nmove = 2", "time_limit is inf: give a positive number"),
@@ -182,7 +191,11 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("arc", "1"), "missing argument 'ANGLE'"),
     (("arc", "-1", "90deg"), "a radius of -1 m is none: give one above 0; a negative angle goes to the right"),
     (("arc", "1", "0deg"), "an arc of 0 goes nowhere"),
-    (("go",), "missing argument 'PATTERN.toml'"),
+    (("go",), "missing argument 'X,Y|PATTERN.toml'"),
+    (("go", "1,"), "'1,' is no point: give x and y in metres, like 1.5,-2"),
+    (("go", "1,2,3"), "'1,2,3' is no point"),
+    (("go", "1,2", "--frame", "mop"), "'mop' is not one of"),
+    (("go", "deploy", "--frame", "map"), "--frame, --speed and --time-limit are for a point"),
     (("go", "none.toml"), "go: none.toml: No such file or directory"),
     (("go", "/"), "go: /: Is a directory"),
 )

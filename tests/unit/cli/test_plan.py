@@ -39,9 +39,8 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 def plan(**options: Any) -> Plan:
     defaults: dict[str, Any] = dict.fromkeys(("seconds", "world", "tilt_script", "boards", "summary", "picture"))
-    return make_plan(
-        **defaults | {"seed": 1, "truth": "calibrated", "hand": "demo", "local": False, "web": False} | options
-    )
+    defaults |= dict.fromkeys(("local", "web", "localize"), False)
+    return make_plan(**defaults | {"seed": 1, "truth": "calibrated", "hand": "demo"} | options)
 
 
 def test_the_defaults_make_a_run() -> None:

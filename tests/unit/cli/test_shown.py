@@ -16,9 +16,12 @@ from giraff_cli.run.screen import Frame, view
 from giraff_cli.run.summary import Summary, summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunSnapshot, RunTelemetry
 from giraff_cli.terminal.screen import as_svg
+from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
+from giraff_schemas.localization import LocalizationState
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.truth import Truth as Drawn
+from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import (
     MS,
     SENSORS,
@@ -45,6 +48,7 @@ FRAME = Frame(
     note="",
     address="",
     services={"joystick": "alive", "guard": "alive", "base": "alive", "ranger": "silent", "odometry": "ended"},
+    localization=None,
     notices=(),
 )
 
@@ -107,6 +111,38 @@ def test_nothing_moves_in_the_view_when_numbers_change() -> None:
         ]
         assert len(places) == 2
         assert places[0] == places[1]
+
+
+def localized(telemetry: RunTelemetry, state: LocalizationState = "localized", reason: str = "") -> RunTelemetry:
+    """For three seconds it says to be 3 cm beside the truth."""
+    network = Network(telemetry)
+    for ms in range(10_000, 13_001, 100):
+        network.send(topics.POSE, map_pose(ms * MS, Pose(5.5, 2.23, 0.0), state, reason), ms * MS)
+        if ms % 200 == 0:
+            telemetry.see(truth(ms * MS, x=4.0))
+    return telemetry
+
+
+def test_the_view_tells_the_place_on_the_map_in_a_row_that_is_there_anyway() -> None:
+    snapshot = localized(ten_seconds()).snapshot(13 * SECOND)
+    shown = rendered(snapshot, replace(FRAME, localization="alive"))
+    assert len(shown) <= 24
+    assert shown[-1].rstrip() == "MAP  off 0.03 m, 0.0°  localized x 5.50 y 2.23 m, 0.0° ± 0.05 m, 1°"
+    assert not any(row.startswith("MAP") for row in rendered(snapshot))
+    failed = rendered(snapshot, replace(FRAME, localization="alive", notices=("odometry ended by itself",)))
+    assert len(failed) <= 24
+    assert failed[-1].rstrip() == "odometry ended by itself"
+    ended = rendered(snapshot, replace(FRAME, localization="ended"))
+    assert ended[-1].startswith("MAP  ended  ")
+    starting = rendered(ten_seconds().snapshot(13 * SECOND), replace(FRAME, localization="starting"))
+    assert starting[-1].rstrip() == "MAP  starting  -"
+
+
+def test_the_line_tells_the_place_on_the_map() -> None:
+    told = line(localized(ten_seconds()).snapshot(13 * SECOND), 0.0)
+    assert told.endswith(" | map localized x 5.50 y 2.23 m, 0.0° ± 0.05 m, 1° | off 0.03 m, 0.0°")
+    lost = line(localized(ten_seconds(), "lost", "drive on").snapshot(13 * SECOND), 0.0)
+    assert " | map lost: drive on | off 0.03 m" in lost
 
 
 def test_a_long_reason_is_cut_and_not_wrapped() -> None:
@@ -210,6 +246,22 @@ def test_the_summary_as_json_has_the_names_that_are_promised() -> None:
         "skew_percent",
     } <= told.keys()
     assert set(told["age_ms"]) == {"p50", "p99", "max"}
+
+
+def test_the_summary_tells_how_well_it_knew_its_place() -> None:
+    telemetry = ten_seconds()
+    assert summary(telemetry).localization is None
+    localized(telemetry, "lost", "no place fits; drive on, or tell it where it is with giraff localize --at X,Y,YAW")
+    telemetry.see(truth(13 * SECOND + 200 * MS, x=7.0))
+    lost = summary(telemetry)
+    assert lost.localization is not None
+    assert lost.localization.shares == {"lost": 1.0}
+    known = summary(localized(ten_seconds()))
+    assert known.localization is not None
+    assert known.localization.error is not None
+    assert known.localization.error.p95_m == pytest.approx(0.03, abs=1e-3)
+    assert max(map(len, (to_text(lost) + to_text(known)).splitlines())) <= 80
+    assert "place off by  0.030 m" in to_text(known)
 
 
 def test_the_summary_does_not_make_up_what_nobody_heard() -> None:

@@ -14,8 +14,10 @@ from giraff_cli.telemetry.collector import Telemetry
 from giraff_cli.telemetry.describe import limit_text, moving
 from giraff_cli.watch.report import ReportView
 from giraff_cli.watch.screen import WatchView, missing
+from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels
+from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import (
     MS,
     SENSORS,
@@ -196,6 +198,20 @@ def test_a_number_of_any_size_fits() -> None:
     assert all(len(row) <= 80 for row in drawn(view(telemetry)))
 
 
+def test_the_place_on_the_map_is_told_where_anybody_tells_it() -> None:
+    assert "MAP" not in "\n".join(drawn(view(heard())))
+    assert "| map " not in view(heard()).line()
+    telemetry = heard()
+    Network(telemetry).send(topics.POSE, map_pose(0, Pose(1.5, 2.2, 0.0)), NOW)
+    shown = drawn(view(telemetry, notices=("n" * 200,)))
+    assert len(shown) <= 24
+    assert "MAP  localized x 1.50 y 2.20 m, 0.0° ± 0.05 m, 1°" in [row.rstrip() for row in shown]
+    assert not any(row.startswith("pose ") for row in shown)
+    assert "| base driving | map localized x 1.50 y 2.20 m, 0.0° ± 0.05 m, 1° | 24.3 V" in view(telemetry).line()
+    told = report(telemetry)["localization"]
+    assert (told["state"], told["map"], told["age"]) == ("localized", "hall", 0.0)
+
+
 def test_the_report_has_the_names_that_are_promised() -> None:
     told = report(heard())
     assert set(told) == {
@@ -217,6 +233,7 @@ def test_the_report_has_the_names_that_are_promised() -> None:
         "base",
         "estop",
         "battery",
+        "localization",
         "topics",
         "unreadable",
     }

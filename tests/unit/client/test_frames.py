@@ -10,12 +10,24 @@ import msgspec
 import pytest
 
 import giraff_client.frames
-from giraff_client import FrameError, FutureError, GapError, PastError, RobotError, UnconnectedError, UnknownFrameError
+from giraff_client import (
+    FrameError,
+    FutureError,
+    GapError,
+    PastError,
+    RobotError,
+    UnconnectedError,
+    UnknownFrameError,
+    UnlocalizedError,
+)
 from giraff_client.errors import LostRobotError, SilentError
 from giraff_client.frames import FrameFinder
+from giraff_core.kinematics.pose import Pose
 from giraff_schemas.codec import encode
 from giraff_schemas.frames import Transform
+from giraff_schemas.localization import LocalizationState
 from giraff_schemas.messages import Odometry, RobotTime
+from tests.support.map_poses import map_pose
 from tests.support.robots import ROBOT
 from tests.unit.cli import samples
 
@@ -193,7 +205,62 @@ def test_what_is_no_time_is_refused(scene: Scene, timeout: float) -> None:
         scene.finder.wait_for("odom", "base_link", seconds, 1.0)
 
 
+def located(scene: Scene, state: LocalizationState = "localized", ahead: float = 0.0) -> None:
+    """It is told where `odom` is in `map`."""
+    pose = map_pose(Pose(4.0, 1.0, math.pi / 2.0), Pose(0.0, 0.0, 0.0), moment(scene.now + ahead), state)
+    scene.finder.hear_pose(pose)
+
+
+def test_the_robot_is_found_in_the_map_while_it_is_localized(scene: Scene) -> None:
+    scene.sleep(0.5)
+    then = moment(scene.now - 0.2)
+    scene.finder.hear(scene.odometry())
+    scene.sleep(0.5)
+    located(scene)
+    began = scene.now
+    found = scene.finder.lookup("map", "base_link", None)
+    assert (found.x, found.y, found.yaw) == pytest.approx((4.0, 2.0, math.pi / 2.0))
+    located(scene, "lost")
+    for _ in range(2):
+        with pytest.raises(UnlocalizedError, match="it is lost; drive it"):
+            scene.finder.lookup("map", "base_link", None)
+    assert scene.now == began, "a script that drives is not kept waiting"
+    assert scene.finder.lookup("odom", "base_link", None).x == pytest.approx(1.0)
+    with pytest.raises(PastError):
+        scene.finder.lookup("odom", "base_link", then)
+
+
+def test_a_pose_that_is_silent_or_of_another_origin_places_nothing(scene: Scene) -> None:
+    scene.sleep(0.1)
+    scene.sleep(0.1)
+    located(scene)
+    assert scene.finder.lookup("map", "odom", None).x == 4.0
+    scene.finder.hear(scene.odometry(jumps=1))
+    with pytest.raises(UnlocalizedError, match="from before odometry was set"):
+        scene.finder.lookup("map", "base_link", None)
+    located(scene, ahead=0.02)
+    assert scene.finder.lookup("map", "odom", None).x == 4.0
+    scene.goes_on = False
+    scene.sleep(1.1)
+    with pytest.raises(UnlocalizedError, match=r"silent for 1\.1 s; check giraff_localization"):
+        scene.finder.lookup("map", "odom", None)
+
+
+def test_where_no_localization_was_ever_heard_its_error_says_so(scene: Scene) -> None:
+    with pytest.raises(UnknownFrameError, match="check that giraff_localization runs"):
+        scene.finder.lookup("map", "base_link", None)
+
+
+def test_it_is_waited_for_until_it_is_known(scene: Scene) -> None:
+    scene.sleep(0.1)
+    located(scene, "ambiguous")
+    scene.at_time[scene.now + 0.5] = lambda: located(scene)
+    began = scene.now
+    assert scene.finder.wait_for("map", "odom", None, 2.0).y == 1.0
+    assert scene.now - began == pytest.approx(0.5, abs=0.02)
+
+
 def test_each_of_these_errors_is_a_robot_error() -> None:
-    for kind in (UnknownFrameError, UnconnectedError, PastError, FutureError, GapError):
+    for kind in (UnknownFrameError, UnconnectedError, UnlocalizedError, PastError, FutureError, GapError):
         assert issubclass(kind, FrameError)
     assert issubclass(FrameError, RobotError)

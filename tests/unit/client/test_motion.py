@@ -95,6 +95,7 @@ CALLS: tuple[tuple[Callable[[Robot], object], Step], ...] = (
     (lambda it: it.turn(3 * math.pi), Turn(angle=3 * math.pi)),
     (lambda it: it.arc(1, -math.pi), Arc(radius=1.0, angle=-math.pi)),
     (lambda it: it.go_to(1, 2), GoTo(x=1.0, y=2.0)),
+    (lambda it: it.go_to(1, 2, frame="map"), GoTo(x=1.0, y=2.0, frame="map")),
     (lambda it: it.go([Move(distance=0.5)]), Move(distance=0.5)),
 )
 
@@ -200,6 +201,8 @@ def test_a_motion_that_is_refused_does_not_have_drive_arm_again(network: Network
 
 def test_what_is_no_step_is_refused_here(network: Network, robot: Robot) -> None:
     wrong: Any = [1]
+    with pytest.raises(ValueError, match="there are the frames 'odom' and 'map', and not 'kitchen'"):
+        robot.go_to(1.0, 2.0, frame="kitchen")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="each step must be a Move, a Turn, an Arc or a GoTo"):
         robot.go(wrong)
     robot.move(1.0, speed=True)

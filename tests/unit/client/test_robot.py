@@ -14,12 +14,14 @@ import giraff_client.frames
 import giraff_client.jump
 import giraff_client.robot
 import giraff_node.network.query_client
-from giraff_client import BlockedError, LostRobotError, NoRobotError, Robot, RobotError, SilentError
+from giraff_client import BlockedError, LostRobotError, NoRobotError, Robot, RobotError, SilentError, UnlocalizedError
+from giraff_core.kinematics.pose import Pose
 from giraff_node.network.consent import NoRobotError as UnknownRobotError
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Battery, Sample, Tick
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, ODOM_SET_POSE, RANGE, TICK, Topic, key_of
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, ODOM_SET_POSE, POSE, RANGE, TICK, Topic, key_of
+from tests.support.map_poses import LOST, map_pose
 from tests.support.robots import ROBOT
 from tests.unit.cli import samples
 
@@ -168,6 +170,27 @@ def test_without_the_guard_the_ranges_are_those_heard_in_the_patience_of_a_first
 def test_without_any_range_and_guard_it_says_so(robot: Robot) -> None:
     with pytest.raises(SilentError, match="no range was ever heard"):
         robot.ranges()
+
+
+def test_the_pose_on_the_map_is_read_with_its_state(network: Network, robot: Robot) -> None:
+    """And where it is in a frame, once that is known."""
+    with pytest.raises(SilentError, match="pose was never heard; start giraff_localization"):
+        robot.pose()
+    where = Pose(4.0, 1.0, 0.0), Pose(0.5, 0.0, 0.0)
+    tick = samples.at(round(network.now * 1e9))
+    network.say(POSE, map_pose(*where, tick, "lost"))
+    network.say(ODOM, samples.odometry(tick.robot_ns - 1, 0.0))
+    network.say(ODOM, samples.odometry(tick.robot_ns, 0.5))
+    network.pass_time(0.1)
+    assert (robot.pose().state, robot.pose().reason) == ("lost", LOST)
+    with pytest.raises(UnlocalizedError, match=LOST):
+        robot.lookup("map", "base_link")
+    network.say(POSE, map_pose(*where, tick))
+    network.pass_time(0.1)
+    assert (robot.pose().x, robot.lookup("map", "base_link").x) == (4.5, 4.5)
+    network.pass_time(1.0)
+    with pytest.raises(SilentError, match=r"pose is silent for 1\.1 s"):
+        robot.pose()
 
 
 def test_battery_and_emergency_stop_are_read(network: Network, robot: Robot) -> None:

@@ -12,6 +12,7 @@ import pytest
 
 from giraff_core.kinematics.frame_errors import FutureError, GapError, PastError, UnconnectedError, UnknownFrameError
 from giraff_core.kinematics.frames import FrameTree
+from giraff_core.kinematics.origin import Origin
 from giraff_core.kinematics.rigid import rigid
 from giraff_core.kinematics.way import LONGEST_GAP, REMEMBERED
 from giraff_schemas.frames import Transform
@@ -209,3 +210,43 @@ def test_one_that_moves_and_was_told_once_is_known_of_its_moment_only() -> None:
     assert tree.lookup("odom", "base_link").x == tree.lookup("odom", "base_link", moment(1.0)).x == 1.0
     with pytest.raises(GapError, match="known of one moment only"):
         tree.lookup("odom", "base_link", moment(1.1))
+
+
+def test_where_odom_is_in_the_map_is_a_correction_and_the_newest_word_counts_for_any_moment() -> None:
+    tree = FrameTree([transform("base_link", "lens", 0.1)])
+    for tenth in range(11):
+        tree.hear(odometry(100.0 + tenth / 10.0, tenth / 10.0))
+    tree.tell(msgspec.structs.replace(transform("map", "odom", 5.0, fixed=False), tick=moment(100.4)))
+    tree.tell(msgspec.structs.replace(transform("map", "odom", 7.0, fixed=False), tick=moment(100.9)))
+    for at, x in ((None, 8.0), (moment(100.25), 7.25)):
+        found = tree.lookup("map", "base_link", at)
+        assert found.x == pytest.approx(x)
+        assert (found.fixed, found.tick) == (False, at or moment(101.0))
+        assert tree.lookup("lens", "map", at).x == pytest.approx(-x - 0.1)
+    with pytest.raises(PastError):
+        tree.lookup("map", "base_link", moment(99.0))
+    tree.forget("odom")
+    assert tree.lookup("odom", "base_link").x == pytest.approx(1.0)
+    with pytest.raises(UnknownFrameError, match=r"no frame is called 'map', .*check that giraff_localization runs"):
+        tree.lookup("map", "base_link")
+
+
+def test_what_was_found_before_odometry_began_anew_is_not_of_its_origin() -> None:
+    origin = Origin()
+    assert not origin.holds(moment(1.0))
+    origin.hear(samples.odometry(S, 0.0))
+    assert not origin.holds(None)
+    assert [origin.holds(moment(at)) for at in (0.9, 1.0, 1.1)] == [False, False, True]
+    for again in (
+        msgspec.structs.replace(samples.odometry(2 * S, 0.0), jumps=1),
+        msgspec.structs.replace(samples.odometry(2 * S, 0.0), boot_id=2),
+        msgspec.structs.replace(samples.odometry(2 * S, 0.0), instance="another"),
+    ):
+        origin.hear(samples.odometry(S, 0.0))
+        origin.hear(again)
+        assert [origin.holds(moment(at)) for at in (1.1, 2.0, 2.1)] == [False, False, True]
+    anew = RobotTime(epoch=samples.EPOCH + 1, robot_ns=1)
+    assert not origin.holds(anew)
+    origin.hear(msgspec.structs.replace(again, tick=anew))
+    assert origin.holds(anew)
+    assert not origin.holds(moment(3.0))

@@ -7,12 +7,14 @@ from typing import Any, Final, TypeVar
 import msgspec
 
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
 from giraff_motion.policy import MotionPolicy
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.codec import stamped
+from giraff_schemas.localization import LocalizationState
 from giraff_schemas.messages import (
     BaseState,
     BoardState,
@@ -28,11 +30,14 @@ from giraff_schemas.messages import (
 from giraff_schemas.motion import MotionAnswer, MotionCancel, MotionHold, MotionRequest, MotionState
 from giraff_sim.truth import Truth
 from tests.support.floor_robot import FloorRobot
+from tests.support.map_poses import map_pose
 from tests.support.robots import ROBOT
 
 PERIOD: Final = 0.02
 """s"""
 REQUESTER: Final = "asker-1"
+POSE_PERIODS: Final = 5
+"""The same of localization: ten."""
 HOLD_PERIODS: Final = 2
 """From one word of the requester to the next: 25 in a second."""
 ARMS: Final = 10
@@ -71,6 +76,13 @@ class Bench:
         """Instance that has the lease, and its name is the same."""
         self.requester_is_there = True
         self.odometry_is_there = True
+        self.localization: LocalizationState | None = None
+        """What localization says; None: it is not there."""
+        self.localizer = "localization-1"
+        """Its process."""
+        self.odom_in_map = Pose(0.0, 0.0, 0.0)
+        self.map_tick: RobotTime | None = None
+        """In what localization says; None: the newest."""
         self.guard_is_there = True
         self.base_is_there = True
         self.lease_is_told = True
@@ -87,6 +99,7 @@ class Bench:
         """What the requester has sent."""
         self.said: list[DriveCommand] = []
         """All commands."""
+        self.odometry_pose = Pose(0.0, 0.0, 0.0)
         self._seq = 0
         self._level = 0
         self._heard = 0
@@ -175,7 +188,12 @@ class Bench:
             sample = self.odometry.on_wheels(msgspec.structs.replace(wheels, tick=self.tick))
             if sample is not None and self.odometry_is_there:
                 policy.on_odometry(self._said(sample, "odometry-1"), now)
+                self.odometry_pose = Pose(sample.x, sample.y, sample.yaw)
         self._heard = len(self.floor.heard)
+        if self.localization is not None and self._seq % POSE_PERIODS == 0:
+            robot = self.odometry_pose
+            pose = map_pose(self.odom_in_map, robot, self.map_tick or self.tick, self.localization)
+            policy.on_pose(self._said(pose, self.localizer), now)
 
     def _base(self) -> BaseState:
         return BaseState(

@@ -21,6 +21,8 @@ from giraff_schemas.topics import (
     CMD_VEL,
     ESTOP_ENGAGE,
     ESTOP_RESET,
+    LOCALIZATION_GLOBAL,
+    LOCALIZATION_SET_POSE,
     MOTION_HOLD,
     MOTION_QUERIES,
     ODOM_RESET,
@@ -78,7 +80,8 @@ def test_nobody_else_commands(host: str) -> None:
 )
 def test_whoever_is_named_may_stop_and_operators_reset_and_set(host: str, stops: bool, sets: bool) -> None:
     assert lets_in(host, "query", key_of(ROBOT, ESTOP_ENGAGE)) == stops
-    for query in (ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, PARAM_SET.at("guard")):
+    asked = (ESTOP_RESET, ODOM_RESET, ODOM_SET_POSE, LOCALIZATION_SET_POSE, LOCALIZATION_GLOBAL, PARAM_SET.at("guard"))
+    for query in asked:
         assert lets_in(host, "query", key_of(ROBOT, query)) == sets, query.key
     assert {other for other in HOSTS if lets_in(other, "query", f"giraff/{ROBOT}/**")} == {"robot", "laptop", "desk"}
 

@@ -64,6 +64,7 @@ def test_a_robot_has_none_by_default(tmp_path: Path) -> None:
             "frames are in each other: b in c in b; let",
         ),
         (table("odom"), "frames.odom: odom is odometry's frame already; give it another name"),
+        (table("map"), "frames.map: map is the floor plan's frame already; give it another name"),
         (table("base_link"), "base_link is the robot's own frame already"),
         (table("range_rear_link"), "range_rear_link is a sensor's frame already"),
         (table('"la ser"'), "'la ser' cannot be part of a key"),

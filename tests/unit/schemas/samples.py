@@ -7,6 +7,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import msgspec
 from hypothesis import strategies as st
 
+from giraff_schemas import localization as lo
 from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
 
@@ -55,7 +56,16 @@ def messages(type_: type[msgspec.Struct]) -> st.SearchStrategy[Any]:
         echo = st.fixed_dictionaries(fields | {"state": st.just("echo"), "range": _FINITE})
         none = st.fixed_dictionaries(fields | {"state": st.sampled_from(["clear", "fault"]), "range": st.none()})
         return st.one_of(echo, none).map(lambda values: m.Range(**values))
+    if type_ is lo.Particles:
+        poses = st.lists(st.tuples(_FINITE, _FINITE, _FINITE), max_size=3)
+        others = {name: value for name, value in fields.items() if name not in {"x", "y", "yaw"}}
+        return st.builds(_particles, poses, st.fixed_dictionaries(others))
     return st.builds(type_, **fields)
+
+
+def _particles(poses: list[tuple[float, float, float]], fields: dict[str, Any]) -> lo.Particles:
+    x, y, yaw = (tuple(pose[axis] for pose in poses) for axis in range(3))
+    return lo.Particles(x=x, y=y, yaw=yaw, **fields)
 
 
 def an_example(type_: type[msgspec.Struct]) -> dict[str, Any]:
@@ -76,6 +86,7 @@ _BOARD = {
     "refused": 0,
     "line_errors": 0,
 }
+_PLACE = {"x": 1.0, "y": 2.0, "yaw": 0.5}
 _DISPLACEMENT = {"path": 1.0, "x": 1.0, "y": 0.1, "yaw": 0.2}
 _TWIST = {"linear_x": 0.3, "angular_z": -0.2}
 
@@ -127,6 +138,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "boot_id": 4,
         "tick": _TIME,
         "jumps": 2,
+        "breaks": 1,
     },
     m.TruePose: _START | {"x": 1.0, "y": 2.0, "yaw": 0.5, "tick": _TIME},
     m.BaseState: _START
@@ -150,6 +162,24 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "reason": "",
         "sensors": {"rear": ""},
     },
+    lo.MapPose: _START
+    | {
+        "state": "ambiguous",
+        "x": 1.0,
+        "y": 2.0,
+        "yaw": 0.5,
+        "covariance": [0.0] * 6,
+        "odom": _PLACE,
+        "candidates": [_PLACE | {"belief": 0.6}],
+        "explained": 0.9,
+        "way": 3.0,
+        "particles": 1000,
+        "map": "hall",
+        "reason": "2 places fit",
+        "tick": _TIME,
+    },
+    lo.Particles: _START | {"x": [1.0, 2.0], "y": [0.0, 1.0], "yaw": [0.5, -0.5]},
+    lo.MapWalls: _START | {"map": "hall", "walls": [[0.0, 0.0, 5.0, 0.0]]},
     mo.MotionHold: _START | {"id": 11, "tick": _TIME},
     mo.MotionState: _START
     | {

@@ -127,7 +127,7 @@ def test_a_wrong_field_inside_another_is_named_by_its_path() -> None:
     assert "$.board.accepted" in refusal(BASE, packed(example))
 
 
-def paths_of_floats(example: dict[str, Any]) -> list[tuple[str | int, ...]]:
+def paths_of_floats(example: dict[Any, Any]) -> list[tuple[str | int, ...]]:
     """Where a map holds a float, at whatever depth."""
     found: list[tuple[str | int, ...]] = []
     for name, value in example.items():
@@ -136,7 +136,7 @@ def paths_of_floats(example: dict[str, Any]) -> list[tuple[str | int, ...]]:
         if isinstance(value, dict):
             found += [(name, *path) for path in paths_of_floats(value)]
         if isinstance(value, list):
-            found += [(name, index) for index, each in enumerate(value) if isinstance(each, float)]
+            found += [(name, *path) for path in paths_of_floats(dict(enumerate(value)))]
     return found
 
 

@@ -19,7 +19,8 @@ from giraff_viewer.cones import Cone
 from giraff_viewer.glyphs import drawable
 from giraff_viewer.memory import require_memory
 from giraff_viewer.plots import Values
-from giraff_viewer.scene import Row, Scene, stock
+from giraff_viewer.rows import Row
+from giraff_viewer.scene import Scene, stock
 from giraff_viewer.shapes import HALF_CONE, REACH, Strip, cone, ellipse, headings, outline
 from giraff_viewer.story import Story
 from giraff_viewer.trail import Trail
@@ -41,7 +42,7 @@ def colour_of(archetype: Any) -> int:
 def test_frames_are_those_of_rep_105() -> None:
     rows = dict(row for row in Scene(stock("sim")).begin() if isinstance(row[1], rr.Transform3D))
     links = [f"frames/range_{sensor}_link" for sensor in ("front_left", "front_right", "rear")]
-    assert list(rows) == ["frames/odom", *links]
+    assert list(rows) == ["frames/map", *links]
     rear = rows["frames/range_rear_link"]
     assert rear.parent_frame.as_arrow_array().to_pylist() == ["base_link"]
     assert rear.child_frame.as_arrow_array().to_pylist() == ["range_rear_link"]

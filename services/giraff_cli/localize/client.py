@@ -1,0 +1,91 @@
+"""Asks the localization that runs on the network: who is it, look here, look anywhere."""
+
+from __future__ import annotations
+
+import time
+from typing import Final, NamedTuple
+
+from giraff_cli.localize.place import Place, anywhere
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.telemetry.localization import place_text
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_node.network.query_client import QueryClient
+from giraff_schemas.localization import LocalizationAnswer
+from giraff_schemas.services import LOCALIZATION
+from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT, alive_key
+
+DONE: Final = 0
+REFUSED: Final = 1
+UNANSWERED: Final = 2
+
+_REPLY_WITHIN: Final = 1.0  # s, for liveliness tokens
+_LOOKS: Final = 4  # times: a session that has just begun is not linked with every process yet
+_BETWEEN: Final = 0.25  # s
+_HOW_TO_START: Final = "`giraff localize --map FILE` starts one in this terminal, `giraff run --localize` beside a run"
+
+
+class Result(NamedTuple):
+    """How it ended."""
+
+    code: int
+    text: str
+
+
+def is_there(connection: RobotConnection) -> bool:
+    """Whether localization of this robot runs on the network."""
+    key = alive_key(connection.robot, LOCALIZATION.name)
+    replies = connection.session.liveliness().get(key, timeout=_REPLY_WITHIN)
+    return any(reply.ok is not None for reply in replies)
+
+
+def require_there(connection: RobotConnection) -> None:
+    """Raises NoRobotError, with the way out, where none runs."""
+    for _ in range(_LOOKS):
+        if is_there(connection):
+            break
+        time.sleep(_BETWEEN)
+    else:
+        there = list_robots(connection.session)
+        if connection.robot not in there:
+            raise NoRobotError(not_found_text(connection.robot, there))
+        raise NoRobotError(f"no localization of {connection.robot} runs on the network; {_HOW_TO_START}")
+
+
+def require_none(connection: RobotConnection) -> None:
+    """Raises NoRobotError where one runs already: two would tell two places."""
+    if is_there(connection):
+        raise NoRobotError(
+            f"localization of {connection.robot} runs on the network already; without --map this command shows and "
+            "asks it; end it to start another"
+        )
+
+
+def ask(connection: RobotConnection, place: Place | None, timeout: float) -> Result:
+    """Tell it where the robot is; None: have it look anywhere. Raises NoRobotError where there is none to ask."""
+    require_there(connection)
+    if place is None:
+        return _asked(connection, LOCALIZATION_GLOBAL, anywhere(), timeout, "is looked for anywhere on the map")
+    told = f"is taken to be at about {place_text(*place)}"
+    return _asked(connection, LOCALIZATION_SET_POSE, place.request(), timeout, told)
+
+
+def _asked(
+    connection: RobotConnection,
+    query: Query[RequestT, LocalizationAnswer],
+    request: RequestT,
+    timeout: float,
+    done: str,
+) -> Result:
+    asking = QueryClient(connection.session, connection.robot, query, request)
+    answer = asking.wait(time.monotonic() + timeout)
+    if answer is None:
+        why = asking.fault or f"nobody answered {asking.key}"
+        return Result(
+            UNANSWERED,
+            f"NOT CONFIRMED after {timeout:g} s: {why}; check that giraff_localization runs; "
+            "on a secured network [network.access] says who may ask",
+        )
+    if not answer.done:
+        return Result(REFUSED, f"localization of {connection.robot} refuses: {answer.reason}")
+    return Result(DONE, f"{connection.robot} {done}")

@@ -1,0 +1,61 @@
+"""What localization says at one moment: a line for people, an object for programs."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any, Final
+
+import msgspec
+from rich.console import RenderableType
+from rich.text import Text
+
+from giraff_cli.telemetry.collector import Latest
+from giraff_cli.telemetry.localization import pose_text
+from giraff_cli.terminal.text import printable
+from giraff_schemas.localization import MapPose
+
+_FIGURES: Final = re.compile(r"\d+")
+_STYLE: Final = {"localized": "green", "ambiguous": "yellow", "lost": "red", "no_map": "red"}
+
+
+@dataclass(frozen=True)
+class PoseView:
+    """For any screen."""
+
+    robot: str
+    elapsed: float
+    """s since it began."""
+    pose: Latest[MapPose] | None
+    """None: nothing was heard as yet."""
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """What is worth a line at once when it changes: of a reason not its figures."""
+        pose = self.pose
+        if pose is None or not pose.fresh:
+            return ("heard" if pose is not None else "unheard",)
+        return "speaks", pose.sample.state, _FIGURES.sub("", pose.sample.reason), pose.sample.map
+
+    @property
+    def words(self) -> str:
+        pose = self.pose
+        if pose is None:
+            return f"{self.robot} | waiting for localization to speak"
+        if not pose.fresh:
+            return f"{self.robot} | localization is not heard for {pose.age:.0f} s; check that giraff_localization runs"
+        return printable(f"{self.robot} | {pose_text(pose.sample)}")
+
+    def render(self) -> RenderableType:
+        speaks = self.pose is not None and self.pose.fresh
+        return Text(self.words, style=_STYLE[self.pose.sample.state] if speaks and self.pose is not None else "yellow")
+
+    def line(self) -> str:
+        return f"{self.elapsed:6.1f} s | {self.words}"
+
+
+def document(robot: str, pose: MapPose) -> dict[str, Any]:
+    """A pose for programs: m and rad."""
+    x_sd, y_sd, yaw_sd = pose.standard_deviations
+    deviations = {"x": x_sd, "y": y_sd, "yaw": yaw_sd}
+    return {"robot": robot, **msgspec.to_builtins(pose), "standard_deviations": deviations}

@@ -1,0 +1,1 @@
+"""`giraff map`: floor plans."""

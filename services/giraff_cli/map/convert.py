@@ -1,0 +1,26 @@
+"""`giraff map convert`: a room as an occupancy grid."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from giraff_cli.network.command import print_error
+from giraff_cli.terminal.output import guard_stdout
+from giraff_maps.floor_plan import MapError
+from giraff_maps.grid_write import write_grid
+
+
+def convert(room: Path, out: Path, resolution: float) -> int:
+    """The exit code."""
+    try:
+        image = write_grid(room, out, resolution)
+    except MapError as error:
+        return print_error(str(error))
+    except OSError as error:
+        return print_error(f"{error.filename or out}: cannot be written: {error.strerror or error}; name another file")
+
+    def tell() -> int:
+        print(f"{out} and {image}, by cells of {resolution:g} m")
+        return 0
+
+    return guard_stdout(tell)

@@ -1,0 +1,69 @@
+"""`giraff map show`: a floor plan in the terminal, and as SVG."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from pathlib import Path
+from typing import Final
+
+from giraff_cli.map.dots import drawn
+from giraff_cli.map.picture import picture
+from giraff_cli.network.command import print_error
+from giraff_cli.terminal.output import guard_stdout
+from giraff_cli.terminal.text import counted, printable
+from giraff_maps.floor_plan import FloorPlan, MapError
+from giraff_maps.read import read_map
+from giraff_node.process.state import write_file_durably
+
+_PIPE: Final = (80, 40)  # columns and lines where there is no terminal
+_WIDEST: Final = 120  # columns
+_BESIDE: Final = 4  # lines of the terminal that the drawing leaves to words
+
+
+def show(file: Path, svg: Path | None) -> int:
+    """The exit code."""
+    try:
+        plan = read_map(file)
+    except MapError as error:
+        return print_error(str(error))
+    if svg is not None:
+        try:
+            write_file_durably(svg, picture(plan, summary(plan)).encode())
+        except OSError as error:
+            return print_error(f"--svg {svg}: cannot be written: {error.strerror or error}; name another file")
+
+    def tell() -> int:
+        columns, lines = _room_for_it()
+        for line in (summary(plan, ascii_only=not _takes_dots()), *drawn(plan, columns, lines, dots=_takes_dots())):
+            print(line)
+        return 0
+
+    return guard_stdout(tell)
+
+
+def summary(plan: FloorPlan, *, ascii_only: bool = False) -> str:
+    """Its name, its size from end to end, and how many walls it has."""
+    left, bottom, right, top = plan.bounds
+    width, height = right - left, top - bottom
+    square = "m2" if ascii_only else "m²"
+    name = printable(plan.name)
+    if ascii_only:
+        name = name.encode("ascii", "replace").decode()
+    return f"{name}: {width:.2f} x {height:.2f} m, {width * height:.1f} {square}, {counted(len(plan.walls), 'wall')}"
+
+
+def _room_for_it() -> tuple[int, int]:
+    if not sys.stdout.isatty():
+        return _PIPE
+    columns, lines = shutil.get_terminal_size(_PIPE)
+    return max(10, min(columns - 1, _WIDEST)), max(10, lines - _BESIDE)
+
+
+def _takes_dots() -> bool:
+    """Whether standard output has more characters than ASCII's."""
+    try:
+        "⣿├─┤²".encode(sys.stdout.encoding or "ascii")
+    except (UnicodeEncodeError, LookupError):
+        return False
+    return True

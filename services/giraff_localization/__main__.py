@@ -1,0 +1,3 @@
+from giraff_localization.main import main
+
+main()

@@ -1,0 +1,40 @@
+"""The table `[localization]` of the robot file."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+import msgspec
+
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.tuning import Tuning
+
+
+class LocalizationConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The map, and what is expected of an ultrasonic sensor: the defaults are of an HC-SR04."""
+
+    map: Annotated[str, Tuning.READ_ONLY] = ""
+    """Path of the floor plan on this host: a room (`.toml`) or a grid of ROS's map_server (`.yaml`); empty: none."""
+    least_particles: Annotated[int, Tuning.READ_ONLY, Bounds(100, 100_000)] = 1000
+    """While it is known where the robot is."""
+    most_particles: Annotated[int, Tuning.READ_ONLY, Bounds(100, 1_000_000)] = 40_000
+    """While it is looked for anywhere."""
+    reach: Annotated[float, Tuning.READ_ONLY, Bounds(0.5, 10.0, "m")] = 4.0
+    """m beyond which nothing is heard."""
+    half_cone: Annotated[float, Tuning.READ_ONLY, Bounds(math.radians(1.0), math.radians(45.0), "rad")] = math.radians(
+        7.5
+    )
+    """rad off the axis within which a sensor hears."""
+    incidence: Annotated[float, Tuning.READ_ONLY, Bounds(math.radians(5.0), math.radians(85.0), "rad")] = math.radians(
+        25.0
+    )
+    """rad between a wall's normal and the sound beyond which the wall gives no echo."""
+
+    def __post_init__(self) -> None:
+        check_bounds(self)
+        if self.least_particles > self.most_particles:
+            raise ValueError(
+                f"least_particles is {self.least_particles} and most_particles {self.most_particles}: "
+                "the least must not be more"
+            )

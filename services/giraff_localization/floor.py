@@ -1,0 +1,51 @@
+"""A floor plan as the filter needs it: where a robot can be, and what it would hear there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+
+from giraff_localization.beam_model import beam_model
+from giraff_localization.config import LocalizationConfig
+from giraff_localization.free_space import FreeSpace
+from giraff_localization.range_table import Cone, RangeTable
+from giraff_maps.floor_plan import FloorPlan, MapError
+
+_BODY: Final = 0.7
+"""Of the footprint's radius: a map is not exact, and a robot that touches furniture is somewhere all the same."""
+_LARGEST: Final = 2000.0
+"""m² of the rectangle about the plan: the table has 29 kB for each m²."""
+_SMALLEST: Final = 0.5
+"""m² where the robot's middle can be."""
+
+
+class Floor:
+    """Raises MapError for a plan that no robot of this size drives on. Of no use until it is built."""
+
+    def __init__(self, plan: FloorPlan, config: LocalizationConfig, footprint_radius: float) -> None:
+        self.plan = plan
+        self.is_built = False
+        bounds = plan.bounds
+        width, depth = bounds.right - bounds.left, bounds.top - bounds.bottom
+        if width * depth > _LARGEST:
+            raise MapError(
+                f"the map {plan.name!r} is {width:.0f} m by {depth:.0f} m, more than {_LARGEST:.0f} m²: is it in "
+                "metres? Give it the part where the robot drives"
+            )
+        self.space = FreeSpace(plan, _BODY * footprint_radius)
+        if self.space.area < _SMALLEST:
+            raise MapError(
+                f"the map {plan.name!r}, {width:.2f} m by {depth:.2f} m, has no room for a robot of "
+                f"{2.0 * footprint_radius:.2f} m across: is it in metres?"
+            )
+        self.table = RangeTable(plan, self.space, Cone(config.reach, config.half_cone, config.incidence))
+        self.model: npt.NDArray[np.float32] = beam_model(config.reach, self.table.bin)
+
+    def build(self) -> Iterator[float]:
+        """Compute it bit by bit; tells the share that is done after each."""
+        if not self.is_built:
+            yield from self.table.build()
+            self.is_built = True

@@ -1,0 +1,267 @@
+"""What giraff_localization decides: where the robot is, and whether that is known. No I/O and no clock.
+
+What is to be computed is done in parts (`work`), so that nothing waits for it: where the robot is now, it tells at any
+time, by the last update and by odometry since.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator
+from typing import Final
+
+from giraff_core.bounds import Bounds
+from giraff_core.kinematics.calibration import Covariance
+from giraff_core.kinematics.dead_reckoning import wrapped
+from giraff_core.kinematics.pose import Pose
+from giraff_core.robot import RobotConfig
+from giraff_localization.config import LocalizationConfig
+from giraff_localization.filter import Filter, Told
+from giraff_localization.floor import Floor
+from giraff_localization.readings import Readings
+from giraff_localization.way import RobotWay
+from giraff_maps.floor_plan import FloorPlan, MapError
+from giraff_schemas.frames import MAP_FRAME, ODOM_FRAME, Transform
+from giraff_schemas.localization import (
+    LocalizationAnswer,
+    LocalizationGlobal,
+    LocalizationSetPose,
+    LocalizationState,
+    MapPose,
+    MapWalls,
+    Particles,
+    PlanarPose,
+)
+from giraff_schemas.messages import Odometry, Range
+
+_STEP: Final = 0.1
+"""m from one update to the next: a robot that stands learns nothing."""
+_TURN: Final = math.radians(10.0)
+"""rad; the same of turns."""
+_SHOWN: Final = 300
+"""Particles."""
+_REMEMBERED: Final = 64
+"""Wishes that are met once."""
+_SETTABLE: Final = {
+    "position_sd": Bounds(0.0, 20.0, "m"),
+    "yaw_sd": Bounds(0.0, math.pi, "rad", "are these degrees?"),
+}
+_ORIGIN: Final = Pose(0.0, 0.0, 0.0)
+_NOWHERE: Final[Covariance] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+_SILENT: Final = "no odometry is heard; check that giraff_odometry and giraff_base run, and the network to them"
+_READS: Final = "the map is being read: {share:.0%}; wait"
+
+
+class LocalizationPolicy:
+    """Looks for one robot on one floor plan."""
+
+    def __init__(
+        self, config: LocalizationConfig, robot: RobotConfig, plan: FloorPlan | Floor | str, seed: int = 0
+    ) -> None:
+        """`plan`: the map, or what was made of it already, or why there is none."""
+        self._config, self._robot, self._seed = config, robot, seed
+        self._floor, self._no_map = _floor(plan, config, robot)
+        self._building = None if self._floor is None else self._floor.build()
+        self._filter: Filter | None = None
+        self._updating: Iterator[None] | None = None
+        self._way = RobotWay()
+        self._is_silent = False
+        self._granted: deque[tuple[str, int]] = deque(maxlen=_REMEMBERED)
+        self._searches = 0
+        self._updated_at = self._way_in_map = _ORIGIN
+        """The one is where in the frame of the way the newest update was, the other where that frame is in `map`."""
+        self._covariance = _NOWHERE
+        self._transform: Transform | None = None
+        self._readings = Readings({}, config.reach, 1.0)
+
+    def on_odometry(self, odometry: Odometry) -> None:
+        """Take where the robot is in `odom`."""
+        last = self._way.last
+        self._way.on_odometry(odometry)
+        if self._is_silent or last is None or last.origin != odometry.origin:
+            self._is_silent = False
+            self._tell()
+
+    def on_range(self, reading: Range) -> None:
+        """Take what a sensor has heard."""
+        if self._filter is not None:
+            self._readings.on_range(reading)
+
+    def on_set_pose(self, request: LocalizationSetPose) -> LocalizationAnswer:
+        """Take where somebody says that it is."""
+        told = Told(Pose(request.x, request.y, wrapped(request.yaw)), request.position_sd, request.yaw_sd)
+        return self._search(("set_pose", request.id), told)
+
+    def on_global(self, request: LocalizationGlobal) -> LocalizationAnswer:
+        """Look for it anywhere."""
+        return self._search(("global", request.id), None)
+
+    def on_silence(self) -> None:
+        """Odometry is not heard any more: until it is, nobody knows where the robot goes."""
+        self._is_silent, self._transform = True, None
+
+    @property
+    def no_map(self) -> str:
+        """Why there is no map, with the way out; empty: there is one, though it may still be read."""
+        return self._no_map if self._floor is None else ""
+
+    def work(self) -> bool:
+        """Do a part of what is to be computed, in some hundredths of a second; whether more may be left."""
+        if self._floor is not None and self._building is not None:
+            self._build(self._floor, self._building)
+            return True
+        if self._filter is None:
+            return False
+        if self._updating is not None:
+            if next(self._updating, self) is self:
+                self._updating = None
+                self._settle(self._filter)
+            return True
+        self._readings.place(self._way)
+        if self._way.way < _STEP and self._way.turned < _TURN and not self._way.has_missed:
+            return False
+        self._updated_at = here = self._way.pose
+        stride = self._way.take()
+        self._updating = self._filter.update(stride, self._readings.take(here, stride.effort))
+        return True
+
+    def pose(self) -> MapPose:
+        """Where it is now, by the last update and odometry since."""
+        search, name = self._filter, "" if self._floor is None else self._floor.plan.name
+        here, odom = self._here, self._odom_in_map
+        last = self._way.last
+        judgement = None if search is None else search.judgement
+        return MapPose(
+            state=self._state,
+            x=here.x,
+            y=here.y,
+            yaw=wrapped(here.yaw),
+            covariance=self._covariance,
+            odom=PlanarPose(x=odom.x, y=odom.y, yaw=wrapped(odom.yaw)),
+            candidates=() if judgement is None else tuple(judgement.candidates),
+            explained=0.0 if search is None else search.explained,
+            way=0.0 if judgement is None else judgement.way,
+            particles=0 if search is None else search.cloud.count,
+            map=name,
+            reason=self._reason,
+            tick=None if last is None else last.tick,
+        )
+
+    def particles(self) -> Particles:
+        """Some of them, as they were at the last update."""
+        if self._filter is None:
+            return Particles(x=(), y=(), yaw=())
+        x, y, yaw = self._filter.cloud.sample(_SHOWN)
+        return Particles(x=tuple(x.tolist()), y=tuple(y.tolist()), yaw=tuple(yaw.tolist()))
+
+    def walls(self) -> MapWalls:
+        """The map."""
+        if self._floor is None:
+            return MapWalls(map="", walls=())
+        return MapWalls(map=self._floor.plan.name, walls=self._floor.plan.walls)
+
+    def transform(self) -> Transform | None:
+        """Where `odom` is in `map`; None: that is not known. Safe to ask from any thread."""
+        return self._transform
+
+    @property
+    def _state(self) -> LocalizationState:
+        if self._filter is None:
+            return "no_map"
+        return "lost" if self._is_silent else self._filter.judgement.state
+
+    @property
+    def _reason(self) -> str:
+        if self._filter is None:
+            return self._no_map
+        return _SILENT if self._is_silent else self._filter.judgement.reason
+
+    @property
+    def _here(self) -> Pose:
+        """`base_link` in `map`."""
+        return self._way.pose.placed_in(self._way_in_map)
+
+    @property
+    def _odom_in_map(self) -> Pose:
+        last = self._way.last
+        if last is None:
+            return _ORIGIN
+        return _origin_in(self._here, Pose(last.x, last.y, last.yaw))
+
+    def _build(self, floor: Floor, building: Iterator[float]) -> None:
+        if (share := next(building, None)) is not None:
+            self._no_map = _READS.format(share=share)
+            return
+        self._building = None
+        self._begin_search(floor, None)
+
+    def _search(self, wish: tuple[str, int], told: Told | None) -> LocalizationAnswer:
+        if wish in self._granted:
+            return LocalizationAnswer(done=True, reason="")
+        if self._floor is None or self._filter is None:
+            return LocalizationAnswer(done=False, reason=self._no_map)
+        if told is not None and (reason := _refusal(told, self._floor)):
+            return LocalizationAnswer(done=False, reason=reason)
+        self._granted.append(wish)
+        self._begin_search(self._floor, told)
+        return LocalizationAnswer(done=True, reason="")
+
+    def _begin_search(self, floor: Floor, told: Told | None) -> None:
+        self._searches += 1
+        self._filter = Filter(floor, self._config, self._robot, self._seed + self._searches, told)
+        self._updating = None
+        self._readings = Readings(self._robot.sensors, self._config.reach, floor.table.bin)
+        self._way.take()
+        begun = self._filter.begun
+        self._way_in_map, self._covariance = _origin_in(begun.pose, self._way.pose), begun.covariance
+        self._tell()
+
+    def _settle(self, search: Filter) -> None:
+        """After an update."""
+        if (best := search.best) is not None:
+            self._way_in_map, self._covariance = _origin_in(best.pose, self._updated_at), best.covariance
+        self._tell()
+
+    def _tell(self) -> None:
+        last = self._way.last
+        if self._state != "localized" or last is None:
+            self._transform = None
+            return
+        odom = self._odom_in_map
+        self._transform = Transform(
+            parent=MAP_FRAME, child=ODOM_FRAME, x=odom.x, y=odom.y, yaw=wrapped(odom.yaw), fixed=False, tick=last.tick
+        )
+
+
+def _floor(plan: FloorPlan | Floor | str, config: LocalizationConfig, robot: RobotConfig) -> tuple[Floor | None, str]:
+    """What the filter needs of the map, and why it cannot look for the robot now."""
+    if isinstance(plan, str):
+        return None, plan
+    if isinstance(plan, Floor):
+        return plan, _READS.format(share=0.0)
+    try:
+        return Floor(plan, config, robot.footprint_radius), _READS.format(share=0.0)
+    except MapError as error:
+        return None, str(error)
+
+
+def _origin_in(frame: Pose, pose: Pose) -> Pose:
+    """The origin of the frame in which the robot is at `pose`, given in the one in which it is at `frame`."""
+    return _ORIGIN.seen_from(pose).placed_in(frame)
+
+
+def _refusal(told: Told, floor: Floor) -> str:
+    """Why the robot cannot be there; empty: it can."""
+    try:
+        for name, bounds in _SETTABLE.items():
+            bounds.require(name, getattr(told, name))
+    except ValueError as error:
+        return str(error)
+    if not floor.space.is_at(told.pose.x, told.pose.y):
+        space = floor.space
+        return (
+            f"({told.pose.x:g}, {told.pose.y:g}) is in a wall or off the map, which goes from ({space.left:.1f}, "
+            f"{space.bottom:.1f}) to ({space.right:.1f}, {space.top:.1f}) m; give a place where the robot can stand"
+        )
+    return ""

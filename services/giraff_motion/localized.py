@@ -1,0 +1,119 @@
+"""Whether a motion may go by where the robot is on the map, and how far a goal has moved since it was placed.
+
+A step in `map` is driven in `odom`, where it is placed when it begins. Localization corrects itself a little all the
+time, by a degree or two: what has become too much in total places the goal anew. What comes at once, between two of its
+words, is no correction: it has taken the robot to be elsewhere, and what it says may be right or wrong. That ends it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Final, NamedTuple, TypeGuard
+
+from giraff_core.kinematics.origin import Origin
+from giraff_core.kinematics.pose import Pose
+from giraff_schemas.localization import MapPose
+from giraff_schemas.messages import Odometry, RobotTime
+from giraff_schemas.motion import GoTo, Step
+
+_HEARD: Final = 1.0
+"""s; localization tells the pose ten times a second."""
+_COUNTS: Final = 1.0
+"""s of the robot's own time, from the odometry in a pose on."""
+_AHEAD: Final = 0.1
+"""s by which the odometry in it may be newer than the newest tick here."""
+_MOST_SHIFT: Final = 0.2
+"""m"""
+_MOST_TURN: Final = math.radians(10.0)
+
+_OTHERWISE: Final = "or give the point in odom"
+_NEVER: Final = f"no pose on the map is heard; start giraff_localization, {_OTHERWISE}"
+_SILENT: Final = f"no pose on the map is heard any more; check giraff_localization, {_OTHERWISE}"
+_TWO: Final = "two processes say where the robot is on the map; stop one of them (`giraff node list` shows both)"
+_OLD: Final = "the pose on the map is from before this start of base or odometry, or old; wait for localization"
+
+
+class Localized:
+    """The newest pose on the map. Times are s of any one monotonic clock."""
+
+    def __init__(self) -> None:
+        self._pose: MapPose | None = None
+        self._heard = -math.inf
+        self._origin = Origin()
+        self._disputed = -math.inf
+        """When two processes last spoke beside each other."""
+
+    def hear(self, pose: MapPose, now: float) -> None:
+        """Take where the robot is on the map."""
+        if self._pose is not None and pose.instance != self._pose.instance and now - self._heard <= _HEARD:
+            self._disputed = now
+        self._pose, self._heard = pose, now
+
+    def hear_odometry(self, odometry: Odometry) -> None:
+        """Take since when `odom` is where it is: what was said of it before places nothing."""
+        self._origin.hear(odometry)
+
+    @property
+    def odom(self) -> Pose:
+        """Where `odom` is in `map`; as long as there is no `fault`."""
+        if self._pose is None:
+            raise ValueError(_NEVER)
+        return Pose(self._pose.odom.x, self._pose.odom.y, self._pose.odom.yaw)
+
+    def fault(self, age: Callable[[RobotTime | None], float], now: float) -> str:
+        """Why no motion may go by it, with the way out; empty: one may.
+
+        `age`: s that a tick is old by the robot's own time; infinite: of another start of base.
+        """
+        if (pose := self._pose) is None:
+            return _NEVER
+        if now - self._heard > _HEARD:
+            return _SILENT
+        if now - self._disputed <= _HEARD:
+            return _TWO
+        if pose.state != "localized":
+            return pose.reason or f"it is not known where the robot is on the map ({pose.state}); `giraff localize`"
+        if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._origin.holds(pose.tick):
+            return _OLD
+        return ""
+
+    def placed(self, step: GoTo) -> Placed:
+        """A step in `map`. Raises ValueError where nothing was heard of it."""
+        odom = self.odom
+        goal = Pose(step.x, step.y, 0.0).seen_from(odom)
+        return Placed(odom, GoTo(x=goal.x, y=goal.y))
+
+
+class Placed(NamedTuple):
+    """A goal in `map` that is driven to in `odom`."""
+
+    odom: Pose
+    """Where that was in `map`."""
+    goal: GoTo
+    """In `odom`."""
+
+    def correction(self, odom: Pose, robot: Pose) -> Correction:
+        """Of what was known then, now that `odom` is there in `map`, and the robot in it."""
+        moved = odom.seen_from(self.odom)
+        points = (Pose(self.goal.x, self.goal.y, 0.0), robot)
+        shifts = [math.dist(point.placed_in(moved)[:2], point[:2]) for point in points]
+        return Correction(max(shifts), abs(moved.yaw))
+
+
+class Correction(NamedTuple):
+    """Of where things are in `map`."""
+
+    shift: float
+    """m, of the farther one of goal and robot."""
+    turn: float
+    """rad, without a sign."""
+
+    @property
+    def is_large(self) -> bool:
+        return self.shift > _MOST_SHIFT or self.turn > _MOST_TURN
+
+
+def is_in_map(step: Step) -> TypeGuard[GoTo]:
+    """Whether it needs to be known where the robot is on the map."""
+    return isinstance(step, GoTo) and step.frame == "map"

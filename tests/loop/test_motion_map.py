@@ -1,0 +1,142 @@
+"""A go to a point of the map through the whole robot, in simulated time: the motors' record is the judge."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final, NamedTuple
+
+import pytest
+
+from giraff_core.kinematics.pose import Pose
+from giraff_schemas.motion import GoTo, MotionGo
+from giraff_schemas.topics import POSE
+from giraff_sim.hosts.process import Process
+from tests.loop.locator import ODOM_IN_MAP, Locator
+from tests.loop.motions import Stage, stage
+from tests.loop.test_motion_ends import STOPS
+
+AHEAD: Final = Pose(2.0, 0.0, 0.0).placed_in(ODOM_IN_MAP)
+"""Of a robot that has not moved yet."""
+TOLD: Final = 0.12
+"""s until motion hears what localization says of it."""
+SILENT: Final = 1.0
+"""s after which what it has said counts for nothing."""
+
+
+class Located(NamedTuple):
+    """A robot of which it is known where it is on a map, by whoever says so."""
+
+    stage: Stage
+    locator: Locator
+
+    def ask(self, goal: Pose = AHEAD) -> bool:
+        """Whether it is accepted."""
+        self.stage.ask(MotionGo, steps=(GoTo(x=goal.x, y=goal.y, frame="map"),))
+        answer = self.stage.requester.answer
+        assert answer is not None
+        assert bool(answer.reason) is not answer.accepted
+        return answer.accepted
+
+
+@contextmanager
+def located(host: str = "robot") -> Iterator[Located]:
+    made: list[Locator] = []
+
+    def make(process: Process) -> Locator:
+        made.append(Locator(process))
+        return made[-1]
+
+    with stage() as it:
+        it.loop.launch("localization", make, it.loop.hosts[host])
+        it.run(0.5)
+        yield Located(it, made[-1])
+
+
+def say(it: Located, state: str) -> None:
+    it.locator.state = state  # type: ignore[assignment]
+
+
+def shift(it: Located, odom: Pose) -> None:
+    it.locator.odom = odom
+
+
+def repeat(it: Located) -> None:
+    """The same odometry from now on."""
+    it.locator.tick = it.locator.newest
+
+
+def pause(it: Located) -> None:
+    it.stage.loop.processes["localization"].paused = True
+
+
+FAULTS: Final[dict[str, tuple[float, Callable[[Located], object]]]] = {
+    "lost": (TOLD, lambda it: say(it, "lost")),
+    "ambiguous": (TOLD, lambda it: say(it, "ambiguous")),
+    "no map": (TOLD, lambda it: say(it, "no_map")),
+    "it turns out to be elsewhere": (TOLD, lambda it: shift(it, ODOM_IN_MAP._replace(x=4.3))),
+    "it turns out to look elsewhere": (TOLD, lambda it: shift(it, ODOM_IN_MAP._replace(yaw=1.2))),
+    "killed": (SILENT, lambda it: it.stage.loop.kill("localization")),
+    "suspended": (SILENT, pause),
+    "it repeats itself": (SILENT + TOLD, repeat),
+}
+"""s until motion can know of it, and how it comes."""
+
+
+@pytest.mark.parametrize("host", ["robot", "operator"])
+def test_it_arrives_where_that_is_on_the_map(host: str) -> None:
+    with located(host) as it:
+        assert it.ask()
+        it.stage.until_ended(15.0)
+        assert (it.stage.state.outcome, it.stage.state.reason) == ("arrived", "")
+        pose = it.stage.loop.newest[POSE.key]
+        assert (pose.x, pose.y) == pytest.approx(AHEAD[:2], abs=0.03)
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_it_stops_when_it_is_not_known_any_more_where_the_robot_is(fault: str) -> None:
+    """And it is over: when that is known again nothing moves, until somebody asks anew."""
+    known, begin = FAULTS[fault]
+    with located() as it:
+        assert it.ask()
+        it.stage.run(1.5)
+        assert it.stage.driven_ms(it.stage.now - 0.1) > 90, "it did not move before"
+        before = it.stage.now
+        begin(it)
+        it.stage.run(2.5)
+        assert it.stage.last_driven(before) <= known + STOPS
+        state = it.stage.state
+        assert (state.stage, state.outcome) == ("ended", "lost_localization"), state
+        over = it.stage.now
+        if "localization" in it.stage.loop.processes:
+            process = it.stage.loop.processes["localization"]
+            it.locator.state, it.locator.odom, it.locator.tick = "localized", ODOM_IN_MAP, None
+            process.paused = False
+            process.go_on()
+        it.stage.run(1.5)
+        assert it.stage.driven_ms(over) == 0
+
+
+@pytest.mark.parametrize("fault", [name for name in FAULTS if not name.startswith("it turns out")])
+def test_it_does_not_begin_while_that_is_not_known(fault: str) -> None:
+    _, begin = FAULTS[fault]
+    with located() as it:
+        begin(it)
+        it.stage.run(1.3)
+        asked = it.stage.now
+        assert not it.ask()
+        it.stage.run(1.5)
+        assert it.stage.driven_ms(asked) == 0
+
+
+def test_what_localization_has_said_moves_nothing_when_it_comes_again() -> None:
+    with located() as it:
+        it.stage.run(1.5)
+        it.stage.loop.kill("localization")
+        it.stage.run(1.3)
+        asked = it.stage.now
+        it.stage.replay(POSE.key)
+        it.stage.run(0.1)
+        assert not it.ask()
+        it.stage.run(1.5)
+        assert it.stage.driven_ms(asked) == 0

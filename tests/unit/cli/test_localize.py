@@ -1,0 +1,239 @@
+"""`giraff localize`: a place as it is typed, what is shown, and a localization that is asked.
+
+With real processes: tests/functional/robot/test_run_localize.py.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, cast
+
+import msgspec
+import pytest
+
+import giraff_cli.localize.client as it
+import giraff_cli.localize.serve
+import giraff_node.network.query_client
+from giraff_cli.localize.client import ask, require_none
+from giraff_cli.localize.lines import ChangedLines, JsonLines
+from giraff_cli.localize.place import Place, place
+from giraff_cli.localize.view import PoseView
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.telemetry.collector import Latest
+from giraff_core.kinematics.pose import Pose
+from giraff_core.network import NetworkConfig
+from giraff_maps.floor_plan import MapError
+from giraff_node.network.consent import NoRobotError
+from giraff_schemas.codec import encode, stamped
+from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, MapPose
+from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, alive_key, key_of
+from tests.support.one_process import Clock, Session
+from tests.unit.cli.map_poses import map_pose
+from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.typed import typed
+
+NAME = "sim-here"
+HERE = Place(1.5, -2.2, math.pi / 2)
+
+
+@pytest.mark.parametrize("text", ["1.5,-2.2,90", " 1.5 , -2.2 , 90", "1.5,-2.2,-270"])
+def test_a_place_is_metres_and_degrees(text: str) -> None:
+    got = place(text)
+    assert got[:2] == (1.5, -2.2)
+    assert math.remainder(got.yaw - math.pi / 2, math.tau) == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "has 1 number: give X,Y,YAW in m, m and degrees, like 1.5,2.2,90"),
+        ("1,2", "has 2 numbers: give"),
+        ("1,2,3,4", "has 4 numbers: give"),
+        ("1;2;3", "has 1 number: give"),
+        ("1,2,east", "is no place: give"),
+        ("1,,3", "is no place: give"),
+        ("nan,2,3", "must be finite; give"),
+        ("1,2,inf", "must be finite; give"),
+        ("1,2,400", "YAW 400° is more than a whole turn: give degrees from -360 to 360"),
+        ("1500,220000,90", "X and Y are in metres; are these millimetres?"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_with_the_way_out(
+    text: str, why: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(ValueError, match=r"give|metres") as refused:
+        place(text)
+    assert why in str(refused.value)
+    code, out, complaint = typed(monkeypatch, capsys, "localize", "--at", text)
+    assert (code, out) == (2, "")
+    [line] = complaint.splitlines()
+    assert line == f"giraff localize: --at: {refused.value}"
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (("--at", "1,2,3", "--global"), "one at a time"),
+        (("--from", "drive.mcap"), "with --map FILE"),
+        (("--from", "drive.mcap", "--map", "hall.toml", "--robot", "anne"), "a recording is of one already"),
+        (("--from", "drive.mcap", "--map", "hall.toml", "--for", "3"), "and has an end"),
+    ],
+)
+def test_what_does_not_go_together_is_told(
+    words: tuple[str, ...], why: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, out, complaint = typed(monkeypatch, capsys, "localize", *words)
+    assert (code, out) == (2, "")
+    [line] = complaint.splitlines()
+    assert why in line
+
+
+@pytest.mark.parametrize("more", [(), ("--from", "drive.mcap")])
+def test_a_map_that_cannot_be_used_is_told_before_anybody_is_asked(
+    more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def torn(path: Path) -> None:
+        raise MapError(f"{path}: torn; copy it again")
+
+    monkeypatch.setattr(giraff_cli.localize.serve, "read_map", torn)
+    monkeypatch.setattr("giraff_cli.localize.offline.read_map", torn)
+    network = meet(monkeypatch)
+    done = typed(monkeypatch, capsys, "localize", "--map", "hall.toml", *more)
+    assert done == (2, "", "giraff: hall.toml: torn; copy it again\n")
+    assert network.opened == 0
+
+
+@pytest.mark.parametrize(("library", "more"), [("numpy", ()), ("mcap", ("--from", "drive.mcap"))])
+def test_a_library_that_is_missing_is_told(
+    library: str, more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("giraff_cli.options.find_spec", lambda name: None if name == library else object())
+    code, out, complaint = typed(monkeypatch, capsys, "localize", "--map", "hall.toml", *more)
+    assert (code, out) == (2, "")
+    assert complaint.startswith(f"giraff localize: the library {library} is missing: pip install 'giraff[cli,localiz")
+
+
+def seen(pose: MapPose | None, elapsed: float = 0.0, age: float = 0.0) -> PoseView:
+    return PoseView(NAME, elapsed, None if pose is None else Latest(pose, age))
+
+
+def test_a_line_comes_when_the_state_changes_and_else_once_a_second(capsys: pytest.CaptureFixture[str]) -> None:
+    screen = ChangedLines()
+    for count in range(25):
+        screen.show(seen(map_pose(0, Pose(0.1 * count, 0.0, 0.0), "lost", "drive on"), 0.1 * count))
+    screen.show(seen(map_pose(0, Pose(2.5, 0.0, 0.0)), 2.5))
+    for count in range(26, 100):
+        screen.show(seen(map_pose(0, Pose(2.5, 0.0, 0.0)), 0.1 * count))
+    screen.show(seen(map_pose(0, Pose(2.5, 0.0, 0.0)), 12.0, age=2.0))
+    told = capsys.readouterr().out.splitlines()
+    assert [line.split(" | ")[2] for line in told] == [
+        *("lost", "lost", "lost", "localized"),
+        "localization is not heard for 2 s; check that giraff_localization runs",
+    ]
+    assert told[0].startswith("   0.0 s | sim-here | lost | perhaps x 0.00 y 0.00 m, 0.0° | ")
+
+
+def test_a_figure_in_a_reason_is_no_change_of_the_state(capsys: pytest.CaptureFixture[str]) -> None:
+    screen = ChangedLines()
+    for count in range(20):
+        screen.show(seen(map_pose(None, state="no_map", reason=f"the map is being read: {5 * count}%"), 0.05 * count))
+    assert len(capsys.readouterr().out.splitlines()) == 1
+
+
+def test_before_anything_is_heard_it_waits(capsys: pytest.CaptureFixture[str]) -> None:
+    screen = ChangedLines()
+    for _ in range(3):
+        screen.show(seen(None))
+    assert capsys.readouterr().out == "   0.0 s | sim-here | waiting for localization to speak\n"
+
+
+def test_what_the_network_says_does_not_steer_the_terminal() -> None:
+    assert "\x1b" not in seen(map_pose(0, state="lost", reason="\x1b[2J")).line()
+
+
+def test_programs_get_each_pose_once(capsys: pytest.CaptureFixture[str]) -> None:
+    screen = JsonLines()
+    screen.show(seen(None))
+    for seq in (0, 0, 1):
+        screen.show(seen(stamped(map_pose(5), seq, 0, "one")))
+    first, second = map(json.loads, capsys.readouterr().out.splitlines())
+    assert (first["seq"], second["seq"], first["robot"]) == (0, 1, NAME)
+    assert first["standard_deviations"] == {"x": 0.03, "y": 0.04, "yaw": 0.02}
+    assert (first["state"], first["map"], first["tick"]["robot_ns"]) == ("localized", "hall", 5)
+
+
+class Network:
+    """A clock, a session, and whoever asks there."""
+
+    def __init__(self) -> None:
+        self.clock = Clock()
+        self.session = Session(self.clock)
+        self.connection = RobotConnection(NAME, cast(Any, self.session), network=NetworkConfig())
+        self.asked: list[msgspec.Struct] = []
+
+    def answer(self, answer: LocalizationAnswer | None) -> None:
+        def hearer(type_: Any) -> Callable[[bytes], tuple[float, bytes] | None]:
+            def on_query(payload: bytes) -> tuple[float, bytes] | None:
+                self.asked.append(msgspec.msgpack.decode(payload, type=type_))
+                return None if answer is None else (0.02, encode(answer))
+
+            return on_query
+
+        for query in (LOCALIZATION_SET_POSE, LOCALIZATION_GLOBAL):
+            self.session.answer(key_of(NAME, query), hearer(query.request))
+
+
+@pytest.fixture
+def network(monkeypatch: pytest.MonkeyPatch) -> Network:
+    made = Network()
+    for module in (it, giraff_node.network.query_client):
+        monkeypatch.setattr(module, "time", made.clock)
+    return made
+
+
+TOKEN = alive_key(NAME, "localization", "1")
+
+
+def test_it_is_told_where_the_robot_is(network: Network) -> None:
+    network.answer(LocalizationAnswer(done=True, reason=""))
+    with network.session.declare_token(TOKEN):
+        assert ask(network.connection, HERE, 3.0) == (0, "sim-here is taken to be at about x 1.50 y -2.20 m, 90.0°")
+        assert ask(network.connection, None, 3.0) == (0, "sim-here is looked for anywhere on the map")
+    first = network.asked[0]
+    assert isinstance(first, LocalizationSetPose)
+    assert (first.x, first.y, first.yaw) == HERE
+    assert "@" in first.by
+
+
+def test_its_refusal_is_told_with_the_reason(network: Network) -> None:
+    network.answer(LocalizationAnswer(done=False, reason="that is in a wall"))
+    with network.session.declare_token(TOKEN):
+        assert ask(network.connection, HERE, 3.0) == (1, "localization of sim-here refuses: that is in a wall")
+
+
+def test_one_that_hangs_is_named(network: Network) -> None:
+    network.answer(None)
+    with network.session.declare_token(TOKEN):
+        code, text = ask(network.connection, HERE, 3.0)
+    assert code == 2
+    assert text.startswith("NOT CONFIRMED after 3 s: nobody answered giraff/sim-here/localization/set_pose; check that")
+
+
+def test_where_none_runs_the_way_to_one_is_told(network: Network) -> None:
+    with network.session.declare_token(alive_key(NAME, "base", "1")):
+        with pytest.raises(NoRobotError, match=r"^no localization of sim-here runs .* `giraff localize --map FILE`"):
+            ask(network.connection, HERE, 3.0)
+        require_none(network.connection)
+    with pytest.raises(NoRobotError, match=r"^no robot called sim-here is heard"):
+        ask(network.connection, None, 3.0)
+
+
+def test_a_second_one_is_not_started(network: Network) -> None:
+    with (
+        network.session.declare_token(TOKEN),
+        pytest.raises(NoRobotError, match="runs on the network already; without --map"),
+    ):
+        require_none(network.connection)

@@ -1,0 +1,123 @@
+"""`giraff map`: a plan in the terminal and as SVG, and a room as a grid."""
+
+from __future__ import annotations
+
+import io
+import os
+import shutil
+import sys
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import pytest
+
+import giraff_cli.map.show
+from giraff_cli.map.dots import drawn
+from giraff_maps.floor_plan import FloorPlan
+from giraff_maps.read import read_map
+from tests.unit.cli.typed import typed
+from tests.unit.maps.grids import FLAT, LIVING_ROOM, polyline, room
+
+SQUARE = FloorPlan("square", ((0, 0, 2, 0), (2, 0, 2, 2), (2, 2, 0, 2), (0, 2, 0, 0)))
+
+
+def test_a_square_has_four_sides_and_a_scale() -> None:
+    assert list(drawn(SQUARE, 10, 10, dots=False)) == [
+        "##########",
+        *["#        #"] * 3,
+        "##########",
+        "|| 0.5 m",
+    ]
+    assert list(drawn(SQUARE, 4, 10, dots=True)) == ["⡏⠉⠉⢹", "⣇⣀⣀⣸", "├┤ 0.5 m"]
+
+
+@pytest.mark.parametrize("columns", [10, 41, 80, 120])
+@pytest.mark.parametrize("world", [FLAT, LIVING_ROOM], ids=lambda path: path.stem)
+def test_a_drawing_fits(world: Path, columns: int) -> None:
+    *lines, scale = drawn(read_map(world), columns, 24, dots=True)
+    assert max(map(len, lines)) <= columns
+    assert len(lines) <= 24
+    assert scale.endswith(" m")
+
+
+def test_a_single_wall_is_a_line() -> None:
+    wall = FloorPlan("wall", ((0, 1, 3, 1),))
+    assert list(drawn(wall, 12, 10, dots=False)) == ["############", "|| 0.5 m"]
+    assert len(list(drawn(FloorPlan("wall", ((1, 0, 1, 3),)), 12, 10, dots=False))) == 11
+
+
+def test_it_is_shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    svg = tmp_path / "flat.svg"
+    code, out, complaint = typed(monkeypatch, capsys, "map", "show", str(FLAT), "--svg", str(svg))
+    heading, *lines = out.splitlines()
+    assert (code, complaint) == (0, "")
+    assert heading == "flat: 12.70 x 8.20 m, 104.1 m², 206 walls"
+    assert lines[-1].endswith("2 m")
+    assert "\x1b" not in out
+    drawing = ET.fromstring(svg.read_text())  # noqa: S314
+    texts = [each.text for each in drawing.iter("{http://www.w3.org/2000/svg}text")]
+    assert texts[0] == heading
+    assert {"m", "0", "12", "8"} <= {*texts}
+
+
+def test_a_name_steers_neither_terminal_nor_drawing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    path = room(tmp_path, polyline((0, 0), (2, 0)), name="<b>\\u001b[2J")
+    code, out, _ = typed(monkeypatch, capsys, "map", "show", str(path), "--svg", str(tmp_path / "out.svg"))
+    assert code == 0
+    assert out.startswith("<b>?[2J: 2.00 x 0.00 m, 0.0 m², 1 wall\n")
+    assert ET.fromstring((tmp_path / "out.svg").read_text()) is not None  # noqa: S314
+
+
+def test_a_terminal_without_other_characters_gets_ascii(monkeypatch: pytest.MonkeyPatch) -> None:
+    stdout = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", stdout)
+    assert giraff_cli.map.show.show(FLAT, None) == 0
+    stdout.seek(0)
+    assert "#" in stdout.read()
+
+
+def test_it_is_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    monkeypatch.setattr(shutil, "get_terminal_size", lambda _: os.terminal_size((41, 50)))
+    assert giraff_cli.map.show.show(FLAT, None) == 0
+    _, *lines = capsys.readouterr().out.splitlines()
+    assert max(map(len, lines)) == 40
+
+
+def test_a_room_is_converted(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, out, complaint = typed(monkeypatch, capsys, "map", "convert", str(FLAT), "flat.yaml", "--resolution", "0.1")
+    assert (code, out, complaint) == (0, "flat.yaml and flat.pgm, by cells of 0.1 m\n", "")
+    code, out, _ = typed(monkeypatch, capsys, "map", "show", "flat.yaml")
+    assert code == 0
+    assert out.startswith("flat: 12.80 x 8.30 m")
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        (("show", "none.toml"), "none.toml: cannot be read: No such file"),
+        (("show", str(FLAT), "--svg", "none/a.svg"), "--svg none/a.svg: cannot be written: No such file"),
+        (("convert", "none.toml", "a.yaml"), "none.toml: cannot be read: No such file"),
+        (("convert", str(FLAT), "none/a.yaml"), "cannot be written: No such file"),
+        (("convert", str(FLAT), "a.pgm"), "name it .yaml"),
+        (("convert", str(FLAT), "a.yaml", "--resolution", "nan"), "--resolution"),
+    ],
+)
+def test_what_cannot_be_is_told_in_a_line(
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    words: tuple[str, ...],
+    complaint: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, out, said = typed(monkeypatch, capsys, "map", *words)
+    assert (code, out) == (2, "")
+    [line] = said.splitlines()
+    assert complaint in line
+    assert list(tmp_path.iterdir()) == []
