@@ -18,6 +18,7 @@ from giraff_schemas.localization import Candidate, LocalizationState
 _MASS: Final = 0.95
 _SPREAD: Final = 0.35
 _FIT: Final = 0.70
+"""Share of the particles, m of their standard deviation, share of the readings that the place explains."""
 _HELD: Final = 3.0
 _HELD_TOLD: Final = 2.0
 """m on which all of it must hold; less where somebody has told where it is."""
@@ -106,8 +107,8 @@ class Judgement:
         best = found[0] if found else None
         self._long_fit += (fits.long - self._long_fit) * (1.0 - math.exp(-stride.effort / _LONG))
         self._is_deaf = fits.unheard > _UNHEARD
-        fit = fits.long >= _FIT and self._long_fit >= _BELIEVABLE and _is_heard(fits)
-        good = best is not None and best.mass >= _MASS and best.spread <= _SPREAD and fit and lead > _BEHIND
+        explains = fits.long >= _FIT and self._long_fit >= _BELIEVABLE and _is_heard(fits)
+        good = best is not None and best.mass >= _MASS and best.spread <= _SPREAD and explains and lead > _BEHIND
         self._held = self._held + stride.effort if good else 0.0
         agree = 0.0 if best is None else sum(each.mass for each in rivals if each.is_near(best.pose))
         self._agreed = (good and (self._agreed or agree > _AGREES)) or (self._was_told and self._agreed)
