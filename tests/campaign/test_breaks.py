@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from giraff_sim.dst.drill import play
 from giraff_sim.dst.scenarios import draw
 from tests.dst.breaks import BREAKS, Break
 from tests.dst.stage import SETTINGS, rules
-from tests.support.report import report
 
 SEEDS = 200
 
@@ -18,8 +19,8 @@ def first_seed(broken: Break) -> int | None:
     return next((seed for seed, outcome in enumerate(outcomes) if broken.rule in outcome), None)
 
 
-def test_each_break_is_found_within_two_hundred_seeds() -> None:
-    found = {broken.name: first_seed(broken) for broken in BREAKS}
-    report("campaign/breaks", {"seeds": SEEDS, "found": found})
-    assert [name for name, seed in found.items() if seed is None] == []
-    assert found == {broken.name: broken.seed for broken in BREAKS}, "tests/dst/breaks.py names other seeds"
+@pytest.mark.parametrize("broken", BREAKS, ids=lambda broken: broken.name)
+def test_each_break_is_found_within_two_hundred_seeds(broken: Break) -> None:
+    found = first_seed(broken)
+    assert found is not None
+    assert found == broken.seed, "tests/dst/breaks.py names another seed"

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Final
 
 import pytest
@@ -23,15 +25,19 @@ _JUDGED: Final = (
 
 
 @pytest.fixture(scope="module")
-def found() -> dict[str, Verdict]:
-    every = {name: (verdict, runs) for name, verdict, runs in verdicts(_JUDGED, SEEDS)}
-    for name, (verdict, _) in every.items():
+def found() -> Iterator[Callable[[str], Verdict]]:
+    """The verdict about a kind of drives, which are made when a test first asks for it."""
+    figures: dict[str, object] = {}
+
+    @cache
+    def judged(name: str) -> Verdict:
+        [(_, verdict, runs)] = verdicts((name,), SEEDS)
         print(line(name, verdict))
-    report(
-        "campaign/localization",
-        {name: _figures(verdict) | {"each": [_told(run) for run in runs]} for name, (verdict, runs) in every.items()},
-    )
-    return {name: verdict for name, (verdict, _) in every.items()}
+        figures[name] = _figures(verdict) | {"each": [_told(run) for run in runs]}
+        return verdict
+
+    yield judged
+    report("campaign/localization", figures)
 
 
 def _figures(verdict: Verdict) -> dict[str, object]:
@@ -48,44 +54,44 @@ def _told(run: Run) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("kind", ["track", "track_room"])
-def test_it_follows_a_robot_whose_place_is_known(found: dict[str, Verdict], kind: str) -> None:
-    verdict = found[kind]
+def test_it_follows_a_robot_whose_place_is_known(found: Callable[[str], Verdict], kind: str) -> None:
+    verdict = found(kind)
     assert verdict.median <= 0.10
     assert verdict.p95 <= 0.25
     assert verdict.localized >= 0.85
 
 
-def test_it_finds_a_robot_anywhere_in_a_flat(found: dict[str, Verdict]) -> None:
-    assert found["global"].first_longest <= FIRST_WITHIN
+def test_it_finds_a_robot_anywhere_in_a_flat(found: Callable[[str], Verdict]) -> None:
+    assert found("global").first_longest <= FIRST_WITHIN
 
 
 @pytest.mark.parametrize("kind", [kind for kind in _JUDGED if not kind.startswith("wrong")])
-def test_it_never_says_that_it_knows_and_does_not(found: dict[str, Verdict], kind: str) -> None:
-    assert found[kind].wrong_runs == ()
+def test_it_never_says_that_it_knows_and_does_not(found: Callable[[str], Verdict], kind: str) -> None:
+    assert found(kind).wrong_runs == ()
 
 
-def test_it_says_that_one_of_two_equal_rooms_may_be_the_other(found: dict[str, Verdict]) -> None:
-    verdict = found["twin"]
+def test_it_says_that_one_of_two_equal_rooms_may_be_the_other(found: Callable[[str], Verdict]) -> None:
+    verdict = found("twin")
     assert verdict.localized == 0.0
     assert verdict.ambiguous >= 0.5
     assert verdict.near_while_ambiguous >= 0.95
 
 
-def test_it_finds_a_kidnapped_robot_again(found: dict[str, Verdict]) -> None:
-    verdict = found["kidnapped"]
+def test_it_finds_a_kidnapped_robot_again(found: Callable[[str], Verdict]) -> None:
+    verdict = found("kidnapped")
     assert verdict.quiet_longest <= QUIET_WITHIN
     assert verdict.again_longest <= AGAIN_WITHIN
 
 
 @pytest.mark.parametrize("kind", ["person", "furniture", "deaf"])
-def test_it_bears_what_is_not_on_the_map(found: dict[str, Verdict], kind: str) -> None:
-    verdict = found[kind]
+def test_it_bears_what_is_not_on_the_map(found: Callable[[str], Verdict], kind: str) -> None:
+    verdict = found(kind)
     assert verdict.p95 <= 0.4
     assert verdict.localized >= 0.5
 
 
 @pytest.mark.parametrize("kind", ["wrong", "wrong_room"])
-def test_it_doubts_a_map_of_elsewhere(found: dict[str, Verdict], kind: str) -> None:
-    verdict = found[kind]
+def test_it_doubts_a_map_of_elsewhere(found: Callable[[str], Verdict], kind: str) -> None:
+    verdict = found(kind)
     assert verdict.localized == 0.0
     assert verdict.doubts_longest <= DOUBTS_WITHIN

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Iterator
+
+import pytest
 
 from giraff_sim.config import SimConfig
 from tests.loop.loops import arm, closed_loop, drawn, hold
@@ -10,6 +13,7 @@ from tests.sim.robots import empty_room
 from tests.support.report import report
 
 DRIVES = 300
+LEG = 20
 PUSHES_S = 25.0
 _STEP_US = 4000
 _FAST = 0.2  # m/s
@@ -35,13 +39,23 @@ def touch(seed: int) -> float | None:
         return speed
 
 
-def test_posts() -> None:
-    touches = [speed for seed in range(DRIVES) if (speed := touch(seed)) is not None]
+@pytest.fixture(scope="module")
+def speeds() -> Iterator[list[float | None]]:
+    """What `touch` says of all drives that were made; few may be fast."""
+    made: list[float | None] = []
+    yield made
+    touches = [speed for speed in made if speed is not None]
+    fast = sum(speed > _FAST for speed in touches)
     figures = {
-        "drives": DRIVES,
+        "drives": len(made),
         "touches": len(touches),
-        "faster_than_0.2_m_s": sum(speed > _FAST for speed in touches),
+        "faster_than_0.2_m_s": fast,
         "fastest_m_s": round(max(touches, default=0.0), 2),
     }
     report("campaign/posts", figures)
-    assert figures["faster_than_0.2_m_s"] <= DRIVES // 10
+    assert fast <= max(2, len(made) // 10)
+
+
+@pytest.mark.parametrize("first", range(0, DRIVES, LEG))
+def test_posts(first: int, speeds: list[float | None]) -> None:
+    speeds += [touch(seed) for seed in range(first, first + LEG)]
