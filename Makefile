@@ -2,6 +2,8 @@
 
 VENV := .venv/bin
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
+# Kept over clones: it goes by what the sources hold, not by where they lie.
+export MYPY_CACHE_DIR ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/giraff/mypy
 
 COMPILE := $(VENV)/uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --generate-hashes \
 	--no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" $(ARGS)
