@@ -97,6 +97,8 @@ class Bench:
         self.ways: dict[str, Any] = dict.fromkeys(("forward", "backward", "turn_left", "turn_right"), FREE)
         self.held: list[RobotTime] = []
         """What the requester has sent."""
+        self.hold_delay = 0.0
+        """s from the requester's tick to the arrival of its hold."""
         self.said: list[DriveCommand] = []
         """All commands."""
         self.odometry_pose = Pose(0.0, 0.0, 0.0)
@@ -175,8 +177,8 @@ class Bench:
         if self.lease_is_told:
             policy.on_lease(self._said(lease, "guard-1"), now)
         if self.requester_is_there and self.asked and self._seq % HOLD_PERIODS == 0:
-            self.held.append(self.tick)
-            policy.on_hold(self._said(MotionHold(id=self.asked, tick=self.tick), REQUESTER))
+            self.held.append(RobotTime(epoch=self.epoch, robot_ns=round((now - self.hold_delay) * 1e9)))
+            policy.on_hold(self._said(MotionHold(id=self.asked, tick=self.held[-1]), REQUESTER))
         if self.guard_is_there:
             state = GuardState(**self.ways, operator=self.holder, reason="", sensors={})
             policy.on_guard(self._said(state, "guard-1"), now)
