@@ -43,11 +43,14 @@ def test_a_token_begins_a_session_and_another_is_open() -> None:
     ("after", "told"), [(0.0, "0 s ago"), (59.9, "59 s ago"), (180.0, "3 min ago"), (7300, "2 h ago")]
 )
 def test_a_used_token_is_refused_by_the_name_of_its_user_and_when(after: float, told: str) -> None:
+    """Its user is refused as well: another device may have the same name and address."""
     it = sessions()
     token = it.token
     granted(it)
-    got = denied(it, token, now=after)
-    assert got.why == f"this address was used {told} by {PHONE}; open the one that giraff web prints now"
+    for device, address in ((LAPTOP, "10.0.0.8"), (PHONE, "10.0.0.7")):
+        got = it.redeem(token, device, address, after)
+        assert isinstance(got, Denied)
+        assert got.why == f"this address was used {told} by {PHONE}; open the one that giraff web prints now"
 
 
 def test_a_cookie_is_no_token_and_a_token_no_cookie() -> None:
