@@ -104,11 +104,14 @@ def test_it_turns_with_the_way(yaw: float, x: float) -> None:
     )
 
 
-def test_turns_on_the_spot_are_off_by_the_track_and_go_on_past_half_a_turn() -> None:
-    *_, tt = after(HALF_TURN * 21)
-    wheel, track = DOUBTED.covariance[0], DOUBTED.covariance[5]
+@pytest.mark.parametrize("correlation", [0.0, 0.6, -0.6])
+def test_turns_on_the_spot_are_off_by_the_track_and_go_on_past_half_a_turn(correlation: float) -> None:
+    """A track that is wider together with larger wheels turns the robot as far: their errors cancel."""
+    aa, ab, _, bb, _, cc = DOUBTED.covariance
+    both = correlation * math.sqrt(aa * cc)
+    *_, tt = after(HALF_TURN * 21, Calibration(covariance=(aa, ab, both, bb, both, cc)))
     turned = 2.0 * 0.01 * len(HALF_TURN) * 21 / DRIVE.track_width
-    assert math.sqrt(tt) == pytest.approx(turned * math.sqrt(wheel / 2.0 + track), rel=0.02)
+    assert math.sqrt(tt) == pytest.approx(turned * math.sqrt(aa / 2.0 + cc - 2.0 * both), rel=0.02)
 
 
 def test_what_was_calibrated_is_off_by_less() -> None:
