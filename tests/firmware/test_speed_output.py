@@ -1,5 +1,6 @@
 """What the base board gives its motors to hold speeds: the signs, the bounds, the starts and the stops."""
 
+import math
 import random
 
 import pytest
@@ -232,6 +233,19 @@ def test_at_its_limit_the_curve_stays_and_full_speed_comes_back_with_the_battery
     robot.go(0.5, 0.4, 4000)
     assert not robot.wheels().speed_flags & SpeedFlag.AT_LIMIT
     assert robot.speed == [pytest.approx(0.5, rel=0.03), pytest.approx(0.4, rel=0.03)]
+
+
+def test_a_wheel_that_is_let_go_does_not_swing_the_robot_back(robot: SpeedBench) -> None:
+    """The turn loop does not integrate while a wheel is held back. If it did, the robot would swing back by 2.8°."""
+    robot.strength = [0.85, 1.0]
+    robot.begin(0.5, 0.5)
+    robot.hands[1] = lambda _ms: 0.3
+    robot.go(0.5, 0.5, 500)
+    robot.hands[1] = None
+    yaws = [0.0]
+    track = SPEED_ROBOT.track_width
+    robot.go(0.5, 0.5, 600, lambda: yaws.append(yaws[-1] + (robot.speed[1] - robot.speed[0]) / track / 1000))
+    assert math.degrees(yaws[-1] - min(yaws)) <= 0.5
 
 
 def test_other_encoders_are_no_speed(robot: SpeedBench) -> None:
