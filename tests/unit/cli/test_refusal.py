@@ -129,6 +129,8 @@ FAULTS: dict[str, tuple[str | None, dict[str, str], str]] = {
     "a variable without a gap": ("", {"GIRAFFCONFIG": "x"}, "did you mean GIRAFF_CONFIG?"),
 }
 """By what is wrong: the robot file (None: there is none), the environment, and what is told."""
+SOME_FAULTS = ["a mode above its table", "a mode of the environment", "an animal", "the syntax"]
+"""For what refuses by code of its own. All other commands are refused in one place, by the same text."""
 
 
 @pytest.fixture
@@ -195,8 +197,13 @@ def test_each_of_them_opens_one_where_all_is_sound(
     assert len(opened) == 1
 
 
-@pytest.mark.parametrize("fault", ["a mode of the environment", "a mode above its table", "an animal", "the syntax"])
-@pytest.mark.parametrize("command", [each for each in with_session() if each != GOES_ON])
+@pytest.mark.parametrize(
+    ("command", "fault"),
+    [
+        *((each, "a mode above its table") for each in with_session() if each != GOES_ON),
+        *(("run", fault) for fault in SOME_FAULTS[1:]),
+    ],
+)
 def test_no_command_opens_a_session(
     command: str,
     fault: str,
@@ -237,7 +244,7 @@ def test_nor_lets_it_a_script(fault: str, tmp_path: Path, opened: list[str], mon
     assert opened == []
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("fault", SOME_FAULTS)
 def test_doctor_goes_on_and_tells_it(
     fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
