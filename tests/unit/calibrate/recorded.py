@@ -5,10 +5,12 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
-from giraff_cli.calibrate.paths import path
+from giraff_cli.calibrate.fit import Fit, fit
+from giraff_cli.calibrate.paths import Floats, path
 from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
 from giraff_core.kinematics.calibration import Scales
 from tests.rules.repository import ROOT
@@ -25,9 +27,24 @@ def recorded(session: str, numbers: Sequence[int], *, ends_only: bool = False) -
     return [_recorded(session, number, ends_only) for number in numbers]
 
 
+@cache
+def fitted(session: str, numbers: tuple[int, ...]) -> Fit:
+    """Fit these runs of a session, once per process."""
+    return fit(recorded(session, numbers), GEOMETRY)
+
+
+@cache
+def table_of(run: str) -> Floats:
+    """Read the file of one run, once per process."""
+    with (DATA / f"{run}.csv").open(newline="") as file:
+        table = np.array([[float(value) for value in row] for row in csv.reader(file)])
+    table.setflags(write=False)
+    return table
+
+
+@cache
 def _recorded(session: str, number: int, ends_only: bool) -> Run:
-    with (DATA / f"{session}_run-{number:02}.csv").open(newline="") as file:
-        rows = np.array([[float(value) for value in row] for row in csv.reader(file)])
+    rows = table_of(f"{session}_run-{number:02}")
     last = len(rows) - 1
     poses = tuple(MeasuredPose(row, *rows[row, 1:4]) for row in ([last] if ends_only else range(1, len(rows))))
     return Run(f"{session} {number}", rows[1:, 5], rows[1:, 4], poses, 0.0, 0.0)

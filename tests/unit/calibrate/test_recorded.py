@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
 import os
@@ -20,7 +19,7 @@ from giraff_core.kinematics.calibration import Scales
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
 from tests.rules.repository import ROOT
-from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight
+from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight, table_of
 from tests.unit.cli.typed import typed
 
 Typed = Callable[..., tuple[int, str, str]]
@@ -58,11 +57,6 @@ def refused(done: tuple[int, str, str], code: int = 2) -> str:
     [line] = done[2].splitlines()
     assert line.startswith("giraff calibrate odometry: ")
     return line
-
-
-def table_of(name: str = "square-a_run-04.csv") -> Floats:
-    with (DATA / name).open(newline="") as file:
-        return np.array([[float(value) for value in row] for row in csv.reader(file)])
 
 
 def save(path: Path, table: Floats) -> Path:
@@ -216,7 +210,7 @@ def test_a_file_that_is_no_run_is_told_with_its_row(
     path = tmp_path / "bad.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     before = robot_file.read_text()
-    line = refused(say(*FIT, *CHECK, option, path, "--json", "found.json"))
+    line = refused(say(*(FIT[:1] if option == "--check" else CHECK[:1]), option, path, "--json", "found.json"))
     assert f"{path}" in line
     assert expected in line
     assert robot_file.read_text() == before
@@ -264,13 +258,11 @@ SLIPS: dict[str, tuple[Callable[[Floats], Floats], str]] = {
 
 
 @pytest.mark.parametrize("name", SLIPS)
-@pytest.mark.parametrize(
-    "run", ["square-a_run-02.csv", "square-a_run-04.csv", "square-b_run-02.csv", "square-b_run-05.csv"]
-)
+@pytest.mark.parametrize("run", ["square-a_run-02", "square-a_run-04", "square-b_run-02", "square-b_run-05"])
 def test_columns_that_cannot_be_so_are_named(say: Typed, tmp_path: Path, name: str, run: str) -> None:
     change, expected = SLIPS[name]
     path = save(tmp_path / "bad.csv", change(table_of(run)))
-    line = refused(say(*OTHERS, "--fit", path))
+    line = refused(say("--metadata", METADATA, "--fit", path, *CHECK))
     assert line.startswith(f"giraff calibrate odometry: {path}: ")
     assert expected in line
 

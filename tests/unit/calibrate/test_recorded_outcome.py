@@ -12,6 +12,7 @@ import pytest
 from giraff_cli.calibrate.judgement import Checked, Judgement
 from giraff_cli.calibrate.recorded import tables
 from giraff_core.kinematics.calibration import Scales
+from tests.unit.calibrate.recorded import table_of
 from tests.unit.calibrate.test_recorded import (
     CHECK,
     FIT,
@@ -23,10 +24,10 @@ from tests.unit.calibrate.test_recorded import (
     robot_file,
     save,
     say,
-    table_of,
 )
 
 __all__ = ["robot_file", "say"]
+TABLE = table_of("square-a_run-04")
 OWN = ("--fit", "run-[0-3].csv", "--check", "run-[45].csv")
 
 
@@ -151,7 +152,7 @@ def test_less_than_a_tenth_of_a_millimetre_is_not_worse() -> None:
 
 def test_a_run_at_rest_is_told_as_one(say: Typed, tmp_path: Path) -> None:
     """Its encoders flutter by a count."""
-    table = table_of()[:24]
+    table = TABLE[:24].copy()
     table[1::2, 4], table[2::2, 4] = 1, -1
     line = refused(say(*OTHERS, "--fit", save(tmp_path / "still.csv", table)))
     assert "still.csv: no wheel turned in it; leave it out" in line
@@ -161,9 +162,9 @@ def test_a_run_of_too_many_rows_says_how_to_thin_it(
     say: Typed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tables, "MOST_ROWS", 100)
-    save(tmp_path / "enough.csv", table_of()[:100])
+    save(tmp_path / "enough.csv", TABLE[:100])
     assert len(tables.read_table(tmp_path / "enough.csv")) == 100
-    long = save(tmp_path / "long.csv", table_of()[:101])
+    long = save(tmp_path / "long.csv", TABLE[:101])
     line = refused(say("--metadata", METADATA, "--fit", long, *CHECK))
     assert "long.csv: more than 100 rows" in line
     assert "with its counts and those of the rows left out summed up" in line
