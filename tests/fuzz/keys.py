@@ -99,8 +99,13 @@ def fuzz_key_of(
     wanted: int,
     seed: int,
     growth: Growth | None = None,
+    *,
+    drives: bool = True,
 ) -> Counted:
-    """Throw `wanted` payloads at a robot that is armed, in a hand that is level; then it must drive, and is level."""
+    """Throw `wanted` payloads at a robot that is armed, in a level hand, and leave it so.
+
+    It must drive in between if `drives`, or if it is not armed any more.
+    """
     chance = random.Random(f"{seed}/{row.key}")
     keyboard = KeyboardPolicy(KeyboardConfig(), ROBOT, "keyboard-1")
     said = truths[row.key]
@@ -118,8 +123,9 @@ def fuzz_key_of(
         assert loop.newest["estop"].engaged, "a mutated reset has cleared the emergency stop"
     if row in (ESTOP_ENGAGE, ESTOP_RESET):
         release(loop)
-    drive(loop)
-    rest(loop)
+    if drives or not loop.newest["base"].armed:
+        drive(loop)
+        rest(loop)
     return counted
 
 

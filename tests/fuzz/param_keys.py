@@ -76,9 +76,18 @@ def fuzz_param_key(query: Query[Any, ParamAnswer], wanted: int, seed: int) -> Co
 
 
 def fuzz_param_key_of(
-    loop: ClosedLoop, query: Query[Any, ParamAnswer], wanted: int, seed: int, growth: Growth | None = None
+    loop: ClosedLoop,
+    query: Query[Any, ParamAnswer],
+    wanted: int,
+    seed: int,
+    growth: Growth | None = None,
+    *,
+    drives: bool = True,
 ) -> Counted:
-    """Throw `wanted` requests at a robot that is armed, in a level hand; then it must drive, and is level."""
+    """Throw `wanted` requests at a robot that is armed, in a level hand, and leave it so.
+
+    It must drive in between if `drives`, if they were asked of the guard, or if it is not armed any more.
+    """
     _, service, *_ = query.key.split("/")
     params = FuzzedParams(service, loop)
     assert loop.newest["base"].armed, loop.newest["base"].reason
@@ -98,6 +107,7 @@ def fuzz_param_key_of(
     if service == "guard":
         # The way out that it names where a self-test that was tightened to nothing has doubted a sensor at rest.
         steer(loop, 2.0, y=FULL_TILT)
-    drive(loop)
-    rest(loop)
+    if drives or service == "guard" or not loop.newest["base"].armed:
+        drive(loop)
+        rest(loop)
     return counted
