@@ -200,13 +200,13 @@ class Drill:
         """Have the emergency stop reset, should it be engaged."""
         self.loop.agenda.at(self.loop.agenda.now_us + _RELEASE_US, self.button.reset)
 
-    def run(self) -> None:
-        """To the end."""
+    def run(self, until_rule: str = "") -> None:
+        """Run to the end, or until the judge finds a violation of `until_rule`."""
         end_us = round(self.seconds * 1e6)
         loop, judge, world = self.loop, self.judge, self.loop.simulation.world
         disk = loop.hosts["robot"].disk
         felt: Vector | None = None
-        while loop.agenda.now_us < end_us:
+        while loop.agenda.now_us < end_us and all(found.rule != until_rule for found in judge.violations):
             loop.step()
             if world.acceleration is not felt and (joystick := loop.processes.get("joystick")) is not None:
                 felt = world.acceleration
@@ -264,12 +264,18 @@ class Drill:
         self.loop.agenda.at(at_us, begin)
 
 
-def play(scenario: Scenario, settings: Settings, services: Services | None = None, build: Path = BUILD) -> Outcome:
-    """Run a scenario to its end. `build`: where the boards were compiled to."""
+def play(
+    scenario: Scenario,
+    settings: Settings,
+    services: Services | None = None,
+    build: Path = BUILD,
+    until_rule: str = "",
+) -> Outcome:
+    """Run a scenario to its end, or until `until_rule` is violated. `build`: where the boards were compiled to."""
     world = World(scenario.room, settings.robot, SIM, scenario.hand, scenario.seed, _STEP_US, truth=scenario.truth)
     with simulation(world, implementation=Implementation.HOST, build=build) as running:
         run = Drill(running, settings, services or Services(), scenario)
-        run.run()
+        run.run(until_rule)
         plant = world.plant
         digest = hashlib.sha256(run.cable("base").digest())
         digest.update("\n".join(run.story.lines).encode() + repr(plant.pose).encode())
