@@ -14,13 +14,9 @@ from tests.loop.deaf_drives import Act, Drive
 from tests.loop.touches import Kind
 
 DRIVES = {
-    12: "stopped before a corner, both front deaf, backed up and on again",
     17: "towards a box, both front deaf on the way, and beyond it to a far wall",
-    40: "towards a wall, both front deaf on the way",
     43: "backward towards posts, all deaf, backed up and on again",
     132: "a cluttered room, front left deaf on the way",
-    74: "backward towards a wall, all deaf, a curve, a turn back and on",
-    0: "turned into the open, parked, all deaf, and on to a far wall",
     338: "backward towards a slanted wall, rear deaf, turned to it squarely",
     1461: "backward towards a slanted wall, rear deaf, turned to another stretch of it",
 }
