@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from random import Random
 from typing import Final
 
@@ -11,12 +12,12 @@ from giraff_sim.dst.drill import Begin, Course, Drill
 from giraff_sim.record import Verdict
 from giraff_sim.world.hand import LEVEL
 from tests.dst.courses import cut, hold_frames, replay, watch
-from tests.dst.stage import FORWARD, at, driving, stage
+from tests.dst.stage import FORWARD, SET_OFF, at, driving, stage
 
 HOUR: Final = 3600.0
 CLOCKS: Final = ((0.0, 0.0), (HOUR, 0.0), (-HOUR, 0.0), (30.0, HOUR), (HOUR, -HOUR))
 """How far the wall clocks of operator and robot are ahead, s."""
-_SAID: Final = 4.5  # s; the hand drives from 2.5 on
+_SAID: Final = 3.5  # s
 
 
 def wall_clocks(operator: float, robot: float) -> Begin:
@@ -34,16 +35,17 @@ def wall_clocks(operator: float, robot: float) -> Begin:
 def say_a_stream_again(operator: float, robot: float, late: Sequence[float]) -> None:
     """So many s after it was said; the robot is armed, the lease held, the hand level: it is all that could move it."""
     verdicts: list[Verdict] = []
+    again = partial(replay, since=SET_OFF, until=_SAID)
     befalls = [at(0.1, wall_clocks(operator, robot))]
     for each in late:
         moment = _SAID + each
         befalls += [
-            at(moment, replay(DriveCommand, since=2.5, until=_SAID)),
-            at(moment + 0.1, replay(GuardedCommand, since=2.5, until=_SAID)),
-            at(moment + 0.2, replay(DriveCommand, Lease, Tick, Range, Wheels, GuardedCommand, since=2.5, until=_SAID)),
+            at(moment, again(DriveCommand)),
+            at(moment + 0.1, again(GuardedCommand)),
+            at(moment + 0.2, again(DriveCommand, Lease, Tick, Range, Wheels, GuardedCommand)),
             at(moment, watch(verdicts), lasts=0.7),
         ]
-    nudges = [change for moment in (16.0, 28.0, 44.0, 62.0) for change in ((moment, FORWARD), (moment + 0.4, LEVEL))]
+    nudges = [change for moment in (15.0, 27.0, 43.0, 61.0) for change in ((moment, FORWARD), (moment + 0.4, LEVEL))]
     outcome = stage(*befalls, hand=driving((_SAID - 0.2, LEVEL), *nudges), seconds=_SAID + late[-1] + 1.0)
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0] * len(late)
@@ -54,7 +56,7 @@ def say_a_stream_again(operator: float, robot: float, late: Sequence[float]) -> 
 def hold_in_tcp(lasts: float) -> None:
     """Cut the network for so long, s; what was said meanwhile comes after it."""
     verdicts: list[Verdict] = []
-    outcome = stage(at(4.0, cut("holds"), lasts), at(4.45, watch(verdicts), lasts + 1.5), seconds=lasts + 6.5)
+    outcome = stage(at(3.0, cut("holds"), lasts), at(3.45, watch(verdicts), lasts + 1.5), seconds=lasts + 5.5)
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0]
     assert outcome.path > 0.2
@@ -67,10 +69,10 @@ def hold_in_the_serial_line(held: float) -> None:
     """
     verdicts: list[Verdict] = []
     outcome = stage(
-        at(3.5, hold_frames, held),
-        at(3.5 + 0.35, watch(verdicts), held + 0.5),
-        hand=driving((3.6, LEVEL), (4.0, FORWARD), (3.5 + held - 0.3, LEVEL)),
-        seconds=held + 5.0,
+        at(2.5, hold_frames, held),
+        at(2.5 + 0.35, watch(verdicts), held + 0.5),
+        hand=driving((2.6, LEVEL), (3.0, FORWARD), (2.5 + held - 0.3, LEVEL)),
+        seconds=held + 4.0,
     )
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0]

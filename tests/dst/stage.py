@@ -15,8 +15,8 @@ FORWARD: Final = (4.0, 0.0, 8.96)
 """m/s² on the joystick: 24 degrees."""
 BACKWARD: Final = (-4.0, 0.0, 8.96)
 LEFT: Final = (0.0, 4.0, 8.96)
-SET_OFF: Final = 2.5
-"""s at which `driving` tilts the joystick, after it was level."""
+SET_OFF: Final = 1.5
+"""s at which `driving` tilts the joystick. The robot is armed 1.3 s after its power-on."""
 
 
 def hall(start: float = 1.0) -> Room:
@@ -44,7 +44,7 @@ def at(moment: float, begin: Begin, lasts: float = 0.0) -> Befall:
 def stage(
     *befalls: Befall,
     hand: Hand | None = None,
-    seconds: float = 7.0,
+    seconds: float = 6.0,
     services: Services | None = None,
     room: Room | None = None,
     seed: int = 1,

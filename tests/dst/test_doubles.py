@@ -16,7 +16,7 @@ from giraff_sim.world.hand import LEVEL
 from tests.dst.courses import cut, engage, kill, replay, stop, unplug, watch
 from tests.dst.stage import FORWARD, at, driving, level, stage
 
-FAULT = 4.0  # s; the robot drives since 2.5
+FAULT = 3.0  # s; the robot drives since 1.5
 WATCHED = 3.0  # s
 
 
@@ -129,12 +129,12 @@ def test_a_second_joystick_of_the_same_name() -> None:
 def test_a_reset_that_comes_again_eight_seconds_late() -> None:
     verdicts: list[Verdict] = []
     outcome = stage(
-        at(3.5, stop, 0.3),
-        at(7.0, engage),
-        at(3.8 + 8.0, replay(EStopReset)),
-        at(7.35, watch(verdicts), 7.0),
-        hand=driving((3.6, LEVEL), (5.0, FORWARD), (8.0, LEVEL), (13.0, FORWARD)),
-        seconds=14.5,
+        at(2.5, stop, 0.3),
+        at(6.0, engage),
+        at(2.8 + 8.0, replay(EStopReset)),
+        at(6.35, watch(verdicts), 7.0),
+        hand=driving((2.6, LEVEL), (4.0, FORWARD), (7.0, LEVEL), (12.0, FORWARD)),
+        seconds=13.5,
     )
     assert outcome.violations == ()
     assert outcome.counts["armed"] == 2, "the first reset did not release the robot"
@@ -144,12 +144,12 @@ def test_a_reset_that_comes_again_eight_seconds_late() -> None:
 def test_a_reset_that_comes_again_at_once_names_an_older_latch() -> None:
     verdicts: list[Verdict] = []
     outcome = stage(
-        at(3.5, stop, 0.3),
-        at(4.2, engage),
-        at(4.4, replay(EStopReset)),
-        at(4.55, watch(verdicts), 3.0),
-        hand=driving((3.6, LEVEL), (6.0, FORWARD)),
-        seconds=8.0,
+        at(2.5, stop, 0.3),
+        at(3.2, engage),
+        at(3.4, replay(EStopReset)),
+        at(3.55, watch(verdicts), 3.0),
+        hand=driving((2.6, LEVEL), (5.0, FORWARD)),
+        seconds=7.0,
     )
     assert outcome.violations == ()
     assert [verdict.driven_ms for verdict in verdicts] == [0]
@@ -158,12 +158,12 @@ def test_a_reset_that_comes_again_at_once_names_an_older_latch() -> None:
 def test_a_reset_that_tcp_held_for_eight_seconds_clears_nothing() -> None:
     verdicts: list[Verdict] = []
     outcome = stage(
-        at(3.5, stop, 1.6),  # reset at 5.1, on its way through a link that is cut
-        at(5.0, cut("holds"), 8.0),
-        at(3.85, watch(verdicts), 12.0),
+        at(2.5, stop, 1.6),  # reset at 4.1, on its way through a link that is cut
+        at(4.0, cut("holds"), 8.0),
+        at(2.85, watch(verdicts), 12.0),
         # The lease has ended meanwhile: a wish asks for it again, and level arms, were the robot released.
-        hand=driving((3.6, LEVEL), (13.3, FORWARD), (13.6, LEVEL), (14.6, FORWARD)),
-        seconds=16.0,
+        hand=driving((2.6, LEVEL), (12.3, FORWARD), (12.6, LEVEL), (13.6, FORWARD)),
+        seconds=15.0,
     )
     assert outcome.violations == ()
     assert any("base is asked to release" in line for line in outcome.story), "the reset never came"
