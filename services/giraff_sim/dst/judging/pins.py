@@ -38,12 +38,12 @@ class Pins:
             per_speed = self._counts_per_speed
             self._rises = Rises(config.linear_acceleration * per_speed, turn * per_speed, _ROUNDING, "counts")
         self._rises_wrongly = ""
-        self._outlives_us = outlives_us
-        self._asked: deque[tuple[int, Asked]] = deque()  # with their times
+        self._asked = (_Extremes(outlives_us), _Extremes(outlives_us))  # of the left and the right wheel, m/s
 
     def asked(self, asked: Asked, now_us: int) -> None:
         """Base has asked the board for this."""
-        self._asked.append((now_us, asked))
+        for wheel, speed in zip(self._asked, (asked.left, asked.right), strict=True):
+            wheel.add(speed, now_us)
 
     def note(self, now_us: int) -> None:
         """Remember how the wheels turn, also without power."""
@@ -64,16 +64,10 @@ class Pins:
         return f"{peak} counts at a motor, where {most} is the most" if peak > most else ""
 
     def _unasked(self, left: float, right: float, now_us: int) -> str:
-        asked = self._asked
-        while asked and now_us - asked[0][0] > self._outlives_us:
-            asked.popleft()
-        for name, given, speeds in (
-            ("left", left, [each.left for _, each in asked]),
-            ("right", right, [each.right for _, each in asked]),
-        ):
-            # From 0 on: a motor that stops within a step has had less in the mean.
-            counts = (0.0, *map(self._counts_for, speeds))
-            if not min(counts) - _ROUNDING <= given <= max(counts) + _ROUNDING:
+        for name, given, asked in zip(("left", "right"), (left, right), self._asked, strict=True):
+            # From 0 on: a motor that stops within a step has had less in the mean. What a speed is worth rises with it.
+            least, most = map(self._counts_for, asked.around_zero(now_us))
+            if not least - _ROUNDING <= given <= most + _ROUNDING:
                 return f"{given:+.0f} counts at the {name} motor, for which base has not asked"
         return ""
 
@@ -87,6 +81,33 @@ class Pins:
         if robot.battery_volts_per_count:
             counts *= robot.battery_nominal / plant.volts
         return math.copysign((counts + robot.speed_control.dead_pwm) * (1.0 + over / 100.0), speed)
+
+
+class _Extremes:
+    """The least and the greatest value of the last `lasts_us`. Only values that can still become one are kept."""
+
+    def __init__(self, lasts_us: int) -> None:
+        self._lasts_us = lasts_us
+        self._falling: deque[tuple[int, float]] = deque()  # each greater than those after it
+        self._rising: deque[tuple[int, float]] = deque()
+
+    def add(self, value: float, now_us: int) -> None:
+        falling, rising = self._falling, self._rising
+        while falling and falling[-1][1] <= value:
+            falling.pop()
+        while rising and rising[-1][1] >= value:
+            rising.pop()
+        falling.append((now_us, value))
+        rising.append((now_us, value))
+
+    def around_zero(self, now_us: int) -> tuple[float, float]:
+        """Return the least and the greatest value, 0 among them."""
+        for kept in (self._falling, self._rising):
+            while kept and now_us - kept[0][0] > self._lasts_us:
+                kept.popleft()
+        if not self._falling:
+            return 0.0, 0.0
+        return min(0.0, self._rising[0][1]), max(0.0, self._falling[0][1])
 
 
 class _Given(NamedTuple):

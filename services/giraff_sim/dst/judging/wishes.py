@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict, deque
+from itertools import takewhile
 from typing import Final, NamedTuple
 
 from giraff_joystick.config import JoystickConfig
@@ -70,9 +71,12 @@ class Wishes:
 
     def is_neutral(self, instance: str, us: int) -> bool:
         """Whether the hand asked for nothing then, or just before."""
+        # The newest first: what is asked for lies a few readings back, and most of what is kept lies before that.
         if instance in self._held:
-            return any(held.neutral for held in self._held[instance] if 0 <= us - held.at_us <= _SAME_US)
-        return not any(0 <= us - at_us < _PRESS_US for at_us, _ in self._pressed[instance])
+            then = takewhile(lambda held: us - held.at_us <= _SAME_US, reversed(self._held[instance]))
+            return any(held.neutral for held in then if held.at_us <= us)
+        pressed = takewhile(lambda press: us - press[0] < _PRESS_US, reversed(self._pressed[instance]))
+        return all(at_us > us for at_us, _ in pressed)
 
     def way(self, instance: str, now_us: int) -> Way:
         """Which way the hand asks to go now."""
