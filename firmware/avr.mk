@@ -30,6 +30,7 @@ size: $(ELF)
 
 $(ELF): $(OBJECTS)
 	@$(AVR_CC) $(FLAGS) -Wl,--gc-sections -Wl,--relax $^ -o $@
+	$(NOTE_SOURCES)
 
 $(OUT)/program/start_values.o: $(START_VALUES) sources.mk avr.mk
 	$(COMPILE)

@@ -23,6 +23,7 @@ COMPILE = @mkdir -p $(@D) && $(CC) $(FLAGS) -c $< -o $@
 
 $(LIBRARY): $(OBJECTS) host/firmware.ld
 	@$(CC) $(FLAGS) -shared $(OBJECTS) -Wl,-T,host/firmware.ld $(HOST_LINK) -lm -o $@
+	$(NOTE_SOURCES)
 
 $(OUT)/program/start_values.o: $(START_VALUES) sources.mk host.mk
 	$(COMPILE)

@@ -19,4 +19,7 @@ FLAGS := -std=gnu11 -Wall -Wextra -Werror -Wstrict-prototypes -Wmissing-prototyp
 CHECK := $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter -I%,$(FLAGS)) -DPROTOCOL_HASH=$(HASH) \
 	--enable=warning,style,performance,portability --suppress=missingIncludeSystem
 
+# This folder and the sources in it that a program was built from: the simulator refuses one that is older than they are.
+NOTE_SOURCES = @{ realpath --relative-to=$(@D) . && cat $(OBJECTS:.o=.d); } >$(basename $@).sources
+
 vpath %.c common $(BOARD)

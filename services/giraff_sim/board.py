@@ -6,6 +6,7 @@ import shutil
 import tempfile
 from collections.abc import Callable
 from enum import StrEnum
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -64,6 +65,9 @@ class Board:
             raise BoardError(f"{library} is missing: run make")
         if image is not None and not image.is_file():
             raise BoardError(f"{image} is missing: run make -C firmware")
+        for built in (library, image or library):
+            if (source := _newer_source(built)) is not None:
+                raise BoardError(f"{built} was built before {source.resolve()} changed: run make setup")
         if "board_model" not in _declared_types():
             _declare()
         self.kind = kind
@@ -144,6 +148,18 @@ class Board:
             self._library.board_close(self.model)
             self.model = _ffi.NULL
             _ffi.dlclose(self._library)
+
+
+@cache
+def _newer_source(built: Path) -> Path | None:
+    """Return a source that has changed since `built` was, by the record that its Makefile left beside it, if any."""
+    record = built.with_suffix(".sources")
+    if not record.is_file():
+        return None  # a container has the library alone
+    folder, _, rules = record.read_text().partition("\n")
+    sources = {record.parent / folder / word for word in rules.split() if word.endswith((".c", ".h", ".S"))}
+    built_ns = built.stat().st_mtime_ns
+    return next((each for each in sorted(sources) if each.is_file() and each.stat().st_mtime_ns > built_ns), None)
 
 
 def _declared_types() -> list[str]:

@@ -1,5 +1,6 @@
 """Boards as objects: what can go wrong on opening them, what survives a reset, what is private to each."""
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -27,6 +28,20 @@ def test_what_is_missing_is_named_with_the_way_out(tmp_path: Path) -> None:
         open_board(BoardKind.RANGER, Implementation.HOST, tmp_path)
     with pytest.raises(BoardError, match=r"base\.elf is missing: run make -C firmware"):
         Board(BoardKind.BASE, LOCKSTEP, tmp_path / "base.elf")
+
+
+def test_what_was_built_from_other_sources_is_refused(tmp_path: Path) -> None:
+    for made in (BUILD / "host" / "base.so", BUILD / "firmware" / "base.elf", LOCKSTEP):
+        record = made.with_suffix(".sources").read_text()
+        assert "protocol.h" in record
+        copy = tmp_path / made.name
+        shutil.copy2(made, copy)
+        source = tmp_path / f"{made.stem}.c"
+        source.touch()
+        copy.with_suffix(".sources").write_text(f".\n{made.stem}.o: {source.name} \\\n common.h\n")
+        is_image = made.suffix == ".elf"
+        with pytest.raises(BoardError, match=f"{copy} was built before .*/{source.name} changed: run make setup"):
+            Board(BoardKind.BASE, LOCKSTEP if is_image else copy, copy if is_image else None)
 
 
 def test_what_is_no_firmware_is_refused(tmp_path: Path) -> None:
