@@ -87,6 +87,16 @@ class Device:
 
         return wait(looked, within, what=lambda: f"{what}: {self.told()}", every=0.0)
 
+    def frames(self, count: int) -> None:
+        """Let the page draw so many pictures, however long a busy machine takes for them."""
+        self.page.evaluate(
+            """(left) => new Promise((done) => {
+              const next = () => (left-- > 0 ? requestAnimationFrame(next) : done());
+              next();
+            })""",
+            count,
+        )
+
     def told(self) -> str:
         """All text of the page, for a message."""
         return " | ".join(self.page.locator("body").inner_text().split("\n"))

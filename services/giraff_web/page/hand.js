@@ -57,7 +57,7 @@ export class Hand {
     this.input = "pad";
     /** Number of the hold in force; 0: none. */
     this.hold = 0;
-    /** Why the last hold ended; empty: none has, or one is in force. */
+    /** Why the last hold ended, or a late touch began none; empty: neither, or a hold is in force. */
     this.ended = "";
     this.angle = 0;
     this._holds = 0;
@@ -173,7 +173,7 @@ export class Hand {
     const alone = this._lying.size === 0;
     this._lying.set(touch.id, touch.kind);
     if (this.input === "keys" || !alone || touch.button !== 0) return false;
-    if (!isFresh(touch.when, now) || !this._begin(now)) return false;
+    if (!this._counts(touch.when, now) || !this._begin(now)) return false;
     const { id, x, y, side } = touch;
     this._pointer = { id, x0: x, y0: y, x, y, side };
     return true;
@@ -206,7 +206,7 @@ export class Hand {
       if (isFresh(when, now)) this._eventAt = now;
       return true;
     }
-    if (repeat || this._spent.has(code) || !isFresh(when, now)) {
+    if (repeat || this._spent.has(code) || !this._counts(when, now)) {
       this._spent.add(code);
       return true;
     }
@@ -300,6 +300,13 @@ export class Hand {
     if (!this.hold) return;
     if (!this.isLinked(now)) this._silence("lost");
     else if (now - this._eventAt > IDLE) this._end("idle");
+  }
+
+  /** A touch or a key of this time may hold. Where it comes too late, the page says why it does nothing. */
+  _counts(when, now) {
+    if (isFresh(when, now)) return true;
+    if (!this.hold) this.ended = "stalled";
+    return false;
   }
 
   _begin(now) {

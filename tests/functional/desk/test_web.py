@@ -20,7 +20,7 @@ from tests.support.browser import Browser, Phone, browser
 from tests.support.observer import Observer
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import SMALL_ROOM, Command, command_in, line_of
-from tests.support.web_page import TILT, choose, is_armed, is_held, open_page, take, tap
+from tests.support.web_page import TILT, choose, is_armed, is_held, open_page, take, take_hold, tap
 
 pytestmark = pytest.mark.timeout(240)
 
@@ -74,8 +74,7 @@ def drive_by_tilt(phone: Phone, observer: Observer, metres: float) -> None:
 
     def comes() -> bool:
         phone.tilt()
-        phone.hold(0.5)
-        phone.touch(TILT)
+        take_hold(phone, TILT)
         phone.wait(lambda: is_armed(phone) or not is_held(phone), "an armed robot")
         phone.tilt(forward=FORWARD)
         phone.wait(lambda: has_come() or not (is_held(phone) and is_armed(phone)), f"{metres:g} m")

@@ -18,7 +18,7 @@ from tests.loop.reaction import quantile
 from tests.support.browser import Phone, browser
 from tests.support.process_robot import ARENA, ProcessRobot, process_robot
 from tests.support.report import report
-from tests.support.web_page import TILT, choose, served, take, tap
+from tests.support.web_page import TILT, choose, served, take, take_hold, tap
 from tests.timing.stalled import by_the_wall
 
 TRIALS: Final = 30
@@ -102,9 +102,7 @@ def test_a_tilt_is_soon_a_command(robot: ProcessRobot, phone: Phone) -> None:
     begin_ns = time.monotonic_ns()
     for number in range(TRIALS):
         phone.tilt()
-        phone.hold(0.4)
-        phone.touch(TILT)
-        phone.hold(0.4)
+        take_hold(phone, TILT)
         heard.commands.clear()
         diary(phone, "readings")
         phone.tilt(forward=STEEP if number % 2 else -STEEP)

@@ -144,6 +144,19 @@ test("an event that was queued for too long is none", () => {
   assert.equal(p.hand.onMotion(0, 0, 9.8, p.now + old, p.now), false, "nor is one of the future");
 });
 
+test("a touch or a key that comes too late begins nothing, and the page says why", () => {
+  const late = { when: page().now - EVENT_FRESH - EASE };
+  for (const [input, begin] of [["pad", (p) => p.down(late)], ["keys", (p) => p.press("KeyW", late)]]) {
+    const p = page({ input });
+    begin(p);
+    assert.deepEqual([p.hand.hold, p.hand.ended], [0, "stalled"]);
+  }
+  const p = page({ input: "keys" });
+  p.press("KeyW");
+  p.press("KeyA", late);
+  assert.deepEqual([p.hand.hold, p.hand.ended], [1, ""], "a hold in force goes on");
+});
+
 test("queued events do not keep a hold alive", () => {
   const p = page();
   p.down();
