@@ -15,6 +15,7 @@ import msgspec
 from giraff_cli.network.ports import free_port
 from tests.support.elsewhere import GIRAFF, clean
 from tests.support.waiting import wait
+from tests.support.zygote import run_giraff
 
 WordsT = TypeVar("WordsT")
 EndedT = TypeVar("EndedT")
@@ -45,17 +46,9 @@ class Desk:
         network = {"GIRAFF_NETWORK_LOCAL": "true", "GIRAFF_NETWORK_RENDEZVOUS": self.rendezvous}
         return clean(dict(os.environ)) | network | named
 
-    def run(self, *words: str, timeout: float = 60.0, **popen: Any) -> Done:
-        """The command, once it has ended."""
-        streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-        return subprocess.run(
-            [str(GIRAFF), *words],
-            cwd=self.directory,
-            env=self.environment,
-            check=False,
-            timeout=timeout,
-            **streams | popen,
-        )
+    def run(self, *words: str, timeout: float = 60.0) -> Done:
+        """The command, once it has ended; forked, see `zygote`."""
+        return run_giraff(words, self.directory, self.environment, timeout)
 
     def until(self, holds: Callable[[Done], object], *words: str) -> Done:
         """The command, called until what it says holds: on a busy machine not everybody is met at the first call."""

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.support.process_robot import PATIENCE, ProcessRobot
+from tests.support.zygote import run_giraff
 
 GIRAFF = Path(sys.executable).with_name("giraff")
 
@@ -31,16 +32,7 @@ def giraff(robot: ProcessRobot, *words: str, name: str | None = "sim-test") -> s
     nowhere.mkdir(exist_ok=True)
     options = ["--connect", robot.environment["GIRAFF_NETWORK_RENDEZVOUS"]]
     options += [] if name is None else ["--robot", name]
-    command = [str(GIRAFF), *words, *options]
-    return subprocess.run(
-        command,
-        cwd=nowhere,
-        env=clean(dict(os.environ)) | ALONE,
-        check=False,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-    )
+    return run_giraff((*words, *options), nowhere, clean(dict(os.environ)) | ALONE, PATIENCE)
 
 
 @contextmanager

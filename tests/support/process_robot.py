@@ -7,8 +7,6 @@ import math
 import os
 import signal
 import socket
-import subprocess
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -31,6 +29,7 @@ from giraff_sim.truth import Level
 from tests.support.cable import Cable
 from tests.support.observer import Observer
 from tests.support.waiting import wait
+from tests.support.zygote import run_giraff
 
 SERVICES = ("base", "guard", "joystick", "ranger", "odometry")
 FULL_TILT = 7.5
@@ -166,10 +165,7 @@ class ProcessRobot:
 
     def giraff(self, *words: str) -> int:
         """Run the command line on the robot's host; its exit code."""
-        command = [sys.executable, "-m", "giraff_cli", *words]
-        done = subprocess.run(
-            command, check=False, capture_output=True, text=True, env=self.environment, timeout=PATIENCE
-        )
+        done = run_giraff(words, Path.cwd(), self.environment, PATIENCE)
         with (self.directory / "giraff.log").open("a") as log:
             log.write(f"giraff {' '.join(words)}: {done.returncode}\n{done.stdout}{done.stderr}")
         return done.returncode

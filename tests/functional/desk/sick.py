@@ -11,6 +11,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import msgspec
 
@@ -19,6 +20,7 @@ from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, HelloReque
 from giraff_sim.board import ROOT
 from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import ProcessRobot
+from tests.support.zygote import run_giraff
 from tests.unit.node.ports import FakePort
 
 Told = tuple[int, list[dict[str, str]]]
@@ -27,10 +29,13 @@ Told = tuple[int, list[dict[str, str]]]
 
 def doctor(environment: Mapping[str, str], *words: str, before: tuple[str, ...] = (), cwd: Path | None = None) -> Told:
     """What it says to programs. `before`: a command that runs it elsewhere."""
-    command = [*before, str(GIRAFF), "doctor", "--json", *words]
-    done = subprocess.run(
-        command, check=False, capture_output=True, text=True, env=dict(environment), cwd=cwd, timeout=60.0
-    )
+    asked = ("doctor", "--json", *words)
+    if before:
+        streams: dict[str, Any] = {"capture_output": True, "text": True}
+        command = [*before, str(GIRAFF), *asked]
+        done = subprocess.run(command, check=False, env=environment, cwd=cwd, timeout=60.0, **streams)
+    else:
+        done = run_giraff(asked, cwd or Path.cwd(), environment, 60.0)
     assert done.stderr == "", done.stderr
     return done.returncode, msgspec.json.decode(done.stdout)["findings"]
 

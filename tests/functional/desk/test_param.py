@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
 import time
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -15,8 +14,8 @@ from giraff_node.network.query_client import QueryClient
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSet
 from giraff_schemas.topics import GUARD, PARAM_DESCRIBE, PARAM_SET, Query, RequestT, alive_key
 from tests.support.desk import run_beside
-from tests.support.elsewhere import GIRAFF
 from tests.support.process_robot import SERVICES, ProcessRobot, process_robot
+from tests.support.zygote import run_giraff
 
 
 @pytest.fixture(scope="module")
@@ -29,15 +28,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
 
 def param(robot: ProcessRobot, *words: str, code: int = 0) -> tuple[str, str]:
     """What `giraff param` says, and complains of."""
-    done = subprocess.run(
-        [str(GIRAFF), "param", *words],
-        check=False,
-        capture_output=True,
-        text=True,
-        env=robot.environment,
-        cwd=robot.directory,
-        timeout=60.0,
-    )
+    done = run_giraff(("param", *words), robot.directory, robot.environment, 60.0)
     assert done.returncode == code, (done.stdout, done.stderr)
     return done.stdout, done.stderr
 
