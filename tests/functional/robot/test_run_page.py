@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import closing
 from http.client import HTTPSConnection
 from pathlib import Path
+from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
@@ -54,6 +55,18 @@ def host_of(address: str) -> str:
     return address.partition("/#")[0]
 
 
+def require_a_page_beside(command: Command, target: list[str]) -> None:
+    """`giraff web` serves a robot that is there."""
+    words = [str(GIRAFF), "web", *target, "--port", "0"]
+    streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(words, env=command.environment, cwd=command.directory, **streams) as web:
+        page = host_of(told(web))
+        assert "<title>" in got(page, "/", got(page, "/ca.crt"))
+        web.send_signal(signal.SIGINT)
+        _, err = web.communicate(timeout=PATIENCE)
+    assert web.returncode == 0, err
+
+
 def test_the_page_of_a_run_comes_and_goes_with_it_and_is_named_where_it_dies(
     command: Command,
 ) -> None:
@@ -70,33 +83,14 @@ def test_the_page_of_a_run_comes_and_goes_with_it_and_is_named_where_it_dies(
     assert (process.returncode, err) == (0, "")
     assert command.leaves_nothing()
     with command.start(*RUN) as process:
+        target = shlex.split(line_of(process, "giraff drive"))[2:]
         again = host_of(told(process))
         assert "<title>" in got(again, "/", trusted), "a phone that has come to trust it does so again"
         os.kill(command.pid("giraff_web"), signal.SIGKILL)
         for _ in range(3):
             line_of(process, " | ")
+        require_a_page_beside(command, target)
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 1
     assert "giraff run: web ended by itself (SIGKILL)" in err, "and the run has gone on"
-
-
-def test_giraff_web_serves_a_robot_that_is_there(command: Command) -> None:
-    with command.start("--hand", "none", "--boards", "host") as process:
-        line = line_of(process, "giraff drive")
-        target = shlex.split(line)[shlex.split(line).index("drive") + 1 :]
-        line_of(process, "base not armed")
-        words = [str(GIRAFF), "web", *target, "--port", "0"]
-        with subprocess.Popen(
-            words,
-            env=command.environment,
-            cwd=command.directory,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        ) as web:
-            page = host_of(told(web))
-            assert "<title>" in got(page, "/", got(page, "/ca.crt"))
-            web.send_signal(signal.SIGINT)
-            _, err = web.communicate(timeout=PATIENCE)
-        assert web.returncode == 0, err

@@ -46,6 +46,29 @@ def test_a_robot_that_is_not_there_is_named_with_those_that_are(desk: Desk) -> N
     assert "--robot sim-test" in done.stderr
 
 
+AFRESH: tuple[Words, ...] = (
+    ("estop", "status"),
+    ("frames",),
+    ("graph", "--for", "0.3"),
+    ("node", "list"),
+    ("param", "get", "guard.margin"),
+    ("topic", "list", "--for", "0.3"),
+    ("why",),
+)
+"""Verbs that no other test starts by their entry point: they are forked, see tests/support/zygote.py."""
+
+
+def test_each_verb_that_is_forked_elsewhere_starts_afresh(desk: Desk) -> None:
+    def run(words: Words) -> Done:
+        with desk.running(*words) as process:
+            out, err = process.communicate(timeout=60.0)
+        return Done(words, process.returncode, out, err)
+
+    for words, done in run_beside(run, AFRESH).items():
+        assert (done.returncode, done.stderr) == (0, ""), words
+        assert done.stdout, words
+
+
 def test_a_closed_pipe_ends_it_quietly(desk: Desk) -> None:
     assert desk.run("keys", "init").returncode == 0  # for `keys list`
 

@@ -3,18 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
-
-import pytest
 
 from tests.support.elsewhere import giraff
-from tests.support.process_robot import FULL_TILT, ProcessRobot, process_robot
-
-
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
-    with process_robot(tmp_path_factory.mktemp("robot"), boards="host") as made:
-        yield made
+from tests.support.process_robot import FULL_TILT, ProcessRobot
 
 
 def test_it_stops_stays_stopped_and_is_reset_for_a_level_hand_only(robot: ProcessRobot) -> None:
@@ -46,7 +37,7 @@ def test_it_survives_a_restart_and_is_engaged_without_a_name(robot: ProcessRobot
     robot.kill("base")
     robot.start("base")
     told = giraff(robot, "estop", "status", "--timeout", "60", name=None)
-    assert told.returncode == 1, told
+    assert told.returncode == 1, (told.stdout, told.stderr)
     assert "stopped by hand" in told.stdout
     told = giraff(robot, "estop", "reset", "--timeout", "60", name=None)
     assert told.returncode == 2, "what is no simulation of this host is released only by its name"

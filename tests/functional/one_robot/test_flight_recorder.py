@@ -8,20 +8,19 @@ import pytest
 
 from giraff_mcap.reading import Recording
 from giraff_schemas.messages import EStop
-from tests.support.process_robot import SAID, ProcessRobot, process_robot
+from tests.support.process_robot import SAID, ProcessRobot
 
 STOPPED = "emergency stop by "
 
 
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
-    with process_robot(tmp_path_factory.mktemp("robot"), boards="host") as running:
-        running.environment |= {
-            "GIRAFF_RECORDER_BEFORE": "4",
-            "GIRAFF_RECORDER_AFTER": "1",
-            "GIRAFF_RECORDER_FILES": "9",
-        }
-        yield running
+@pytest.fixture(scope="module", autouse=True)
+def _recorder(robot: ProcessRobot) -> Iterator[None]:
+    """The recorder ends with these tests."""
+    settings = {"BEFORE": "4", "AFTER": "1", "FILES": "9"}
+    robot.environment |= {f"GIRAFF_RECORDER_{name}": value for name, value in settings.items()}
+    robot.start("recorder")
+    yield
+    robot.stop("recorder")
 
 
 def kept(robot: ProcessRobot, incident: str) -> list[Recording]:
@@ -32,7 +31,6 @@ def kept(robot: ProcessRobot, incident: str) -> list[Recording]:
 
 
 def test_a_stop_and_a_death_are_kept_with_what_came_before(robot: ProcessRobot) -> None:
-    robot.start("recorder")
     robot.drive_forward()
     robot.run(5.0)
     assert kept(robot, STOPPED) == []

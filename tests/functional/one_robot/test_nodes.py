@@ -14,7 +14,7 @@ import pytest
 
 from giraff_schemas.messages import Battery
 from giraff_schemas.topics import BATTERY
-from tests.functional.desk.answers import Holds, Scene, answers, document, in_json
+from tests.functional.one_robot.answers import Holds, Scene, answers, document, in_json
 from tests.support.desk import Desk, Done
 from tests.support.elsewhere import GIRAFF, line_that
 from tests.support.process_robot import SERVICES, ProcessRobot

@@ -5,7 +5,7 @@ from __future__ import annotations
 import resource
 import signal
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import msgspec
@@ -17,17 +17,16 @@ from giraff_node.network.discovery import list_robots
 from giraff_schemas.topics import key_below
 from tests.support.desk import Done, run_beside
 from tests.support.elsewhere import giraff
-from tests.support.process_robot import FULL_TILT, SAID, ProcessRobot, process_robot
+from tests.support.process_robot import FULL_TILT, SAID, ProcessRobot
 from tests.support.recorders import giraff_process, killed_recording, records
 
 REPLAY = "replay-sim-test"
 
 
-@pytest.fixture(scope="module")
-def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
-    with process_robot(tmp_path_factory.mktemp("robot"), boards="host") as running:
-        running.drive(FULL_TILT / 3.0, FULL_TILT, 0.5)  # in circles from now on
-        yield running
+@pytest.fixture(scope="module", autouse=True)
+def _circles(robot: ProcessRobot) -> None:
+    """Drive in circles from now on."""
+    robot.drive(FULL_TILT / 3.0, FULL_TILT, 0.5)
 
 
 @pytest.fixture(scope="module")
