@@ -23,23 +23,19 @@ from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
 from giraff_mcap.writing import RecordingWriter
 from giraff_schemas.codec import encode, encoding_of, stamped
-from giraff_schemas.localization import Candidate, MapWalls, Particles
 from giraff_schemas.messages import Odometry, Sample, TruePose
-from giraff_schemas.topics import MAP, ODOM, PARTICLES, POSE, TRUE_POSE, Topic, key_of
-from giraff_viewer.colours import CANDIDATES, CONES, ELLIPSE, PATH, PLACES, ROBOT, TRUTH, WALLS
-from giraff_viewer.colours import PARTICLES as PARTICLES_SEEN
+from giraff_schemas.topics import ODOM, TRUE_POSE, Topic, key_of
+from giraff_viewer.colours import CONES, ELLIPSE, PATH, ROBOT, TRUTH
 from giraff_viewer.scene import stock
 from tests.functional.desk.seen import Floor
 from tests.functional.desk.views import await_viewer, view, viewing
 from tests.support.elsewhere import GIRAFF
-from tests.support.map_poses import map_pose
 from tests.support.process_robot import ProcessRobot
 from tests.unit.replay.drive import begin_of_the_drive
 
 pytestmark = [pytest.mark.usefixtures("able_to_draw"), pytest.mark.timeout(240)]
 
 
-MS = 1_000_000
 TO_THE_WALL_NS = 11_000_000_000
 """Of the recorded drive: the robot backs, drives ahead until a wall stops it, and has not heard its rear for long."""
 
@@ -113,38 +109,6 @@ def test_a_recording_is_seen_with_robot_path_and_cones(robot: ProcessRobot, reco
     assert float(np.ptp(path, axis=0).max()) > 2.0 * size
     assert np.abs((path - middle) @ ahead).min() < 0.2 * size, "the path leads to the robot"
     assert ((path - middle) @ ahead < 0.3 * size).all(), "the robot came from behind"
-
-
-def test_a_recording_with_a_map_is_seen_on_it(robot: ProcessRobot, recording: Path, tmp_path: Path) -> None:
-    """The robot hangs below `odom`, which localization has put there."""
-    drive = list(Recording(recording).samples())
-    *_, odometry = (each.decode() for each in drive if each.key == "odom")
-    assert isinstance(odometry, Odometry)
-    here, odom = Pose(odometry.x, odometry.y, odometry.yaw), Pose(2.0, 1.0, math.pi / 2.0)
-    place = here.placed_in(odom)
-    left = (Candidate(x=1.0, y=1.0, yaw=0.0, belief=0.4),)
-    heard: list[tuple[Topic[Any], Sample]] = [
-        (MAP, MapWalls(map="flat", walls=((0.0, 0.0, 4.0, 0.0), (4.0, 0.0, 4.0, 5.0), (0.0, 5.0, 0.0, 0.0)))),
-        (POSE, map_pose(odom, here, odometry.tick, "ambiguous", left)),
-        (PARTICLES, Particles(x=(3.0, 3.1), y=(1.0, 1.1), yaw=(0.0, 0.0))),
-    ]
-    said = [RawSample(each.heard_ns, each.topic, each.payload(), each.encoding) for each in drive]
-    at_ns = said[-1].at_ns
-    said += [raw(topic, stamped(sample, 0, at_ns, "localization"), at_ns + MS) for topic, sample in heard]
-    path, picture = tmp_path / "map.mcap", tmp_path / "map.png"
-    with RecordingWriter(path, {"robot": "sim-test"}) as writer:
-        writer.add(said)
-        writer.close("test")
-    done = view(robot, str(path), "--picture", str(picture))
-    assert (done.returncode, done.stderr) == (0, "")
-    floor = Floor(picture)
-    walls, body = floor.points(WALLS), floor.points(ROBOT)
-    metre = float(np.ptp(walls, axis=0)[0]) / 4.0
-    middle = ((body.min(axis=0) + body.max(axis=0)) / 2.0 - walls.min(axis=0)) / metre
-    assert middle == pytest.approx([place.x, place.y], abs=0.1)
-    assert (floor.points(CANDIDATES).mean(axis=0) - walls.min(axis=0)) / metre == pytest.approx([1.0, 1.0], abs=0.2)
-    assert floor.count(PLACES["ambiguous"]) > 20
-    assert floor.count(PARTICLES_SEEN) > 0
 
 
 def newest_yaw(recording: Path) -> float:

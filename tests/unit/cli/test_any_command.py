@@ -87,7 +87,7 @@ UNKNOWN: Mapping[str, tuple[Words, str]] = {
 """Commands that take a key or a name of something the robot has, with one that it has not, and what they say."""
 UNKNOWN_ELSEWHERE: Mapping[str, str] = {"param list": ELSEWHERE, "param get": ELSEWHERE, "param describe": ELSEWHERE}
 ROBOTLESS: Mapping[str, str] = {
-    "topic pub": "functional/one_robot/test_topics.py: it speaks for a robot that must not be there, and has to be named",
+    "topic pub": "functional/one_robot/test_topics.py: it speaks for a robot that is not there, and has to be named",
     "play": "functional/one_robot/test_recordings.py: likewise",
     "replay": "unit/replay: it asks a file",
     "run": "functional/robot/test_run.py: it brings its robot along",

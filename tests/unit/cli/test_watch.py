@@ -1,4 +1,4 @@
-"""`giraff watch` of a robot that is nothing but what it says. Of a real one: tests/functional/one_robot/test_watch.py."""
+"""`giraff watch` of a robot that only says things. Of a real one: tests/functional/one_robot/test_watch.py."""
 
 from __future__ import annotations
 
