@@ -58,7 +58,8 @@ def test_it_drives_around_the_room_and_sums_up_when_told_to_end(command: Command
 
 
 def test_who_starts_it_drives_in_the_same_terminal(command: Command) -> None:
-    words = [str(GIRAFF), "run", "--local", "--hand", "keyboard", "--summary", str(command.directory / "summary.json")]
+    summary = str(command.directory / "summary.json")
+    words = [str(GIRAFF), "run", "--local", "--boards", "host", "--hand", "keyboard", "--summary", summary]
     errors = command.directory / "errors"
     with screen(words, errors, command.environment | {"TERM": "xterm"}) as shown:
         shown.wait_for("nobody's: press an arrow key", PATIENCE)
@@ -106,7 +107,7 @@ def test_a_service_that_dies_is_named_and_the_others_go_on_until_their_world_end
 
 
 def test_a_run_of_the_same_name_is_refused_and_the_first_ends_when_its_reader_goes(command: Command) -> None:
-    with command.start(local=False) as process:
+    with command.start("--boards", "host", local=False) as process:
         line_of(process, " | ")
         code, out, err = command.run(local=False)
         assert (code, out) == (2, "")

@@ -31,12 +31,12 @@ def command(tmp_path: Path) -> Iterator[Command]:
 
 
 def test_being_killed_it_takes_everything_along(command: Command) -> None:
-    with command.start() as process:
+    with command.start("--boards", "host") as process:
         line_of(process, " | ")
         process.kill()
     wait(lambda: not command.pids(), PATIENCE, what="the end of all children")
     assert list(command.left.iterdir()), "nobody could remove it"
-    code, _, err = command.run("--for", "0.1")
+    code, _, err = command.run("--boards", "host", "--for", "0.1")
     assert (code, err) == (0, "")
     assert command.leaves_nothing(), "not even what the killed one left"
 
@@ -99,7 +99,7 @@ class Window:
 
 def test_in_a_terminal_there_is_a_live_view_and_ctrl_c_gives_the_terminal_back(command: Command) -> None:
     picture = command.directory / "picture.svg"
-    window = Window(command, "--picture", str(picture))
+    window = Window(command, "--boards", "host", "--picture", str(picture))
     try:
         wait(lambda: window.shows(r"odom +\d+\.\d"), PATIENCE, what="the rate of odom")
         os.write(window.ours, b"\x03")
