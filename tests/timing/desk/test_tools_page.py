@@ -10,7 +10,6 @@ from __future__ import annotations
 import os
 import re
 import shlex
-import subprocess
 from contextlib import suppress
 from pathlib import Path
 from shutil import copy
@@ -59,8 +58,8 @@ def outputs(robot: ProcessRobot, desk: Desk) -> list[tuple[str, str]]:
         own = Desk(folder, desk.rendezvous, "sim-test")
 
         def say(command: str) -> str:
-            done = own.run(*shlex.split(command)[1:], stderr=subprocess.STDOUT)
-            return re.sub(r" +$", "", host.sub("pc", done.stdout), flags=re.MULTILINE)
+            done = own.run(*shlex.split(command)[1:])
+            return re.sub(r" +$", "", host.sub("pc", done.stdout + done.stderr), flags=re.MULTILINE)
 
         return [(command, say(command)) for command, _ in chapter]
 
