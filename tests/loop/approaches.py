@@ -27,12 +27,13 @@ SMOOTH_MARGIN: Final = 0.20  # m
 def come_to_rest(loop: ClosedLoop) -> None:
     """Run until the robot has stood still for a second."""
     until = loop.simulation.now_us + 40_000_000
-    still_ms = 0
-    while still_ms < 1000:
+    still_us = 0
+    while still_us < 1_000_000:
         assert loop.simulation.now_us < until, f"the robot does not stop: {loop.newest['guard']}"
         loop.step()
         wheels = loop.newest["wheels"]
-        still_ms = still_ms + 1 if (wheels.left_velocity, wheels.right_velocity) == (0.0, 0.0) else 0
+        is_still = (wheels.left_velocity, wheels.right_velocity) == (0.0, 0.0)
+        still_us = still_us + loop.simulation.world.step_us if is_still else 0
 
 
 def slanted(distance: float, incidence: float) -> Room:
@@ -90,7 +91,7 @@ def curve_before_a_smooth_wall(monkeypatch: pytest.MonkeyPatch, distance: float,
     curvature = 2.0 * 0.15 / (1.85 * SETTINGS.robot.track_width)
     incidence = LARGEST_INCIDENCE - curvature * max(0.0, distance - loses_at)
     room = slanted(side * distance, side * incidence)
-    with closed_loop(room, truth=WEAK, step_us=4000) as loop:
+    with closed_loop(room, truth=WEAK) as loop:
         plant = loop.simulation.world.plant
         arm(loop)
         hold(loop, x=side * FULL_TILT)

@@ -25,14 +25,13 @@ from giraff_web.config import WebConfig
 from giraff_web.messages import FromPage, Hello, Input, LetGo, Reading, Refused, Reset, State, ToPage, Wish
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 from giraff_web.service import Web
-from tests.loop.loops import GRAVITY, SETTINGS
+from tests.loop.loops import COARSE_STEP_US, GRAVITY, SETTINGS
 from tests.sim.robots import EXACT, proving_room
 from tests.support.robots import ROBOT
 
 FRAME: Final = 1.0 / 60.0
 """s between two animation frames, and between two readings of a phone."""
-_STEP_US: Final = 4000
-_PROVES: Final = 2.0
+_PROVES: Final = 1.0
 """s after which each sensor was heard, and base and guard have told of themselves."""
 _ROUND_TRIP: Final = 0.02
 """s that a state takes to a page, and a wish back, together."""
@@ -275,7 +274,7 @@ class Room:
 @contextmanager
 def room(seed: int = 1) -> Iterator[Room]:
     """`seed`: also of the link between the two machines, which takes up to 20 ms."""
-    world = World(proving_room(), SETTINGS.robot, EXACT, StillHand(), seed, _STEP_US, truth=Truth())
+    world = World(proving_room(), SETTINGS.robot, EXACT, StillHand(), seed, COARSE_STEP_US, truth=Truth())
     agenda = EventQueue()
     network = FaultyNetwork(agenda, Random(seed))
     with simulation(world, implementation=Implementation.HOST) as running:

@@ -20,7 +20,7 @@ from giraff_sim.world.hand import LEVEL
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import SonarFault
 from tests.loop.deaf_drives import Act, Drive, drawn_drive
-from tests.loop.loops import arm, closed_loop, drawn
+from tests.loop.loops import COARSE_STEP_US, arm, closed_loop, drawn
 from tests.loop.reaction import WILD_SHARE, tilted
 from tests.loop.rooms import Wrist
 from tests.loop.touches import Kind, Touch, Touches
@@ -29,12 +29,12 @@ from tests.support.robots import ROBOT
 BOUNDS: Final = {Kind.HEARD: 0.16, Kind.WOULD: 0.20}
 """m/s at a touch."""
 FASTER: Final = (0.16, 0.20, 0.30)
-_STEP_US: Final = 4000
+_BEGINS: Final = 2.0  # s
 _TURN_S: Final = 0.04  # between two wishes of the hand
 _LONGEST: Final = 90.0  # s
 _TOUCHES: Final = 3  # after which a drive has shown what it can
 _STUCK: Final = 0.05  # m; less in some s is not getting on
-_RESTED: Final = 25.0  # s, and arm's: a hand that rested longer has to ask, and to be level, before it drives again
+_RESTED: Final = 25.0  # s, and until it begins: who rested longer has to ask, and be level, before it drives again
 _PATIENCE: Final = 12.0  # s for any other act than parking and pushing
 
 Wish = tuple[float, float]
@@ -194,9 +194,10 @@ def run(seed: int, *, deaf: bool = True) -> Outcome:
 def run_drive(drive: Drive, room: Room, *, deaf: bool = True) -> Outcome:
     """Drive it there."""
     seed = drive.seed
-    with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed), step_us=_STEP_US) as loop:
+    with closed_loop(room, sim=SimConfig(), seed=seed, truth=drawn(seed)) as loop:
         loop.kill("odometry")  # it changes no motion, and costs time
         arm(loop)
+        loop.run(_BEGINS - loop.simulation.now_us * 1e-6)
         world, hand, operator = loop.simulation.world, _Hand(), Operator(loop, drive)
         world.hand = hand
         if drive.is_wild:
@@ -210,7 +211,7 @@ def run_drive(drive: Drive, room: Room, *, deaf: bool = True) -> Outcome:
                 if deaf:
                     membranes.cover()
             hand.meant = tilted(*wish).acceleration(0.0, world.plant.pose)
-            for _ in range(round(_TURN_S * 1e6 / _STEP_US)):
+            for _ in range(round(_TURN_S * 1e6 / COARSE_STEP_US)):
                 loop.step()
                 touches.note()
                 if deaf:

@@ -50,7 +50,7 @@ from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Room
 from giraff_sim.world.world import World
-from tests.loop.loops import SETTINGS
+from tests.loop.loops import COARSE_STEP_US, SETTINGS
 from tests.loop.people import REPEAT, Desk, Stopper
 from tests.sim.robots import EXACT, proving_room
 from tests.support.robots import ROBOT
@@ -63,8 +63,7 @@ _QUERIES: Final[dict[type[MotionRequest], Query[Any, MotionAnswer]]] = {
     MotionArc: MOTION_ARC,
     MotionGo: MOTION_GO,
 }
-_STEP_US: Final = 4000
-_PROVES: Final = 2.0
+_PROVES: Final = 1.0
 """s after which each sensor was heard, and base and guard have told of themselves."""
 _LOOKS: Final = 0.02
 """s"""
@@ -230,7 +229,9 @@ def stage(
     truth: Truth | None = None,
 ) -> Iterator[Stage]:
     """`seed`: also of the link between the two machines, which takes up to 20 ms."""
-    world = World(room or proving_room(), settings.robot, EXACT, StillHand(), seed, _STEP_US, truth=truth or Truth())
+    world = World(
+        room or proving_room(), settings.robot, EXACT, StillHand(), seed, COARSE_STEP_US, truth=truth or Truth()
+    )
     agenda = EventQueue()
     network = FaultyNetwork(agenda, Random(seed))
     with simulation(world, implementation=Implementation.HOST) as running:

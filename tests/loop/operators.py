@@ -32,7 +32,6 @@ ServiceT = TypeVar("ServiceT", bound=Service)
 LOOK: Final = 0.2
 """s between two looks of `giraff run`."""
 SETTINGS: Final = Settings(robot=ROBOT, joystick=JoystickConfig(port="joystick", operator=DEMONSTRATION))
-_STEP_US: Final = 4000
 _WAYPOINTS: Final = [(2.5, 0.0), (0.0, 2.5), (-2.5, 0.0), (0.0, -2.5)]
 
 
@@ -146,7 +145,7 @@ class Scene:
 @contextmanager
 def scene(every: float = LOOK) -> Iterator[Scene]:
     """`every`: s between two looks of the run."""
-    with closed_loop(proving_room(), SETTINGS, step_us=_STEP_US) as loop:
+    with closed_loop(proving_room(), SETTINGS) as loop:
         made = Scene(loop, every)
         made.until_it_drives(6.0)
         made.run(1.0)

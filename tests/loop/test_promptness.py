@@ -12,6 +12,7 @@ from giraff_schemas.topics import CMD_VEL, OPERATOR_CMD_VEL, TICK, WHEELS
 from giraff_schemas.wire import BoardKind, Frame, RangeFrame, ResetCause, SpeedFrame, TiltFrame
 from giraff_sim.hosts.process import Observer, Process
 from giraff_sim.settings import Services
+from giraff_sim.world.world import STEP_US
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.loop.operators import scene
 from tests.sim.robots import proving_room
@@ -52,7 +53,7 @@ class Watch(Observer):
 @pytest.mark.parametrize("phase_ms", range(0, 20, 3))
 def test_a_level_hand_is_at_the_motors_board_as_soon_as_its_frame_has_come(phase_ms: int) -> None:
     watch = Watch()
-    with closed_loop(proving_room(), observer=watch) as loop:
+    with closed_loop(proving_room(), step_us=STEP_US, observer=watch) as loop:
         arm(loop)
         hold(loop, x=FULL_TILT)
         loop.run(1.0 + phase_ms * 1e-3)
@@ -67,7 +68,7 @@ def test_a_level_hand_is_at_the_motors_board_as_soon_as_its_frame_has_come(phase
 def test_a_wall_stops_the_robot_as_soon_as_its_echo_has_come(phase_ms: int) -> None:
     """Wherever between two commands of the hand it comes."""
     watch = Watch()
-    with closed_loop(proving_room(), observer=watch) as loop:
+    with closed_loop(proving_room(), step_us=STEP_US, observer=watch) as loop:
         loop.run(0.1 + phase_ms * 1e-3)
         loop.simulation.reset(BoardKind.JOYSTICK, ResetCause.EXTERNAL)
         arm(loop)
@@ -84,7 +85,7 @@ def test_a_wall_stops_the_robot_as_soon_as_its_echo_has_come(phase_ms: int) -> N
 def test_nobody_speaks_twice_as_often_for_it() -> None:
     """A second of driving where nothing is near: each early turn puts off the one by pace."""
     watch = Watch()
-    with closed_loop(proving_room(), observer=watch) as loop:
+    with closed_loop(proving_room(), step_us=STEP_US, observer=watch) as loop:
         arm(loop)
         hold(loop, x=FULL_TILT / 2.0)
         loop.run(1.0)
@@ -97,8 +98,8 @@ def test_nobody_speaks_twice_as_often_for_it() -> None:
 
 
 def test_a_flood_of_who_drives_makes_few_turns_and_no_delay() -> None:
-    watch = Watch()
-    with closed_loop(proving_room(), services=Services(joystick=FloodingJoystick), observer=watch) as loop:
+    watch, flood = Watch(), Services(joystick=FloodingJoystick)
+    with closed_loop(proving_room(), services=flood, step_us=STEP_US, observer=watch) as loop:
         arm(loop)
         hold(loop, x=FULL_TILT / 2.0)
         loop.run(1.0)
@@ -116,7 +117,7 @@ def test_a_flood_of_who_drives_makes_few_turns_and_no_delay() -> None:
 
 def test_without_a_hand_the_robot_side_keeps_its_pace() -> None:
     watch = Watch()
-    with closed_loop(proving_room(), observer=watch) as loop:
+    with closed_loop(proving_room(), step_us=STEP_US, observer=watch) as loop:
         arm(loop)
         loop.kill("joystick")
         watch.forget()
