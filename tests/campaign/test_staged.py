@@ -6,6 +6,8 @@ import pytest
 
 from giraff_sim.dst.many import run_many
 from tests.dst.replays import CLOCKS, hold_in_tcp, hold_in_the_serial_line, say_a_stream_again
+from tests.loop.test_kills import BOUNDS, zero_after_kill
+from tests.loop.test_mishaps import hold_still
 
 LATE = (1.0, 2.0, 5.0, 8.0, 15.0, 30.0, 60.0)
 """s."""
@@ -25,6 +27,17 @@ def test_what_tcp_held_during_a_cut_moves_nothing(lasts: float) -> None:
 @pytest.mark.parametrize("held", [1.5, 2.0, 8.0, 29.0, 60.0])
 def test_queued_serial_frames_move_nothing(held: float) -> None:
     hold_in_the_serial_line(held)
+
+
+@pytest.mark.parametrize("delay_ms", range(0, 180, 30))
+@pytest.mark.parametrize("service", BOUNDS)
+def test_pwm_is_zero_within_the_bound_whenever_a_service_ends(service: str, delay_ms: int) -> None:
+    """The ranger's cycle takes 180 ms."""
+    assert zero_after_kill(service, delay_ms) <= BOUNDS[service]
+
+
+def test_a_hand_that_holds_still_for_a_minute_drives_for_a_minute() -> None:
+    hold_still(60.0)
 
 
 def test_another_process_makes_no_difference() -> None:

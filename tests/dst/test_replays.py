@@ -10,7 +10,7 @@ IN_STEP, *APART = CLOCKS
 
 
 def test_a_recorded_stream_moves_nothing_however_late_it_comes() -> None:
-    say_a_stream_again(*IN_STEP, late=(1.0, 2.0, 5.0, 8.0, 15.0, 30.0))
+    say_a_stream_again(*IN_STEP, late=(1.0, 2.0, 5.0, 8.0, 15.0))
 
 
 @pytest.mark.parametrize(("operator", "robot"), APART, ids=str)

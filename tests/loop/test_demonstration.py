@@ -39,7 +39,7 @@ def test_a_key_takes_the_robot_and_the_demonstration_drives_on_30_s_after_the_la
         assert [grip for _, grip in it.run_in_part.grips] == [DRIVES, FLAT, ASKS, FLAT, DRIVES]
 
 
-@pytest.mark.parametrize("late", [0.0, 0.05, 0.1, 0.15])
+@pytest.mark.parametrize("late", [0.0, 0.1])
 def test_a_keyboard_that_ends_at_once_does_not_give_the_robot_back(late: float) -> None:
     """Its lease ends after a second of silence: the hand is flat by then, whenever the run looks."""
     with scene() as it:

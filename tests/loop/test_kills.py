@@ -1,4 +1,7 @@
-"""A service that ends while the robot drives, in simulated time: the bare bounds, and what a restart may do."""
+"""A service that ends while the robot drives, in simulated time: the bare bounds, and what a restart may do.
+
+What a restart of base and guard may do is in tests/dst/test_doubles.py.
+"""
 
 from __future__ import annotations
 
@@ -10,29 +13,32 @@ from tests.sim.robots import proving_room
 BOUNDS = {"base": 0.35, "guard": 0.35, "joystick": 0.45, "ranger": 0.45}
 """s from the end of the service to PWM zero."""
 
-DELAYS_MS = range(0, 180, 30)
-"""When in the robot's cycles the service ends: the ranger's takes 180 ms."""
+LATEST_MS = 120
+"""Moment in the cycle of the ranger, which takes 180 ms, at which its end stops the robot latest."""
+DRIVES = 2.0
+"""s for which the robot has driven when the service ends."""
+
+
+def zero_after_kill(service: str, delay_ms: int) -> float:
+    """Return the s from the end of the service, `delay_ms` later than after 2 s of driving, to PWM zero."""
+    with closed_loop(proving_room()) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(DRIVES + delay_ms * 1e-3)
+        loop.kill(service)
+        killed_us = loop.simulation.now_us
+        loop.run(2.0)
+        last = loop.simulation.record.verdict(killed_us, loop.simulation.now_us).last_driven_us
+        assert last is not None, "the robot did not drive when the service ended"
+        return (last - killed_us) * 1e-6
 
 
 @pytest.mark.parametrize("service", BOUNDS)
 def test_pwm_is_zero_within_the_bound(service: str) -> None:
-    worst = 0.0
-    for delay_ms in DELAYS_MS:
-        with closed_loop(proving_room()) as loop:
-            arm(loop)
-            hold(loop, x=FULL_TILT)
-            loop.run(2.0 + delay_ms * 1e-3)
-            loop.kill(service)
-            killed_us = loop.simulation.now_us
-            loop.run(2.0)
-            last = loop.simulation.record.verdict(killed_us, loop.simulation.now_us).last_driven_us
-            assert last is not None, "the robot did not drive when the service ended"
-            worst = max(worst, (last - killed_us) * 1e-6)
-    print(f"{service}: PWM zero after at most {worst:.3f} s")
-    assert worst <= BOUNDS[service]
+    assert zero_after_kill(service, LATEST_MS) <= BOUNDS[service]
 
 
-@pytest.mark.parametrize("service", BOUNDS)
+@pytest.mark.parametrize("service", ["joystick", "ranger"])
 def test_a_restarted_service_moves_nothing_before_a_neutral_hand(service: str) -> None:
     with closed_loop(proving_room()) as loop:
         arm(loop)

@@ -11,11 +11,11 @@ INTRUSIONS = (3, 8, 9, 11)
 
 
 def test_wild_readings_cost_brief_dips_and_nothing_else() -> None:
-    figures = drive(DIPS)
-    print(f"a minute: {figures.brief} brief dips")
+    figures = drive(DIPS, seconds=20.0)
+    print(f"20 s: {figures.brief} brief dips")
     assert figures.confirmed == 0
-    assert 0 < figures.brief <= 8
-    assert figures.path > 10.0
+    assert 0 < figures.brief <= 3
+    assert figures.path > 4.0
 
 
 def test_without_wild_readings_nothing_stops_a_free_robot() -> None:

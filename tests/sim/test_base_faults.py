@@ -15,7 +15,8 @@ from tests.sim.robots import empty_room, world_in
 
 MS = 1000
 ONLY_BASE = (BoardKind.BASE,)
-ALL_WIRINGS = [Wiring(bits) for bits in range(int(~Wiring(0)) + 1)]
+WIRINGS = [wiring for one in Wiring for wiring in (one, ~one)]
+"""Any two wires in each of their four ways."""
 
 
 @pytest.fixture
@@ -121,7 +122,7 @@ def test_an_encoder_that_turns_round_while_the_robot_drives_stops_it(base: BaseL
 
 
 def test_a_robot_that_is_configured_as_it_is_soldered_drives_straight() -> None:
-    for soldered in ALL_WIRINGS:
+    for soldered in WIRINGS:
         with simulation(world_in(empty_room()), ONLY_BASE, Implementation.HOST) as running:
             base = BaseLine(running)
             running.solder(soldered)
@@ -135,7 +136,7 @@ def test_a_robot_that_is_configured_as_it_is_soldered_drives_straight() -> None:
             assert base.wheels.right_ticks == pytest.approx(plant.right.states / 2, abs=1)
 
 
-@pytest.mark.parametrize("period_ms", [60, 100, 140, 200, 300, 500, 900])
+@pytest.mark.parametrize("period_ms", [60, 140, 300, 900])
 def test_full_reversals_are_no_fault(base: BaseLine, period_ms: int) -> None:
     base.start()
     for _ in range(max(3, 2000 // period_ms)):
@@ -157,9 +158,13 @@ def test_a_reversal_to_any_level_while_the_robot_still_rolls_is_no_fault(base: B
         assert latch(base) is Latch.NONE, level
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(2))
 def test_whatever_a_healthy_robot_is_asked_is_no_fault(implementation: Implementation, seed: int) -> None:
-    """Starts, stops and changes of level, most of them about the stall level, on a weak battery."""
+    ask_whatever(implementation, seed)
+
+
+def ask_whatever(implementation: Implementation, seed: int) -> None:
+    """Start, stop and change the level, mostly about the stall level, on a weak battery: that is no fault."""
     chance = random.Random(seed)
     world = world_in(empty_room(), SimConfig(battery_volts=19.0))
     with simulation(world, ONLY_BASE, implementation) as running:
