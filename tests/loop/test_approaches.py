@@ -13,16 +13,12 @@ APPROACHES = {
     0: "backward from afar, slanted by 17 degrees",
     2: "backward, slowly, from 2.9 m: rests nearest of all",
     15: "backward, the shortest way, slanted the most",
-    70: "backward, slanted by 20 degrees",
     91: "backward, slanted to the other side",
-    42: "backward, almost straight",
     31: "slanted the most",
     52: "slanted the most to the other side, a short way",
     34: "straight",
     36: "from 3 m, at full speed",
-    86: "the shortest way, fast",
     66: "rests farthest off",
-    77: "rests as far, slanted to the other side",
 }
 """By seed: of the hundred, those at the ends of incidence and distance, and those that rest nearest and farthest."""
 
