@@ -33,8 +33,8 @@ def example(robot: ProcessRobot, name: str, *words: str) -> Iterator[subprocess.
             process.kill()
 
 
-def first_line(robot: ProcessRobot, name: str, x: float, y: float, *words: str) -> str:
-    """What an example says first, from this place. One that loses the robot says so, and is started again."""
+def first_line(robot: ProcessRobot, name: str, x: float, y: float, *words: str, begins: str = "") -> str:
+    """Start an example at this place and return its first line that begins so; again, where it loses the robot."""
     said: list[str] = []
 
     def says_it() -> bool:
@@ -43,7 +43,7 @@ def first_line(robot: ProcessRobot, name: str, x: float, y: float, *words: str) 
         with example(robot, name, *words) as process:
             assert process.stdout is not None
             assert process.stderr is not None
-            said.append(process.stdout.readline())
+            said.append(next((line for line in process.stdout if line.startswith(begins)), ""))
             if said[-1]:
                 return True
             why = process.stderr.read()

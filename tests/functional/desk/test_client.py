@@ -90,7 +90,8 @@ def test_it_follows_a_wall(alone: ProcessRobot) -> None:
 
 
 def test_it_patrols_where_the_path_is_free(alone: ProcessRobot) -> None:
-    assert first_line(alone, "patrol.py", 0.0, -2.0).startswith("at 1, 0; the guard says: ")
+    """Where a sensor that this machine held up blocks it for a moment, it says so, and goes on."""
+    assert first_line(alone, "patrol.py", 0.0, -2.0, begins="at ").startswith("at 1, 0; the guard says: ")
     truth = alone.simulator.state()
     assert math.hypot(truth.x, truth.y + 2.0) == pytest.approx(1.0, abs=0.3)
 
