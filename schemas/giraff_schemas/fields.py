@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ast
-import inspect
-import textwrap
+import sys
+from pathlib import Path
 
 import msgspec
 
@@ -28,11 +28,13 @@ def fields_of(struct: type[msgspec.Struct]) -> tuple[Field, ...]:
 
 
 def _declared(struct: type[msgspec.Struct]) -> dict[str, Field]:
-    """By name, what the Struct itself declares."""
+    """By name, what the Struct itself declares, at the top level of its module."""
     found: dict[str, Field] = {}
     name = ""
-    for class_ in ast.parse(textwrap.dedent(inspect.getsource(struct))).body:
-        for statement in class_.body if isinstance(class_, ast.ClassDef) else ():
+    # Not by `inspect.getsource`, which reads a module several times: each service waits for this when it starts.
+    module = ast.parse(Path(str(sys.modules[struct.__module__].__file__)).read_bytes())
+    for class_ in module.body:
+        for statement in class_.body if isinstance(class_, ast.ClassDef) and class_.name == struct.__name__ else ():
             match statement:
                 case ast.AnnAssign(target=ast.Name(id=name), annotation=annotation):
                     found[name] = Field(name, ast.unparse(_plain(annotation)), "")

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass
-from typing import Final, get_args, get_type_hints
+from typing import Final, NamedTuple, get_args, get_type_hints
 
 import msgspec
 
@@ -36,8 +35,7 @@ _ANGLES: Final = {
 }
 
 
-@dataclass(frozen=True)
-class Bounds:
+class Bounds(NamedTuple):
     """`track_width: Annotated[float, Bounds(0.05, 2.0, "m")]`; None, where the type has it, is no number."""
 
     low: float

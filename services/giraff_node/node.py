@@ -7,7 +7,6 @@ with Node("guard", GuardConfig) as node:
 from __future__ import annotations
 
 import os
-import secrets
 import socket
 import sys
 import time
@@ -27,7 +26,7 @@ from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_core.robot import RobotConfig
 from giraff_node.boards.board_link import BoardLink
-from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.config.robot_file import ConfigError, read_known
 from giraff_node.network.decode_errors import DecodeErrors
 from giraff_node.network.host_addresses import AddressWatch, host_addresses
 from giraff_node.network.key_bundle import ExpiryWatch
@@ -104,7 +103,8 @@ class Settings(NamedTuple, Generic[ConfigT]):
     @classmethod
     def load(cls, service: str, config: type[ConfigT]) -> Settings[ConfigT]:
         """From robot file and environment. Raises ConfigError."""
-        return cls(load(service, config), load("robot", RobotConfig), load("network", NetworkConfig))
+        table = read_known().table
+        return cls(table(service, config), table("robot", RobotConfig), table("network", NetworkConfig))
 
 
 class Node(Generic[ConfigT]):
@@ -264,7 +264,7 @@ class Node(Generic[ConfigT]):
         return robot_now_ns()
 
     def token(self) -> int:
-        return secrets.randbelow(0xFFFFFFFF) + 1
+        return int.from_bytes(os.urandom(4), sys.byteorder) or 1
 
     def leave(self) -> None:
         self._process.leave()

@@ -6,8 +6,8 @@ file says is what somebody answers for. Whatever was saved counts after a restar
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Mapping
+from functools import cache
 from typing import Any, Final, Generic, TypeVar
 
 import msgspec
@@ -131,6 +131,8 @@ class Parameters(Generic[ConfigT]):
     def _unknown(self, name: str) -> str:
         if name in self._documented:
             return f"{name} is shared by all services: it takes the robot file and a restart"
+        import difflib  # noqa: PLC0415  for what is mistyped, which is seldom
+
         close = difflib.get_close_matches(name, self._live, n=1)
         hint = f"did you mean {self._service}.{close[0]}?" if close else f"there are: {', '.join(self._live)}"
         return f"{self._service} has no parameter {name}; {hint}"
@@ -146,6 +148,7 @@ def _shown(value: Any) -> str:
     return "none" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 
+@cache
 def _described(config: type[msgspec.Struct], prefix: str = "") -> dict[str, tuple[str, str]]:
     """By field with its prefix: its type in words, and what its docstring says."""
     return {prefix + field.name: (field.type, field.doc) for field in fields_of(config)}

@@ -7,11 +7,9 @@ suggests the right word.
 
 from __future__ import annotations
 
-import difflib
 import os
 import tomllib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeVar, get_type_hints
 
@@ -39,8 +37,7 @@ class ConfigError(Exception):
     """A robot file or a variable that cannot be used. The message names where and the way out."""
 
 
-@dataclass(frozen=True)
-class RawSettings:
+class RawSettings(NamedTuple):
     """What robot file and environment say. Values are not yet checked."""
 
     where: str
@@ -142,15 +139,17 @@ def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True)
 
 def read_tables(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> dict[str, dict[str, Any]]:
     """Their tables, of which each is one that there is; values are not yet checked. Raises ConfigError."""
-    return _known(read(environment, with_file=with_file)).tables
+    return read_known(environment, with_file=with_file).tables
 
 
 def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.environ) -> ConfigT:
     """The checked table `table` as a `config`. Its fields' defaults stand for what the file leaves out."""
-    return _known(read(environment)).table(table, config)
+    return read_known(environment).table(table, config)
 
 
-def _known(given: RawSettings) -> RawSettings:
+def read_known(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> RawSettings:
+    """The same as `read`. Raises ConfigError where something belongs to no table, too."""
+    given = read(environment, with_file=with_file)
     if given.strange:
         raise ConfigError(given.strange[0].what)
     return given
@@ -237,5 +236,7 @@ def _require_moderate(value: Any, deepest: int) -> None:
 
 def suggestion(word: str, known: Sequence[str]) -> str:
     """Which of the known words was meant, as the end of a message."""
+    import difflib  # noqa: PLC0415  for what is mistyped, which is seldom
+
     close = difflib.get_close_matches(word, known, n=1)
     return f"; did you mean {close[0]!r}?" if close else f"; known are: {', '.join(sorted(known))}"

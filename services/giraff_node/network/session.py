@@ -7,13 +7,12 @@ for each mode, and `recorder.toml` for who records. Here this host's own endpoin
 from __future__ import annotations
 
 import functools
-import json
 import threading
 import tomllib
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
+import msgspec
 import zenoh
 
 from giraff_core.access import access_control
@@ -21,6 +20,7 @@ from giraff_core.network import NetworkConfig, with_port
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
 
+_FILES: Final = Path(__file__).parents[1] / "zenoh"
 _CLOSE_TIMEOUT: Final = 1.0  # s
 
 CERTIFICATES: Final = {
@@ -80,7 +80,9 @@ def open_session(network: NetworkConfig, robot: str, *, visiting: bool = False, 
     if network.session_file:
         return zenoh.open(zenoh.Config.from_file(network.session_file))
     return zenoh.open(
-        zenoh.Config.from_json5(json.dumps(session_config(network, robot, visiting=visiting, records=records)))
+        zenoh.Config.from_json5(
+            msgspec.json.encode(session_config(network, robot, visiting=visiting, records=records)).decode()
+        )
     )
 
 
@@ -94,7 +96,7 @@ def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> boo
 
 def settings(*names: str) -> dict[str, Any]:
     """What these files of `deploy/zenoh` say; the later ones count before the earlier ones."""
-    read = (tomllib.loads(files("giraff_node").joinpath(f"zenoh/{name}.toml").read_text()) for name in names)
+    read = (tomllib.loads((_FILES / f"{name}.toml").read_text()) for name in names)
     return functools.reduce(_merged, read)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import secrets
 import signal
 import sys
 import time
@@ -40,7 +39,7 @@ class Process:
     """From here on signals end the loop, not the program. `name`: in logs, in health and for systemd."""
 
     def __init__(self, name: str) -> None:
-        self.instance = secrets.token_hex(8)
+        self.instance = os.urandom(8).hex()
         self.log = service_logger(name)
         self.condition = HealthState(name, self.instance, self.log)
         self._health_socket = HealthSocket(name)
