@@ -8,6 +8,7 @@ import pytest
 
 from tests.hosts.deploy_page import type_the_page
 from tests.hosts.hardware import PORTS, permit
+from tests.hosts.images import Images
 from tests.hosts.lab import NUMBERS, Lab
 from tests.unit.node.ports import FakePort
 
@@ -22,10 +23,22 @@ SETTINGS = {
 }
 
 
+@pytest.fixture(scope="session", autouse=True)
+def images(request: pytest.FixtureRequest) -> Iterator[Images]:
+    """They are built from the start, while tests run that need no lab."""
+    images = Images()
+    try:
+        if any("lab" in item.fixturenames for item in request.session.items if isinstance(item, pytest.Function)):
+            images.build(kind for each in IMAGES.values() for kind in each)
+        yield images
+    finally:
+        images.close()
+
+
 @pytest.fixture(scope="session")
-def lab() -> Iterator[Lab]:
+def lab(images: Images) -> Iterator[Lab]:
     """Three hosts, without a container yet."""
-    lab = Lab(IMAGES)
+    lab = Lab(IMAGES, images)
     try:
         yield lab
     finally:

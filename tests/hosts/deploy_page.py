@@ -39,17 +39,24 @@ def lines(title: str) -> list[str]:
 
 
 def type_the_page(lab: Lab, edits: Mapping[str, Callable[[], None]]) -> None:
-    """On hosts where nothing is up. `edits`: what is done to a host's `.env` where that is more than the page says."""
-    lab.hardware.simulator.tilt(0.0, 0.0)
-    for host, title in SECTIONS.items():
+    """On hosts where nothing is up: on the robot, then on the others at once.
+
+    `edits`: what is done to a host's `.env` where that is more than the page says.
+    """
+
+    def type_on(host: str) -> None:
         (lab.clone(host) / ".env").unlink()
-        for line in lines(title):
+        for line in lines(SECTIONS[host]):
             if line == EDIT:
-                edits.get(host, lambda host=host: lab.write_env(host))()
+                edits.get(host, lambda: lab.write_env(host))()
             elif line in SHOWS:
                 _watched(lab, host, line, SHOWS[line])
             elif line not in OTHERWISE:
                 print(f"{host}$ {line}\n{_typed(lab, host, line)}")
+
+    lab.hardware.simulator.tilt(0.0, 0.0)
+    type_on("robot")
+    lab.on_each(SECTIONS.keys() - {"robot"}, type_on)
 
 
 def _environment(lab: Lab, host: str) -> dict[str, str]:
@@ -64,7 +71,7 @@ def _typed(lab: Lab, host: str, line: str) -> str:
 def _watched(lab: Lab, host: str, line: str, text: str) -> None:
     """What goes on until Ctrl-C says so."""
     command = ["/bin/sh", "-ec", f"cd {lab.clone(host)} && exec {line}"]
-    with screen(command, lab.directory / "watched.log", _environment(lab, host)) as shown:
+    with screen(command, lab.directory / f"watched-{host}.log", _environment(lab, host)) as shown:
         shown.wait_for(text, PATIENCE)
         shown.type(b"\x03")
         with suppress(AssertionError):  # docker-compose 1.29 does not always end by it

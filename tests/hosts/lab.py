@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import shutil
 import subprocess
@@ -20,7 +19,7 @@ import msgspec
 from tests.hosts.clone import clone, write_env
 from tests.hosts.containers import Container, container
 from tests.hosts.hardware import BOARDS, PORTS, ROBOT, Hardware
-from tests.hosts.images import KEPT, images
+from tests.hosts.images import KEPT, Images
 from tests.hosts.machine import COMPOSE, LabError, Machine, kill, run
 from tests.hosts.switch import NETWORK, Switch
 from tests.support.waiting import wait
@@ -30,7 +29,7 @@ NUMBERS: Final = {"laptop": 11, "robot": 12, "desk": 13}
 """Host -> the end of its address."""
 IMAGES: Final = {"laptop": ("laptop",), "robot": ("robot",), "desk": ("laptop",)}
 """Host -> the images that it has from the start."""
-PATIENCE: Final = 60.0  # s
+PATIENCE: Final = 120.0  # s; other tests may run beside these
 _LISTENER: Final = Path(__file__).with_name("listener.py")
 _FRESH: Final = 0.2  # s
 
@@ -89,10 +88,12 @@ class Listener:
 
 
 class Lab:
-    """Made with the hosts on and their images loaded; no container runs."""
+    """Made with the hosts on and their images there; no container runs."""
 
-    def __init__(self, kinds: Mapping[str, tuple[str, ...]] = IMAGES) -> None:
-        self._kinds = kinds
+    def __init__(self, kinds: Mapping[str, tuple[str, ...]] = IMAGES, images: Images | None = None) -> None:
+        """`images`: in which these kinds are being built already. The lab closes it."""
+        self._kinds = dict(kinds)
+        self._images = images or Images()
         self._end = ExitStack()
         self.directory = KEPT / "lab"
         try:
@@ -102,13 +103,8 @@ class Lab:
             raise
 
     def _make(self) -> None:
-        KEPT.mkdir(parents=True, exist_ok=True)
-        lock = self._end.enter_context((KEPT / "lock").open("w"))
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            raise LabError("another lab runs on this machine; wait for it") from None
-        archives = images({kind for each in self._kinds.values() for kind in each})
+        self._end.callback(self._images.close)
+        self._images.build(kind for each in self._kinds.values() for kind in each)
         self._remove_directory()  # of a lab that was killed
         self.directory.mkdir()
         self._end.callback(self._remove_directory)
@@ -121,10 +117,12 @@ class Lab:
         self._end.callback(switch.power_off)  # whatever it comes to
         self.switch = Switch(switch)
         self._end.callback(self.switch.off)
-        for machine in self.machines.values():
+        for host, machine in self.machines.items():
+            self._images.give(machine, self._kinds[host])
             self._end.callback(machine.power_off)
             self._boot(machine)
-        self.on_each(NUMBERS, lambda host: self._load(host, *(archives[kind] for kind in self._kinds[host])))
+        for machine in self.machines.values():
+            machine.wait_for_docker()
         for host in NUMBERS:
             clone(self.clone(host))
             self.write_env(host)
@@ -186,6 +184,12 @@ class Lab:
         for host in ("laptop", "desk"):
             self.write_env(host, met)
 
+    def clear(self, host: str) -> None:
+        """Remove its containers at once, where their end is not what is tested."""
+        docker = self.machines[host].docker
+        if names := docker("ps", "--all", "--quiet").split():
+            docker("rm", "--force", *names)
+
     def reset_emergency_stop(self, host: str = "laptop") -> None:
         """Which is engaged after the robot's first start."""
         self.compose(host, "run", "--rm", "giraff", "estop", "reset")
@@ -222,18 +226,23 @@ class Lab:
         self.hardware.plug(*BOARDS)
 
     def load(self, host: str, kind: str) -> None:
-        """Give a host another kind's image, as `docker-compose build` does."""
-        self._load(host, images([kind])[kind])
+        """Give a host whose containers are down another kind's image; its power is off meanwhile."""
+        self._images.build([kind])
+        self._kinds[host] = (*self._kinds[host], kind)
+        self.power_off(host)
+        self._images.give(self.machines[host], self._kinds[host])
+        self.power_on(host)
+        self.machines[host].wait_for_docker()
 
     @contextmanager
     def simulation(self, host: str) -> Iterator[None]:
-        """The host, which has that image, has a simulation's `.env` meanwhile; before and after it is down."""
-        self.down(host)
+        """The host, which has that image, has a simulation's `.env` meanwhile; before and after it has no container."""
+        self.clear(host)
         write_env(self.clone(host), "sim", {})
         try:
             yield
         finally:
-            self.down(host)
+            self.clear(host)
             self.write_env(host)
 
     def close(self) -> None:
@@ -262,11 +271,6 @@ class Lab:
         if not cable:
             self.switch.unplug(machine)
         machine.start_docker()
-
-    def _load(self, host: str, *archives: Path) -> None:
-        self.machines[host].wait_for_docker()
-        for archive in archives:
-            self.machines[host].docker("load", "--quiet", "--input", str(archive))
 
 
 def address(host: str) -> str:

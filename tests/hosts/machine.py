@@ -19,7 +19,7 @@ COMPOSE: Final = "/usr/bin/docker-compose"
 _CGROUPS: Final = Path("/sys/fs/cgroup")
 _TCP: Final = "net.ipv4.tcp_congestion_control=reno"
 _CGROUP: Final = "giraff-hosts"
-_BOOT_WITHIN: Final = 20.0  # s
+_BOOT_WITHIN: Final = 60.0  # s
 
 
 class LabError(Exception):
@@ -117,7 +117,7 @@ class Machine:
         self._supply.kill()
         self._supply.wait()
         deadline = time.monotonic() + _BOOT_WITHIN
-        while self._first and Path(f"/proc/{self._first}").exists():
+        while self._first and not _has_ended(self._first):
             if time.monotonic() > deadline:
                 raise LabError(f"{self.name}: process {self._first} does not end")
             time.sleep(0.01)
@@ -134,8 +134,8 @@ class Machine:
         enter = ["/usr/bin/nsenter", "--target", str(self.pid), *spaces, "--"]
         return subprocess.Popen([*enter, *command], start_new_session=True, **options)
 
-    def docker(self, *words: str, within: float = 60.0) -> str:
-        return run(["docker", "--host", self.socket, *words], within)
+    def docker(self, *words: str, within: float = 60.0, given: str = "") -> str:
+        return run(["docker", "--host", self.socket, *words], within, input=given)
 
     def compose(self, place: Path, *words: str, within: float = 120.0, program: str | Path = COMPOSE) -> str:
         """`docker-compose` as it is typed in a clone at `place`, where no variable is set."""
@@ -156,6 +156,15 @@ def kill(process: subprocess.Popen[bytes]) -> None:
     if process.poll() is None:  # else its number may be another's by now
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
+
+
+def _has_ended(pid: int) -> bool:
+    """Whether a process, and all of which it was the first, has ended. Who buries it may take seconds until he does."""
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except (FileNotFoundError, ProcessLookupError):
+        return True
+    return state == "Z"
 
 
 def _give_weight(group: str) -> None:

@@ -19,7 +19,7 @@ from tests.hosts.attempts import Attempt, Told
 from tests.hosts.images import CURRENT_COMPOSE
 from tests.hosts.lab import NAME, NUMBERS, PATIENCE, Lab, address
 from tests.hosts.machine import COMPOSE, Machine
-from tests.hosts.secured import make_keys, open_again, secure
+from tests.hosts.secured import make_keys, secure
 from tests.hosts.switch import NETWORK
 from tests.support.waiting import wait
 
@@ -52,16 +52,16 @@ def keys(lab: Lab) -> Path:
 
 
 @pytest.fixture(scope="module")
-def secured(lab: Lab, up: None, keys: Path) -> Iterator[None]:  # noqa: ARG001  it was released there
-    """All are up with their certificates: laptop and desk by docker-compose 1.29, the robot by today's Compose."""
+def secured(lab: Lab, up: None, keys: Path) -> None:  # noqa: ARG001  it was released there
+    """All are up with their certificates: laptop and desk by docker-compose 1.29, the robot by today's Compose.
+
+    They stay so until the lab's end: this file is the last.
+    """
     lab.down(*NUMBERS)
     secure(lab, keys)
     program: dict[str, str | Path] = {"laptop": COMPOSE, "desk": COMPOSE, "robot": CURRENT_COMPOSE}
     lab.on_each(NUMBERS, lambda host: lab.up(host, program[host]))
     lab.wait_until_healthy(*NUMBERS)
-    yield
-    lab.on_each(NUMBERS, lambda host: lab.compose(host, "down", "--remove-orphans", program=program[host]))
-    open_again(lab)
 
 
 def as_a_home_has_it() -> dict[str, Any]:
