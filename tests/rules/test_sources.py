@@ -61,7 +61,9 @@ LOOPHOLES = {"skip", "skipif", "skipIf", "skipUnless", "xfail", "importorskip", 
 
 def loopholes(source: str) -> list[str]:
     """The names in a test module by which a test can end without having passed or failed."""
-    found = []
+    found: list[str] = []
+    if not any(word in source for word in LOOPHOLES):  # most modules, and a module takes 3 ms to parse
+        return found
     for node in ast.walk(ast.parse(source)):
         match node:
             case ast.Attribute(attr=word) | ast.Name(id=word) | ast.alias(name=word) if word in LOOPHOLES:

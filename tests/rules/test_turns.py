@@ -21,7 +21,7 @@ LOOPS_OF_THEIR_OWN = {"giraff_gateway", "giraff_recorder", "giraff_router", "gir
 
 def calls(source: str, method: str) -> int:
     """How often a method of that name is called."""
-    return sum(
+    return method in source and sum(
         isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr == method
         for node in ast.walk(ast.parse(source))
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,6 +30,8 @@ def imports_at_module_level(node: ast.AST) -> Iterator[str]:
 
 
 def imports_viewer(source: str) -> bool:
+    if not re.search(r"rerun|giraff_viewer", source):
+        return False
     imported = imports_at_module_level(ast.parse(source))
     return any(module.partition(".")[0] in {"rerun", "rerun_cli", "giraff_viewer"} for module in imported)
 
