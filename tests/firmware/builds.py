@@ -18,11 +18,11 @@ HERE: Final = Path(__file__).resolve().parent
 
 
 @cache
-def compiled(variant: str = "", *settings: str) -> Path:
+def compiled(variant: str = "", *settings: str, target: str = "host") -> Path:
     """Compile the boards with make's `settings`, each variant into a directory of its own, which this returns."""
     build = BUILD / "variants" / variant if variant else BUILD
     # One at a time: tests run in several processes, and these may want the same variant.
-    command = ["flock", str(FIRMWARE), "make", "--silent", "-C", str(FIRMWARE), "host", f"BUILD={build}", *settings]
+    command = ["flock", str(FIRMWARE), "make", "--silent", "-C", str(FIRMWARE), target, f"BUILD={build}", *settings]
     finished(command, check=True)
     return build
 
@@ -49,10 +49,10 @@ def sanitized() -> Path:
     return compiled("sanitized", "SANITIZE=1")
 
 
-def with_fault(name: str, *wrapped: str) -> Path:
-    """With faults/`name`.c between the program and the `wrapped` functions."""
+def with_fault(name: str, *wrapped: str, target: str = "host") -> Path:
+    """Compile all boards, or the `target`, with faults/`name`.c between the program and the `wrapped` functions."""
     link = " ".join(f"-Wl,--wrap={function}" for function in wrapped)
-    return compiled(name, f"HOST_EXTRA={HERE / 'faults' / name}.c", f"HOST_LINK={link}")
+    return compiled(name, f"HOST_EXTRA={HERE / 'faults' / name}.c", f"HOST_LINK={link}", target=target)
 
 
 def compiled_for_avr(source: Path, processor: str) -> Path:

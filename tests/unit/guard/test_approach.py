@@ -93,7 +93,7 @@ class Approach:
         self.closest = min(self.closest, self.clearance)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, derandomize=True)
 @given(
     wall=st.floats(0.6, 2.5),
     incidence_deg=st.floats(-25.0, 25.0),
@@ -110,7 +110,7 @@ def test_no_approach_enters_the_margin(
     assert approach.closest >= min(CONFIG.margin, wall - ROBOT.footprint_radius)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, derandomize=True)
 @given(wall=st.floats(0.7, 2.0), period=st.floats(0.06, 0.36), phase=st.floats(0.0, 0.18))
 def test_not_even_where_the_geometry_leaves_no_slack(wall: float, period: float, phase: float) -> None:
     """Head on, with a guard that counts on nothing but head on: only the timing keeps the margin."""

@@ -11,7 +11,7 @@ from typing import Any
 
 import msgspec
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from giraff_schemas import messages as m
@@ -105,6 +105,7 @@ def test_a_maker_cannot_make_a_verdict_that_is_not_finite() -> None:
 
 
 @every_topic
+@settings(max_examples=10, derandomize=True)
 @given(data=st.data())
 def test_stamping_leaves_the_makers_sample_as_it_was(topic: Topic[Any], data: st.DataObject) -> None:
     made = data.draw(messages(topic.schema))
