@@ -1,20 +1,22 @@
-"""Which functional tests come to one worker, after each other (`--dist=loadgroup`)."""
+"""Which functional tests come to one worker, after each other (`--dist=loadfile`)."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import importlib
+from typing import Any
 
 import pytest
 
-_HERE = Path(__file__).parent
-_SHARED = _HERE / "one_robot"
+_SHARED = "tests/functional/one_robot"
 """Its files share a robot, which is dear to start and dearer to keep."""
 
 
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Make a group of each file, since its tests share what they have started, and one of all that share a robot."""
-    for item in items:
-        if item.path.is_relative_to(_HERE):
-            group = _SHARED if item.path.is_relative_to(_SHARED) else item.path
-            item.add_marker(pytest.mark.xdist_group(str(group.relative_to(_HERE))))
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Give a worker a whole file, and one worker all files that share a robot."""
+    if config.getoption("dist") != "loadfile":
+        return None
+    scheduler = importlib.import_module("xdist.scheduler").LoadFileScheduling(config, log)
+    file_of = scheduler._split_scope
+    scheduler._split_scope = lambda nodeid: _SHARED if nodeid.startswith(f"{_SHARED}/") else file_of(nodeid)
+    return scheduler

@@ -277,7 +277,7 @@ class ProcessRobot:
         """
         began = time.monotonic()
         while True:
-            assert self.giraff("estop", "reset") == 0, "the emergency stop is not reset; see giraff.log"
+            assert self.giraff("estop", "reset", "--timeout", "30") == 0, "not reset; see giraff.log"
             try:
                 self.arm(_RELEASED)
                 return
