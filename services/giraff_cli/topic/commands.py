@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import AsJson, Connect, Ending, Listen, Robot
+from giraff_cli.options import AsJson, Connect, Ending, Listen, Robot, finite
 
 topic = typer.Typer(no_args_is_help=True, help="What is said on a robot's network: who says it, how often, how much.")
 
@@ -116,7 +116,14 @@ def pub(
     connect: Connect = None,
     rate: Annotated[
         float | None,
-        typer.Option(metavar="HZ", min=0.01, max=1000.0, help="Again and again; else once.", show_default=False),
+        typer.Option(
+            metavar="HZ",
+            min=0.01,
+            max=1000.0,
+            callback=finite,
+            help="Again and again; else once.",
+            show_default=False,
+        ),
     ] = None,
     count: Annotated[
         int | None, typer.Option(metavar="N", min=1, help="End after so many; else with Ctrl-C.", show_default=False)
