@@ -6,7 +6,7 @@ What they say without a robot, beside two, and of what a robot has not: tests/un
 from __future__ import annotations
 
 from giraff_schemas.topics import alive_key
-from tests.support.desk import Desk
+from tests.support.desk import Desk, run_beside
 from tests.support.process_robot import ProcessRobot
 from tests.support.waiting import wait
 from tests.unit.replay.drive import DRIVE
