@@ -21,6 +21,7 @@ CALLS = ("open_session", "fork", "forkpty", "system", "posix_spawn")
 TOOLS = "tests/support/tools.py"
 EXCEPTIONS = {
     "tests/timing/faults.py": "the rows of the fault table, which are read, and not run",
+    "tests/support/budget.py": "counts the processes that a test starts",
     TOOLS: "git, compilers, linters and an interpreter that has imported nothing yet: each ends by itself",
 }
 USERS_OF_TOOLS = (

@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
+from tests.support.counting import looking_again
+
 
 def wait(
     holds: Callable[[], object],
@@ -15,8 +17,11 @@ def wait(
 ) -> float:
     """Until it holds; the s that took. AssertionError after `within` s, which names `what`. Looks again `every` s."""
     began = time.monotonic()
-    while not holds():
+    held = holds()
+    while not held:
         if time.monotonic() - began >= within:
             raise AssertionError(f"{what() if callable(what) else what}: not within {within:g} s")
         time.sleep(every)
+        with looking_again():
+            held = holds()
     return time.monotonic() - began

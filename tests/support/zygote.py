@@ -30,7 +30,7 @@ from tempfile import TemporaryFile
 from typing import Final, NamedTuple
 
 _GIRAFF: Final = str(Path(sys.executable).with_name("giraff"))
-_VERBS: Final = ("doctor", "estop", "frames", "graph", "node", "param", "play", "record", "top", "topic", "why")
+_VERBS: Final = ("doctor", "estop", "frames", "graph", "node", "odom", "param", "play", "record", "top", "topic", "why")
 """Verbs that are imported before the fork. Any other one imports what it needs when it is called."""
 _LONGEST_REQUEST: Final = 1 << 18
 """bytes. The kernel sends no longer packet."""
@@ -45,6 +45,9 @@ def run_giraff(
     words: tuple[str, ...], cwd: Path, environment: Mapping[str, str], timeout: float
 ) -> subprocess.CompletedProcess[str]:
     """Return what `giraff` with these words said, once it has ended. Several threads may call it at a time."""
+    from tests.support.counting import count  # noqa: PLC0415  the zygote imports nothing of the tests
+
+    count("forks")
     command = [_GIRAFF, *words]
     request = json.dumps([command, str(cwd), dict(environment)]).encode()
     answer, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)

@@ -14,7 +14,7 @@ from tests.unit.replay.drive import DRIVE
 Words = tuple[str, ...]
 
 WRITING: tuple[Words, ...] = (("topic", "list"), ("replay", str(DRIVE)))
-"""On the network and without it. tests/functional/robot/test_watch.py has one that writes line by line."""
+"""On the network and without it. tests/functional/one_robot/test_watch.py has one that writes line by line."""
 
 
 def test_with_no_robot_it_says_so(desk: Desk) -> None:
@@ -58,7 +58,7 @@ def test_each_verb_that_is_forked_elsewhere_starts_afresh(desk: Desk) -> None:
         with desk.running(*words) as process:
             out, err = process.communicate(timeout=60.0)
         print(words, process.returncode, out, err)
-        return process.returncode == 0 and bool(out) and not err
+        return process.returncode in ((0, 1) if words == ("why",) else (0,)) and bool(out) and not err
 
     run_beside(lambda words: wait(lambda: answers(words), 60.0, what=f"no answer to {words}"), AFRESH)
 

@@ -14,9 +14,8 @@ def wait_for(robot: ProcessRobot, code: int, words: str) -> list[str]:
 
     def is_said() -> bool:
         told = giraff(robot, "why")
-        assert told.stderr == ""
-        said.append((told.returncode, told.stdout.splitlines()))
-        return told.returncode == code and words in conclusion(said[-1][1])
+        said.append((told.returncode, (told.stdout + told.stderr).splitlines()))
+        return told.returncode == code and not told.stderr and words in conclusion(said[-1][1])
 
     try:
         robot.wait(words, is_said, PATIENCE)

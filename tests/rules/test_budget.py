@@ -1,0 +1,67 @@
+"""tests/budget.toml: its rows stay within what was reached, and whoever exceeds one is told plainly."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Final
+
+from tests.rules.repository import ROOT
+from tests.support.budget import Budget, read_budget, told
+from tests.support.tools import finished
+
+FOLDERS_TAKE: Final = 531.0
+"""Processor seconds of a quiet machine. Nobody raises it: a row of [folders] rises where another one falls."""
+RESERVE: Final = 60.0
+"""The same, for what is yet to come: [capabilities]."""
+A_CAPABILITY_TAKES: Final = 8.0
+A_CAPABILITY_COUNTS: Final = {"simulated": 60, "robots": 1, "processes": 6, "windows": 0, "pictures": 600}
+NOT_IN_MAKE_TEST: Final = ("campaign", "hosts", "mutants", "timing")
+
+BUDGET: Final = read_budget()
+
+
+def test_the_rows_are_within_what_was_reached() -> None:
+    folders = sum(map(BUDGET.priced, BUDGET.folders.values()))
+    capabilities = sum(map(BUDGET.priced, BUDGET.capabilities.values()))
+    assert folders <= FOLDERS_TAKE, f"the rows of [folders] take {folders:.0f} s: lower one where you raise another"
+    assert capabilities <= RESERVE, f"the rows of [capabilities] take {capabilities:.0f} s of the reserve's {RESERVE:g}"
+
+
+def test_a_capability_takes_a_small_part_of_the_reserve() -> None:
+    for name, row in BUDGET.capabilities.items():
+        assert BUDGET.priced(row) <= A_CAPABILITY_TAKES, name
+        assert all(row.get(unit, 0) <= most for unit, most in A_CAPABILITY_COUNTS.items()), name
+
+
+def test_each_folder_of_tests_has_a_row_and_each_row_tests() -> None:
+    folders = {path.relative_to(ROOT).parts[1] for path in (ROOT / "tests").rglob("test_*.py")}
+    assert set(BUDGET.folders) == {f"tests/{folder}/" for folder in folders.difference(NOT_IN_MAKE_TEST)}
+    for row in BUDGET.capabilities:
+        assert list(ROOT.glob(f"{row}*")), f"no test's path begins with {row}"
+
+
+def test_one_robot_too_many_fails_plainly(tmp_path: Path) -> None:
+    """Two tests of one folder start a robot each: once it may have two, once only one."""
+    (tmp_path / "conftest.py").write_text('pytest_plugins = ["tests.support.budget"]\n')
+    (tmp_path / "test_robots.py").write_text(
+        "import subprocess, sys\n"
+        "def test_one(): subprocess.run([sys.executable, '-c', '', 'giraff_sim'])\n"
+        "def test_another(): subprocess.run([sys.executable, '-c', '', 'giraff_sim'])\n"
+    )
+    budget = tmp_path / "budget.toml"
+    command = [sys.executable, "-m", "pytest", "-q", f"--rootdir={tmp_path}", f"--budget={budget}", str(tmp_path)]
+    ended = {}
+    for robots in (2, 1):
+        budget.write_text(f'[prices]\nrobots = 5\nprocesses = 1\n[folders."test_"]\nrobots = {robots}\n')
+        ended[robots] = finished(command, cwd=ROOT)
+    assert [done.returncode for done in ended.values()] == [0, 1]
+    for words in ("test_: 2 robots, 1 more than its 1. Most is taken by", "2  test_robots.py", "tests/campaign"):
+        assert words in ended[1].stdout
+
+
+def test_the_longest_path_that_fits_has_the_test() -> None:
+    unit = "simulated"
+    budget = Budget({unit: 1.0}, {"tests/loop/": {unit: 3}}, {"tests/loop/test_camera": {unit: 2}})
+    spent = {"tests/loop/test_drive.py::test": {unit: 3.0}, "tests/loop/test_camera.py::test": {unit: 2.0}}
+    assert told(spent, budget, over=True) == []

@@ -1,0 +1,165 @@
+"""A pytest plugin that holds each folder's tests to what tests/budget.toml lets them cost.
+
+Nothing is timed. Simulated seconds, robots, processes, windows, pictures and drawn examples are counted while the tests
+run. They are the same on every machine, busy or not, so that a suite that grows is noticed at once.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+from collections import Counter
+from collections.abc import Callable, Generator, Mapping
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+import pytest
+from hypothesis.internal.conjecture.engine import ConjectureRunner
+from PIL import Image
+
+from giraff_sim.simulation import Simulation
+from tests.support.counting import count, counted
+
+BUDGET: Final = Path(__file__).parents[1] / "budget.toml"
+LISTED: Final = 5
+"""Files that a report names."""
+REMEDY: Final = """\
+Show it by a cheaper test: call the policy; play one seed; share one robot in a file. Or remove an older test that shows
+the same thing. Or move its breadth to tests/campaign and keep one test here. CONTRIBUTING.md: Stay in the budget."""
+
+Costs = Mapping[str, float]
+"""Amounts by unit: simulated (s), robots, processes, forks, windows, pictures, examples."""
+
+
+class Budget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The content of tests/budget.toml."""
+
+    prices: dict[str, float]
+    """Processor seconds of a quiet machine that one of each unit takes."""
+    folders: dict[str, dict[str, float]]
+    """Largest costs of the tests whose path begins so, in one whole `make test`."""
+    capabilities: dict[str, dict[str, float]] = {}
+    """The same, of what was added later, out of the reserve. The longest path that fits has the test."""
+
+    def priced(self, costs: Costs) -> float:
+        """Processor seconds of a quiet machine."""
+        return sum(self.prices[unit] * amount for unit, amount in costs.items())
+
+
+def read_budget(path: Path = BUDGET) -> Budget:
+    return msgspec.convert(tomllib.loads(path.read_text()), Budget)
+
+
+def by_row(spent: Mapping[str, Costs], budget: Budget) -> dict[str, dict[str, Counter[str]]]:
+    """Return the costs of each row's files. `spent`: costs by node id."""
+    rows = sorted(budget.folders | budget.capabilities, key=len)
+    found: dict[str, dict[str, Counter[str]]] = {row: {} for row in rows}
+    for test, costs in spent.items():
+        if fitting := [row for row in rows if test.startswith(row)]:
+            found[fitting[-1]].setdefault(test.partition("::")[0], Counter()).update(costs)
+    return found
+
+
+def told(spent: Mapping[str, Costs], budget: Budget, *, over: bool) -> list[str]:
+    """Return the lines that a person reads of each row: what its tests cost, or where that is `over` its budget."""
+    lines: list[str] = []
+    rows = budget.folders | budget.capabilities
+    for row, files in by_row(spent, budget).items():
+        for unit in budget.prices:
+            each = {file: costs[unit] for file, costs in files.items() if costs[unit]}
+            total, most = sum(each.values()), rows[row].get(unit, 0)
+            if not over and (total or most):
+                lines.append(f"  {row:<20} {unit:<10} {total:8.6g} of {most:g}")
+            elif over and total > most + 1e-6:
+                lines.append(f"{row}: {total:.6g} {unit}, {total - most:.6g} more than its {most:g}. Most is taken by")
+                dearest = sorted(each, key=lambda file: -each[file])[:LISTED]
+                lines += [f"  {each[file]:10.6g}  {file}" for file in dearest]
+    return lines
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--costs", action="store_true", help="tell what each folder's tests cost, of what they may")
+    parser.addoption("--budget", type=Path, default=BUDGET, metavar="FILE", help="what each folder's tests may cost")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(_Counts(config.getoption("budget"), tells=config.getoption("costs")))
+
+
+class _Counts:
+    """Counts in each process; the one that reports judges the sum."""
+
+    def __init__(self, budget: Path, *, tells: bool) -> None:
+        self._budget = budget
+        self._tells = tells
+        self._spent: dict[str, Counter[str]] = {}
+        self._lines: list[str] = []
+        _count_calls(Simulation, "step", lambda step: count("simulated", step.world.step_us * 1e-6))
+        _count_calls(ConjectureRunner, "test_function", lambda _: count("examples"))
+        _count_calls(BaseProcess, "start", lambda _: count("processes"))
+        _count_calls(Image.Image, "save", lambda _: count("pictures"))
+        _count_calls(subprocess.Popen, "__init__", lambda process: count(_kind(process.args)))
+
+    def pytest_collection_finish(self) -> None:
+        if playwright := sys.modules.get("playwright.sync_api"):  # too slow an import for tests without a browser
+            _count_calls(playwright.BrowserType, "launch", lambda _: count("windows"))
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
+        before = Counter(counted)
+        done = yield
+        self._spent[item.nodeid] = counted - before
+        return done
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node: Any) -> None:
+        """Take what a worker of xdist has counted."""
+        costs = getattr(node, "workeroutput", {}).get("giraff_spent", {})
+        self._spent |= {test: Counter(each) for test, each in costs.items()}
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> Generator[None, None, None]:
+        output: dict[str, object] | None = getattr(session.config, "workeroutput", None)
+        if output is not None:  # before xdist sends it
+            output["giraff_spent"] = {test: dict(each) for test, each in self._spent.items()}
+        yield
+        if output is not None:
+            return
+        self._lines = told(self._spent, read_budget(self._budget), over=True)
+        if self._lines and session.exitstatus == pytest.ExitCode.OK:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        if self._tells:
+            terminalreporter.section("cost")
+            terminalreporter.write_line("\n".join(told(self._spent, read_budget(self._budget), over=False)))
+        if self._lines:
+            terminalreporter.section(f"over budget: {self._budget.name}", red=True)
+            terminalreporter.write_line("\n".join([*self._lines, REMEDY]))
+
+
+def _count_calls(kind: type, method: str, note: Callable[[Any], None]) -> None:
+    """Note each call of a method that returns, by the object that it is called on."""
+    original = getattr(kind, method)
+
+    def noted(self: Any, *given: Any, **named: Any) -> Any:
+        done = original(self, *given, **named)
+        note(self)
+        return done
+
+    setattr(kind, method, noted)
+
+
+def _kind(command: Any) -> str:
+    """Return the unit of a process: a simulator or `giraff run` is a robot, a view that draws a window."""
+    words = [str(word) for word in command] if isinstance(command, list | tuple) else [str(command)]
+    called = next(
+        (place for place, word in enumerate(words) if Path(word).name in ("giraff", "giraff_cli")), len(words)
+    )
+    verb = words[called + 1 : called + 2]
+    if "giraff_sim" in words or verb == ["run"]:
+        return "robots"
+    return "windows" if verb == ["view"] and "--picture" in words else "processes"
