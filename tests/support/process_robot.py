@@ -207,7 +207,7 @@ class ProcessRobot:
 
     def wait(self, what: str, holds: Callable[[], object], seconds: float) -> float:
         """Wait until `holds`; the wall seconds that took. AssertionError with the logs' ends after `seconds`."""
-        return wait(holds, seconds, what=lambda: f"{what}{self._last_words()}", every=0.01)
+        return wait(holds, seconds, what=lambda: f"{what}{self._last_words()}", every=0.04)
 
     def run(self, seconds: float) -> None:
         """Let simulated time pass."""

@@ -23,5 +23,6 @@ def standing(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]
 def robot(standing: ProcessRobot) -> ProcessRobot:
     """That robot as each file finds it: armed in the middle of the room, by a level hand."""
     standing.simulator.place(0.0, 0.0)
-    standing.release()
+    if not standing.ready():
+        standing.release()
     return standing
