@@ -78,7 +78,7 @@ def test_certificates_that_are_not_trusted(keys: Path, tmp_path: Path) -> None:
             return bool(found)
 
         with service_of(secured(keys / theirs, rendezvous), tmp_path / f"{theirs.replace('/', '-')}.log"):
-            wait(is_told, 60.0, what=f"{theirs} is not told")
+            wait(is_told, 180.0, what=f"{theirs} is not told")
         [fault] = found
         assert rendezvous in fault
         return fault

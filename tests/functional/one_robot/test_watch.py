@@ -90,13 +90,13 @@ def test_lines_go_on_while_the_robot_dies_and_comes_back(robot: ProcessRobot) ->
 def test_a_script_reads_objects_and_may_go_when_it_likes(robot: ProcessRobot) -> None:
     def is_whole(line: str) -> bool:
         told = msgspec.json.decode(line)
-        return bool(not told["missing"] and told["services"] == dict.fromkeys(SERVICES, 1))
+        is_there = not told["missing"] and told["services"] == dict.fromkeys(SERVICES, 1)
+        return bool(is_there and "odom" in told["topics"])  # which a busy machine may hold up for a while
 
     with watching(robot, "--json") as process:
         newest = msgspec.json.decode(line_that(process, is_whole))
         assert (newest["robot"], newest["estop"]["engaged"]) == ("sim-test", False)
         assert set(newest["ranges"]) == {"front_left", "front_right", "rear"}
-        assert "odom" in newest["topics"]
         assert "cmd_vel" not in newest["topics"]
         assert process.stdout is not None
         process.stdout.close()
