@@ -5,12 +5,10 @@ from __future__ import annotations
 import datetime as dt
 import random
 import time
-from collections import Counter
 from itertools import groupby
 from typing import Final
 
 import pytest
-from _pytest.runner import call_and_report
 
 TAKES: Final = 600.0
 """s for all files together."""
@@ -35,50 +33,48 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class _Tenth:
-    """Each file has its share of the time that is left when its turn comes. An item that has begun is ended."""
+    """Each file has its share of the time that is left when its turn comes, and one test at least."""
 
     def __init__(self, day: str) -> None:
         self._day = day
         self._chance = random.Random(day)
-        self._files_left = 0
-        self._file = ""
-        self._ends = 0.0
-        self._file_ends = 0.0
-        self._all: Counter[str] = Counter()
-        self._left: Counter[str] = Counter()
-
-    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
-        files = [list(each) for _, each in groupby(items, _file)]
-        self._chance.shuffle(files)
-        drawn = []
-        for each in files:
-            self._chance.shuffle(each)
-            name = _file(each[0])
-            self._all[name] = len(each)
-            most = MUTANTS if "mutants" in name else len(each)
-            self._left[name] = len(each[most:])
-            drawn += each[:most]
-        items[:] = drawn
-        self._files_left = len(files)
-        self._ends = time.monotonic() + TAKES
+        self._taken: dict[str, tuple[int, int]] = {}
+        """By file: how many of how many."""
 
     @pytest.hookimpl(tryfirst=True)
-    def pytest_runtest_protocol(self, item: pytest.Item, nextitem: pytest.Item | None) -> bool | None:
-        now = time.monotonic()
-        if _file(item) != self._file:
-            self._file = _file(item)
-            self._file_ends = now + (self._ends - now) / self._files_left
-            self._files_left -= 1
-        elif now >= self._file_ends:
-            self._left[self._file] += 1
-            call_and_report(item, "teardown", nextitem=nextitem)
-            return True
-        return None
+    def pytest_runtestloop(self, session: pytest.Session) -> bool | None:
+        if session.config.option.collectonly:
+            return None
+        files = [(name, list(items)) for name, items in groupby(session.items, _file)]
+        self._chance.shuffle(files)
+        ends = time.monotonic() + TAKES
+        for number, (name, items) in enumerate(files):
+            now = time.monotonic()
+            drawn = self._chance.sample(items, min(len(items), MUTANTS) if "mutants" in name else len(items))
+            session.items = drawn  # the laboratory of mutants looks which are tried
+            taken = _run(session, drawn, now + (ends - now) / (len(files) - number))
+            self._taken[name] = taken, len(items)
+        return True
 
     def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.section(f"a tenth, of {self._day}: again with --tenth={self._day}")
-        for name, count in sorted(self._all.items()):
-            terminalreporter.write_line(f"  {name:<40} {count - self._left[name]:4d} taken, {self._left[name]:4d} left")
+        for name, (taken, every) in sorted(self._taken.items()):
+            terminalreporter.write_line(f"  {name:<40} {taken:4d} taken, {every - taken:4d} left")
+
+
+def _run(session: pytest.Session, items: list[pytest.Item], ends: float) -> int:
+    """Run a file's tests until its time is over, and return how many. The last one takes down what they share."""
+    longest = 0.0
+    for place, item in enumerate(items):
+        began = time.monotonic()
+        is_last = place + 1 == len(items) or began + longest >= ends
+        session.config.hook.pytest_runtest_protocol(item=item, nextitem=None if is_last else items[place + 1])
+        if session.shouldfail or session.shouldstop:
+            raise session.Interrupted(session.shouldfail or session.shouldstop)
+        longest = max(longest, time.monotonic() - began)
+        if is_last:
+            return place + 1
+    return 0
 
 
 def _file(item: pytest.Item) -> str:

@@ -71,7 +71,7 @@ def test_a_mishap_stops_the_robot_within_its_bound(mishap: str) -> None:
             driving(loop, delay_ms)
             happens(loop)
             began_us = loop.simulation.now_us
-            loop.run(2.0)
+            loop.run(3.0)
             last = loop.simulation.record.verdict(began_us, loop.simulation.now_us).last_driven_us
             assert last is not None
             worst = max(worst, (last - began_us) * 1e-6)

@@ -7,7 +7,6 @@ run. They are the same on every machine, busy or not, so that a suite that grows
 from __future__ import annotations
 
 import subprocess
-import sys
 import tomllib
 from collections import Counter
 from collections.abc import Callable, Generator, Mapping
@@ -103,10 +102,6 @@ class _Counts:
         _count_calls(Image.Image, "save", lambda _: count("pictures"))
         _count_calls(subprocess.Popen, "__init__", lambda process: count(_kind(process.args)))
 
-    def pytest_collection_finish(self) -> None:
-        if playwright := sys.modules.get("playwright.sync_api"):  # too slow an import for tests without a browser
-            _count_calls(playwright.BrowserType, "launch", lambda _: count("windows"))
-
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
         before = Counter(counted)
@@ -154,7 +149,7 @@ def _count_calls(kind: type, method: str, note: Callable[[Any], None]) -> None:
 
 
 def _kind(command: Any) -> str:
-    """Return the unit of a process: a simulator or `giraff run` is a robot, a view that draws a window."""
+    """Return the unit of a process: a simulator or `giraff run` is a robot, a browser or a view that draws a window."""
     words = [str(word) for word in command] if isinstance(command, list | tuple) else [str(command)]
     called = next(
         (place for place, word in enumerate(words) if Path(word).name in ("giraff", "giraff_cli")), len(words)
@@ -162,4 +157,5 @@ def _kind(command: Any) -> str:
     verb = words[called + 1 : called + 2]
     if "giraff_sim" in words or verb == ["run"]:
         return "robots"
-    return "windows" if verb == ["view"] and "--picture" in words else "processes"
+    draws = Path(words[0]).name == "chromium" or (verb == ["view"] and "--picture" in words)
+    return "windows" if draws else "processes"

@@ -57,6 +57,7 @@ def test_each_verb_that_is_forked_elsewhere_starts_afresh(desk: Desk) -> None:
     def answers(words: Words) -> bool:
         with desk.running(*words) as process:
             out, err = process.communicate(timeout=60.0)
+        assert "Traceback" not in err, err
         print(words, process.returncode, out, err)
         return process.returncode in ((0, 1) if words == ("why",) else (0,)) and bool(out) and not err
 
