@@ -1,7 +1,7 @@
 """A pytest plugin that holds each folder's tests to what tests/budget.toml lets them cost.
 
 Nothing is timed. Simulated seconds, robots, processes, windows, pictures and drawn examples are counted while the tests
-run. They are the same on every machine, busy or not, so that a suite that grows is noticed at once.
+run. They are the same on every machine, busy or not. Plain computing is not counted.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ class Budget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     prices: dict[str, float]
     """Processor seconds of a quiet machine that one of each unit takes."""
     folders: dict[str, dict[str, float]]
-    """Largest costs of the tests whose path begins so, in one whole `make test`."""
+    """Largest costs of the tests whose path begins with the key, in one whole `make test`."""
     capabilities: dict[str, dict[str, float]] = {}
-    """The same, of what was added later, out of the reserve. The longest path that fits has the test."""
+    """Largest costs of later capabilities' tests. A test belongs to the longest key that its path begins with."""
 
     def priced(self, costs: Costs) -> float:
-        """Processor seconds of a quiet machine."""
+        """Return what these costs come to, in processor seconds of a quiet machine."""
         return sum(self.prices[unit] * amount for unit, amount in costs.items())
 
 
@@ -63,7 +63,7 @@ def by_row(spent: Mapping[str, Costs], budget: Budget) -> dict[str, dict[str, Co
 
 
 def told(spent: Mapping[str, Costs], budget: Budget, *, over: bool) -> list[str]:
-    """Return the lines that a person reads of each row: what its tests cost, or where that is `over` its budget."""
+    """Return a report: the cost of each row's tests, or if `over`, only the rows that are over their limits."""
     lines: list[str] = []
     rows = budget.folders | budget.capabilities
     for row, files in by_row(spent, budget).items():
@@ -89,7 +89,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 class _Counts:
-    """Counts in each process; the one that reports judges the sum."""
+    """Counts the costs of each test in every worker. The main process compares their sums with the budget."""
 
     def __init__(self, budget: Path, *, tells: bool) -> None:
         self._budget = budget
@@ -137,7 +137,7 @@ class _Counts:
 
 
 def _count_calls(kind: type, method: str, note: Callable[[Any], None]) -> None:
-    """Note each call of a method that returns, by the object that it is called on."""
+    """Call `note` with the object after each call of its method."""
     original = getattr(kind, method)
 
     def noted(self: Any, *given: Any, **named: Any) -> Any:
