@@ -94,6 +94,14 @@ static int32_t ramped(int32_t set, int32_t asked, int32_t step)
     return asked < 0 ? clamped(asked, set - step, 0) : clamped(asked, 0, set + step);
 }
 
+/* Most that a speed grows now. Wheels that still turn against what is asked are braked by a slow speed: a ramp that ran
+ * ahead of them would be caught up with at once when they turn round. Both wait, so that the curve stays. */
+static int32_t growth_max(const struct speed_wheel *wheel, int32_t step, bool is_against)
+{
+    const int32_t braking_um_s = HELD_FROM_UM_S;        /* a wheel that never turns round counts as held */
+    return is_against ? clamped(braking_um_s - magnitude(wheel->ramp_um_s), 0, step) : step;
+}
+
 static int32_t smoothed(int32_t set, int32_t wanted)
 {
     int32_t growth = magnitude(wanted) - magnitude(set);
@@ -340,14 +348,18 @@ void speed_forget_wheels(struct speed_control *s)
 bool speed_step(struct speed_control *s, const struct speed_settings *settings, const struct speed_input *in)
 {
     smooth_battery(s, in->battery_adc_counts);
-    bool all_stand = true;
+    bool all_stand = true, is_against = s->is_against;
+    s->is_against = false;
     for (uint8_t number = 0; number < WHEELS; number++) {
         struct speed_wheel *wheel = &s->wheel[number];
+        int32_t asked = in->asked_um_s[number];
         uint32_t um_per_tick_q8 = settings->um_per_tick_q8[number];
         if (um_per_tick_q8)
             speedometer_step(&wheel->speedometer, um_per_tick_q8, in->ticks[number], in->stamps[number], in->now);
-        speed_on_asked(s, number, in->asked_um_s[number]);
-        wheel->ramp_um_s = ramped(wheel->ramp_um_s, in->asked_um_s[number], settings->step_um_s);
+        speed_on_asked(s, number, asked);
+        if ((asked > 0 && wheel->speedometer.um_s < 0) || (asked < 0 && wheel->speedometer.um_s > 0))
+            s->is_against = true;
+        wheel->ramp_um_s = ramped(wheel->ramp_um_s, asked, growth_max(wheel, settings->step_um_s, is_against));
         int32_t set = smoothed(wheel->set_um_s, wheel->ramp_um_s);
         int32_t growth = magnitude(set) - magnitude(wheel->set_um_s);
         wheel->growth_um_s = growth < 0 ? 0 : growth < UINT16_MAX ? (uint16_t)growth : UINT16_MAX;

@@ -22,6 +22,8 @@ Counts = tuple[int, int, int]
 
 FROZEN_READINGS: Final = 10
 """Equal ones in a row, 0.2 s. By chance once in 10^17."""
+DOUBTED_READINGS: Final = 4
+"""Equal ones in a row. By chance once in 500 000: the button is then let go in vain, and a person presses it again."""
 LAID_DOWN_READINGS: Final = 50
 """1 s."""
 
@@ -34,7 +36,10 @@ LAID_DOWN: Final = (
 
 
 class HandDetector:
-    """Feed it each reading of a running sensor; `forget` when there was none."""
+    """Feed `alarm` each reading of a running sensor, and `laid_down` each one that is no alarm.
+
+    `forget` when there was none.
+    """
 
     def __init__(self, stillness: float) -> None:
         self.require(stillness)
@@ -53,18 +58,26 @@ class HandDetector:
         self._window = _Window()
         self._lies = False
 
-    def judge(self, counts: Counts, *, deflected: bool) -> str:
-        """Why this reading is no hand's, with the way out; empty when it is. `deflected`: it would drive."""
+    def alarm(self, counts: Counts) -> str:
+        """Return why no hand's attitude can be read now, with the remedy; empty when it can."""
         self._readings += 1
         self._repeats = self._repeats + 1 if counts == self._before else 0
         self._before = counts
         frozen = FROZEN if self._repeats >= FROZEN_READINGS - 1 else ""
         x, y, z = (count / TILT_LSB_PER_M_S2 for count in counts)
-        alarm = self._disturbance.judge((x, y, z), self._readings * TILT_PERIOD_MS / 1000, also=frozen)
-        return alarm or self._laid_down(counts, deflected=deflected)
+        return self._disturbance.judge((x, y, z), self._readings * TILT_PERIOD_MS / 1000, also=frozen)
 
-    def _laid_down(self, counts: Counts, *, deflected: bool) -> str:
-        """Once it lies it does so until it is level: nothing less would arm the robot anyway."""
+    @property
+    def may_be_frozen(self) -> bool:
+        """Whether too many readings in a row are equal for a new zero to rest on them."""
+        return self._repeats >= DOUBTED_READINGS - 1
+
+    def laid_down(self, counts: Counts, *, deflected: bool) -> str:
+        """Return why a joystick that is read well is in no hand, with the remedy; empty when it is in one.
+
+        `deflected`: the reading would drive. Once it lies it does so until it is level: nothing less would arm the
+        robot anyway.
+        """
         self._window.take(counts)
         self._lies = deflected and (self._lies or self._window.spread < self._still_counts)
         return LAID_DOWN if self._lies else ""

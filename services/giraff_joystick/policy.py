@@ -156,6 +156,10 @@ class JoystickPolicy:
     def _wish(self, tilt: Tilt, frame: TiltFrame, now: float) -> _Asks:
         """What a reading of a running sensor asks for, if a hand is behind it."""
         vector = (tilt.x, tilt.y, tilt.z)
+        counts = frame.x, frame.y, frame.z
+        alarm = self._hand.alarm(counts)
+        if self._hand.may_be_frozen:
+            self._clutch.forget()  # the hand may have another attitude by now
         self._readings += 1
         self._clutch.take(vector, self._readings * TILT_PERIOD_MS / 1000, pressed=bool(frame.button))
         linear, angular = asked(self._clutch.relative(vector), self._config, self._robot)
@@ -165,9 +169,7 @@ class JoystickPolicy:
         if not deflected:
             self._clutch.dismiss_refusal()
         reason = (
-            self._hand.judge((frame.x, frame.y, frame.z), deflected=deflected)
-            or self._link_fault(now)
-            or self._clutch.refusal
+            alarm or self._hand.laid_down(counts, deflected=deflected) or self._link_fault(now) or self._clutch.refusal
         )
         return _fault(reason) if reason else _Asks(linear, angular)
 

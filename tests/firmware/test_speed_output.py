@@ -19,6 +19,7 @@ from tests.firmware.bench import ACCELERATION, SPEED_ROBOT, SpeedBench
 TELEMETRY_MS = 17  # within which telemetry tells of what has happened
 FRAME_MS = 3  # within which a speed frame has come over the line and acted
 PERIOD_MS = 10  # of the control
+OVERSHOOT = 0.06  # m/s: a tenth of the largest speed
 CONTROL = SPEED_ROBOT.speed_control
 
 
@@ -57,6 +58,18 @@ def test_a_reversal_gets_nothing_of_what_was_before(robot: SpeedBench, offset: i
         left, right = robot.duties()
         assert left <= 0 <= right
         robot.run(1)
+
+
+@pytest.mark.parametrize("asked", [(-0.5, -0.5), (-0.5, 0.3), (0.5, -0.4)])
+def test_a_wheel_that_has_turned_round_starts_from_rest(robot: SpeedBench, asked: tuple[float, float]) -> None:
+    """Its ramp waits for it. A wheel that goes on waits too, so that the robot keeps to its curve."""
+    robot.begin(0.45, 0.3)
+    speeds: list[list[float]] = []
+    robot.go(*asked, 1500, lambda: speeds.append(list(robot.speed)))
+    for wheel, sign in enumerate(math.copysign(1.0, one) for one in asked):
+        along = [max(0.0, sign * speed[wheel]) for speed in speeds]
+        assert max(now - then for then, now in zip(along, along[100:], strict=False)) < ACCELERATION / 10 + OVERSHOOT
+        assert along[-1] == pytest.approx(abs(asked[wheel]), abs=0.02)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -23,9 +23,13 @@ from tests.unit.joystick.hands import MODAL_TREMOR, NOISE, PERIOD, counts, readi
 SOUND_READINGS = round(SOUND / PERIOD)
 
 
+def judge(attention: HandDetector, seen: Counts, *, deflected: bool) -> str:
+    return attention.alarm(seen) or attention.laid_down(seen, deflected=deflected)
+
+
 def judged(seen: list[Counts], *, deflected: bool = True) -> list[str]:
     attention = HandDetector(ANGLE.stillness)
-    return [attention.judge(each, deflected=deflected) for each in seen]
+    return [judge(attention, each, deflected=deflected) for each in seen]
 
 
 def held(seconds: float, degrees: float = 30.0, seed: int = 1) -> list[Counts]:
@@ -129,17 +133,17 @@ def test_one_that_lies_level_asks_for_nothing_and_is_no_fault() -> None:
 def test_one_laid_down_is_a_hand_again_only_once_it_is_level() -> None:
     attention = HandDetector(ANGLE.stillness)
     for each in readings(lambda _: tilted(30.0), 2.0):
-        attention.judge(each, deflected=True)
-    assert {attention.judge(each, deflected=True) for each in held(5.0)} == {LAID_DOWN}
-    assert attention.judge(counts(tilted(2.0)), deflected=False) == ""
-    assert {attention.judge(each, deflected=True) for each in held(5.0)} == {""}
+        judge(attention, each, deflected=True)
+    assert {judge(attention, each, deflected=True) for each in held(5.0)} == {LAID_DOWN}
+    assert judge(attention, counts(tilted(2.0)), deflected=False) == ""
+    assert {judge(attention, each, deflected=True) for each in held(5.0)} == {""}
 
 
 def test_after_a_gap_it_starts_over() -> None:
     attention = HandDetector(ANGLE.stillness)
-    attention.judge((0, 0, 10), deflected=False)
+    judge(attention, (0, 0, 10), deflected=False)
     attention.forget()
-    assert attention.judge(counts(tilted(30.0)), deflected=True) == ""
+    assert judge(attention, counts(tilted(30.0)), deflected=True) == ""
 
 
 vector = st.tuples(*[st.integers(-(2**15), 2**15 - 1)] * 3)
@@ -149,7 +153,7 @@ vector = st.tuples(*[st.integers(-(2**15), 2**15 - 1)] * 3)
 def test_any_readings_at_all_are_judged(seen: list[tuple[Counts, bool]]) -> None:
     attention = HandDetector(ANGLE.stillness)
     for each, deflected in seen:
-        reason = attention.judge(each, deflected=deflected)
+        reason = judge(attention, each, deflected=deflected)
         assert reason in ("", FALLING, SHAKEN, FROZEN, LAID_DOWN)
         if math.hypot(*each) < 300:
             assert reason

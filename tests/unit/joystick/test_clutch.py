@@ -98,6 +98,19 @@ def test_one_that_was_hardly_read_sets_no_zero() -> None:
     assert_refused(hand.hold(0.5, 30.0), "0.2 s")
 
 
+@pytest.mark.parametrize("equal", [4, 30])
+def test_a_frozen_sensor_sets_no_zero(equal: int) -> None:
+    """Of the last equal readings three tell that the button is let go."""
+    hand = Held()
+    hand.hold(0.5, 30.0, button=True)
+    for count in range(equal):
+        hand.now += 0.02
+        button = int(count < equal - 3)
+        hand.policy.on_frame(tilt_frame(5.0, 0.0, 8.4, button=button, robot_ns=round(hand.now * 1e9)), hand.now)
+    assert hand.policy.command(hand.now).source == "fault"
+    assert_refused(hand.hold(1.0, 30.0)[25:], "0.2 s")
+
+
 def test_a_bouncing_button_is_neutral_and_sets_no_zero() -> None:
     hand = Held()
     hand.hold(0.5, 30.0)
