@@ -104,23 +104,24 @@ class DrivePicture:
 
     def standing(self) -> tuple[str, str]:
         """Whose the robot is, whether it is armed, and what to do for it; and the style."""
-        base, estop = self.snapshot.base, self.snapshot.estop
+        base = self.snapshot.base
         if self.is_lost or base is None or not base.fresh:
             return "not heard; waits for it, and does not move by itself when it is back", _BAD
+        if self._is_stopped():
+            whose = "yours, not armed" if self.is_mine else "stopped"
+            return f"{whose}: see that it may move, then release the stop", _WAITS
         if not self.is_mine:
             if self.driver:
                 return f"not yours: {self.driver[:20]} drives; WHY says when you may", _WAITS
             return "nobody's: press an arrow key or c to take it, then let go of all keys", _WAITS
         if base.sample.armed:
             return "yours, armed: hold an arrow key to drive", _GOOD
-        if estop is not None and estop.sample.engaged:
-            return "yours, not armed: see that it may move, then release the stop", _WAITS
         how = _HOW_TO_ARM.search(for_keys(base.sample.reason))
         return f"yours, not armed: {how.group() if how else 'WHY says what is missing'}", _WAITS
 
     def reason(self) -> tuple[str, str]:
-        """What stops it, in a keyboard's words; and the style."""
-        if self.why.startswith(_OF_THE_STOP):
+        """What stops it, in a keyboard's words, the emergency stop before all else; and the style."""
+        if self._is_stopped() or self.why.startswith(_OF_THE_STOP):
             return "the emergency stop, as below", _WAITS
         return (for_keys(self.why), _WAITS) if self.why else ("nothing: the robot obeys", _GOOD)
 
@@ -136,6 +137,11 @@ class DrivePicture:
         if estop is None:
             return "unknown, since base is not heard; SPACE asks for it all the same", _BAD
         return "released; SPACE engages it", _GOOD
+
+    def _is_stopped(self) -> bool:
+        """Whether base says that the emergency stop is engaged."""
+        estop = self.snapshot.estop
+        return estop is not None and estop.fresh and estop.sample.engaged
 
     def _header(self) -> RenderableType:
         snapshot = self.snapshot

@@ -135,6 +135,14 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
             "STOP": "ENGAGED; r asks to release it. By ann@desk: smoke",
         },
     ),
+    "stopped, and another's": (
+        Desk().holds("you", "joystick", HELD).take(estop(engaged=True), base(armed=False, reason="emergency stop")),
+        {
+            "ROBOT": "stopped: see that it may move, then release the stop",
+            "WHY": "the emergency stop, as below",
+            "STOP": "ENGAGED; r asks to release it. By ann@desk: smoke",
+        },
+    ),
 }
 
 
@@ -188,15 +196,16 @@ def test_it_fills_24_rows_of_the_terminal_and_never_more(case: str, width: int) 
 @pytest.mark.parametrize("cause", [HELD, ARM, f"front_right and front_left: {FROZEN}"])
 def test_the_longest_reasons_are_whole_on_80_by_24(cause: str) -> None:
     desk = Desk().mine().take(msgspec.structs.replace(all_blocked(), reason=cause), base(armed=False, reason=cause))
+    running = desk.picture
     desk.take(EStop(engaged=True, id=3, by=STUCK.by, reason=STUCK.reason))
     desk.stop = "STOPPED: base has confirmed; press r to release it"
-    rows = drawn(desk.picture)
-    assert len(rows) == ROWS
-    text = " ".join(" ".join(rows).split())
-    assert text.count(f"{FROZEN}; turn left or back up") == 4
-    assert for_keys(cause) in text
-    assert f"By the base board: {for_keys(STUCK.reason)}" in text
-    assert "…" not in text
+    for picture, told_of in (running, for_keys(cause)), (desk.picture, f"By the base board: {for_keys(STUCK.reason)}"):
+        rows = drawn(picture)
+        assert len(rows) == ROWS
+        text = " ".join(" ".join(rows).split())
+        assert text.count(f"{FROZEN}; turn left or back up") == 4
+        assert told_of in text
+        assert "…" not in text
 
 
 def test_what_the_network_says_can_neither_steer_the_terminal_nor_move_a_row() -> None:
