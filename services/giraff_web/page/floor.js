@@ -1,5 +1,7 @@
 // The floor plan: the robot in the middle, its front up; walls, path and what the sensors see around it.
 
+import { freedom } from "./words.js";
+
 /** m from the robot to the nearer edge of the picture. */
 const VIEW = 1.9;
 /** rad to either side of a sensor's axis that are drawn. */
@@ -76,7 +78,7 @@ export class Floor {
     this._rings();
     if (state.pose) this._around(state.pose, hello.room, trail);
     for (const [name, part] of Object.entries(hello.sensors)) this._cone(part, state.ranges[name], hello.radius);
-    this._robot(hello.radius, state.directions);
+    this._robot(hello.radius, state);
   }
 
   _resize() {
@@ -173,7 +175,7 @@ export class Floor {
     this._stroke(colour, 4);
   }
 
-  _robot(radius, directions) {
+  _robot(radius, state) {
     const pen = this._pen;
     pen.beginPath();
     pen.arc(0, 0, radius, 0, 2 * Math.PI);
@@ -194,27 +196,27 @@ export class Floor {
       ["backward", Math.PI],
       ["turn_right", -Math.PI / 2],
     ];
-    for (const [way, angle] of ways) this._way(directions?.[way]?.freedom, angle, radius);
+    for (const [way, angle] of ways) this._way(freedom(state, way), angle, radius);
   }
 
   /** An arrow where the guard lets the robot go, a bar where it does not. */
-  _way(freedom, angle, radius) {
+  _way(word, angle, radius) {
     const pen = this._pen;
     pen.save();
     pen.rotate(angle);
     const [from, half] = [radius + 0.06, 0.1];
     pen.beginPath();
-    if (freedom === "free" || freedom === "slow" || freedom === "creep") {
+    if (word === "free" || word === "slow" || word === "creep") {
       pen.moveTo(from + 0.13, 0);
       pen.lineTo(from, half);
       pen.lineTo(from, -half);
       pen.closePath();
-      pen.fillStyle = freedom === "free" ? this._colours.good : this._colours.warn;
+      pen.fillStyle = word === "free" ? this._colours.good : this._colours.warn;
       pen.fill();
     } else {
       pen.moveTo(from, half * 1.5);
       pen.lineTo(from, -half * 1.5);
-      this._stroke(freedom ? this._colours.bad : this._colours.quiet, 5);
+      this._stroke(word === "unknown" ? this._colours.quiet : this._colours.bad, 5);
     }
     pen.restore();
   }

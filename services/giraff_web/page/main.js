@@ -52,8 +52,7 @@ const stop = new StopButton(clock, {
 const question = new Question({
   release: (latch, when) => {
     if (!isFresh(when, clock()) || !hand.isLinked(clock())) {
-      at.refused = "the release was not sent, since this page stood still or the link is lost; tap again";
-      at.refusedUntil = clock() + REFUSAL;
+      stop.note("The release was not sent, since this page stood still or the link is lost: tap again.", REFUSAL);
       return;
     }
     link.say({ type: "reset", id: latch.id, engaged_ns: latch.engaged_ns, tick: hand.tick });

@@ -1,6 +1,6 @@
 // What is written on the page, where it stands in the document.
 
-import { DIRECTIONS, OLD, ageText, armedText, driverText, facts, floorLines, freedom, reasons, whyText } from "./words.js";
+import { DIRECTIONS, OLD, ageText, armedText, driverText, facts, floorLines, freedom, isStopped, reasons, whyText } from "./words.js";
 
 /** s between two changes of a line that a screen reader speaks, and of the floor plan's text. */
 const SPOKEN = 0.3;
@@ -49,9 +49,11 @@ export class Panel {
 
   _why(at, now) {
     const text = whyText(at);
-    if (text === byId("why").textContent || now - this._whyAt < SPOKEN) return;
+    const stops = at.linked && (at.stopping || isStopped(at.state)); // what is said of a stop waits for nothing
+    if (text === byId("why").textContent || (now - this._whyAt < SPOKEN && !stops)) return;
     this._whyAt = now;
     write(byId("why"), text);
+    byId("status").classList.toggle("stopped", at.linked && isStopped(at.state));
     const fine = at.linked && at.mayDrive && !at.state?.why && !at.refused;
     byId("status").classList.toggle("fine", Boolean(fine && at.hold));
     byId("status").classList.toggle("bad", !at.linked && at.heard);
@@ -62,14 +64,14 @@ export class Panel {
     for (const name of ["speed", "turn", "battery", "trip", "path"]) write(byId(name), linked ? shown[name] : "–");
     for (const [way, , unit] of DIRECTIONS) {
       const tile = byId(`way-${way}`);
-      const word = linked ? freedom(state.directions, way) : "unknown";
+      const word = linked ? freedom(state, way) : "unknown";
       tile.dataset.freedom = word;
       write(tile.querySelector(".word"), word);
       const verdict = state.directions?.[way];
-      const moves = linked && verdict && verdict.freedom !== "blocked";
+      const moves = verdict && !["unknown", "stopped", "blocked"].includes(word);
       write(tile.querySelector(".most"), moves ? `${verdict.allowed.toFixed(2)} ${unit}` : "");
     }
-    writeList(byId("reasons"), linked ? reasons(state.directions, mayDrive ? state.why : "") : []);
+    writeList(byId("reasons"), linked ? reasons(state.directions, mayDrive && !isStopped(state) ? state.why : "") : []);
     if (now - this._floorAt < FLOOR_TEXT) return;
     this._floorAt = now;
     writeList(byId("floor-text"), linked ? floorLines(state) : ["The link is lost: nothing is known of the robot."]);

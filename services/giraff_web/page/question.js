@@ -16,6 +16,8 @@ export class StopButton {
     this._way = way;
     this._request = new StopRequest();
     this._detail = "";
+    this._note = "";
+    this._noteUntil = -Infinity;
     this._landedAt = -Infinity;
     const button = byId("stop");
     // The finger's landing, not its lifting: a click would come later, or not at all.
@@ -47,6 +49,12 @@ export class StopButton {
     this._detail = state.stop_text;
   }
 
+  /** Show a line below the stop for so many seconds. */
+  note(text, seconds) {
+    this._note = text;
+    this._noteUntil = this._clock() + seconds;
+  }
+
   look(now) {
     if (this._request.isDue(now)) this._way.say();
   }
@@ -54,7 +62,7 @@ export class StopButton {
   draw(now, linked) {
     const text = this._request.text(now, linked);
     write(byId("stop-text"), text);
-    write(byId("stop-detail"), linked ? this._detail : "");
+    write(byId("stop-detail"), now < this._noteUntil ? this._note : linked ? this._detail : "");
     document.body.dataset.stop = this._request.isOpen ? "asked" : text ? "engaged" : "";
   }
 }

@@ -20,6 +20,7 @@ const HOW = {
   keys: "Press an arrow key or W, A, S, D",
 };
 const TAKE = { tilt: "hold the field", pad: "hold the pad", keys: "press a drive key" };
+const WATCHING = "You can watch and stop. To drive, open the address that the robot’s page service shows now.";
 const ARM = { tilt: "hold the field and keep the phone flat", pad: "hold the pad without dragging", keys: "let go of the keys" };
 
 const known = (value) => typeof value === "number" && Number.isFinite(value);
@@ -30,7 +31,7 @@ export function ageText(age) {
 }
 
 export function driverText(state, me, mayDrive, input) {
-  const free = mayDrive && !state.stop?.engaged;
+  const free = mayDrive && !isStopped(state);
   const take = free ? ` To take over, ${TAKE[input]}.` : "";
   if (state.page && state.page === me) return "You drive.";
   if (state.device) return `${sentence(state.device)} drives.${take}`;
@@ -41,7 +42,7 @@ export function driverText(state, me, mayDrive, input) {
 export function armedText(state, me, input) {
   if (state.armed === null) return "Base is not heard.";
   if (state.armed) return "Armed.";
-  const mine = state.page && state.page === me && !state.stop?.engaged;
+  const mine = state.page && state.page === me && !isStopped(state);
   return mine ? `Not armed: to arm, ${ARM[input]} for a moment.` : "Not armed.";
 }
 
@@ -55,11 +56,10 @@ export function whyText(at) {
     if (at.closed) return `Not connected: ${at.closed}`;
     return at.heard ? "The link is lost. The robot stops by itself; connecting again." : "Connecting to the robot.";
   }
-  if (!at.mayDrive) {
-    if (at.session) return sentence(at.session);
-    return "You can watch and stop. To drive, open the address that the robot’s page service shows now.";
-  }
   if (at.stopping) return "The emergency stop was asked for on this page.";
+  const stopped = isStopped(at.state) ? "STOPPED. " : "";
+  if (!at.mayDrive) return stopped + (at.session ? sentence(at.session) : WATCHING);
+  if (stopped) return `${stopped}See that the robot may move, then tap Release.`;
   if (at.refused) return sentence(at.refused);
   if (!at.hold && ENDED[at.ended]) {
     return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input] ?? "let go of the keys, then press again"}.`;
@@ -75,9 +75,14 @@ export const DIRECTIONS = [
   ["turn_right", "Right", "rad/s"],
 ];
 
-/** Freedom of one direction as a word; "unknown" when the guard is not heard. */
-export function freedom(directions, way) {
-  return directions?.[way]?.freedom ?? "unknown";
+/** Whether the emergency stop is engaged, as a state says it. */
+export function isStopped(state) {
+  return Boolean(state?.stop?.engaged);
+}
+
+/** Freedom of one direction as a word. The emergency stop comes first; "unknown" when the guard is not heard. */
+export function freedom(state, way) {
+  return isStopped(state) ? "stopped" : (state.directions?.[way]?.freedom ?? "unknown");
 }
 
 /**
@@ -119,7 +124,7 @@ export function facts(state) {
 /** The floor plan for those who do not see it, a line each. */
 export function floorLines(state) {
   const lines = Object.entries(state.ranges).map(([name, echo]) => echoText(name, echo));
-  for (const [way, label] of DIRECTIONS) lines.push(`${label}: ${freedom(state.directions, way)}`);
+  for (const [way, label] of DIRECTIONS) lines.push(`${label}: ${freedom(state, way)}`);
   if (state.pose) {
     const [x, y, yaw] = state.pose;
     lines.push(`Position: x ${fixed(x, 1)} m, y ${fixed(y, 1)} m, heading ${Math.round((yaw * 180) / Math.PI)}°`);

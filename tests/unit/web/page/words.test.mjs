@@ -42,7 +42,20 @@ test("why: the first of what is between the hand and the robot", () => {
   assert.equal(why({ hold: 2, state: { ...state, why: "not armed" } }), "Not armed");
   assert.equal(why({ hold: 2 }), "The robot obeys.");
   assert.match(why({ ended: "finger" }), /^Put a finger/);
-  assert.match(why({ stopping: true }), /emergency stop was asked/);
+  assert.match(why({ stopping: true, mayDrive: false }), /emergency stop was asked/);
+});
+
+test("the emergency stop comes before every other reason, and no way is free beside it", () => {
+  const stopped = { ...state, armed: false, why: "not armed", stop: { engaged: true }, directions: { forward: free } };
+  for (const change of [{}, { ended: "idle" }, { refused: "begin neutral" }, { hold: 2 }]) {
+    const text = words.whyText({ ...at, ...change, state: stopped });
+    assert.equal(text, "STOPPED. See that the robot may move, then tap Release.");
+  }
+  assert.match(words.whyText({ ...at, mayDrive: false, state: stopped }), /^STOPPED. You can watch and stop/);
+  assert.match(words.whyText({ ...at, linked: false, state: stopped }), /^The link is lost/);
+  assert.equal(words.freedom(stopped, "forward"), "stopped");
+  assert.equal(words.freedom({ ...stopped, stop: { engaged: false } }, "forward"), "free");
+  assert.equal(words.freedom({ ...stopped, stop: null }, "backward"), "unknown");
 });
 
 test("who drives, and how to take it", () => {
