@@ -15,7 +15,7 @@ from giraff_web.phone import PhoneTilt
 SILENCE: Final = 0.3
 """s without a wish after which a hand that held is lost: a page makes one in each animation frame."""
 OUT_OF_SIGHT: Final = 0.6
-"""s without a wish of a page that holds nothing; it makes ten a second as long as it is seen."""
+"""s without a wish of a page that holds nothing; it makes at least eight a second as long as it is seen."""
 WISH_LASTS: Final = 0.4
 """s, by the robot's own ticks, after which a wish says nothing of now; as a key of the keyboard."""
 

@@ -33,6 +33,8 @@ FRAME: Final = 1.0 / 60.0
 """s between two animation frames, and between two readings of a phone."""
 _PROVES: Final = 1.0
 """s after which each sensor was heard, and base and guard have told of themselves."""
+_IDLE: Final = 0.1
+"""s at least between two wishes that hold nothing of a page that does not drive."""
 _ROUND_TRIP: Final = 0.02
 """s that a state takes to a page, and a wish back, together."""
 _decoder: Final = msgspec.json.Decoder(FromPage)
@@ -61,6 +63,8 @@ class Browser:
         self._n = 0
         self._events: deque[Event] = deque()
         self._frames = 0
+        self._wished: State | None = None
+        self._wished_at = 0.0
         self._states: deque[tuple[float, State]] = deque()
 
     def touch(self) -> None:
@@ -98,8 +102,9 @@ class Browser:
         """One animation frame of a page that is visible and has the focus."""
         while self._states and self._states[0][0] <= now and not self.hung:
             self.state = self._states.popleft()[1]
-        if self.hung or self.state is None or self.state.tick is None:
+        if self.hung or self.state is None or self.state.tick is None or not self._is_due(self.state, now):
             return
+        self._wished, self._wished_at = self.state, now
         self._n += 1
         self._frames += 1
         forward, left = self.asks if self.hold else (0.0, 0.0)
@@ -124,6 +129,13 @@ class Browser:
     def take(self) -> Iterator[Event]:
         while self._events:
             yield self._events.popleft()
+
+    def _is_due(self, state: State, now: float) -> bool:
+        """Whether the page says something in this frame: with each state while it drives and holds nothing."""
+        if self.hold or self.input == "tilt":
+            return True
+        drives = state.page == self.number
+        return self._holds > 0 and (state is not self._wished if drives else now - self._wished_at >= _IDLE)
 
     def _reading(self) -> Reading:
         """As a browser rounds it, from a hand that is never quite still."""

@@ -52,10 +52,23 @@ def test_a_hand_that_was_lost_is_told_with_whose_it_was() -> None:
         assert shown(watcher).why.startswith("phone: the page was hidden")
 
 
-def test_one_that_lets_go_keeps_the_lease_while_it_is_seen() -> None:
+def test_keys_that_are_let_go_arm_the_robot_and_keep_the_lease_while_the_page_is_seen() -> None:
     with room() as it:
-        phone = it.browsers.add("phone")
-        it.drive(phone)
-        phone.let_go()
-        it.run(3.0)
-        assert (it.driver, it.armed, shown(phone).why) == ("web", True, "")
+        laptop = it.browsers.add("laptop")
+        laptop.input = "keys"
+        it.run(0.3)
+        laptop.touch()
+        it.run(0.05)
+        it.go(laptop)  # a key that is down asks for motion, and arms nothing
+        it.run(0.5)
+        assert (it.driver, it.armed) == ("web", False)
+        laptop.let_go()
+        it.run(0.4)
+        assert it.armed
+        it.run(2.6)
+        assert (it.driver, it.armed, shown(laptop).why) == ("web", True, "")
+        laptop.touch()
+        it.run(0.05)
+        it.go(laptop)
+        it.run(0.5)
+        assert it.driven_ms(it.now - 0.1) > 90

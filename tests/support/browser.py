@@ -147,10 +147,7 @@ class Phone(Device):
 
     def __init__(self, page: Page) -> None:
         super().__init__(page)
-        width, height = PHONE
-        portrait = {"type": "portraitPrimary", "angle": 0}
-        size = {"width": width, "height": height, "deviceScaleFactor": 2}
-        self.send("Emulation.setDeviceMetricsOverride", mobile=True, screenOrientation=portrait, **size)
+        self.resize(*PHONE)
         self.send("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=5)
         self.send("Emulation.setUserAgentOverride", userAgent=_ANDROID, platform="Android")
         for sensor in _SENSORS:
@@ -160,6 +157,12 @@ class Phone(Device):
         self._finger: list[dict[str, float]] = []  # that lies there
         self._attitude = (0.0, 0.0)
         self.tilt()
+
+    def resize(self, width: int, height: int) -> None:
+        """Be a phone with a screen of so many CSS pixels."""
+        portrait = {"type": "portraitPrimary", "angle": 0}
+        size = {"width": width, "height": height, "deviceScaleFactor": 2}
+        self.send("Emulation.setDeviceMetricsOverride", mobile=True, screenOrientation=portrait, **size)
 
     def tilt(self, forward: float = 0.0, left: float = 0.0) -> None:
         """Hold it so, degrees from flat: the upper edge down, and the left one."""

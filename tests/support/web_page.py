@@ -9,6 +9,7 @@ from typing import Final, Literal
 from tests.support.browser import Device, Phone
 from tests.support.process_robot import PATIENCE, ProcessRobot
 
+Input = Literal["Tilt", "Pad", "Keys"]
 TILT: Final = "#tilt"
 PAD: Final = "#pad"
 """Where the finger lies that holds."""
@@ -52,7 +53,7 @@ def tap(device: Device, name: str, role: Literal["button", "radio"] = "button") 
     device.tap(device.page.get_by_role(role, name=name, exact=True))
 
 
-def choose(device: Device, what: Literal["Tilt", "Pad", "Keys"]) -> None:
+def choose(device: Device, what: Input) -> None:
     """What is to drive."""
     tap(device, what, "radio")
 

@@ -9,7 +9,7 @@ export const IDLE = 1.0;
 export const STALLED = 0.3;
 /** s without a state after which the link is lost. */
 export const LINK_LOST = 0.5;
-/** s at least between two wishes that hold nothing: they keep the lease. */
+/** s at least between two wishes that hold nothing of a page that does not drive. */
 export const IDLE_WISH = 0.1;
 /** s at least between two wishes: a screen of 120 Hz asks no more than one of 60 Hz. */
 export const WISH = 0.012;
@@ -68,6 +68,7 @@ export class Hand {
     this._stopped = false;
     /** @type {Tick} */
     this._tick = null;
+    this._drives = false;
     this._stateAt = -Infinity;
     /** Pointers that lie on the pad, with their kind; the one that holds. */
     this._lying = new Map();
@@ -80,6 +81,8 @@ export class Hand {
     this._frameAt = -Infinity;
     this._lookAt = -Infinity;
     this._wishAt = -Infinity;
+    /** @type {Tick} */
+    this._wishTick = null;
     this._readings = [];
     /** @type {Tick} */
     this._readingTick = null;
@@ -87,11 +90,15 @@ export class Hand {
 
   // What the page is told and how it stands.
 
-  /** Take a state as it arrives. `stopped`: it shows the emergency stop engaged. */
-  onState(tick, stopped, now) {
+  /** Take a state as it arrives. `stopped`: it shows the emergency stop engaged; `drives`: this page's hand drives. */
+  onState(tick, stopped, drives, now) {
     this._tick = tick;
+    this._drives = drives;
     this._stateAt = now;
-    if (stopped && !this._stopped) this._end("finger"); // whoever releases it moves no hand that lay there before
+    if (stopped && !this._stopped) {
+      this._end("finger"); // whoever releases it moves no hand that lay there before
+      this.ended = ""; // what ended a hold before the stop says nothing of the robot after it
+    }
     this._stopped = stopped;
   }
 
@@ -255,7 +262,7 @@ export class Hand {
     if (this.hold) this._wish(now);
     else if (this.input === "tilt") {
       if (this._readings.length) this._wish(now);
-    } else if (this._holds && now - this._wishAt >= IDLE_WISH) this._wish(now);
+    } else if (this._holds && this._isIdleDue(now)) this._wish(now);
   }
 
   /** A look of the timer: it ends what no animation frame ends. */
@@ -296,6 +303,14 @@ export class Hand {
     return this._mayDrive && this._visible && this._focused && this.isLinked(now);
   }
 
+  /**
+   * A hand that drives says with each state's tick that it is neutral. Base arms by neutral moments that lie at most
+   * 0.1 s apart; states come each 0.04 s.
+   */
+  _isIdleDue(now) {
+    return this._drives ? this._tick !== this._wishTick : now - this._wishAt >= IDLE_WISH;
+  }
+
   _check(now) {
     if (!this.hold) return;
     if (!this.isLinked(now)) this._silence("lost");
@@ -325,6 +340,7 @@ export class Hand {
     const tick = tilt ? this._readingTick : this._tick;
     const wish = { type: "wish", n: this._n++, tick, hold: this.hold, input: this.input, forward, left };
     this._wishAt = now;
+    this._wishTick = tick;
     this._neutral = false;
     this._say({ ...wish, readings: this._readings, angle: this.angle });
     this._readings = [];

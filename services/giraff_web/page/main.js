@@ -75,7 +75,7 @@ function onMessage(message) {
     at.state = message;
     at.arrived = now;
     at.heard = true;
-    hand.onState(message.tick, Boolean(message.stop?.engaged), now);
+    hand.onState(message.tick, Boolean(message.stop?.engaged), message.page === at.me, now);
     stop.onState(message);
     trail.onState(message);
     floor.touch();

@@ -1,4 +1,4 @@
-"""The page of `giraff run --web` in a real browser: a phone drives a metre by tilt, and a laptop looks on.
+"""The page of `giraff run --web` in a real browser: each input drives, a phone a metre by tilt, and a laptop stops it.
 
 By the world's truth. What a machine that stands still has ended is done again, as a person would.
 """
@@ -8,8 +8,9 @@ from __future__ import annotations
 import math
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Final
 from urllib.parse import urlsplit
 
 import pytest
@@ -20,12 +21,23 @@ from tests.support.browser import Browser, Phone, browser
 from tests.support.observer import Observer
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import SMALL_ROOM, Command, command_in, line_of
-from tests.support.web_page import TILT, choose, is_armed, is_held, open_page, take, take_hold, tap
+from tests.support.web_page import PAD, TILT, Input, choose, is_armed, is_held, open_page, slide, take, take_hold, tap
 
 pytestmark = pytest.mark.timeout(240)
 
 FORWARD = 25.0
 """Degrees from the attitude at the touch."""
+KEY = "ArrowUp"
+ARMS = 60
+"""Pictures without a key, in which a page arms the robot that it drives: base wants 0.2 s of neutral moments."""
+IS_WHOLE = """(button) => {
+  const { left, right, top, bottom } = button.getBoundingClientRect();
+  const seen = (x, y) => button.contains(document.elementFromPoint(x, y));
+  return [left + 12, right - 12].every((x) => [top + 4, bottom - 4].every((y) => seen(x, y)));
+}"""
+"""Nothing lies over a button's corners, and they are on the screen."""
+TURNED = 0.05
+"""m by which the wheels have turned."""
 
 
 @pytest.fixture
@@ -64,26 +76,59 @@ def distance(one: TruePose, other: TruePose) -> float:
     return math.dist((one.x, one.y), (other.x, other.y))
 
 
-def drive_by_tilt(phone: Phone, observer: Observer, metres: float) -> None:
-    """A finger down on a level phone, and the phone tilted; again for the rest of it where something has ended that."""
+def drives(phone: Phone) -> bool:
+    """Whether the page says that it holds the lease."""
+    return phone.page.locator("#driver").inner_text() == "You drive."
+
+
+def go_by_tilt(phone: Phone) -> None:
+    phone.tilt()
+    take_hold(phone, TILT)
+    phone.wait(lambda: is_armed(phone) or not is_held(phone), "an armed robot")
+    phone.tilt(forward=FORWARD)
+
+
+def go_by_pad(phone: Phone) -> None:
+    take_hold(phone, PAD)
+    phone.wait(lambda: is_armed(phone) or not is_held(phone), "an armed robot")
+    slide(phone, 1.0)
+
+
+def go_by_keys(phone: Phone) -> None:
+    """The robot is taken with a key, and armed by letting go, as the page says."""
+    phone.page.keyboard.down(KEY)
+    phone.wait(lambda: drives(phone) or not is_held(phone), "whose robot it is")
+    phone.page.keyboard.up(KEY)
+    phone.frames(ARMS)
+    phone.page.keyboard.down(KEY)
+
+
+WAYS: Final[dict[Input, tuple[Callable[[Phone], None], Callable[[Phone], object]]]] = {
+    "Keys": (go_by_keys, lambda phone: phone.page.keyboard.up(KEY)),
+    "Pad": (go_by_pad, Phone.lift),
+    "Tilt": (go_by_tilt, Phone.lift),
+}
+"""How each input goes ahead, and how it lets go."""
+
+
+def drive(phone: Phone, observer: Observer, by: Input, metres: float, tries: int) -> None:
+    """Ahead; again for the rest of it where something has ended that. So many tries are a busy machine's."""
     began = truth(observer, phone)
+    go, let_go = WAYS[by]
 
     def has_come() -> bool:
         newest = observer.newest(TRUE_POSE)
         return newest is not None and distance(began, newest) >= metres
 
-    def comes() -> bool:
-        phone.tilt()
-        take_hold(phone, TILT)
-        phone.wait(lambda: is_armed(phone) or not is_held(phone), "an armed robot")
-        phone.tilt(forward=FORWARD)
+    choose(phone, by)
+    for _ in range(tries):
+        go(phone)
         phone.wait(lambda: has_come() or not (is_held(phone) and is_armed(phone)), f"{metres:g} m")
-        if not has_come():
-            print(phone.told())
-            phone.lift()
-        return has_come()
-
-    phone.wait(comes, f"{metres:g} m", 2.0 * PATIENCE)
+        if has_come():
+            return
+        print(by, phone.told())
+        let_go(phone)
+    raise AssertionError(f"not {metres:g} m by {by} in {tries} tries")
 
 
 def is_at_rest(phone: Phone, observer: Observer) -> bool:
@@ -92,20 +137,36 @@ def is_at_rest(phone: Phone, observer: Observer) -> bool:
     return distance(one, truth(observer, phone)) < 0.002
 
 
-def test_a_phone_drives_a_metre_by_tilt_and_a_laptop_stops_it(
+def asks_whole(phone: Phone) -> None:
+    """The question that releases the stop shows both of its buttons whole, below as much text as two long reasons."""
+    phone.page.evaluate("document.getElementById('reasons').style.minHeight = '8rem'")
+    tap(phone, "Release…")
+    phone.frames(2)
+    for button in ("Stay stopped", "Release"):
+        assert phone.page.get_by_role("button", name=button, exact=True).evaluate(IS_WHOLE), f"{button}: {phone.told()}"
+    tap(phone, "Stay stopped")
+
+
+def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
     command: Command, observer: Observer, people: Browser
 ) -> None:
     with command.start("--web", "--hand", "none", "--boards", "host", "--world", "world.toml", local=False) as process:
         address = line_of(process, "page: ").removeprefix("page: ").strip()
         phone = people.phone()
         take(phone, address)
-        choose(phone, "Tilt")
+        bare = address.partition("#")[0]  # the token is spent, and the phone has its cookie
+        for by in ("Keys", "Pad"):
+            drive(phone, observer, by, TURNED, 6)
+            WAYS[by][1](phone)
+            phone.wait(lambda: is_at_rest(phone, observer), "a robot at rest")
+            take(phone, bare)
+            phone.wait(lambda: "Not armed." in phone.told(), "a robot that a closed page has left unarmed")
         kept = os.environ.get("GIRAFF_PICTURES")
         looks_on = people.laptop() if kept else None
         if looks_on is not None:
-            open_page(looks_on, address.partition("#")[0])
+            open_page(looks_on, bare)
         began = truth(observer, phone)
-        drive_by_tilt(phone, observer, 1.0)
+        drive(phone, observer, "Tilt", 1.0, 20)
         if kept and looks_on is not None:
             (Path(kept) / "web-laptop.png").write_bytes(looks_on.picture())
             (Path(kept) / "web-phone.png").write_bytes(phone.picture())  # for which a page stands still
@@ -121,6 +182,11 @@ def test_a_phone_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         tap(laptop, "STOP")
         phone.wait(lambda: (estop := observer.newest(ESTOP)) is not None and estop.engaged, "a stop that base confirms")
         laptop.wait(lambda: "STOPPED, confirmed" in laptop.told(), "a stop that is shown as confirmed")
+        assert laptop.page.locator("#why").inner_text().startswith("STOPPED. "), laptop.told()
+        assert laptop.page.locator("[data-freedom=stopped]").count() == 4, laptop.told()
+        for size in ((390, 844), (360, 640)):
+            phone.resize(*size)
+            asks_whole(phone)
         for device in (phone, laptop):
             assert device.hosts == {urlsplit(address).netloc}
             assert [each for each in device.complaints if "403" not in each] == []

@@ -7,6 +7,8 @@ import { EVENT_FRESH, IDLE, LINK_LOST, MOST_READINGS, STALLED } from "../../../.
 import { TICK, page, types } from "./pages.mjs";
 
 const EASE = 0.001;
+/** s between two states as the service sends them. */
+const STATE = 0.04;
 
 test("a touch that is held asks in each frame, the first time nothing", () => {
   const p = page();
@@ -318,6 +320,12 @@ test("the emergency stop ends the hold, here or elsewhere, and while it lasts no
   elsewhere.frame();
   elsewhere.state({ stopped: true });
   assert.equal(elsewhere.hand.hold, 0);
+  const before = page();
+  before.down();
+  before.frames(62);
+  assert.equal(before.hand.ended, "idle");
+  before.state({ stopped: true });
+  assert.equal(before.hand.ended, "", "what ended a hold before says nothing after it");
   elsewhere.hand.onPointerUp(1);
   assert.equal(elsewhere.down(), false);
   elsewhere.hand.onPointerUp(1);
@@ -333,7 +341,7 @@ test("another input ends the hold on purpose", () => {
   assert.equal(p.last.why, "finger");
 });
 
-test("after the first hold a wish comes ten times a second, to keep the lease", () => {
+test("a page that does not drive says ten times a second after its first hold that it is there", () => {
   const p = page();
   p.frames(60);
   assert.deepEqual(p.said, []);
@@ -343,6 +351,29 @@ test("after the first hold a wish comes ten times a second, to keep the lease", 
   p.frames(60);
   assert.ok(p.said.length >= 8 && p.said.length <= 10, String(p.said.length));
   assert.ok(p.said.every((wish) => wish.hold === 0 && wish.forward === 0));
+});
+
+test("a hand that drives and lets go is neutral at moments that arm base, on a slow screen, too", () => {
+  for (const hertz of [144, 60, 30, 15]) {
+    const p = page({ input: "keys", drives: true });
+    p.press("KeyW");
+    p.lift("KeyW");
+    p.said.length = 0;
+    let next = p.now;
+    for (let frame = 0; frame < hertz; frame += 1) {
+      p.now += 1 / hertz;
+      for (; next <= p.now; next += STATE) p.state();
+      p.frame({ states: false, step: 0 });
+    }
+    assert.ok(p.said.every((wish) => wish.hold === 0 && wish.forward === 0));
+    const ticks = p.said.map((wish) => Number(BigInt(wish.tick[1]) - BigInt(TICK(0)[1])));
+    const gaps = ticks.slice(1).map((tick, index) => tick - ticks[index]);
+    assert.ok(Math.max(...gaps) * STATE < 0.09, `${hertz} Hz: ${gaps}`);
+    assert.ok(Math.min(...gaps) > 0, `${hertz} Hz: no state is answered twice`);
+    p.said.length = 0;
+    p.frames(10, { states: false });
+    assert.deepEqual(p.said, [], "nothing is heard, and nothing is said of it");
+  }
 });
 
 test("a fast screen asks no more than a plain one", () => {

@@ -9,10 +9,11 @@ export const TICK = (n) => ["18446744073709551615", String(9007199254740993n + B
 export const types = (p) => p.said.map((message) => message.type);
 
 class Page {
-  constructor({ may = true, input = "pad" }) {
+  constructor({ may = true, input = "pad", drives = false }) {
     this.now = 1000;
     this.said = [];
     this.states = 0;
+    this.drives = drives;
     this.hand = new Hand((message) => this.said.push(structuredClone(message)));
     this.hand.onMayDrive(may);
     this.hand.choose(input);
@@ -25,7 +26,7 @@ class Page {
 
   state({ stopped = false } = {}) {
     this.states += 1;
-    this.hand.onState(TICK(this.states), stopped, this.now);
+    this.hand.onState(TICK(this.states), stopped, this.drives, this.now);
   }
 
   /** A finger on a pad of 200 pixels. */
