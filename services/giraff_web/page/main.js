@@ -8,6 +8,7 @@ import * as pad from "./pad.js";
 import { Panel, byId, write } from "./panel.js";
 import { Question, StopButton } from "./question.js";
 import { Motion, screenAngle } from "./tilt.js";
+import { isStopped } from "./words.js";
 
 const clock = () => performance.now() / 1000;
 /** ms between two looks of the timer. */
@@ -152,7 +153,7 @@ function draw(now) {
   at.hold = hand.hold;
   at.stopping = stop.isOpen;
   at.ended = hand.ended;
-  if (hand.hold || now > at.refusedUntil) at.refused = "";
+  if (hand.hold || now > at.refusedUntil || isStopped(at.state)) at.refused = "";
   wake(hand.hold > 0);
   panel.draw(at, now);
   stop.draw(now, linked);
