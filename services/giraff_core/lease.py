@@ -11,6 +11,7 @@ ASK: Final = 0
 _LATE: Final = 50
 """Samples, 5 s, by which a word may be late. One that is further behind shows that the newest was none of the guard's:
 a single false one must not make this operator deaf for good."""
+_RENEWED: Final = "another hand takes over here: a new lease is asked for, and the robot must be armed again"
 
 
 class LeaseClient:
@@ -24,6 +25,7 @@ class LeaseClient:
         self._instance = instance
         self._lease: Lease | None = None
         self._held = ASK
+        self._given_up: tuple[str, int] | None = None  # a guard's instance, and the counter of its lease
         self.refusal = "the guard is not heard; check that giraff_guard runs and that both share a network"
         """Why this operator does not drive, who does, and the way out; empty when it holds the lease."""
 
@@ -35,12 +37,22 @@ class LeaseClient:
         self._lease = lease
         if self.holds:
             self._held = lease.counter
-        self.refusal = "" if self.holds else lease.reason
+        self.refusal = "" if self.holds else _RENEWED if self._is_mine(lease) else lease.reason
 
     @property
     def holds(self) -> bool:
-        return self._lease is not None and self._lease.holder == self._instance
+        lease = self._lease
+        return lease is not None and self._is_mine(lease) and (lease.instance, lease.counter) != self._given_up
+
+    def give_up(self) -> None:
+        """Drive under this lease no more, since another hand takes over. Its wish asks the guard for a new one."""
+        if self._lease is not None and self.holds:
+            self._given_up = self._lease.instance, self._lease.counter
+            self.refusal = _RENEWED
 
     def counter(self, *, wishes: bool) -> int:
         """The counter for the next command; a lost lease's counts for nothing. `wishes`: a human asks to drive now."""
         return ASK if wishes and not self.holds else self._held
+
+    def _is_mine(self, lease: Lease) -> bool:
+        return lease.holder == self._instance

@@ -68,6 +68,10 @@ class Operator(RobotLink):
         self._lease.on_lease(lease)
         self.holder = lease.operator
 
+    def give_up(self) -> None:
+        """Drive under this lease no more: another hand takes over here, and the robot must be armed anew by it."""
+        self._lease.give_up()
+
     def command(
         self,
         linear_x: float,

@@ -40,6 +40,7 @@ class Authority:
         self._config = config
         self._next = (first_lease - 1) % _COUNTERS + 1
         self._seq = -1
+        self._used = False  # its holder has given a command under the lease in force
         # When (robot_ns) the holder last gave a command that counts, one of a hand, and one that asks for motion.
         self._heard_ns = self._hand_ns = self._wish_ns = 0
         self._ended = ""
@@ -124,8 +125,10 @@ class Authority:
                 self._complaint, self._complaint_ns = f"{command.operator}: {command.reason}", now.robot_ns
             return
         outranks = self._rank(command.operator) > self._rank(self.operator)
+        # A holder that has driven under its lease and asks again has another hand. Base must be armed by that one.
+        renews = self._used and command.instance == self.holder
         # Only a human's wish takes the robot from another: a program that was merely started does not.
-        if self.holder and (command.neutral or not outranks):
+        if self.holder and (command.neutral or not (outranks or renews)):
             return
         self.holder, self.operator = command.instance, command.operator
         self.counter = self._next
@@ -134,6 +137,7 @@ class Authority:
         self._seq = command.seq
         self._heard_ns = self._hand_ns = self._wish_ns = now.robot_ns
         self._complaint = ""
+        self._used = False
 
     def _holds(self, command: DriveCommand) -> bool:
         """Whether who gave it holds the lease now."""
@@ -146,6 +150,7 @@ class Authority:
     def _count(self, command: DriveCommand, now: RobotTime) -> None:
         """Keep the lease alive by a fresh command of its holder."""
         self._complaint = ""
+        self._used = True
         self._heard_ns = now.robot_ns
         if command.source == "hand":
             self._hand_ns = now.robot_ns

@@ -45,6 +45,7 @@ class WebPolicy:
         # Nobody takes the robot by opening a page.
         self._operator = Operator(config.operator, instance, asks_from_start=False)
         self._pages: dict[int, _Page] = {}
+        self._asker = 0  # the only page whose hand drives under the lease in force
         self._gone = ""
         self._tick: RobotTime | None = None
 
@@ -161,5 +162,8 @@ class WebPolicy:
         if driving is not None and self.driver.page != page and driving.hand.holds:
             hand.lose(f"{driving.device} drives by a page of its own; drive when it has let go")
             return
+        if page != self._asker:
+            self._asker = page
+            self._operator.give_up()
         self._gone = ""
         self.driver = Driver(page, self._pages[page].device)

@@ -119,7 +119,7 @@ def test_nothing_moves_by_a_page_without_a_token() -> None:
         assert it.driven_ms(0.0) == 0
 
 
-def test_two_pages_do_not_drive_at_once() -> None:
+def test_two_pages_do_not_drive_at_once_and_each_arms_for_itself() -> None:
     with room() as it:
         one, two = it.browsers.add("phone"), it.browsers.add("laptop")
         it.drive(one)
@@ -135,7 +135,19 @@ def test_two_pages_do_not_drive_at_once() -> None:
         it.run(1.0)
         assert it.driven_ms(since) == 0, "a hold that was refused never counts"
         two.let_go()
-        it.drive(two)
+        it.run(0.3)
+        assert it.armed, "by the hand before: it does not stand for the next one's"
+        two.touch()
+        it.run(0.05)
+        it.go(two)
+        since = it.now
+        it.run(0.8)
+        assert (it.driven_ms(since), it.armed) == (0, False), "this hand was not neutral yet"
+        two.asks = (0.0, 0.0)
+        it.run(0.4)
+        it.go(two)
+        it.run(0.5)
+        assert it.driven_ms(it.now - 0.1) > 90
         assert two.state is not None
         assert (two.state.operator, two.state.device, two.state.page) == ("web", "laptop", two.number)
 

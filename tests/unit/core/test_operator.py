@@ -59,3 +59,17 @@ def test_it_knows_who_drives(operator: Operator) -> None:
     operator.on_lease(leased("other", 6))
     assert (operator.holder, operator.holds) == ("hand", False)
     assert operator.refusal == "held by another"
+
+
+def test_a_lease_that_was_given_up_is_asked_for_anew_and_counts_for_no_other_hand(operator: Operator) -> None:
+    operator.on_lease(leased("me", 5))
+    operator.give_up()
+    for seq in (1, 2):  # the guard says it again, and has not heard
+        assert not operator.holds
+        assert "a new lease is asked for" in operator.refusal
+        assert operator.command(0.0, 0.1, tick=None, wishes=True).lease_counter == ASK
+        operator.on_lease(leased("me", 5, seq=seq))
+        operator.give_up()
+    operator.on_lease(leased("me", 6, seq=3))
+    assert (operator.holds, operator.refusal) == (True, "")
+    assert operator.command(0.1, 0.0, tick=None, wishes=True).lease_counter == 6

@@ -26,7 +26,7 @@ def test_the_asking_command_itself_moves_nothing(room: Room) -> None:
     assert room.passes == 0.5
 
 
-@pytest.mark.parametrize("counter", [0, FIRST - 1])
+@pytest.mark.parametrize("counter", [-1, FIRST - 1])
 def test_a_holder_that_was_told_of_an_old_lease_asks_for_nothing_until_it_hears_of_its_own(
     held: Room, counter: int
 ) -> None:
@@ -228,6 +228,22 @@ def test_each_grant_has_another_counter_and_an_old_one_counts_nothing(held: Room
         assert held.passes is None
         held.say(held.holder, FIRST + turn, 0.5)
         assert held.passes == 0.5
+
+
+def test_a_holder_that_asks_anew_by_a_wish_gets_another_lease_once(held: Room) -> None:
+    """For another hand of the same operator."""
+    held.say("A", 0, 0.1)
+    assert held.authority.counter == FIRST, "it has not heard yet which lease it has"
+    held.say("A", FIRST)
+    held.say("A", 0)
+    assert held.authority.counter == FIRST, "no hand wishes to drive"
+    for _ in range(3):
+        held.say("A", 0, 0.1)
+        assert (held.holder, held.authority.counter, held.passes) == ("A", FIRST + 1, None)
+    held.say("A", FIRST, 0.3)
+    assert held.passes is None
+    held.say("A", FIRST + 1, 0.3)
+    assert held.passes == 0.3
 
 
 @pytest.mark.parametrize("first", [0, 1, (1 << 32) - 2, (1 << 32) - 1])
