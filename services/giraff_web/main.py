@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from importlib.util import find_spec
 from pathlib import Path
@@ -15,8 +15,10 @@ import msgspec
 from giraff_node import Node
 from giraff_node.network.host_addresses import host_addresses
 from giraff_node.process.state import state_directory
+from giraff_node.process.unix_socket import listen_at
 from giraff_web.config import WebConfig
 from giraff_web.messages import Room
+from giraff_web.server.host import RIGHTS, HostSocket, own_socket
 from giraff_web.service import Web
 
 if TYPE_CHECKING:
@@ -51,13 +53,37 @@ def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> Non
     try:
         room = _room(node.config.room)
         config = _open_at(node)
-        server = Server(config, _site(node, config), announce, node.log.info, node.fail)
-        with closing(server):
-            server.start()
-            node.run(Web(node, config, node.robot, server, node.log.info, room))
+        site = _site(node, config)
+        with _host_socket(node) as host:
+            server = Server(config, site, announce, node.log.info, node.fail, host=host)
+            with closing(server):
+                server.start()
+                node.run(Web(node, config, node.robot, server, node.log.info, room))
     except (_RoomError, CertificateProblemError, PortError) as error:
         node.log.error("%s", error)
         sys.exit(_REFUSED)
+
+
+@contextmanager
+def _host_socket(node: Node[WebConfig]) -> Iterator[HostSocket | None]:
+    """Where `giraff web --devices` asks; None, after a notice, where there can be no socket."""
+    path = own_socket()
+    try:
+        listener = listen_at(path, RIGHTS)
+    except OSError as error:
+        node.set_notice(
+            "devices",
+            f"{path}: giraff web --devices cannot ask there: {error.strerror or error}; let XDG_RUNTIME_DIR name a "
+            "directory with a short path that this user may write to",
+        )
+        yield None
+        return
+    try:
+        with listener:
+            yield HostSocket(node.robot.name, listener)
+    finally:
+        with suppress(OSError):
+            path.unlink()
 
 
 class _RoomError(Exception):

@@ -93,7 +93,14 @@ class Seen(_FromPage, frozen=True, kw_only=True, tag="seen"):
     n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
 
 
-FromPage = Wish | LetGo | Stop | Reset | Seen
+class End(_FromPage, frozen=True, kw_only=True, tag="end"):
+    """End another page and its device's session. Only a page that may drive is heard."""
+
+    page: Annotated[int, msgspec.Meta(ge=1, lt=1 << 53)]
+    """Its number."""
+
+
+FromPage = Wish | LetGo | Stop | Reset | Seen | End
 
 
 class _ToPage(msgspec.Struct, frozen=True, kw_only=True, tag_field="type"):
@@ -209,4 +216,22 @@ class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):
     why: str
 
 
-ToPage = Hello | State | Refused
+class OpenPage(msgspec.Struct, frozen=True, kw_only=True):
+    """A page that is open."""
+
+    page: int
+    """Number of its connection, never again another's."""
+    device: str
+    """As people know it: `Android phone at 192.168.1.7`."""
+    may_drive: bool
+    age: float
+    """s since it was opened."""
+
+
+class OpenPages(_ToPage, frozen=True, kw_only=True, tag="pages"):
+    """All pages that are open. Only those that may drive are told, when others have come or gone."""
+
+    pages: tuple[OpenPage, ...]
+
+
+ToPage = Hello | State | Refused | OpenPages

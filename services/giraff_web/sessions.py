@@ -131,6 +131,10 @@ class Sessions:
         self._sessions.move_to_end(digest)
         return found[0].device
 
+    def end(self, cookie: str) -> None:
+        """Take the right to drive away: its device needs the open token to begin another session."""
+        self._sessions.pop(_digest(cookie), None)
+
 
 def _digest(text: str) -> bytes:
     return hashlib.sha256(text[: _LONGEST + 1].encode(errors="replace")).digest()

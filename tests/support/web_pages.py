@@ -16,11 +16,13 @@ from typing import Any
 import aiohttp
 import msgspec
 
+from giraff_node.process.unix_socket import listen_at
 from giraff_web.config import WebConfig
 from giraff_web.limits import Limits
 from giraff_web.messages import Hello, State
 from giraff_web.pages import Event, Opened
 from giraff_web.server.certificates import made_certificate, own_names
+from giraff_web.server.host import RIGHTS, HostSocket, own_socket
 from giraff_web.server.server import Server, Site
 
 STATE = State(
@@ -92,7 +94,8 @@ def desk(state: Path, *, strangers_watch: bool = True, limits: Limits = LIMITS, 
     announced: list[list[str]] = []
     failures: list[BaseException] = []
     config = WebConfig(**{"port": 0, **fields})
-    server = Server(config, site, announced.append, log.append, failures.append, limits)
+    host = HostSocket("one", listen_at(own_socket({"RUNTIME_DIRECTORY": str(state)}), RIGHTS))
+    server = Server(config, site, announced.append, log.append, failures.append, limits, host)
     it = Desk(server, certificate.authority)
     it.log, it.announced, it.failures = log, announced, failures
     try:
@@ -100,6 +103,7 @@ def desk(state: Path, *, strangers_watch: bool = True, limits: Limits = LIMITS, 
         yield it
     finally:
         server.close()
+        host.listener.close()
     assert failures == []
 
 

@@ -13,7 +13,7 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
 from giraff_cli.terminal.page import Page, print_json, print_table
 from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.terminal.text import printable
+from giraff_cli.terminal.text import duration, printable
 from giraff_schemas.messages import Health
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
@@ -78,13 +78,6 @@ def rows_of(robot_graph: RobotGraph) -> list[NodeRow]:
         NodeRow(service=maker.service, instance=maker.instance, health=robot_graph.healths.get(maker.instance))
         for maker in robot_graph.services
     ]
-
-
-def duration(seconds: float) -> str:
-    """Like 2 h 05 min."""
-    minutes, rest = divmod(int(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours} h {minutes:02} min" if hours else f"{minutes} min {rest:02} s" if minutes else f"{rest} s"
 
 
 def _show_rows(rows: Sequence[NodeRow]) -> None:

@@ -16,13 +16,29 @@ def web(
         int | None,
         typer.Option(metavar="N", min=0, max=65535, help="Else 8443, or any that is free.", show_default=False),
     ] = None,
+    devices: Annotated[bool, typer.Option("--devices", help="List the pages that are open on this host.")] = False,
+    end: Annotated[
+        str | None,
+        typer.Option(metavar="DEVICE", help="End one of them: its number, device or address.", show_default=False),
+    ] = None,
 ) -> None:
     """Serve a page for phones and laptops: watch, STOP and drive a robot; no robot file is needed.
 
     Open an address that is printed, or scan its code: the first device that opens it may drive, by tilting, touch or
     keys. Whoever else opens the page watches, and may stop. It takes the robot from nobody. Ctrl-C ends it, and whoever
-    drives by it stops. Exit code: 0; 1 it failed; 2 there is no robot that tells its limits, or no port.
+    drives by it stops.
+
+    --devices lists the pages that are open at this host's page services, and --end ends one. Its device may watch after
+    a reload, and needs a new address to drive.
+
+    Exit code: 0; 1 it failed; 2 there is no robot that tells its limits, no port, no page service or no such page.
     """
+    if devices or end is not None:
+        if robot or connect or port is not None or (devices and end is not None):
+            raise typer.BadParameter("--devices and --end each stand alone: they ask the page services of this host")
+        from giraff_cli.web import devices as pages  # noqa: PLC0415
+
+        raise typer.Exit(pages.list_devices() if end is None else pages.end_device(end))
     for library in ("aiohttp", "cryptography", "segno"):
         require_extra("web", library, "cli,web")
     from giraff_cli.web.serve import serve  # noqa: PLC0415

@@ -8,8 +8,10 @@ import socket
 from pathlib import Path
 
 
-def listen_at(path: Path) -> socket.socket:
+def listen_at(path: Path, rights: int | None = None) -> socket.socket:
     """A listener in place of whatever socket is at `path`. It never waits. Raises OSError, and then leaves nothing.
+
+    `rights`: file mode from the first moment at which anybody can connect; None: what the process's umask leaves.
 
     Between bind and listen a client is refused: it is made beside the path, and moved there once it listens.
     """
@@ -20,6 +22,8 @@ def listen_at(path: Path) -> socket.socket:
     try:
         listener.setblocking(False)
         listener.bind(os.fspath(fresh))
+        if rights is not None:
+            fresh.chmod(rights)
         listener.listen()
         fresh.replace(path)
     except OSError:

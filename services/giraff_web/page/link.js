@@ -9,6 +9,8 @@ const LONG_PATIENCE = 5.0;
 const LATE_LOOK = 0.5;
 /** ms for which the answer to a token is waited for. */
 const SESSION_PATIENCE = 8000;
+/** Somebody has ended this page: to connect again by itself would undo that. */
+const ENDED = 4410;
 /** Attempts without a single connection after which the certificate may be why. */
 const SUSPICIOUS = 2;
 
@@ -37,6 +39,7 @@ export class Link {
     this._givesUp = 0;
     this._lookedAt = 0;
     this._retry = 0;
+    this._ended = false;
     addEventListener("online", () => this._now());
     addEventListener("hashchange", () => this._takeToken());
     addEventListener("pageshow", (event) => event.persisted && this._now());
@@ -86,6 +89,7 @@ export class Link {
       const said = await answer.json().catch(() => ({}));
       if (answer.status !== 429) history.replaceState(null, "", location.pathname + location.search);
       else setTimeout(() => this._takeToken(), 3000);
+      if (answer.ok) this._ended = false;
       this._listener.onSession(answer.ok ? "" : said.why || `the code was not taken (${answer.status})`);
     } catch {
       setTimeout(() => this._takeToken(), LONGEST_WAIT * 1000); // no network yet: the token is kept
@@ -97,7 +101,7 @@ export class Link {
   }
 
   _now() {
-    if (this._socket && this._socket.readyState <= WebSocket.OPEN) return;
+    if (this._ended || (this._socket && this._socket.readyState <= WebSocket.OPEN)) return;
     clearTimeout(this._retry);
     this._connect();
   }
@@ -142,6 +146,8 @@ export class Link {
     this._listener.onCut();
     this._listener.onWhy(reason || (code === 1006 ? "" : `the connection was closed (${code})`));
     clearTimeout(this._retry);
+    this._ended = code === ENDED;
+    if (this._ended) return;
     this._retry = setTimeout(() => this._connect(), this._wait * 1000);
     this._wait = Math.min(LONGEST_WAIT, this._wait * 2);
     if (!this._everOpen && code === 1006 && this._attempts >= SUSPICIOUS) this._suspect();

@@ -4,6 +4,7 @@ import { Floor, Trail } from "./floor.js";
 import { Hand, isFresh } from "./hand.js";
 import * as keys from "./keys.js";
 import { Link } from "./link.js";
+import { Others } from "./others.js";
 import * as pad from "./pad.js";
 import { Panel, byId, write } from "./panel.js";
 import { Question, StopButton } from "./question.js";
@@ -41,6 +42,7 @@ const link = new Link({ onMessage, onCut, onWhy, onSession, onUntrusted });
 const hand = new Hand((message) => link.say(message));
 const motion = new Motion(hand, clock);
 const panel = new Panel();
+const others = new Others((page) => link.say({ type: "end", page }));
 const floor = new Floor(byId("floor"));
 const trail = new Trail();
 const stop = new StopButton(clock, {
@@ -81,6 +83,8 @@ function onMessage(message) {
     trail.onState(message);
     floor.touch();
     link.say({ type: "seen", n: message.n });
+  } else if (message.type === "pages") {
+    others.onPages(message.pages, at.me);
   } else if (message.type === "refused") {
     if (message.why) {
       hand.onRefused();
@@ -156,6 +160,7 @@ function draw(now) {
   if (hand.hold || now > at.refusedUntil || isStopped(at.state)) at.refused = "";
   wake(hand.hold > 0);
   panel.draw(at, now);
+  others.draw(at);
   stop.draw(now, linked);
   question.draw(at.state?.stop, at.mayDrive, linked);
 }

@@ -12,12 +12,14 @@ import msgspec
 from aiohttp import WSMsgType, web
 
 from giraff_web.limits import Credit, Limits, Rate
-from giraff_web.messages import LARGEST, FromPage, Hello, Refused, Seen, Stop
+from giraff_web.messages import LARGEST, End, FromPage, Hello, OpenPage, OpenPages, Refused, Seen, Stop
 from giraff_web.pages import Event, Said, StopAsked
 
 BAD_MESSAGE: Final = 4400
 NOT_ALLOWED: Final = 4403
 SILENT: Final = 4408
+ENDED: Final = 4410
+"""Somebody has ended this page: `page/link.js` does not connect again by itself."""
 TOO_MANY: Final = 4429
 LEAVING: Final = 1001
 
@@ -60,14 +62,23 @@ class Connection:
     """Of the event loop's thread."""
 
     def __init__(
-        self, page: int, device: str, cookie: str, put: Callable[[Event], None], limits: Limits, now: float
+        self,
+        page: int,
+        device: str,
+        cookie: str,
+        put: Callable[[Event], None],
+        end_page: Callable[[int, str], object],
+        limits: Limits,
+        now: float,
     ) -> None:
-        """`cookie`: of its session; empty: it watches only."""
+        """`cookie`: of its session; empty: it watches only. `end_page` ends a page by its number, and for whom."""
         self.page = page
         self.device = device
         self.cookie = cookie
         self.socket = Socket()
         self._put = put
+        self._end_page = end_page
+        self._opened = now
         self._limits = limits
         self._rate = Rate(limits.rate, now)
         self._credit = Credit()
@@ -90,7 +101,11 @@ class Connection:
         self._state = state
         self._news.set()
 
-    def tell(self, message: Hello | Refused) -> None:
+    def row(self, now: float) -> OpenPage:
+        """This page, as others are told of it."""
+        return OpenPage(page=self.page, device=self.device, may_drive=self.may_drive, age=now - self._opened)
+
+    def tell(self, message: Hello | Refused | OpenPages) -> None:
         self._greeted = self._greeted or isinstance(message, Hello)
         self._told.append(msgspec.json.encode(message))
         self._news.set()
@@ -147,7 +162,10 @@ class Connection:
             self._credit.seen(said.n, now)
             self._news.set()
         elif not isinstance(said, Stop) and self.may_drive and not self._silenced:
-            self._put(Said(self.page, said))
+            if isinstance(said, End):
+                self._end_page(said.page, self.device)
+            else:
+                self._put(Said(self.page, said))
         return ""
 
     async def _write(self) -> None:

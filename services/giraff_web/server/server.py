@@ -20,17 +20,20 @@ from giraff_node.process.selector import Waker
 from giraff_web.config import WebConfig
 from giraff_web.event_box import EventBox
 from giraff_web.limits import Limits
-from giraff_web.messages import Hello, Refused, State
+from giraff_web.messages import Hello, OpenPages, Refused, State
 from giraff_web.pages import Closed, Event, Opened
 from giraff_web.server.certificates import Certificate
-from giraff_web.server.connection import LEAVING, NOT_ALLOWED, SILENT, TOO_MANY, Connection, Shown, bounded
+from giraff_web.server.connection import ENDED, LEAVING, NOT_ALLOWED, SILENT, TOO_MANY, Connection, Shown, bounded
 from giraff_web.server.doorman import Doorman
+from giraff_web.server.host import Answer, Ask, HostSocket, serve
 from giraff_web.server.requests import Requests
 from giraff_web.sessions import Sessions
 
 _LOOK: Final = 0.5  # s between looks at what is silent or over
 _ENDS_WITHIN: Final = 3.0  # s
 _BACKLOG: Final = 128
+_ENDED: Final = "this page was ended; reload it to watch, or open the address that giraff web prints now to drive"
+"""At most 120 bytes, as each reason of a close."""
 _TOKEN_BYTES: Final = 18
 """144 bits, and no padding in base64."""
 
@@ -65,16 +68,21 @@ class Server:
         log: Callable[[str], None],
         fail: Callable[[BaseException], None],
         limits: Limits = Limits(),  # noqa: B008  it is frozen
+        host: HostSocket | None = None,
     ) -> None:
+        """`host`: where commands of this host ask for the open pages."""
         self._config = config
         self._site = site
         self._announce = announce
         self._log = log
         self._fail = fail
         self._limits = limits
+        self._host = host
         self._sessions = Sessions(lambda: secrets.token_urlsafe(_TOKEN_BYTES))
         self._numbers = count(1)
         self._connections: dict[int, Connection] = {}
+        self._listed: frozenset[int] = frozenset()  # the pages that drivers were told of
+        self._driver = 0
         self._box = EventBox()
         self._lock = threading.Lock()
         self._waker = Waker()
@@ -127,6 +135,7 @@ class Server:
 
     def show(self, state: State) -> None:
         self._shown = Shown(state.n, msgspec.json.encode(state))
+        self._driver = state.page
         if not self._showing:
             self._showing = True
             self._call(self._spread)
@@ -180,6 +189,8 @@ class Server:
         )
         self._loop.set_exception_handler(lambda _, context: self._log(f"pages: {context.get('message')}"))
         tasks = [asyncio.create_task(each) for each in (doorman.run(), self._look(), self._ending.wait())]
+        if self._host is not None:
+            tasks.append(asyncio.create_task(serve(self._host.listener, self._answer_host)))
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         await asyncio.gather(*(each.end(LEAVING, "the service ends") for each in self._connections.values()))
         for task in tasks:
@@ -195,7 +206,7 @@ class Server:
         return await self._requests.answer(request)
 
     async def _look(self) -> None:
-        """Close the pages that are silent, and those whose session is over."""
+        """Close the pages that are silent, and those whose session is over. Tell drivers who has come and gone."""
         while True:
             await asyncio.sleep(_LOOK)
             now = self._loop.time()
@@ -205,13 +216,39 @@ class Server:
                 elif each.may_drive and not self._sessions.device(each.cookie, now):
                     self._drop(each, NOT_ALLOWED, "this session is over; open the address that giraff web prints now")
 
+            if self._listed != self._connections.keys():
+                self._listed = frozenset(self._connections)
+                pages = OpenPages(pages=tuple(each.row(now) for each in self._connections.values()))
+                for each in self._connections.values():
+                    if each.may_drive:
+                        each.tell(pages)
+
+    def _answer_host(self, asked: Ask) -> Answer:
+        assert self._host is not None  # noqa: S101  it has asked
+        ended = bool(asked.end) and self._end_page(asked.end, "a command on this host")
+        pages = tuple(each.row(self._loop.time()) for each in self._connections.values())
+        return Answer(robot=self._host.robot, port=self.port, driver=self._driver, pages=pages, ended=ended)
+
+    def _end_page(self, page: int, by: str) -> bool:
+        """End it with its session and all pages of that; whether it was open."""
+        found = self._connections.get(page)
+        if found is None:
+            return False
+        self._sessions.end(found.cookie)
+        for each in list(self._connections.values()):
+            if each is found or (found.cookie and each.cookie == found.cookie):
+                self._drop(each, ENDED, _ENDED)
+        self._log(f"{found.device} was ended by {by}")
+        return True
+
     def _drop(self, connection: Connection, code: int, reason: str) -> None:
         self._forget(connection)  # at once: its hand is gone, whatever it still does
         connection.dropping = asyncio.create_task(connection.end(code, reason))
 
     async def page(self, request: web.BaseRequest, device: str, cookie: str) -> web.StreamResponse:
         """Serve the WebSocket of a page. `cookie`: of a session; empty: it watches only."""
-        connection = Connection(next(self._numbers), device, cookie, self._put, self._limits, self._loop.time())
+        now = self._loop.time()
+        connection = Connection(next(self._numbers), device, cookie, self._put, self._end_page, self._limits, now)
         await connection.socket.prepare(request)
         if not cookie and not self._site.strangers_watch:
             await connection.end(NOT_ALLOWED, "open the address that giraff web prints: strangers may not watch here")

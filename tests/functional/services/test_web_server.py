@@ -12,7 +12,8 @@ import pytest
 
 from giraff_web.messages import LetGo, Reset, Wish
 from giraff_web.pages import Closed, Opened, Said, StopAsked
-from tests.support.web_pages import HOST, IPHONE, STOP, Desk, browser, page, sign_in, told, trying, wish
+from giraff_web.server.host import Ask, ask, sockets
+from tests.support.web_pages import HOST, IPHONE, STOP, Desk, browser, closed, page, sign_in, told, trying, wish
 
 
 def test_who_has_no_token_watches_and_may_stop_and_nothing_else(tmp_path: Path) -> None:
@@ -198,3 +199,64 @@ def test_a_request_that_is_none_leaves_no_line_in_the_log(tmp_path: Path, caplog
 
     trying(tmp_path, course)
     assert caplog.records == []
+
+
+async def named(socket: aiohttp.ClientWebSocketResponse, *pages: int) -> None:
+    """Wait until this page is told that these are open."""
+    while True:
+        message = await told(socket)
+        if message["type"] == "pages" and [each["page"] for each in message["pages"]] == [*pages]:
+            return
+
+
+ENDED = (4410, "this page was ended; reload it to watch, or open the address that giraff web prints now to drive")
+
+
+def test_a_page_that_may_drive_ends_others_and_one_that_watches_is_told_nothing(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with browser(it) as session, browser(it, agent="X11; Linux Firefox/132.0") as other:
+            await sign_in(it, session)
+            async with page(it, session) as driver, page(it, other) as watcher:
+                await it.until(lambda: len(it.of(Opened)) == 2)
+                await named(driver, 1, 2)
+                await watcher.send_str('{"type": "end", "page": 1}')
+                await driver.send_str('{"type": "end", "page": 7}')
+                await driver.send_str('{"type": "end", "page": 2}')
+                await it.until(lambda: it.of(Closed))
+                assert await closed(watcher) == ENDED
+                await named(driver, 1)
+                assert it.of(Closed) == [Closed(2)]
+                assert it.log[1:] == [f"Firefox on Linux at {HOST} was ended by {IPHONE}"]
+
+    trying(tmp_path, course)
+
+
+def test_its_own_host_lists_the_pages_and_ends_one_with_its_session(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        (path,) = sockets({"RUNTIME_DIRECTORY": str(tmp_path)}, tmp_path)
+        assert path.stat().st_mode & 0o777 == 0o600
+        reader, writer = await asyncio.open_unix_connection(path)
+        writer.write(b"nonsense\n")
+        assert await reader.read() == b""
+        writer.close()
+        async with browser(it) as session:
+            await sign_in(it, session)
+            async with page(it, session) as one, page(it, session) as two:
+                it.show()
+                await it.until(lambda: len(it.of(Opened)) == 2)
+                answer = await asyncio.to_thread(ask, path, Ask())
+                assert (answer.robot, answer.port, answer.ended) == ("one", it.server.port, False)
+                assert [(each.page, each.device, each.may_drive) for each in answer.pages] == [
+                    (1, IPHONE, True),
+                    (2, IPHONE, True),
+                ]
+                answer = await asyncio.to_thread(ask, path, Ask(end=1))
+                assert (answer.ended, answer.pages) == (True, ())
+                for socket in (one, two):
+                    assert await closed(socket) == ENDED
+            async with page(it, session) as again:
+                await it.until(lambda: len(it.of(Opened)) == 3)
+                assert not (await told(again))["may_drive"]
+            assert (await sign_in(it, session))[0] == 200, "the address that is shown now"
+
+    trying(tmp_path, course)

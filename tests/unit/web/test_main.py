@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from unittest.mock import MagicMock
 
 import pytest
 
@@ -42,3 +43,29 @@ def test_a_room_that_is_none_is_told(tmp_path: Path, text: str, told: str) -> No
 def test_a_room_that_is_not_there_is_told(tmp_path: Path) -> None:
     with pytest.raises(it._RoomError, match="cannot be read: No such file or directory"):
         it._room(str(tmp_path / "room.json"))
+
+
+def test_the_hosts_socket_is_its_users_alone_and_goes_with_the_service(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    node = MagicMock()
+    with it._host_socket(node) as host:
+        assert host is not None
+        (path,) = tmp_path.iterdir()
+        assert path.stat().st_mode & 0o777 == 0o600
+    assert list(tmp_path.iterdir()) == []
+    node.set_notice.assert_not_called()
+
+
+def test_a_run_directory_that_cannot_be_used_is_told_and_the_page_is_served_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node = MagicMock()
+    for folder, told in ((tmp_path / ("long" * 40), "AF_UNIX path too long"), (Path("/dev/null"), "File exists")):
+        monkeypatch.setenv("RUNTIME_DIRECTORY", str(folder))
+        with it._host_socket(node) as host:
+            assert host is None
+        name, notice = node.set_notice.call_args.args
+        assert name == "devices"
+        assert f"giraff web --devices cannot ask there: {told}; let XDG_RUNTIME_DIR name" in notice

@@ -139,3 +139,11 @@ def test_neither_cookie_nor_used_token_is_kept() -> None:
     kept = repr((it._sessions, it._used))
     assert token not in kept
     assert cookie not in kept
+
+
+def test_an_ended_session_drives_no_more_and_no_other_ends_with_it() -> None:
+    it = sessions()
+    cookie, other = granted(it), granted(it, LAPTOP)
+    it.end(cookie)
+    it.end("")
+    assert (it.device(cookie, 1.0), it.device(other, 1.0)) == ("", LAPTOP)
