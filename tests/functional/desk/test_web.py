@@ -22,6 +22,7 @@ from tests.support.observer import Observer
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import SMALL_ROOM, Command, command_in, line_of
 from tests.support.web_page import PAD, TILT, Input, choose, is_armed, is_held, open_page, slide, take, take_hold, tap
+from tests.unit.cli.typed import typed
 
 pytestmark = pytest.mark.timeout(240)
 
@@ -41,7 +42,10 @@ TURNED = 0.05
 
 
 @pytest.fixture
-def command(tmp_path: Path) -> Iterator[Command]:
+def command(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Command]:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("r")))  # short, as the path of a socket must be
     (tmp_path / "world.toml").write_text(SMALL_ROOM)
     with command_in(tmp_path) as made:
         made.environment["GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT"] = "0.03"
@@ -147,8 +151,34 @@ def asks_whole(phone: Phone) -> None:
     tap(phone, "Stay stopped")
 
 
+def ends_pages(phone: Phone, laptop: Phone, web: Callable[..., str]) -> None:
+    """The phone, which may drive, ends the laptop's page; `giraff web --end` ends the phone's."""
+    pages = phone.page.locator("#pages")
+    pages.locator("summary").click()
+    pages.locator("li").first.wait_for()
+    if kept := os.environ.get("GIRAFF_PICTURES"):
+        (Path(kept) / "web-pages.png").write_bytes(phone.picture())
+    listed = web("--devices")
+    assert "Android phone" in listed
+    assert listed.rstrip().endswith("watches")
+    pages.get_by_role("button", name="End the page of").last.click()
+    laptop.wait(lambda: "this page was ended; reload it to watch" in laptop.told(), "the end of a page")
+    web("--end", "Android phone")
+    phone.wait(lambda: "this page was ended" in phone.told(), "the end of the other")
+
+
+def read(code: int, told: str, complaint: str) -> str:
+    """What a command has told, which went well."""
+    assert (code, complaint) == (0, "")
+    return told
+
+
 def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
-    command: Command, observer: Observer, people: Browser
+    command: Command,
+    observer: Observer,
+    people: Browser,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     with command.start("--web", "--hand", "none", "--boards", "host", "--world", "world.toml", local=False) as process:
         address = line_of(process, "page: ").removeprefix("page: ").strip()
@@ -187,6 +217,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         for size in ((390, 844), (360, 640)):
             phone.resize(*size)
             asks_whole(phone)
+        ends_pages(phone, laptop, lambda *asked: read(*typed(monkeypatch, capsys, "web", *asked)))
         for device in (phone, laptop):
             assert device.hosts == {urlsplit(address).netloc}
             assert [each for each in device.complaints if "403" not in each] == []
