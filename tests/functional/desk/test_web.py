@@ -17,7 +17,7 @@ import pytest
 
 from giraff_schemas.messages import TruePose
 from giraff_schemas.topics import ESTOP, TRUE_POSE
-from tests.support.browser import Browser, Phone, browser
+from tests.support.browser import Browser, Device, Phone, browser
 from tests.support.observer import Observer
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import SMALL_ROOM, Command, command_in, line_of
@@ -151,7 +151,7 @@ def asks_whole(phone: Phone) -> None:
     tap(phone, "Stay stopped")
 
 
-def ends_pages(phone: Phone, laptop: Phone, web: Callable[..., str]) -> None:
+def ends_pages(phone: Phone, laptop: Device, web: Callable[..., str]) -> None:
     """The phone, which may drive, ends the laptop's page; `giraff web --end` ends the phone's."""
     pages = phone.page.locator("#pages")
     pages.locator("summary").click()
