@@ -148,6 +148,8 @@ class Lease(Sample, frozen=True, kw_only=True):
     """Another one for each grant, never 0; what the holder's commands must carry. 0: free."""
     reason: str
     """Why the newest grant, refusal or end, and what an operator who wants to drive does now."""
+    unranked: tuple[str, ...] = ()
+    """Operators that have asked to drive, and whose names no table ranks: persons take the robot from them."""
 
 
 class EStop(Sample, frozen=True, kw_only=True):

@@ -171,6 +171,8 @@ SERVICES: Final = (
 
 OPERATORS: Final = tuple(service for service in SERVICES if service.host == "operator")
 """Who may ask to drive."""
+SCRIPT: Final = "script"
+"""Name under which a script asks to drive when it gives no other."""
 DEMONSTRATION: Final = "demo"
 """Name under which the joystick of `giraff run` asks to drive."""
 HANDS: Final = tuple(service.name for service in OPERATORS if service.package)

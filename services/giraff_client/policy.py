@@ -15,6 +15,7 @@ from giraff_client.errors import (
 )
 from giraff_core.operator import ASKING, LEVEL, Operator
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, Sample, Tick
+from giraff_schemas.services import MOTION
 
 _ANSWERS_WITHIN: Final = 0.5
 """s in which the guard answers who asks for the lease: it tells who drives ten times a second."""
@@ -62,7 +63,9 @@ class OperatorPolicy:
         self._raise_if_stopped(now)
         if not self._operator.holds:
             self._neutral_since = None
-            if self._operator.holder and self._asked_at is not None and now - self._asked_at > _ANSWERS_WITHIN:
+            # The lease of a motion, perhaps of this very script, ends a second after the motion: it is waited for.
+            taken = self._operator.holder not in ("", MOTION.name)
+            if taken and self._asked_at is not None and now - self._asked_at > _ANSWERS_WITHIN:
                 raise self._refused()
             return self._made(ASKING, wishes=True)
         if self._neutral_since is None:

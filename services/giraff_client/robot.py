@@ -41,7 +41,7 @@ from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import DriveCommand, Odometry, Range, Sample
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
-from giraff_schemas.services import CLIENT
+from giraff_schemas.services import CLIENT, SCRIPT
 from giraff_schemas.topics import (
     ODOM,
     ODOM_RESET,
@@ -79,7 +79,7 @@ class Robot(Motions, States, FrameReader):
         name: str | None = None,
         *,
         connect: str | Sequence[str] = (),
-        operator: str = "script",
+        operator: str = SCRIPT,
         patience: float = 5.0,
     ) -> None:
         self.name = name or ""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 from typing import Final
 
 from giraff_schemas.messages import Lease
@@ -12,6 +14,17 @@ _LATE: Final = 50
 """Samples, 5 s, by which a word may be late. One that is further behind shows that the newest was none of the guard's:
 a single false one must not make this operator deaf for good."""
 _RENEWED: Final = "another hand takes over here: a new lease is asked for, and the robot must be armed again"
+
+_BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
+
+
+def unranked_notice(operator: str) -> str:
+    """Return what to tell of an operator whose name no table ranks, with the line that the robot file needs."""
+    key = operator if _BARE_KEY.fullmatch(operator) else json.dumps(operator)
+    return (
+        f"operator {operator} has no priority, so any person's hand takes the robot from it; if a person drives by it, "
+        f"write `{key} = 0` under [guard.priorities] in the robot file of the guard's machine, else `{key} = -1`"
+    )
 
 
 class LeaseClient:
@@ -49,6 +62,11 @@ class LeaseClient:
         if self._lease is not None and self.holds:
             self._given_up = self._lease.instance, self._lease.counter
             self.refusal = _RENEWED
+
+    @property
+    def unranked(self) -> tuple[str, ...]:
+        """Names of operators that the guard finds in no table."""
+        return self._lease.unranked if self._lease is not None else ()
 
     def counter(self, *, wishes: bool) -> int:
         """The counter for the next command; a lost lease's counts for nothing. `wishes`: a human asks to drive now."""

@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from giraff_core.freshness import TickFilter
-from giraff_core.lease import LeaseClient
+from giraff_core.lease import LeaseClient, unranked_notice
 from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Lease, RobotTime, Source, Tick
 
 LINK_SILENCE: Final = 0.5
@@ -62,6 +62,11 @@ class Operator(RobotLink):
     def refusal(self) -> str:
         """Why the robot does not obey this process, who drives, and the way out; empty when it holds the lease."""
         return self._lease.refusal
+
+    @property
+    def rank_notice(self) -> str:
+        """Why persons take the robot from this operator, with the line to write; empty where its name is ranked."""
+        return unranked_notice(self._name) if self._name in self._lease.unranked else ""
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""

@@ -7,12 +7,13 @@ from typing import Final
 
 from giraff_core.freshness import age
 from giraff_core.lease import ASK
-from giraff_guard.config import PRIORITIES, GuardConfig
+from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime
 
 _COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1 again
 _MOST_AHEAD: Final = 1000
 """Commands that a holder may have given since its last one, within the second after which silence ends its lease."""
+_MOST_UNRANKED: Final = 8  # names; on an open network anybody may ask under any number of them
 _HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
 _HOW_TO_TAKE: Final = "tilt or press a drive key to take it, then hold level with no key pressed to arm"
 
@@ -37,6 +38,8 @@ class Authority:
         """The holder's newest command, whether or not it is fresh."""
         self.faults = 0
         """How often a holder's side has come to be at fault."""
+        self.unranked: tuple[str, ...] = ()
+        """Operators that have asked to drive, and whose names no table ranks."""
         self._config = config
         self._next = (first_lease - 1) % _COUNTERS + 1
         self._seq = -1
@@ -106,7 +109,7 @@ class Authority:
         """For those who do not hold the lease: who does, or why nobody, and what they do now."""
         if self.holder:
             config = self._config
-            if self._rank(self.operator) < 0:
+            if config.rank(self.operator) < 0:
                 return f"held by {self.operator} ({self.holder[:8]}), which gives way to others: {_HOW_TO_TAKE}"
             return (
                 f"held by {self.operator} ({self.holder[:8]}) until it rests for {config.idle_release:g} s, is silent "
@@ -120,11 +123,12 @@ class Authority:
 
     def _consider(self, command: DriveCommand, now: RobotTime) -> None:
         """Grant the lease to a fresh asker, if it may have it."""
+        self._note_name(command.operator)
         if command.source == "fault":
             if not self.holder:
                 self._complaint, self._complaint_ns = f"{command.operator}: {command.reason}", now.robot_ns
             return
-        outranks = self._rank(command.operator) > self._rank(self.operator)
+        outranks = self._config.rank(command.operator) > self._config.rank(self.operator)
         # A holder that has driven under its lease and asks again has another hand. Base must be armed by that one.
         renews = self._used and command.instance == self.holder
         # Only a human's wish takes the robot from another: a program that was merely started does not.
@@ -143,9 +147,11 @@ class Authority:
         """Whether who gave it holds the lease now."""
         return bool(self.holder) and command.instance == self.holder
 
-    def _rank(self, operator: str) -> int:
-        """Of who is not named it is 0, but for programs: no omission puts one beside a person."""
-        return self._config.priorities.get(operator, PRIORITIES.get(operator, 0))
+    def _note_name(self, operator: str) -> None:
+        """Keep the name of an asker that no table ranks: it may be a hand's, which is to be told so."""
+        if self._config.ranks(operator) or operator in self.unranked or len(self.unranked) >= _MOST_UNRANKED:
+            return
+        self.unranked = (*self.unranked, operator)
 
     def _count(self, command: DriveCommand, now: RobotTime) -> None:
         """Keep the lease alive by a fresh command of its holder."""

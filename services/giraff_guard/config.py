@@ -9,10 +9,13 @@ import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.tuning import Tuning
-from giraff_schemas.services import DEMONSTRATION, MOTION
+from giraff_schemas.services import DEMONSTRATION, HANDS, MOTION, SCRIPT
 
 PRIORITIES: Final = {MOTION.name: -1, DEMONSTRATION: -2}
 """Of who is not named: any person comes before a motion, and before the demonstration of `giraff run`."""
+_KNOWN: Final = dict.fromkeys(HANDS, 0) | {SCRIPT: -1} | PRIORITIES
+_UNKNOWN: Final = -1
+"""Priority of a name that stands in no table: below persons' hands, because it may be a program's."""
 
 
 class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -38,8 +41,8 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     maker_silence: Annotated[float, Tuning.READ_ONLY, Bounds(0.1, 10.0, "s")] = 0.5
     """s of silence after which another base or ranger may take the place of the one that is listened to."""
     priorities: Annotated[dict[str, int], Tuning.READ_ONLY] = msgspec.field(default_factory=PRIORITIES.copy)
-    """By operator name: who may take the lease from whom. A larger one may; an operator not named here has 0, `motion`
-    -1 and `demo` -2: a file that names others only puts no program beside a person."""
+    """By operator name: who may take the lease from whom. A larger one may. Where this table does not name them,
+    `joystick`, `keyboard` and `web` have 0, `motion`, `script` and any other name -1, and `demo` -2."""
     creep_linear: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = 0.10
     """m/s where no sensor looks."""
     creep_angular: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.01, 5.0, "rad/s")] = 0.35
@@ -107,3 +110,11 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
                 f"unproved_linear is {self.unproved_linear:g} m/s and slowest {self.slowest:g} m/s: less than slowest"
                 " is a stop, and nothing would ever be proved: unproved_linear >= slowest"
             )
+
+    def rank(self, operator: str) -> int:
+        """Return the priority of an operator. Only a larger one takes the lease from another."""
+        return self.priorities.get(operator, _KNOWN.get(operator, _UNKNOWN))
+
+    def ranks(self, operator: str) -> bool:
+        """Return whether a table names the operator. Another name may be a hand's that was set without a priority."""
+        return operator in self.priorities or operator in _KNOWN

@@ -38,6 +38,11 @@ class GuardPolicy:
         self.flood = ""
         """Whose commands flood the guard, as `decide` found it, with the way out; empty: nobody's."""
 
+    @property
+    def unranked(self) -> tuple[str, ...]:
+        """Operators that have asked to drive, and whose names no table ranks."""
+        return self._authority.unranked
+
     def reconfigure(self, config: GuardConfig) -> None:
         """Use a new configuration."""
         self._authority.reconfigure(config)
@@ -104,6 +109,7 @@ class GuardPolicy:
             operator=authority.operator,
             counter=authority.counter,
             reason=authority.reason(now),
+            unranked=self.unranked,
         )
         return command, state, lease
 

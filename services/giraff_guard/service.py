@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from giraff_core.io import IO
+from giraff_core.lease import unranked_notice
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer, Timer
 from giraff_guard.config import GuardConfig
@@ -49,14 +50,20 @@ class Guard:
             return
         passed, state, lease = policy.decide(clock())
         self._guarded.put(passed)
-        self._io.set_notice("identity", policy.fault)
-        self._io.set_notice("flood", policy.flood)
+        self._tell_what_is_wrong()
         if lease.counter != self._counter or self._lease_timer.due(now):
             self._counter = lease.counter
             self._leases.put(lease)
         if state.reason != self._reason or self._state_timer.due(now):
             self._reason = state.reason
             self._states.put(state)
+
+    def _tell_what_is_wrong(self) -> None:
+        policy = self._policy
+        self._io.set_notice("identity", policy.fault)
+        self._io.set_notice("flood", policy.flood)
+        for operator in policy.unranked:
+            self._io.set_notice(f"rank of {operator}", unranked_notice(operator))
 
     def end(self) -> None:
         """Nothing is left to say: base stops by itself."""

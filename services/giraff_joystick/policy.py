@@ -109,6 +109,11 @@ class JoystickPolicy:
         """Why the robot does not obey this joystick; empty when it does."""
         return self._operator.refusal
 
+    @property
+    def rank_notice(self) -> str:
+        """As of `Operator`."""
+        return self._operator.rank_notice
+
     def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock as it goes down to the board, which puts the last one into each frame."""
         return self._tick_down.frame(tick, now)

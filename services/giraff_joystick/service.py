@@ -50,6 +50,7 @@ class Joystick:
             self._io.set_fault("sensor", policy.sensor_fault)
             self._io.set_notice("hand", "" if policy.sensor_fault else command.reason)
             self._io.set_notice("lease", policy.refusal)
+            self._io.set_notice("rank", policy.rank_notice)
 
     def end(self) -> None:
         """Let go of the robot."""

@@ -71,6 +71,11 @@ class KeyboardPolicy:
         return self._operator.refusal
 
     @property
+    def rank_notice(self) -> str:
+        """As of `Operator`."""
+        return self._operator.rank_notice
+
+    @property
     def speed(self) -> tuple[float, float]:
         """m/s and rad/s that a key asks for now."""
         share = self.step / self._config.steps

@@ -114,6 +114,7 @@ class Keyboard(Generic[PictureT]):
             self._commands.put(command)
             self._io.set_notice("keys", command.reason)
             self._io.set_notice("lease", policy.refusal)
+            self._io.set_notice("rank", policy.rank_notice)
         if self._status_timer.due(now) or pressed:
             self._screen.show(self._view.draw(policy, self._stop_text, now))
 

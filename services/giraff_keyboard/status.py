@@ -48,8 +48,7 @@ class StatusView:
             first.append(f"battery {battery.voltage:.1f} V")
         why = what_stops(policy.command(now).reason or policy.refusal, base, guard)
         lines = ["   ".join(first), _verdicts(guard), f"why not: {why}" if why else "the robot obeys"]
-        if stop:
-            lines.append(stop)
+        lines += [told for told in (policy.rank_notice, stop) if told]
         if estop is not None and estop.engaged:
             lines.append(f"EMERGENCY STOP, engaged by {estop.by}: {estop.reason}")
         return [*lines, HELP]

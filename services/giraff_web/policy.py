@@ -65,6 +65,11 @@ class WebPolicy:
         return self._operator.refusal
 
     @property
+    def rank_notice(self) -> str:
+        """As of `Operator`."""
+        return self._operator.rank_notice
+
+    @property
     def newest(self) -> RobotTime | None:
         """The robot's clock; None: it was never heard."""
         return self._operator.tick

@@ -95,6 +95,7 @@ class Web:
             self._tell_pages(now)
             self._io.set_notice("page", command.reason)
             self._io.set_notice("lease", policy.refusal if policy.driver.page else "")
+            self._io.set_notice("rank", policy.rank_notice)
         if self._show_timer.due(now):
             self._pages.show(self._picture.state(policy, self._stops.text, now - self._tick_heard, now))
 

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 
 from giraff_cli.run.demonstration import ASKS, DRIVES, FLAT, QUIET, WARNING
+from giraff_core.lease import unranked_notice
+from giraff_joystick.config import JoystickConfig
 from giraff_schemas.services import DEMONSTRATION
-from tests.loop.operators import LOOK, scene
+from tests.loop.loops import closed_loop
+from tests.loop.operators import LOOK, SETTINGS, scene
+from tests.sim.robots import proving_room
 
 STOPS = 0.12
 """s from a word of the guard to PWM zero."""
@@ -97,3 +102,13 @@ def test_a_keyboard_that_merely_runs_stops_nothing() -> None:
         it.run(5.0)
         assert it.grip == DRIVES
         assert it.driven_ms(since) > 1000
+
+
+@pytest.mark.parametrize("operator", ["gamepad", "joystick"])
+def test_a_hand_with_a_name_that_no_table_ranks_is_told_so_by_the_guard(operator: str) -> None:
+    named = msgspec.structs.replace(SETTINGS, joystick=JoystickConfig(port="joystick", operator=operator))
+    with closed_loop(proving_room(), named) as loop:
+        loop.run(0.5)
+        told = {unranked_notice("gamepad")} if operator == "gamepad" else set()
+        for process in ("guard", "joystick"):
+            assert {text for text in loop.processes[process].told.values() if "no priority" in text} == told

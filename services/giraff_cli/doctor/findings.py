@@ -10,6 +10,7 @@ import msgspec
 from giraff_cli.doctor.inspection import Geometry, HealthReply, Inspection, Machine, Network, Probe, Rate, Robot
 from giraff_cli.telemetry.describe import START_A_HAND
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.lease import unranked_notice
 from giraff_schemas.services import BASE, HANDS, ODOMETRY, ROBOTS_OWN, RUN
 
 Severity = Literal["fault", "warning", "note"]
@@ -72,6 +73,7 @@ def _of_machine(machine: Machine) -> Iterator[Finding]:
             what="how motors and encoders are soldered is not known, so base does not arm",
             fix="lift the wheels and run giraff check wheels",
         )
+    yield from (_told("warning", "operator", unranked_notice(operator)) for operator in machine.unranked_hands)
 
 
 def _of_silence(look: Inspection) -> Iterator[Finding]:

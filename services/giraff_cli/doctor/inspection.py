@@ -62,6 +62,8 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     keys_problem: str = ""
     keys_expired: bool = False
     wiring_checked: bool = True
+    unranked_hands: tuple[str, ...] = ()
+    """Operator names of its robot file's hands that no priority names: persons take the robot from them."""
     geometry: Geometry | None = None
     """As its robot file has it now; None: it has none, or that of another robot than the one whose base runs here."""
 

@@ -18,12 +18,13 @@ from giraff_cli.doctor.inspection import Disk, Geometry, Machine, Port
 from giraff_cli.network.interfaces import interfaces
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read_tables
 from giraff_node.network.discovery import is_simulated_here
 from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
-from giraff_schemas.services import SERVICES
+from giraff_schemas.services import HANDS, SERVICES
 from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind
 
 _BAUDS: Final = {
@@ -51,6 +52,7 @@ def look_at_machine(
         settings_problem=_settings_problem(wrong, environment),
         keys_problem=keys,
         keys_expired=expired,
+        unranked_hands=_unranked_hands(environment),
     )
 
 
@@ -151,6 +153,16 @@ def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
         except ConfigError as error:
             wrong = str(error)
     return f"{wrong}; correct the robot file, or the variable" if wrong else ""
+
+
+def _unranked_hands(environment: Mapping[str, str]) -> tuple[str, ...]:
+    """Return the names that the robot file gives its hands, and to which it gives no priority."""
+    tables = _tables(environment)
+    with contextlib.suppress(msgspec.ValidationError):  # the guard that reads it says so
+        guard = msgspec.convert(tables.get("guard", {}), GuardConfig, strict=False)
+        names = {str(tables.get(hand, {}).get("operator", hand)) for hand in HANDS}
+        return tuple(sorted(name for name in names if not guard.ranks(name)))
+    return ()
 
 
 def _tables(environment: Mapping[str, str]) -> dict[str, dict[str, Any]]:

@@ -137,4 +137,4 @@ def _is_wish(command: DriveCommand) -> bool:
 def with_demonstration(priorities: Mapping[str, int]) -> dict[str, int]:
     """The guard's priorities with the demonstration's, which is below everybody's."""
     others = {name: priority for name, priority in priorities.items() if name != DEMONSTRATION}
-    return others | {DEMONSTRATION: min([0, *others.values()]) - 1}
+    return others | {DEMONSTRATION: min([-1, *others.values()]) - 1}  # -1: of a name that no table has

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -22,10 +23,11 @@ from giraff_cli.doctor.inspection import (
     Rate,
     Robot,
 )
-from giraff_cli.doctor.machine import geometry_of
+from giraff_cli.doctor.machine import geometry_of, look_at_machine
 from giraff_cli.doctor.robot import geometry_in
 from giraff_cli.network.interfaces import Interface, is_own, on_link
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.network import NetworkConfig
 from giraff_core.parameters.table import Parameters
 from giraff_node.network.discovery import simulated_name
 from giraff_odometry.config import OdometryConfig
@@ -131,6 +133,10 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (of_machine(disks=(msgspec.structs.replace(DISK, free_bytes=10**7),)), "fault disk: /var/lib/giraff: 10 MB"),
         (of_machine(disks=(msgspec.structs.replace(DISK, free_bytes=10**8),)), "warning disk: /var/lib/giraff: 100 MB"),
         (of_machine(wiring_checked=False), "warning wiring: how motors and encoders are soldered is not known"),
+        (
+            of_machine(unranked_hands=("gamepad",)),
+            "warning operator: operator gamepad has no priority, so any person's hand takes the robot from it -> if a",
+        ),
         (of_robot(services=ROBOT.services | {"guard": 0}), "fault guard: giraff_guard is not running, or hangs"),
         (of_robot(services=ROBOT.services | {"odometry": 0}), "warning odometry: giraff_odometry is not running"),
         (of_robot(services=ROBOT.services | {"joystick": 0}), "warning operator: nobody is there who could drive"),
@@ -254,6 +260,25 @@ def test_a_robot_file_is_its_robots_and_of_the_simulation_here(robot: str, is_it
     geometry = geometry_of(robot, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")})
     assert (geometry is not None) == is_its
     assert geometry_of(robot, {"GIRAFF_CONFIG": "/dev/null"}) is None
+
+
+@pytest.mark.parametrize(
+    ("lines", "unranked"),
+    [
+        ("", ()),
+        (
+            '[joystick]\noperator = "gamepad"\n[web]\noperator = "keyboard"\n[keyboard]\noperator = "desk"',
+            ("desk", "gamepad"),
+        ),
+        ('[joystick]\noperator = "gamepad"\n[guard.priorities]\ngamepad = 0', ()),
+        ('[joystick]\noperator = "gamepad"\n[guard]\nmargin = 0', ()),
+    ],
+)
+def test_the_robot_files_hands_are_held_against_its_priorities(
+    tmp_path: Path, lines: str, unranked: tuple[str, ...]
+) -> None:
+    (file := tmp_path / "robot.toml").write_text(lines)
+    assert look_at_machine("", NetworkConfig(), environment={"GIRAFF_CONFIG": str(file)}).unranked_hands == unranked
 
 
 def test_the_gravest_comes_first() -> None:

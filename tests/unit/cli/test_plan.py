@@ -54,7 +54,7 @@ def test_the_defaults_make_a_run() -> None:
 
 
 @pytest.mark.parametrize(
-    ("priorities", "lowest"), [("", -2), ("{}", -1), ("{ keyboard = 1, demo = 3 }", -1), ("{ keyboard = -7 }", -8)]
+    ("priorities", "lowest"), [("", -2), ("{}", -2), ("{ keyboard = 1, demo = 3 }", -2), ("{ keyboard = -7 }", -8)]
 )
 def test_the_demonstration_is_an_operator_below_everybody(
     monkeypatch: pytest.MonkeyPatch, priorities: str, lowest: int

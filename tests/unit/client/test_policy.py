@@ -113,6 +113,17 @@ def test_who_drives_is_named(script: Script) -> None:
     assert taken.value.holder == "joystick"
 
 
+def test_a_motions_lease_is_waited_for(script: Script) -> None:
+    """It ends a second after the motion, and a script takes the robot from none: a script that moves drives next."""
+    script.lease("motion's", "motion")
+    script.policy.begin(script.now)
+    script.wait(1.3)
+    assert script.step() is not None
+    assert isinstance(script.policy.gave_up(), TakenError)
+    script.lease(ME, "script")
+    assert script.step() is not None
+
+
 def test_a_robot_that_another_takes_is_told_from_one_that_nobody_drives(script: Script) -> None:
     script.arm()
     script.lease("another", "joystick")

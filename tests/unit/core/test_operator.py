@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 
-from giraff_core.lease import ASK
+from giraff_core.lease import ASK, unranked_notice
 from giraff_core.operator import ASKS_NOTHING, LINK_SILENCE, Operator
 from giraff_schemas.messages import Lease, RobotTime, Tick
 
@@ -73,3 +74,15 @@ def test_a_lease_that_was_given_up_is_asked_for_anew_and_counts_for_no_other_han
     operator.on_lease(leased("me", 6, seq=3))
     assert (operator.holds, operator.refusal) == (True, "")
     assert operator.command(0.1, 0.0, tick=None, wishes=True).lease_counter == 6
+
+
+@pytest.mark.parametrize("holder", ["me", "other"])
+def test_a_hand_hears_that_no_table_ranks_its_name_whoever_drives(operator: Operator, holder: str) -> None:
+    lease = leased(holder, 6)
+    operator.on_lease(msgspec.structs.replace(lease, unranked=("patrol",)))
+    assert operator.rank_notice == ""
+    operator.on_lease(msgspec.structs.replace(lease, seq=1, unranked=("patrol", "hand")))
+    assert operator.rank_notice == unranked_notice("hand")
+    assert (
+        "any person's hand takes the robot from it; if a person drives by it, write `hand = 0`" in operator.rank_notice
+    )

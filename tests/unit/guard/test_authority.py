@@ -6,7 +6,9 @@ import math
 
 import pytest
 
+from giraff_core.lease import unranked_notice
 from giraff_schemas.messages import Source
+from giraff_schemas.services import HANDS
 from tests.unit.guard.lease import FIRST, PERIOD, Room
 
 
@@ -286,10 +288,36 @@ def test_whoever_ranks_below_those_that_are_not_named_is_taken_from_and_the_reas
     assert "until it rests" in room.authority.reason(room.now)
 
 
-def test_a_file_that_names_others_puts_no_motion_beside_a_person(room: Room) -> None:
-    room.say("A", 0, name="motion")
-    room.say("B", 0, 0.5, name="joystick")
+@pytest.mark.parametrize("program", ["motion", "script", "patrol", "demo"])
+@pytest.mark.parametrize("hand", HANDS)
+def test_a_program_that_no_file_names_stands_below_a_persons_hand(room: Room, program: str, hand: str) -> None:
+    room.say("A", 0, name=program)
+    room.say("B", 0, 0.5, name=hand)
     assert room.holder == "B"
+    room.say("A", 0, 0.5, name=program)
+    assert room.holder == "B"
+
+
+def test_a_name_that_no_table_has_takes_the_robot_from_a_demonstration_alone(room: Room) -> None:
+    for instance, name, holder in (
+        ("A", "demo", "A"),
+        ("B", "patrol", "B"),
+        ("C", "motion", "B"),
+        ("D", "gamepad", "B"),
+    ):
+        room.say(instance, 0, 0.5, name=name)
+        assert room.holder == holder
+
+
+def test_the_names_of_askers_that_no_table_ranks_are_kept_and_told_once_with_the_line_to_write(room: Room) -> None:
+    for name in ("joystick", "carer", "script", "gamepad", "motion", "pad.2", "gamepad"):
+        room.say("A", 0, name=name)
+    assert room.authority.unranked == ("gamepad", "pad.2")
+    assert "write `gamepad = 0` under [guard.priorities] in the robot file" in unranked_notice("gamepad")
+    assert '`"pad.2" = 0`' in unranked_notice("pad.2")
+    for number in range(100):
+        room.say("A", 0, name=f"flood{number}")
+    assert len(room.authority.unranked) == 8
 
 
 def test_each_process_counts_its_own_commands(held: Room) -> None:
