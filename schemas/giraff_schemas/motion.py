@@ -72,6 +72,8 @@ class MotionRequest(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     by: str
     id: int
     """Random, of this wish, never 0: asked again with the same one, nothing is begun again."""
+    instance: str
+    """Instance that the requester's `MotionHold` carries, never empty: nobody else's hold keeps the motion going."""
     tick: RobotTime
     """The newest that was heard when it was wished: an old request begins nothing."""
     speed: float | None = None

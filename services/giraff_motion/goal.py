@@ -43,8 +43,8 @@ class Goal:
         self.time_limit = time_limit
         self.tick: RobotTime | None = None
         """The newest that the requester has sent."""
-        self._holder = ""
-        """Instance of the requester: nobody else holds it, although its id is told to all."""
+        self._requester = request.instance
+        """Instance of the requester. Nobody else holds the motion, although its id is told to all."""
         self.stage: Stage = "arming"
         self.outcome: Outcome = ""
         self.reason = _ARMS
@@ -90,9 +90,8 @@ class Goal:
         return self.id, self.stage, self.outcome, self.reason, self._way.at
 
     def hold(self, tick: RobotTime, instance: str) -> None:
-        """The requester is there, and has sent this tick. An older one says nothing, nor does another requester."""
-        self._holder = self._holder or instance
-        if instance != self._holder:
+        """The requester is there, and has sent this tick. An older one says nothing, nor does anybody else's."""
+        if instance != self._requester:
             return
         if self.tick is None or tick.epoch != self.tick.epoch or tick.robot_ns > self.tick.robot_ns:
             self.tick = tick

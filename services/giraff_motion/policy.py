@@ -203,6 +203,8 @@ class MotionPolicy:
         """Why it is no new wish of now; empty: it is one."""
         if request.id == 0:
             return "its id is 0; give a random one, other for each request"
+        if not request.instance:
+            return "its instance is empty; give the one that its holds carry"
         old = self._age(request.tick)
         if -_AHEAD <= old <= _WISH_COUNTS:
             return ""

@@ -46,13 +46,14 @@ class MotionClient:
     def __init__(self, session: zenoh.Session, robot: str, by: str, wish: Wish) -> None:
         """`by`: whom to name to those who ask who it was."""
         self._session, self._robot, self._wish = session, robot, wish
-        self._requester = MotionRequester(secrets.randbits(63) or 1, by)
+        instance = secrets.token_hex(8)
+        self._requester = MotionRequester(secrets.randbits(63) or 1, by, instance)
         self._tuning = Timer(_TUNE_HZ)
         self._heard: deque[tuple[Sample, float]] = deque(maxlen=_MOST_WAITING)  # Zenoh's threads fill it
         self._declared: list[Any] = [
             session.declare_subscriber(key_of(robot, topic), self._hearer(topic)) for topic in (TICK, MOTION)
         ]
-        self._holds = Publisher(session, robot, MOTION_HOLD, secrets.token_hex(8))
+        self._holds = Publisher(session, robot, MOTION_HOLD, instance)
         self._asking: QueryClient[MotionGo, MotionAnswer] | None = None
         self._cancelling: QueryClient[MotionCancel, MotionAnswer] | None = None
 

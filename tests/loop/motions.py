@@ -80,6 +80,7 @@ class Requester:
         self.id = 0
         """That it holds; 0: none."""
         self.tick: RobotTime | None = None
+        self.instance = process.instance
         self._process = process
         self._ticks = process.inbox(TICK, limit=1, wakes=False)
         self._holds = process.publisher(MOTION_HOLD)
@@ -150,7 +151,8 @@ class Stage:
         """Ask for a motion, and wait for the answer."""
         self.run(0.1)  # a requester that has just started has heard no tick
         assert self.requester.tick is not None
-        request = kind(by="a script", id=next(self._ids), tick=self.requester.tick, **fields)
+        own, tick = self.requester.instance, self.requester.tick
+        request = kind(by="a script", id=next(self._ids), instance=own, tick=tick, **fields)
         self.requester.ask(_QUERIES[kind], request)
         self._until(lambda: self.requester.answer is not None, 1.0)
         return request

@@ -33,9 +33,9 @@ _ANOTHER: Final = "another giraff_motion speaks: it was started anew, or there a
 class MotionRequester:
     """One wish, from the moment it is made to its end. Times are seconds of any one monotonic clock."""
 
-    def __init__(self, wish: int, by: str) -> None:
-        """`wish`: its id, random and not 0."""
-        self._id, self._by = wish, by
+    def __init__(self, wish: int, by: str, instance: str) -> None:
+        """`wish`: its id, random and not 0. `instance`: that its holds carry."""
+        self._id, self._by, self._own = wish, by, instance
         self._link = RobotLink()
         self._timer = Timer(MOTION_HOLD.rate_hz)
         self._held: RobotTime | None = None
@@ -81,6 +81,7 @@ class MotionRequester:
         return MotionGo(
             by=self._by,
             id=self._id,
+            instance=self._own,
             tick=self._link.tick,
             steps=tuple(steps),
             speed=speed,

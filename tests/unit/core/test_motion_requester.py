@@ -36,7 +36,7 @@ class Line:
     """A requester, a robot that ticks fifty times a second, and a motion that speaks ten times, until told not to."""
 
     def __init__(self) -> None:
-        self.it = MotionRequester(WISH, "ann@desk")
+        self.it = MotionRequester(WISH, "ann@desk", "asker")
         self.turns = 0
         self.ticks = self.speaks = True
         self.holds: list[tuple[float, MotionHold]] = []
@@ -155,7 +155,7 @@ def test_no_hold_has_a_tick_that_was_not_heard_and_none_has_one_twice_in_a_row(
     heard: list[tuple[int, int, int]],
 ) -> None:
     """Whatever comes, in which order, and however late: ticks of several epochs at their own times."""
-    it, now = MotionRequester(WISH, "ann"), 0.0
+    it, now = MotionRequester(WISH, "ann", "asker"), 0.0
     it.on_tick(tick(0.001, 9), now)
     assert it.ask(now, [Move(distance=1.0)]) is not None
     it.on_answer(YES, now)

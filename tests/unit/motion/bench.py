@@ -124,7 +124,7 @@ class Bench:
     def wish(self, kind: type[RequestT], **values: Any) -> RequestT:
         """A request of this moment."""
         self.asked += 1
-        said: dict[str, Any] = {"by": "somebody", "id": self.asked, "tick": self.tick}
+        said: dict[str, Any] = {"by": "somebody", "id": self.asked, "instance": REQUESTER, "tick": self.tick}
         return kind(**said | values)
 
     def ask(self, kind: type[MotionRequest], **values: Any) -> MotionAnswer:

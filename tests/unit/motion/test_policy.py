@@ -114,6 +114,20 @@ def test_a_hold_of_another_one_or_moment_counts_for_nothing(
     assert bench.state().outcome == "lost_requester"
 
 
+@pytest.mark.parametrize("requester_is_there", [True, False])
+def test_a_strangers_hold_binds_no_motion_even_if_it_is_the_first(requester_is_there: bool) -> None:
+    bench = Bench()
+    bench.requester_is_there = False
+    assert bench.ask(MotionMove, distance=0.3).accepted
+    for turn in range(100):
+        bench.policy.on_hold(MotionHold(id=bench.asked, tick=bench.tick, instance="stranger"))
+        bench.requester_is_there = requester_is_there and turn > 10
+        bench.step()
+    state = bench.finish()
+    assert state.outcome == ("arrived" if requester_is_there else "lost_requester")
+    assert bool(bench.said) == requester_is_there
+
+
 @pytest.mark.parametrize(
     ("broken", "words"),
     [

@@ -43,6 +43,7 @@ from tests.unit.motion.bench import Bench
         (MotionGo, {"steps": (GoTo(x=5e5, y=0.0),)}, "the way to x, y is 500000"),
         (MotionGo, {"steps": (Turn(angle=1.0),) * 1001}, "these are 1001 steps"),
         (MotionMove, {"distance": 1.0, "id": 0}, "its id is 0"),
+        (MotionMove, {"distance": 1.0, "instance": ""}, "its instance is empty"),
         (
             MotionMove,
             {"distance": 1.0, "tick": RobotTime(epoch=7, robot_ns=98_000_000_000)},

@@ -98,7 +98,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": "", "tick": _TIME},
     m.SerialLine: _START | {"name": "arduino", "text": "23.5 °C", "goes_on": False, "replaced": 0},
     m.SerialWrite: _START | {"name": "arduino", "text": "led on"},
-    m.Lease: _START | {"holder": "b2", "operator": "joystick", "counter": 9, "reason": ""},
+    m.Lease: _START | {"holder": "b2", "operator": "joystick", "counter": 9, "reason": "", "unranked": ["gamepad"]},
     m.EStop: _START | {"engaged": True, "id": 5, "by": "operator", "reason": "space bar", "engaged_ns": 7},
     m.GuardedCommand: _START
     | _TWIST
