@@ -38,6 +38,8 @@ class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
     id: int
     reason: str
     """Why not, with the way out; empty when done."""
+    instance: str = ""
+    """Of the base that answers. Its `estop` samples carry it, too: without them an answer proves no stop."""
 
 
 class OdomReset(msgspec.Struct, frozen=True, kw_only=True):

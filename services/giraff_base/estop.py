@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Final
 
+import msgspec
+
 from giraff_core.estop import RELEASED, RESET_COMMAND, EStopLatch
 from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.text import printable
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]
 
@@ -19,7 +22,8 @@ class EStopControl:
     """Holds the latch in force."""
 
     def __init__(self, latch: EStopLatch, reset_budget: float) -> None:
-        self.latch = latch
+        # An older base has kept texts as they came.
+        self.latch = msgspec.structs.replace(latch, by=printable(latch.by), reason=printable(latch.reason))
         self._reset_budget = reset_budget
         self._engaged_ns = 0
         """Robot time of the newest engaging, of whatever cause; 0: none since the start."""
@@ -33,7 +37,7 @@ class EStopControl:
     def engage(self, asked: EStopEngage, now: RobotTime) -> None:
         """Engage. Repeating keeps the latch; another cause makes another one, which a reset of the first leaves."""
         self._engaged_ns = now.robot_ns
-        by, reason = asked.by[:_LONGEST_TEXT], asked.reason[:_LONGEST_TEXT]
+        by, reason = _clean(asked.by), _clean(asked.reason)
         if RESET_COMMAND not in reason:
             reason = f"{reason}; to go on: {RESET_COMMAND}"
         if self.latch.engaged and (self.latch.by, self.latch.reason) == (by, reason):
@@ -55,7 +59,7 @@ class EStopControl:
 
     def released(self, reset: EStopReset) -> EStopLatch:
         """The latch as `reset` leaves it."""
-        return EStopLatch(engaged=False, id=self.latch.id, by=reset.by[:_LONGEST_TEXT], reason="")
+        return EStopLatch(engaged=False, id=self.latch.id, by=_clean(reset.by), reason="")
 
     def answer(self, why_not: str = "") -> EStopAnswer:
         """`why_not`: what was asked is not done, and why."""
@@ -64,3 +68,8 @@ class EStopControl:
     def sample(self) -> EStop:
         latch = self.latch
         return EStop(engaged=latch.engaged, id=latch.id, by=latch.by, reason=latch.reason, engaged_ns=self._engaged_ns)
+
+
+def _clean(text: str) -> str:
+    """Return a text of others as it may be stored, published, logged and shown: short, and on one line."""
+    return printable(text[:_LONGEST_TEXT])

@@ -34,9 +34,11 @@ class Saver(Protocol):
 class EStopServer:
     """Stands between those who ask, the policy and the disk. Each turn of the loop: `take`, the frames, `turn`."""
 
-    def __init__(self, policy: BasePolicy, saver: Saver) -> None:
+    def __init__(self, policy: BasePolicy, saver: Saver, instance: str) -> None:
+        """`instance`: of this base, as its samples carry it."""
         self._policy = policy
         self._saver = saver
+        self._instance = instance
         self._waiting: list[Asked] = []  # all for the same
         self._waiting_ns = 0  # since when the first of them has
         self._reset: tuple[EStopReset, RobotTime] | None = None  # what they wait for; None: for the latch in force
@@ -125,6 +127,10 @@ class EStopServer:
     def _answer(self, why_not: str) -> None:
         latch = self._policy.latch
         for asked in self._waiting:
-            asked.answer(EStopAnswer(done=not why_not, engaged=latch.engaged, id=latch.id, reason=why_not))
+            asked.answer(
+                EStopAnswer(
+                    done=not why_not, engaged=latch.engaged, id=latch.id, reason=why_not, instance=self._instance
+                )
+            )
         self._waiting.clear()
         self._reset = None

@@ -25,7 +25,7 @@ class Base:
         self._epoch = io.token()
         self._policy = policy(config, robot, load_latch(io.store, io.token()))
         io.on_reconfigured = self._policy.reconfigure
-        self._server = EStopServer(self._policy, LatchSaver(io.store.writer(LATCH_FILE)))
+        self._server = EStopServer(self._policy, LatchSaver(io.store.writer(LATCH_FILE)), io.instance)
         self.link = io.board(config.port, BASE_BAUD, BoardKind.BASE)
         self._opened = 0
         self._commands = io.inbox(CMD_VEL)
@@ -78,7 +78,7 @@ class _States:
             Timer(row.rate_hz) for row in (BASE, ESTOP, BATTERY)
         )
         self._reason = ""
-        self._latch = policy.latch
+        self._told = policy.estop()
 
     def put(self, now: float) -> None:
         """`now`: monotonic, s."""
@@ -86,8 +86,10 @@ class _States:
         if self._base_timer.due(now) or policy.reason != self._reason:
             self._reason = policy.reason
             self._base.put(policy.state())
-        if self._estop_timer.due(now) or policy.latch != self._latch:
-            self._latch = policy.latch
-            self._estop.put(policy.estop())
+        estop = policy.estop()
+        # At once also where it was engaged and is engaged again: who has asked waits for this word.
+        if self._estop_timer.due(now) or estop != self._told:
+            self._told = estop
+            self._estop.put(estop)
         if self._battery_timer.due(now) and (battery := policy.battery()) is not None:
             self._battery.put(battery)

@@ -3,10 +3,41 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Final, Protocol
 
+from giraff_core.estop import is_confirmed_stop
 from giraff_schemas.messages import EStop, Sample
 from giraff_schemas.requests import EStopAnswer
+
+_MOST_BASES: Final = 16  # whose states are kept; on an open network anybody may tell one
+
+
+class StopConfirmation:
+    """Judges the answers to one request to stop by what base itself tells meanwhile.
+
+    Anybody may answer on an open network. So an answer counts only beside an `estop` sample of the same instance, which
+    says that the same latch is engaged.
+    """
+
+    def __init__(self) -> None:
+        self._stated: dict[str, EStop] = {}  # by instance
+
+    def on_sample(self, estop: EStop) -> None:
+        """Take what a base tells, from any thread."""
+        self._stated.pop(estop.instance, None)
+        self._stated[estop.instance] = estop
+        if len(self._stated) > _MOST_BASES:
+            del self._stated[next(iter(self._stated))]
+
+    def judge(self, answer: EStopAnswer) -> bool | str:
+        """Return whether base has stopped and will stay so, or why this answer does not tell."""
+        if not answer.engaged:
+            return False
+        stated = self._stated.get(answer.instance)
+        if stated is None or not stated.engaged or stated.id != answer.id:
+            whose = f"base {answer.instance[:8]}" if answer.instance else "a base that the answer does not name"
+            return f"an answer says that latch {answer.id} is engaged, but no estop sample of {whose} says so"
+        return is_confirmed_stop(answer)
 
 
 class Request(Protocol):
@@ -24,12 +55,14 @@ class Request(Protocol):
 class EStopRequest:
     """Asks base until it says that it has stopped and will stay so. Times are monotonic, s."""
 
-    def __init__(self, ask: Callable[[], Request], how_to_release: str) -> None:
+    def __init__(self, ask: Callable[[Callable[[EStopAnswer], bool | str]], Request], how_to_release: str) -> None:
+        """`ask` begins to ask, until an answer settles it."""
         self.text = ""
         """What the person who asked must know."""
         self._ask = ask
         self._how_to_release = how_to_release
         self._request: Request | None = None
+        self._confirmation = StopConfirmation()
 
     @property
     def asked(self) -> bool:
@@ -39,7 +72,8 @@ class EStopRequest:
     def engage(self) -> None:
         """A stop is wished."""
         if self._request is None:
-            self._request = self._ask()
+            self._confirmation = StopConfirmation()
+            self._request = self._ask(self._confirmation.judge)
             self._tell(self._request)
 
     def poll(self, now: float) -> bool:
@@ -54,8 +88,11 @@ class EStopRequest:
         return False
 
     def on_sample(self, sample: Sample) -> None:
-        """Base may say that it is released again."""
-        if isinstance(sample, EStop) and not sample.engaged and not self.asked:
+        """Take what base says. It confirms a stop together with an answer, and may be released again."""
+        if not isinstance(sample, EStop):
+            return
+        self._confirmation.on_sample(sample)
+        if not sample.engaged and not self.asked:
             self.text = ""
 
     def _tell(self, request: Request) -> None:

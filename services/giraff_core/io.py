@@ -130,9 +130,9 @@ class IO(Protocol):
         ...
 
     def ask(
-        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
+        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool | str]
     ) -> RetriedRequest[AnswerT]:
-        """Ask another service until it gives an answer that settles the matter."""
+        """Ask another service until it gives an answer that settles the matter, as `RetriedRequest` has it."""
         ...
 
     def frame(self, child: str, where: Transform | Callable[[], Transform | None]) -> None:

@@ -7,7 +7,6 @@ import sys
 import time
 from typing import Final, TypeVar
 
-from giraff_core.estop_request import EStopRequest
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard, Screen, View
 from giraff_keyboard.status import StatusView
@@ -31,10 +30,10 @@ def main() -> int:
         if sys.stderr.isatty():
             node.log.setLevel(logging.ERROR)  # the status lines tell the rest, on the same screen
         with Terminal() as terminal:
-            stopping = run_keyboard(node, terminal, StatusView())
+            keyboard = run_keyboard(node, terminal, StatusView())
         if terminal.is_gone:
             node.log.error("the terminal was closed")
-        if unconfirmed := go_on_asking(stopping):
+        if unconfirmed := go_on_asking(keyboard):
             node.fail(StopNotConfirmedError(unconfirmed))
     return 0
 
@@ -44,17 +43,18 @@ def in_terminal() -> bool:
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
-def run_keyboard(node: Node[KeyboardConfig], screen: Screen[PictureT], view: View[PictureT]) -> EStopRequest:
-    """Until its end; the stop that may yet have to be confirmed."""
+def run_keyboard(node: Node[KeyboardConfig], screen: Screen[PictureT], view: View[PictureT]) -> Keyboard[PictureT]:
+    """Until its end; it may have asked for a stop that is not confirmed yet."""
     keyboard = Keyboard(node, node.config, node.robot, screen, view)
     node.run(keyboard)
-    return keyboard.stopping
+    return keyboard
 
 
-def go_on_asking(stopping: EStopRequest) -> str:
+def go_on_asking(keyboard: Keyboard[PictureT]) -> str:
     """A stop that was asked for outlives the screen: what of it base has not confirmed; empty: nothing."""
     until = time.monotonic() + _LAST_REQUESTS
+    stopping = keyboard.stopping
     while stopping.asked and (now := time.monotonic()) < until:
-        stopping.poll(now)
+        keyboard.ask_on(now)
         time.sleep(0.01)
     return stopping.text if stopping.asked else ""

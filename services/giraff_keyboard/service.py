@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Final, Generic, Protocol, TypeVar
 
-from giraff_core.estop import is_confirmed_stop
 from giraff_core.estop_request import EStopRequest, Request
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO, Selectable
@@ -72,7 +71,7 @@ class Keyboard(Generic[PictureT]):
         self._keys, self._view = KeyReader(), view
         by = f"{config.operator}@{io.hostname}"
         engage = EStopEngage(by=by, reason="space bar")
-        self.stopping = EStopRequest(lambda: io.ask(ESTOP_ENGAGE, engage, is_confirmed_stop), "press r to release it")
+        self.stopping = EStopRequest(lambda settles: io.ask(ESTOP_ENGAGE, engage, settles), "press r to release it")
 
         def reset(shown: EStop, moment: RobotTime) -> Request:
             asked = EStopReset(by=by, id=shown.id, tick=moment, engaged_ns=shown.engaged_ns)
@@ -117,6 +116,12 @@ class Keyboard(Generic[PictureT]):
             self._io.set_notice("rank", policy.rank_notice)
         if self._status_timer.due(now) or pressed:
             self._screen.show(self._view.draw(policy, self._stop_text, now))
+
+    def ask_on(self, now: float) -> None:
+        """Go on asking for a stop after the last turn."""
+        for sample in (sample for inbox in self._told for sample in inbox.take()):
+            self.stopping.on_sample(sample)
+        self.stopping.poll(now)
 
     @property
     def _stop_text(self) -> str:

@@ -248,7 +248,7 @@ class Node(Generic[ConfigT]):
         self._declared.append(self.session.declare_queryable(key, on_query))
 
     def ask(
-        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
+        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool | str]
     ) -> QueryClient[RequestT, AnswerT]:
         return QueryClient(self.session, self.robot.name, query, request, settles)
 

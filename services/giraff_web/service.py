@@ -6,14 +6,13 @@ import math
 from collections.abc import Callable
 from typing import Any, Final
 
-from giraff_core.estop import is_confirmed_stop
 from giraff_core.estop_request import Request
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer, Timer
 from giraff_schemas.messages import EStop
-from giraff_schemas.requests import EStopEngage, EStopReset
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
     BASE,
     BATTERY,
@@ -136,9 +135,9 @@ class Web:
         )
         self._stops.reset(device, asked, now)
 
-    def _engage(self, device: str) -> Request:
+    def _engage(self, device: str, settles: Callable[[EStopAnswer], bool | str]) -> Request:
         asked = EStopEngage(by=f"{self._by} ({device})", reason="STOP on a page")
-        return self._io.ask(ESTOP_ENGAGE, asked, is_confirmed_stop)
+        return self._io.ask(ESTOP_ENGAGE, asked, settles)
 
     def _reset(self, asked: EStopReset) -> Request:
         return self._io.ask(ESTOP_RESET, asked, lambda _: True)

@@ -13,7 +13,7 @@ from typing import Final
 
 from giraff_core.estop_request import EStopRequest, Request
 from giraff_schemas.messages import EStop
-from giraff_schemas.requests import EStopReset
+from giraff_schemas.requests import EStopAnswer, EStopReset
 from giraff_web.limited_log import LimitedLog
 
 _STATE_LASTS: Final = 1.5  # s that base's word of its stop is of now
@@ -26,11 +26,14 @@ class Stops:
     """Times are monotonic, s."""
 
     def __init__(
-        self, engage: Callable[[str], Request], reset: Callable[[EStopReset], Request], log: LimitedLog
+        self,
+        engage: Callable[[str, Callable[[EStopAnswer], bool | str]], Request],
+        reset: Callable[[EStopReset], Request],
+        log: LimitedLog,
     ) -> None:
         """`engage` begins to ask base for a stop by that device; `reset` to ask for a release."""
         self._device = ""
-        self._stop = EStopRequest(lambda: engage(self._device), "release it on a page that may drive")
+        self._stop = EStopRequest(lambda settles: engage(self._device, settles), "release it on a page that may drive")
         self._ask_reset = reset
         self._reset: tuple[Request, float] | None = None
         self._reset_text = ""

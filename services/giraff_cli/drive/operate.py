@@ -44,8 +44,8 @@ def _drive(connection: RobotConnection, settings: Settings[KeyboardConfig]) -> i
     node.log.setLevel(logging.ERROR)  # the screen tells the rest
     with node:
         with DriveTerminal(node.fail) as terminal:
-            stopping = run_keyboard(node, terminal, DriveView(connection.robot, tuple(settings.robot.sensors)))
-        unconfirmed = go_on_asking(stopping)
+            keyboard = run_keyboard(node, terminal, DriveView(connection.robot, tuple(settings.robot.sensors)))
+        unconfirmed = go_on_asking(keyboard)
     code = _NOT_CONFIRMED if unconfirmed else _DONE
     if terminal.is_stuck:
         os._exit(code)  # a word of why would wait, too, and so would Python for what is still to be written

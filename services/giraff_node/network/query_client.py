@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Callable
 from typing import Any, Final, Generic
@@ -9,11 +10,11 @@ from typing import Any, Final, Generic
 import msgspec
 import zenoh
 
-from giraff_core.estop import is_confirmed_stop
+from giraff_core.estop_request import StopConfirmation
 from giraff_core.retry import RetriedRequest
-from giraff_schemas.codec import encode, encoding_of
+from giraff_schemas.codec import DecodeError, decode, encode, encoding_of
 from giraff_schemas.requests import EStopAnswer, EStopEngage
-from giraff_schemas.topics import ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of
+from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of
 
 _TURN: Final = 0.01  # s
 
@@ -27,7 +28,7 @@ class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
         robot: str,
         query: Query[RequestT, AnswerT],
         request: RequestT,
-        settles: Callable[[AnswerT], bool] = lambda _: True,
+        settles: Callable[[AnswerT], bool | str] = lambda _: True,
     ) -> None:
         super().__init__(settles)
         self._session = session
@@ -70,9 +71,24 @@ class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
             self.fault = f"{self.key}: answered with something else than {self._query.answer.__name__}: {error}"
 
 
+class _EStopClient(QueryClient[EStopEngage, EStopAnswer]):
+    """Listens to base's own state as well, without which no answer counts."""
+
+    def __init__(self, session: zenoh.Session, robot: str, request: EStopEngage) -> None:
+        self._confirmation = StopConfirmation()
+        super().__init__(session, robot, ESTOP_ENGAGE, request, self._confirmation.judge)
+        # Before the first request: base tells its state at once when it engages.
+        self._subscriber = session.declare_subscriber(key_of(robot, ESTOP), self._on_sample)
+
+    def _on_sample(self, received: zenoh.Sample) -> None:
+        with contextlib.suppress(DecodeError):  # it is as if nothing had come
+            key = str(received.key_expr)
+            self._confirmation.on_sample(decode(ESTOP, key, bytes(received.payload), str(received.encoding)))
+
+
 def request_estop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> QueryClient[EStopEngage, EStopAnswer]:
     """Asks base for an emergency stop until base confirms that the robot has stopped and will stay so."""
-    return QueryClient(session, robot, ESTOP_ENGAGE, EStopEngage(by=by, reason=reason), is_confirmed_stop)
+    return _EStopClient(session, robot, EStopEngage(by=by, reason=reason))
 
 
 def _text_of(error: Any) -> str:

@@ -122,7 +122,7 @@ class Process:
         return inbox
 
     def ask(
-        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool]
+        self, query: Query[RequestT, AnswerT], request: RequestT, settles: Callable[[AnswerT], bool | str]
     ) -> RetriedRequest[AnswerT]:
         return _Asking(self, query.key, request, settles)
 
@@ -307,7 +307,9 @@ class _Publisher(Generic[SampleT]):
 class _Asking(RetriedRequest[AnswerT]):
     """As `giraff_node.network.query_client.QueryClient`, over the simulated network."""
 
-    def __init__(self, process: Process, key: str, request: msgspec.Struct, settles: Callable[[AnswerT], bool]) -> None:
+    def __init__(
+        self, process: Process, key: str, request: msgspec.Struct, settles: Callable[[AnswerT], bool | str]
+    ) -> None:
         super().__init__(settles)
         self._process = process
         self._message = Message(key, request, Subscription(process, key, self._on_reply))

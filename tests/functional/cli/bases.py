@@ -20,7 +20,7 @@ from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, key_of
 
 ROBOT = "sim-estop"
 EPOCH = 5
-DONE = EStopAnswer(done=True, engaged=True, id=8, reason="")
+DONE = EStopAnswer(done=True, engaged=True, id=7, reason="", instance="b")
 LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason="smoke")
 
 Answer = Callable[[Any], EStopAnswer | None]

@@ -149,7 +149,7 @@ def test_the_command_that_it_names_stops_the_robot(
     assert (code, out, robot.asked) == (2, "", [])
     code, out, complaint = typed_here(environment, capsys, named_by(err))
     assert (code, complaint) == (0, ""), err
-    assert out.startswith(f"{ROBOT}: STOPPED, latch 8")
+    assert out.startswith(f"{ROBOT}: STOPPED, latch 7")
     assert robot.asked
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from giraff_base.estop import RELEASED, EStopLatch
+from giraff_base.estop import RELEASED, EStopControl, EStopLatch
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import ConfigureFrame, DriveFrame, DriveState, EstopFrame, Latch
@@ -223,6 +223,21 @@ def test_what_others_write_into_the_latch_is_cut() -> None:
     assert rig.base.latch.reason.endswith("giraff estop reset")
 
 
+ODD = "a\x1b[2Jb\nc\x9bd\u202ee\udcc3"
+PLAIN = "a?[2Jb?c?d?e?"
+
+
+def test_what_others_write_into_the_latch_steers_no_terminal() -> None:
+    rig = Rig()
+    engage(rig, by=ODD, reason=ODD)
+    told = rig.base.estop()
+    assert (told.by, told.reason) == (PLAIN, f"{PLAIN}; to go on: giraff estop reset")
+    assert rig.base.reason.isprintable()
+    assert EStopControl(EStopLatch(engaged=True, id=1, by=ODD, reason=ODD), 1.0).stops.isprintable()
+    rig.base.on_reset(EStopReset(by=ODD, id=rig.base.latch.id, tick=rig.ago(0.0)), rig.now)
+    assert (rig.base.latch.engaged, rig.base.latch.by) == (False, PLAIN)
+
+
 @pytest.mark.parametrize(
     ("latch", "words"),
     [
@@ -342,4 +357,4 @@ def test_an_engaging_takes_back_a_release_under_way() -> None:
 def test_a_released_latch_is_what_a_new_robot_needs() -> None:
     rig = Rig(robot=ROBOT, latch=RELEASED)
     rig.drive(0.6)
-    assert rig.base.latch is RELEASED
+    assert rig.base.latch == RELEASED

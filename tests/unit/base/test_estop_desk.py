@@ -71,7 +71,7 @@ class Office:
     def __init__(self) -> None:
         self.rig = Rig()
         self.disk = Disk()
-        self.desk = EStopServer(self.rig.base, self.disk)
+        self.desk = EStopServer(self.rig.base, self.disk, "base-1")
         self.go_on()
 
     def go_on(self, seconds: float = 0.03) -> None:
@@ -97,7 +97,7 @@ def test_at_its_start_base_writes_what_is_in_force_and_so_finds_a_bad_disk() -> 
     assert Office().disk.writes == 1
     office = Office()
     office.disk.trouble = FULL
-    bad = EStopServer(office.rig.base, office.disk)
+    bad = EStopServer(office.rig.base, office.disk, "base-1")
     bad.turn(office.rig.now)
     office.disk.work()
     bad.turn(office.rig.now)
@@ -118,6 +118,7 @@ def test_engaging_stops_before_the_disk_is_touched_and_is_confirmed_once_it_is_o
     office.disk.hangs = False
     office.go_on()
     assert (asked.only.done, asked.only.engaged, asked.only.id) == (True, True, office.rig.base.latch.id)
+    assert asked.only.instance == "base-1"
     assert office.disk.content == office.rig.base.latch
     assert office.desk.fault == ""
 

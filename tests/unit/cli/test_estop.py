@@ -25,7 +25,7 @@ from tests.support.one_process import Clock, Session
 
 ROBOT = "sim-estop"
 EPOCH = 5
-DONE = EStopAnswer(done=True, engaged=True, id=8, reason="")
+DONE = EStopAnswer(done=True, engaged=True, id=7, reason="", instance="b")
 LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason="smoke")
 RELEASED = EStop(engaged=False, id=7, by="ann@desk", reason="")
 ANSWERS_AFTER = 0.02  # s
@@ -55,6 +55,8 @@ class Network:
                 request = msgspec.msgpack.decode(payload, type=type_)
                 asked.append((request, self.clock.monotonic_ns()))
                 said = answer(request)
+                if said is not None and type_ is EStopEngage:
+                    say_state()  # at once, as base does
                 return None if said is None else (ANSWERS_AFTER, encode(said))
 
             return on_query
@@ -95,7 +97,7 @@ def test_engaging_is_told_once_base_confirms_it(network: Network, monkeypatch: p
     with network.base() as asked:
         code, text = engage(network.connection, "me", "a cat", 10.0)
     release = f"'/my clone/giraff' estop reset --robot {ROBOT} --connect 192.168.1.20"
-    assert (code, text) == (0, f"{ROBOT}: STOPPED, latch 8; it stays so until `{release}`")
+    assert (code, text) == (0, f"{ROBOT}: STOPPED, latch 7; it stays so until `{release}`")
     assert [request for request, _ in asked] == [EStopEngage(by="me", reason="a cat")]
     assert network.clock.monotonic() < 0.1
 
@@ -123,7 +125,14 @@ def test_a_stop_that_nobody_confirms_is_no_stop(network: Network) -> None:
         (None, 2, "NOT CONFIRMED after 1 s: nobody answered"),
         (EStopAnswer(done=False, engaged=False, id=0, reason="no"), 2, "answers that it has not stopped: no; use the"),
         (EStopAnswer(done=True, engaged=False, id=0, reason=""), 2, "NOT CONFIRMED"),
-        (EStopAnswer(done=False, engaged=True, id=8, reason="disk full"), 1, "STOPPED, latch 8, but not for sure"),
+        (msgspec.structs.replace(DONE, done=False, reason="disk full"), 1, "STOPPED, latch 7, but not for sure"),
+        (
+            msgspec.structs.replace(DONE, id=8),
+            2,
+            "an answer says that latch 8 is engaged, but no estop sample of base b",
+        ),
+        (msgspec.structs.replace(DONE, instance="stranger"), 2, "no estop sample of base stranger says so; use the"),
+        (msgspec.structs.replace(DONE, instance=""), 2, "of a base that the answer does not name says so; use the"),
     ],
 )
 def test_an_answer_that_is_no_confirmation_is_not_taken_for_one(

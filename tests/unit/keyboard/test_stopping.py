@@ -1,5 +1,7 @@
 """The space bar's request: repeated until base says that it has stopped."""
 
+from collections.abc import Callable
+
 from giraff_core.estop_request import EStopRequest
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
@@ -15,18 +17,24 @@ class Line:
         self.refusal: EStopAnswer | None = None
         self.answer: EStopAnswer | None = None
 
-    def ask(self) -> "Line":
+    def ask(self, settles: Callable[[EStopAnswer], bool | str]) -> "Line":
         self.requests += 1
         self.attempts = 0
+        self.settles = settles
         return self
 
     def poll(self, now: float) -> EStopAnswer | None:
         del now
         self.attempts += 1
-        return self.answer
+        if self.answer is None:
+            return None
+        judgement = self.settles(self.answer)
+        self.fault = judgement if isinstance(judgement, str) else ""
+        return self.answer if judgement is True else None
 
 
-STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="")
+STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="", instance="base-1")
+STATED = EStop(instance="base-1", engaged=True, id=4, by="me", reason="space bar")
 
 
 def test_nothing_is_asked_before_the_space_bar() -> None:
@@ -48,6 +56,9 @@ def test_it_asks_until_base_confirms() -> None:
     assert "NOT CONFIRMED after 50 requests: estop/engage: nobody there" in stopping.text
     assert "battery switch" in stopping.text
     line.answer = STOPPED
+    assert not stopping.poll(2.0)
+    assert "NOT CONFIRMED after 51 requests: an answer says that latch 4 is engaged, but no estop" in stopping.text
+    stopping.on_sample(STATED)
     assert stopping.poll(2.0)
     assert not stopping.asked
     assert "STOPPED" in stopping.text
@@ -80,12 +91,14 @@ def test_it_can_stop_again_after_a_reset() -> None:
     stopping = EStopRequest(line.ask, "press r to release it")
     line.answer = STOPPED
     stopping.engage()
+    stopping.on_sample(STATED)
     assert stopping.poll(0.0)
-    stopping.on_sample(EStop(engaged=True, id=4, by="me", reason="space bar"))
     assert stopping.text
     stopping.on_sample(EStop(engaged=False, id=4, by="you", reason=""))
     assert stopping.text == ""
     stopping.engage()
     stopping.on_sample(EStop(engaged=False, id=4, by="you", reason=""))
     assert "NOT CONFIRMED" in stopping.text
+    assert not stopping.poll(0.9), "base has said so of the stop before"
+    stopping.on_sample(STATED)
     assert stopping.poll(1.0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from giraff_core.retry import RetriedRequest
 from giraff_schemas.requests import EStopAnswer
 
@@ -13,8 +15,8 @@ LATER = EStopAnswer(done=True, engaged=True, id=2, reason="")
 class Request(RetriedRequest[EStopAnswer]):
     """To nobody yet; settled by what is done."""
 
-    def __init__(self) -> None:
-        super().__init__(lambda answer: answer.done)
+    def __init__(self, settles: Callable[[EStopAnswer], bool | str] = lambda answer: answer.done) -> None:
+        super().__init__(settles)
         self.sent = 0
 
     def _attempt(self) -> None:

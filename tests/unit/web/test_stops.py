@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from giraff_schemas.messages import EStop, RobotTime
@@ -10,7 +12,7 @@ from giraff_web.limited_log import LimitedLog
 from giraff_web.stops import Stops
 
 RESET = EStopReset(by="web@host (phone)", id=4, tick=RobotTime(epoch=7, robot_ns=1), engaged_ns=9)
-STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="")
+STOPPED = EStopAnswer(done=True, engaged=True, id=4, reason="", instance="base")
 RELEASED = EStopAnswer(done=True, engaged=False, id=4, reason="")
 REFUSED = EStopAnswer(done=False, engaged=True, id=5, reason="there is another stop now")
 
@@ -25,11 +27,12 @@ class Asked:
         self.what = what
         self.attempts = 0
         self.answer: EStopAnswer | None = None
+        self.settles: Callable[[EStopAnswer], bool | str] = lambda _: True
 
     def poll(self, now: float) -> EStopAnswer | None:
         del now
         self.attempts += 1
-        return self.answer
+        return self.answer if self.answer is not None and self.settles(self.answer) is True else None
 
 
 class Base:
@@ -38,7 +41,12 @@ class Base:
     def __init__(self) -> None:
         self.asked: list[Asked] = []
         self.log: list[str] = []
-        self.stops = Stops(self.ask, self.ask, LimitedLog(self.log.append))
+        self.stops = Stops(self.engage, self.ask, LimitedLog(self.log.append))
+
+    def engage(self, device: str, settles: Callable[[EStopAnswer], bool | str]) -> Asked:
+        asked = self.ask(device)
+        asked.settles = settles
+        return asked
 
     def ask(self, what: str | EStopReset) -> Asked:
         self.asked.append(Asked(what))
@@ -58,6 +66,8 @@ def test_it_asks_until_base_confirms() -> None:
     assert "NOT CONFIRMED" in base.stops.text
     assert "battery switch" in base.stops.text
     base.asked[0].answer = STOPPED
+    assert not base.stops.poll(1.0)
+    base.says(1.0, engaged=True)
     assert base.stops.poll(1.0)
     assert not base.stops.asked
 
@@ -105,8 +115,8 @@ def test_a_page_says_each_stop_twice_and_whoever_saw_it_may_release_it(again: st
     base = Base()
     base.stops.stop("phone", 0.0)
     base.asked[0].answer = STOPPED
-    base.stops.poll(0.1)
     base.says(0.1, engaged=True)
+    base.stops.poll(0.1)
     base.stops.stop(again, 0.2)
     base.says(0.8, engaged=False)
     assert len(base.asked) == asked
@@ -146,7 +156,7 @@ def test_the_log_is_limited_and_not_the_stop() -> None:
     base = Base()
     for n in range(250):
         base.stops.stop("phone", n * 0.01)
-        base.asked[-1].answer = STOPPED
+        base.asked[-1].answer, base.asked[-1].settles = STOPPED, lambda _: True
         base.stops.poll(n * 0.01)
     assert len(base.asked) == 250
     assert len(base.log) == 3
