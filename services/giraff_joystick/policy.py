@@ -111,7 +111,7 @@ class JoystickPolicy:
 
     @property
     def rank_notice(self) -> str:
-        """Why any person's hand takes the robot from this joystick, with the line to write; empty: its name is ranked."""
+        """Why persons take the robot from this joystick, with the line to write; empty: its name is ranked."""
         return self._operator.rank_notice
 
     def on_tick(self, tick: Tick, now: float) -> TickFrame | None:

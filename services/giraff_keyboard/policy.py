@@ -72,7 +72,7 @@ class KeyboardPolicy:
 
     @property
     def rank_notice(self) -> str:
-        """Why any person's hand takes the robot from this keyboard, with the line to write; empty: its name is ranked."""
+        """Why persons take the robot from this keyboard, with the line to write; empty: its name is ranked."""
         return self._operator.rank_notice
 
     @property

@@ -66,7 +66,7 @@ class WebPolicy:
 
     @property
     def rank_notice(self) -> str:
-        """Why any person's hand takes the robot from the pages, with the line to write; empty: its name is ranked."""
+        """Why persons take the robot from the pages, with the line to write; empty: its name is ranked."""
         return self._operator.rank_notice
 
     @property
