@@ -241,7 +241,7 @@ def main() -> int:
     mode.add_argument("--hash", action="store_true", help="print the protocol hash")
     asked = arguments.parse_args()
     try:
-        protocol = parse(HEADER.read_text())
+        protocol = parse(HEADER.read_text(encoding="utf-8"))
     except HeaderError as error:
         print(f"{HEADER}: {error}", file=sys.stderr)
         return 1
@@ -249,8 +249,8 @@ def main() -> int:
     if asked.hash:
         print(f"0x{protocol.hash:08X}")
     elif not asked.check:
-        WIRE.write_text(text)
-    elif not WIRE.exists() or WIRE.read_text() != text:
+        WIRE.write_text(text, encoding="utf-8")
+    elif not WIRE.exists() or WIRE.read_text(encoding="utf-8") != text:
         print(f"{WIRE} is not what {HEADER} gives: run {Path(__file__).resolve()}", file=sys.stderr)
         return 1
     return 0

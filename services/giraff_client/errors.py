@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from giraff_core.motion.result import MotionResult
 from giraff_schemas.messages import Direction, EStop, Verdict
+from giraff_schemas.text import printable_lines
 
 
 class RobotError(Exception):
-    """Whatever stands between a script and its robot."""
+    """Whatever stands between a script and its robot. A traceback shows the message in a terminal."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(printable_lines(text))
 
 
 class NoRobotError(RobotError):

@@ -13,6 +13,8 @@ import tty
 from types import FrameType, TracebackType
 from typing import Final, Self
 
+from giraff_schemas.text import printable
+
 _READ: Final = 4096
 _PASTES_MARKED: Final = "\x1b[?2004h"
 _PASTES_PLAIN: Final = "\x1b[?2004l"
@@ -121,7 +123,7 @@ class Terminal(RawTerminal):
     def show(self, lines: list[str]) -> None:
         """Replace the lines shown before."""
         width = shutil.get_terminal_size().columns
-        fitting = [line[: width - 1] for line in lines]  # a line that wraps would scroll all away
+        fitting = [printable(line[: width - 1]) for line in lines]  # a line that wraps would scroll all away
         if fitting == self._shown or self.is_gone:
             return
         self._shown = fitting

@@ -17,12 +17,13 @@ from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
 from giraff_node import Node, Timer
+from giraff_node.network.tokens import Token, watch_tokens
 from giraff_node.process.state import state_directory
 from giraff_recorder.config import RecorderConfig
 from giraff_recorder.policy import Incident, IncidentDetector, Memory, surplus
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Health
-from giraff_schemas.topics import BASE, ESTOP, alive_key, health_key, key_below, key_of
+from giraff_schemas.topics import BASE, ESTOP, health_key, key_below, key_of
 
 _LOOK_HZ: Final = 5.0
 _AT_ONCE: Final = 2000
@@ -64,8 +65,7 @@ class Others:
         self._node = node
         self._gone: deque[str] = deque()
         self._healths: deque[Health] = deque()
-        key = alive_key(node.robot.name)
-        self._tokens = node.session.liveliness().declare_subscriber(key, self._on_token)
+        self._tokens = watch_tokens(node.session, node.robot.name, self._on_token, node.log.warning, history=False)
 
     def tell(self, incidents: IncidentDetector, now: float, *, ask: bool) -> None:
         """Pass on what has come."""
@@ -76,9 +76,9 @@ class Others:
         if ask:
             self._node.session.get(health_key(self._node.robot.name), self._on_reply, timeout=2.0)
 
-    def _on_token(self, sample: zenoh.Sample) -> None:
-        if sample.kind == zenoh.SampleKind.DELETE:
-            self._gone.append(str(sample.key_expr).split("/")[3])
+    def _on_token(self, token: Token, present: bool) -> None:
+        if not present:
+            self._gone.append(token.service)
 
     def _on_reply(self, reply: zenoh.Reply) -> None:
         if reply.ok is not None:

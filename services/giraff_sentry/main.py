@@ -40,7 +40,7 @@ class ZenohLog:
             yield self._lines.popleft()
 
     def _read(self, descriptor: int) -> None:
-        with open(descriptor, errors="replace") as log:
+        with open(descriptor, encoding="utf-8", errors="replace") as log:
             self._lines.extend(log)
 
 

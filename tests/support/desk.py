@@ -73,11 +73,13 @@ class Desk:
         return msgspec.json.decode(done.stdout)
 
     @contextmanager
-    def running(self, *words: str) -> Iterator[subprocess.Popen[str]]:
-        """The command while it runs; it ends with the block."""
+    def running(self, *words: str, **environment: str) -> Iterator[subprocess.Popen[str]]:
+        """The command while it runs; it ends with the block. `environment`: more of it."""
         streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
         command = [str(GIRAFF), *words]
-        with subprocess.Popen(command, cwd=self.directory, env=self.environment, **streams) as process:
+        with subprocess.Popen(
+            command, cwd=self.directory, env={**self.environment, **environment}, **streams
+        ) as process:
             try:
                 yield process
             finally:

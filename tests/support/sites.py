@@ -89,7 +89,9 @@ class Sites:
         holder = subprocess.Popen([*command, "sleep", "infinity"])
         self._holders[site] = holder
         deadline = time.monotonic() + _PATIENCE
-        while Path(f"/proc/{holder.pid}/comm").read_text().strip() != "sleep":  # before, it is not yet in its own
+        while (
+            Path(f"/proc/{holder.pid}/comm").read_text(encoding="utf-8").strip() != "sleep"
+        ):  # before, it is not yet in its own
             assert holder.poll() is None, "no network namespace: unshare says why; root may make them"
             assert time.monotonic() < deadline, "no network namespace in time"
             time.sleep(0.01)

@@ -16,11 +16,11 @@ from giraff_cli.doctor.inspection import Inspection, Machine, Network, Robot
 from giraff_cli.doctor.machine import geometry_of, look_at_boards, look_at_machine, wiring_checked
 from giraff_cli.doctor.probe import call_all, scout
 from giraff_cli.doctor.robot import listen
-from giraff_cli.network.command import print_error
+from giraff_cli.network.command import close_after_fault, print_error
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.interfaces import is_own
 from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.text import counted, printable
+from giraff_cli.terminal.text import counted
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.consent import NoRobotError
@@ -28,6 +28,7 @@ from giraff_node.network.discovery import Target, list_robots, resolve_target, s
 from giraff_node.network.link_repair import hosts_of
 from giraff_node.network.session import open_session
 from giraff_schemas.services import BASE
+from giraff_schemas.text import printable
 
 FoundT = TypeVar("FoundT")
 
@@ -51,6 +52,10 @@ def examine(robot: str | None, connect: Sequence[str], seconds: float, *, as_jso
         look = _look(way, machine, connection, problem, seconds)
     except NoRobotError as error:
         code = print_error(str(error))
+    except BaseException:
+        if connection is not None:
+            close_after_fault(connection)
+        raise
     else:
         found = findings(look)
         verdict = _FAULT if any(each.severity == "fault" for each in found) else _NO_FAULT

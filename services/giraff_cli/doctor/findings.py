@@ -9,6 +9,7 @@ import msgspec
 
 from giraff_cli.doctor.inspection import Geometry, HealthReply, Inspection, Machine, Network, Probe, Rate, Robot
 from giraff_cli.telemetry.describe import START_A_HAND
+from giraff_cli.terminal.text import json_page
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_schemas.services import BASE, HANDS, ODOMETRY, ROBOTS_OWN, RUN
@@ -347,4 +348,4 @@ def as_document(look: Inspection, found: list[Finding]) -> str:
         "findings": found,
         "looked_at": look,
     }
-    return msgspec.json.format(msgspec.json.encode(told), indent=2).decode()
+    return json_page(told)

@@ -17,7 +17,7 @@ from giraff_cli.telemetry import panels as blocks
 from giraff_cli.telemetry.collector import FRESH, Snapshot
 from giraff_cli.telemetry.describe import DIRECTIONS, moving, verdicts
 from giraff_cli.terminal.layout import HEADING, beside, clock, header
-from giraff_cli.terminal.text import printable
+from giraff_schemas.text import printable
 from giraff_schemas.wire import RANGE_SENSORS
 
 COLUMNS: Final = 80

@@ -12,12 +12,13 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Final
 
-from rich.console import Console, RenderableType
+from rich.console import RenderableType
 from rich.control import Control
 from rich.live import Live
 from rich.text import Text
 
 from giraff_cli.drive.picture import DrivePicture
+from giraff_cli.terminal.page import CleanConsole
 from giraff_keyboard.terminal import RawTerminal
 
 _PICTURES_HZ: Final = 5
@@ -70,7 +71,7 @@ class DriveTerminal(RawTerminal):
 class _Page(Live):
     def __init__(self, draw: Callable[[], RenderableType], on_failure: Callable[[BaseException], None]) -> None:
         super().__init__(
-            console=Console(highlight=False),
+            console=CleanConsole(highlight=False),
             screen=True,
             get_renderable=draw,
             refresh_per_second=_PICTURES_HZ,

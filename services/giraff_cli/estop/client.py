@@ -7,18 +7,19 @@ from __future__ import annotations
 
 import shlex
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.program import called_here
 from giraff_node.config.robot_file import DEFAULT_FILE
-from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, others
+from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, host_of, others
 from giraff_node.network.query_client import QueryClient, request_estop
 from giraff_node.network.reach import find_silent
 from giraff_schemas.messages import EStop, RobotTime, Sample, Tick
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, Topic, key_of
 
 RELEASED: Final = 0
@@ -37,11 +38,16 @@ class Result(NamedTuple):
     text: str
 
 
-def engage(connection: RobotConnection, by: str, reason: str, timeout: float) -> Result:
-    """Ask again and again until base confirms that it has stopped and will stay so. 0: it has."""
+def engage(connection: RobotConnection, by: str, reason: str, timeout: float, *, doubt: str = "") -> Result:
+    """Ask again and again until base confirms that it has stopped and will stay so. 0: it has.
+
+    `doubt`: why it is not known whether the robot that answers is the one that is meant; then the code is UNKNOWN.
+    """
     robot, deadline = connection.robot, time.monotonic() + timeout
     asking = request_estop(connection.session, robot, by=by, reason=reason)
     answer = asking.wait(deadline)
+    if doubt and (answer or _has_stopped(asking)):
+        return _doubtful(connection, robot, doubt)
     if answer is not None:
         return _confirmed(connection, robot, answer)
     code, text = _unconfirmed(robot, asking, timeout)
@@ -55,6 +61,8 @@ def engage_all(
     timeout: float,
     addresses: Sequence[str],
     tell: Callable[[Result], object],
+    *,
+    doubt: str = "",
 ) -> int:
     """The same of every robot that is heard; the worst code. `tell` is given each result as soon as there is one.
 
@@ -63,7 +71,7 @@ def engage_all(
     """
     with ThreadPoolExecutor(1) as pool:
         silent = pool.submit(find_silent, addresses)
-        code = _engage_heard(connection, by, reason, timeout, tell)
+        code = _engage_heard(connection, by, reason, timeout, tell, doubt)
         for what in silent.result():
             tell(
                 Result(UNKNOWN, f"--connect {what}; NOT REACHED: a robot there was NOT STOPPED, use its battery switch")
@@ -73,7 +81,7 @@ def engage_all(
 
 
 def _engage_heard(
-    connection: RobotConnection, by: str, reason: str, timeout: float, tell: Callable[[Result], object]
+    connection: RobotConnection, by: str, reason: str, timeout: float, tell: Callable[[Result], object], doubt: str
 ) -> int:
     monitor = RobotMonitor(connection.session)
     asking: dict[str, QueryClient[EStopEngage, EStopAnswer]] = {}
@@ -85,23 +93,51 @@ def _engage_heard(
                 asking[robot] = request_estop(connection.session, robot, by=by, reason=reason)
                 newest = now
         for robot in sorted(asking.keys() - stopped):
-            if (answer := asking[robot].poll(now)) is not None:
+            if (answer := _poll(asking[robot], now)) is not None:
                 stopped.add(robot)
-                tell(_confirmed(connection, robot, answer))
+                if not doubt:
+                    tell(_confirmed(connection, robot, answer))
         if asking and len(stopped) == len(asking) and now - newest > _NEWCOMERS:
             break
         time.sleep(_TURN)
     codes = [RELEASED]
-    for robot in sorted(asking.keys() - stopped):
-        result = _unconfirmed(robot, asking[robot], timeout)
-        tell(Result(result.code, f"{robot}: {result.text}" if result.code == UNKNOWN else result.text))
+    for robot in sorted(asking if doubt else asking.keys() - stopped):
+        if doubt and (robot in stopped or _has_stopped(asking[robot])):
+            result = _doubtful(connection, robot, doubt)
+        else:
+            result = _unconfirmed(robot, asking[robot], timeout, whose=f"{robot}: ")
+        tell(result)
         codes.append(result.code)
-    if not asking:
+    return max(codes) if _are_all(connection, asking, tell) else UNKNOWN
+
+
+def _are_all(connection: RobotConnection, asked: Collection[str], tell: Callable[[Result], object]) -> bool:
+    """Tell of robots that were not met, if there must be some."""
+    if not asked:
         tell(Result(UNKNOWN, f"NOTHING IS STOPPED: no robot is heard; use the battery switch, then {HOW_TO_REACH}"))
-        codes.append(UNKNOWN)
-    if connection.filed and connection.filed not in asking:
+    if connection.filed and connection.filed not in asked:
         tell(Result(UNKNOWN, f"{connection.filed}, which {DEFAULT_FILE} names, is NOT HEARD and was not stopped"))
-    return max(codes)
+    return bool(asked)
+
+
+def _poll(asking: QueryClient[EStopEngage, EStopAnswer], now: float) -> EStopAnswer | None:
+    """Ask one robot. What goes wrong with it is its own fault: the others are asked all the same."""
+    try:
+        return asking.poll(now)
+    except Exception as error:  # noqa: BLE001  nothing that one name brings about may end the stop of another robot
+        asking.fault = f"{asking.key}: {error}"
+        return None
+
+
+def _has_stopped(asking: QueryClient[EStopEngage, EStopAnswer]) -> bool:
+    """Tell whether base has stopped, but cannot keep it over a restart."""
+    return asking.refusal is not None and asking.refusal.engaged
+
+
+def _doubtful(connection: RobotConnection, robot: str, doubt: str) -> Result:
+    """Tell of a robot that has confirmed, and may be another of that name."""
+    host = host_of(connection.session, robot) or "an unknown host"
+    return Result(UNKNOWN, printable(f"asked {robot} at {host}; {doubt}"))
 
 
 def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer) -> Result:
@@ -110,17 +146,17 @@ def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer) -> 
     return Result(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{release}`")
 
 
-def _unconfirmed(robot: str, asking: QueryClient[EStopEngage, EStopAnswer], timeout: float) -> Result:
+def _unconfirmed(robot: str, asking: QueryClient[EStopEngage, EStopAnswer], timeout: float, whose: str = "") -> Result:
     refusal = asking.refusal
+    reason = "" if refusal is None else printable(refusal.reason)
     if refusal is not None and refusal.engaged:
-        return Result(
-            ENGAGED, f"{robot}: STOPPED, latch {refusal.id}, but not for sure after a restart: {refusal.reason}"
-        )
+        return Result(ENGAGED, f"{robot}: STOPPED, latch {refusal.id}, but not for sure after a restart: {reason}")
     if refusal is not None:
-        why = f"{asking.key} answers that it has not stopped: {refusal.reason}"
+        why = f"{asking.key} answers that it has not stopped: {reason}"
     else:
         why = asking.fault or f"nobody answered {asking.key}"
-    return Result(UNKNOWN, f"NOT CONFIRMED after {timeout:g} s: {why}; use the battery switch, then {HOW_TO_REACH}")
+    told = f"{whose}NOT CONFIRMED after {timeout:g} s: {why}; use the battery switch, then {HOW_TO_REACH}"
+    return Result(UNKNOWN, told)
 
 
 def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
@@ -134,7 +170,7 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
     [state] = heard.states.values()
     if not state.engaged:
         return Result(RELEASED, f"{robot}: not engaged, nothing to clear; {_HOW_TO_DRIVE}")
-    what = f"latch {state.id} of {robot}, engaged by {state.by}: {state.reason}"
+    what = printable(f"latch {state.id} of {robot}, engaged by {state.by}: {state.reason}")
     tick = _next_tick(connection, heard, deadline)
     if tick is None:
         return Result(
@@ -150,7 +186,8 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
             UNKNOWN, f"NOT CONFIRMED after {timeout:g} s, {what}: {asking.fault or f'nobody answered {asking.key}'}"
         )
     if not answer.done or answer.engaged:
-        return Result(ENGAGED, f"STILL ENGAGED, {what}: {answer.reason or f'latch {answer.id} has come since'}")
+        why = printable(answer.reason) or f"latch {answer.id} has come since"
+        return Result(ENGAGED, f"STILL ENGAGED, {what}: {why}")
     return Result(RELEASED, f"cleared {what}\n{robot} may move again, and does not yet: {_HOW_TO_DRIVE}")
 
 
@@ -162,7 +199,7 @@ def status(connection: RobotConnection, timeout: float) -> Result:
         return _silent(connection, timeout)
     told = [
         f"{robot}: {'ENGAGED' if state.engaged else 'released'}, latch {state.id}"
-        + (f", by {state.by}: {state.reason}" if state.by or state.reason else "")
+        + (printable(f", by {state.by}: {state.reason}") if state.by or state.reason else "")
         for state in heard.states.values()
     ]
     if len(heard.states) > 1:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -32,23 +31,9 @@ def engage(
 
     Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
     """
-    from giraff_cli.estop import client as it  # noqa: PLC0415
-    from giraff_cli.estop.fallback import way_to_stop  # noqa: PLC0415
-    from giraff_cli.network.command import print_error, run_on_network  # noqa: PLC0415
-    from giraff_cli.network.user import user_at_host  # noqa: PLC0415
-    from giraff_node.network.reach import address_fault  # noqa: PLC0415
+    from giraff_cli.estop.attempts import engage_by_plan  # noqa: PLC0415
 
-    usable = [address for address in connect or () if not address_fault(address)]
-
-    def stop(connection: RobotConnection) -> int:
-        if connection.robot:
-            for address in set(connect or ()) - set(usable):
-                print_error(f"--connect {address} is left out: {address_fault(address)}")
-            return _print(it.engage(connection, user_at_host(), reason, timeout))
-        return it.engage_all(connection, user_at_host(), reason, timeout, connect or (), _print)
-
-    # A robot that is reached another way is stopped, whatever is wrong with the address that was typed.
-    raise typer.Exit(run_on_network(robot, usable, stop, lambda: way_to_stop(robot, usable), must_reach=False))
+    raise typer.Exit(engage_by_plan(robot, connect or (), reason, timeout))
 
 
 @estop.command()
@@ -82,16 +67,9 @@ def _tell(
     *,
     moves: bool = False,
 ) -> None:
+    from giraff_cli.estop.attempts import tell  # noqa: PLC0415
     from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
 
     raise typer.Exit(
-        run_with_robot(robot, connect or (), timeout, lambda connection: _print(act(connection)), moves=moves)
+        run_with_robot(robot, connect or (), timeout, lambda connection: tell(act(connection)), moves=moves)
     )
-
-
-def _print(result: Result) -> int:
-    """The exit code."""
-    from giraff_cli.network.command import UNUSABLE  # noqa: PLC0415
-
-    print(result.text, file=sys.stderr if result.code >= UNUSABLE else sys.stdout, flush=True)
-    return result.code

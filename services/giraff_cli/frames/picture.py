@@ -8,8 +8,8 @@ from html import escape
 from typing import Final, NamedTuple
 
 from giraff_cli.frames.tree import Frames, roots_of
-from giraff_cli.terminal.text import printable
 from giraff_schemas.frames import Transform
+from giraff_schemas.text import printable
 
 _CHARACTER, _LINE = 7.3, 16.0
 _BOX, _GAP, _MARGIN, _TOP = 30.0, 24.0, 20.0, 64.0

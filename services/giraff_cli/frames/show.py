@@ -23,6 +23,7 @@ from giraff_core.kinematics.frame_errors import FrameError, UnknownFrameError
 from giraff_core.kinematics.frames import FrameTree
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.frames import Transform
+from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import frame_key
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
@@ -59,7 +60,7 @@ def frames(robot: str | None, connect: Sequence[str], wanted: Wanted) -> int:
         if wanted.as_json:
             print_json(found)
         elif wanted.dot:
-            print(dot(found))
+            print(printable_lines(dot(found)))
         else:
             _show(found)
         return _ILL if found.faults else _WELL
@@ -103,7 +104,7 @@ def _show_pose(found: Frames, target: str, source: str, *, as_json: bool) -> int
     if as_json:
         print_json(pose)
     else:
-        print(pose_text(pose))
+        print(printable_lines(pose_text(pose)))
     return _WELL
 
 

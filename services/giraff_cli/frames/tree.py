@@ -10,8 +10,8 @@ from rich.text import Text
 from rich.tree import Tree
 
 from giraff_cli.terminal.graphviz import quoted
-from giraff_cli.terminal.text import printable
 from giraff_schemas.frames import Transform
+from giraff_schemas.text import printable
 
 
 class Frames(msgspec.Struct, frozen=True, kw_only=True):

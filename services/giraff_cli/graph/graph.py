@@ -13,6 +13,7 @@ from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
 from giraff_cli.terminal.graphviz import quoted
 from giraff_cli.terminal.page import print_json, print_table
 from giraff_cli.terminal.signals import StopSignal
+from giraff_schemas.text import printable_lines
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 
@@ -44,7 +45,7 @@ def graph(robot: str | None, connect: Sequence[str], seconds: float, *, as_dot: 
         if as_json:
             print_json(drawn)
         elif as_dot:
-            print(dot(drawn))
+            print(printable_lines(dot(drawn)))
         else:
             _show(drawn)
         return 0

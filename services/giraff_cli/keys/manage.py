@@ -9,10 +9,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Final
 
-import msgspec
-
 from giraff_cli.keys.bundle import bundle_text
 from giraff_cli.keys.status import Standing, State, authority_standing, host_standing, keys_command
+from giraff_cli.terminal.text import json_line
 from giraff_keys.certificates import CertificateError, addresses_of, new_authority, new_host
 from giraff_keys.files import CA_KEY, KeyFileError, read_authority, read_certificate
 from giraff_keys.folder import holding, lay_down
@@ -72,7 +71,7 @@ def show(folder: Path, moment: datetime, *, as_json: bool) -> int:
     except (RefusedError, KeyFileError, OSError) as error:
         return _complain("list", error)
     if as_json:
-        print(msgspec.json.encode({"folder": str(folder), "ca": authority, "hosts": hosts}).decode())
+        print(json_line({"folder": str(folder), "ca": authority, "hosts": hosts}))
     else:
         print("\n".join(_table(authority, hosts)))
     states = {standing.state for standing in (authority, *hosts)}

@@ -11,6 +11,7 @@ from giraff_cli.telemetry.localization import place_text
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_node.network.query_client import QueryClient
+from giraff_node.network.tokens import find_tokens
 from giraff_schemas.localization import LocalizationAnswer
 from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT, alive_key
@@ -35,8 +36,7 @@ class Result(NamedTuple):
 def is_there(connection: RobotConnection) -> bool:
     """Whether localization of this robot runs on the network."""
     key = alive_key(connection.robot, LOCALIZATION.name)
-    replies = connection.session.liveliness().get(key, timeout=_REPLY_WITHIN)
-    return any(reply.ok is not None for reply in replies)
+    return bool(find_tokens(connection.session, key, _REPLY_WITHIN))
 
 
 def require_there(connection: RobotConnection) -> None:

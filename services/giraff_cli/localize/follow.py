@@ -16,6 +16,7 @@ from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.signals import StopSignal
+from giraff_schemas.text import printable
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and for an answer
 _TURN: Final = 0.1  # s
@@ -45,7 +46,7 @@ def tell(robot: str | None, connect: Sequence[str], place: Place | None, *, as_j
         if as_json:
             print_json({"robot": connection.robot, "done": code == DONE, "text": text})
         elif code == DONE:
-            print(text, flush=True)
+            print(printable(text), flush=True)
         if code != DONE:
             print_error(text)
         return code

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Final, Protocol
 
-import msgspec
-
 from giraff_cli.localize.view import PoseView, document
 from giraff_cli.terminal.screen import Terminal, open_screen
+from giraff_cli.terminal.text import json_line
+from giraff_schemas.text import printable
 
 _QUIET: Final = 1.0  # s between two lines that only say that it has moved
 
@@ -32,7 +32,7 @@ class ChangedLines:
         if view.words == self._words or (view.told == self._told and view.elapsed < self._next):
             return
         self._told, self._words, self._next = view.told, view.words, view.elapsed + _QUIET
-        print(view.line(), flush=True)
+        print(printable(view.line()), flush=True)
 
     def close(self) -> None:
         """Nothing is left to restore."""
@@ -50,7 +50,7 @@ class JsonLines:
         pose = view.pose.sample
         if (pose.instance, pose.seq) != self._last:
             self._last = pose.instance, pose.seq
-            print(msgspec.json.encode(document(view.robot, pose)).decode(), flush=True)
+            print(json_line(document(view.robot, pose)), flush=True)
 
     def close(self) -> None:
         """Nothing is left to restore."""

@@ -15,7 +15,8 @@ from giraff_cli.telemetry.localization_summary import (
     localization_rows,
     summarize_localization,
 )
-from giraff_cli.terminal.text import printable
+from giraff_cli.terminal.text import json_page
+from giraff_schemas.text import printable
 
 _LABEL: Final = 15  # characters
 _INDENT: Final = " " * (_LABEL + 2)
@@ -50,7 +51,7 @@ def summarize(drive: RecordedDrive, robot: str, *, took: float) -> Summary:
 
 
 def to_json(summary: Summary) -> str:
-    return msgspec.json.format(msgspec.json.encode(summary), indent=2).decode()
+    return json_page(summary)
 
 
 def to_text(summary: Summary) -> str:

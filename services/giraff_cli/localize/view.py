@@ -12,8 +12,8 @@ from rich.text import Text
 
 from giraff_cli.telemetry.collector import Latest
 from giraff_cli.telemetry.localization import pose_text
-from giraff_cli.terminal.text import printable
 from giraff_schemas.localization import MapPose
+from giraff_schemas.text import printable
 
 _FIGURES: Final = re.compile(r"\d+")
 _STYLE: Final = {"localized": "green", "ambiguous": "yellow", "lost": "red", "no_map": "red"}

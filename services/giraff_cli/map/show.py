@@ -11,10 +11,11 @@ from giraff_cli.map.dots import drawn
 from giraff_cli.map.picture import picture
 from giraff_cli.network.command import print_error
 from giraff_cli.terminal.output import guard_stdout
-from giraff_cli.terminal.text import counted, printable
+from giraff_cli.terminal.text import counted
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_maps.read import read_map
 from giraff_node.process.state import write_file_durably
+from giraff_schemas.text import printable
 
 _PIPE: Final = (80, 40)  # columns and lines where there is no terminal
 _WIDEST: Final = 120  # columns

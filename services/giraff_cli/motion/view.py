@@ -11,9 +11,9 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.terminal.text import printable
 from giraff_core.motion.result import MotionResult, way_of
 from giraff_schemas.motion import MotionState
+from giraff_schemas.text import printable
 
 _BAR: Final = 24  # characters
 _LEAST: Final = 1e-6

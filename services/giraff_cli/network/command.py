@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+import traceback
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -16,16 +17,21 @@ from giraff_cli.terminal.program import called_here
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import CORRECT_IT, find_robot, require_consent, resolve_target
+from giraff_node.network.discovery import CORRECT_IT, Target, find_robot, require_consent, resolve_target
 from giraff_node.network.reach import find_silent
 from giraff_node.network.session import open_session
 from giraff_node.process.lifecycle import restart_program
 
 UNUSABLE: Final = 2
+_BROKEN: Final = 1  # as Python ends where nobody takes an exception
 
 _CAME_BACK: Final = "VISITED_BEFORE"
 """Set in the environment of a visit that begins anew at another network: there an address may yet be out of reach."""
 _CLOSE_WITHIN: Final = 0.3  # s; whoever has ended a command does not wait, and the robot sees a dead link at once
+
+
+class UnopenedError(Exception):
+    """No session can be opened on a network. The message says why, and the remedy."""
 
 
 class MovedError(Exception):
@@ -66,34 +72,33 @@ def run_on_network(
     robot: str | None,
     connect: Sequence[str],
     act: Callable[[RobotConnection], int],
-    lost: Callable[[], str] | None = None,
     *,
-    must_reach: bool = True,
     records: bool = False,
 ) -> int:
     """The exit code of `act` on the network, whose connection has no robot where nobody has named one; or UNUSABLE.
 
-    `lost`: of a stop, the way out where robot file or environment cannot tell which robot it is, or on which network.
-    `must_reach`: an address of `connect` that does not answer is an error: another robot would be found in its place.
+    An address of `connect` that does not answer is an error: another robot would be found in its place.
     `records`: it hears what is no sample of ours (`session_config`).
     """
     try:
         way = resolve_target(robot, connect)
     except NoRobotError as error:
-        return print_error(f"NOTHING IS STOPPED: {error}" if lost else str(error))
+        return print_error(str(error))
     except ConfigError as error:
-        return print_error(f"{error}; {lost() if lost else CORRECT_IT}")
-    if must_reach and not os.environ.get(_CAME_BACK) and (silent := find_silent(connect)):
+        return print_error(f"{error}; {CORRECT_IT}")
+    if not os.environ.get(_CAME_BACK) and (silent := find_silent(connect)):
         return print_error(f"--connect {'; '.join(silent)}; check the address, and that the robot is on")
     if way.warning:
-        print_error(f"not everything of robot file and environment counts: {way.warning}")
+        print_error(not_all_counts(way.warning))
     try:
-        session = open_session(way.network, way.robot or "*", visiting=True, records=records)
-    except ConfigError as error:
+        return visit(way, act, records=records)
+    except UnopenedError as error:
         return print_error(str(error))
-    except zenoh.ZError as error:
-        return print_error(f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect")
-    connection = RobotConnection(way.robot, session, way.filed, way.network)
+
+
+def visit(way: Target, act: Callable[[RobotConnection], int], *, records: bool = False) -> int:
+    """The exit code of `act` on this network. Raises UnopenedError. Whatever happens, no session holds the process."""
+    connection = RobotConnection(way.robot, _opened(way, records=records), way.filed, way.network)
     try:
         code = guard_stdout(lambda: act(connection))
     except MovedError:
@@ -101,9 +106,35 @@ def run_on_network(
         restart_program({_CAME_BACK: "yes"})
     except NoRobotError as error:
         code = print_error(str(error))
+    except BaseException:
+        close_after_fault(connection)
+        raise
     if not connection.close(_CLOSE_WITHIN):  # Zenoh would hold the process, and nothing is left to do
         os._exit(code)
     return code
+
+
+def close_after_fault(connection: RobotConnection) -> None:
+    """Leave the network while an exception goes up that nobody foresaw: an open session would hold the process."""
+    if not connection.close(_CLOSE_WITHIN):
+        traceback.print_exc()
+        os._exit(_BROKEN)
+
+
+def _opened(way: Target, *, records: bool) -> zenoh.Session:
+    try:
+        return open_session(way.network, way.robot or "*", visiting=True, records=records)
+    except ConfigError as error:
+        raise UnopenedError(str(error)) from error
+    except zenoh.ZError as error:
+        raise UnopenedError(
+            f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect"
+        ) from error
+
+
+def not_all_counts(warning: str) -> str:
+    """What to say of entries that no table takes."""
+    return f"not everything of robot file and environment counts: {warning}"
 
 
 def print_error(text: str) -> int:

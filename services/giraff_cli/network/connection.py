@@ -13,6 +13,7 @@ import zenoh
 from giraff_core.network import NetworkConfig
 from giraff_node import robot_now_ns
 from giraff_node.network.session import close_session
+from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
 from giraff_schemas.services import BASE
@@ -58,9 +59,8 @@ class RobotConnection:
         """The liveliness token of a base that already runs under this robot's name; looks for `patience` s."""
         deadline = time.monotonic() + patience
         while time.monotonic() < deadline:
-            for reply in self.session.liveliness().get(alive_key(self.robot, BASE.name), timeout=patience):
-                if reply.ok is not None:
-                    return str(reply.ok.key_expr)
+            if tokens := find_tokens(self.session, alive_key(self.robot, BASE.name), patience):
+                return alive_key(*tokens[0])
             time.sleep(_ASK_AGAIN)
         return None
 
@@ -68,8 +68,7 @@ class RobotConnection:
         """Hear these topics of the robot, and its services come and go."""
         for topic in topics:
             self.subscribe(topic)
-        tokens = alive_key(self.robot)
-        self._declared[tokens] = self.session.liveliness().declare_subscriber(tokens, self._on_token, history=True)
+        self._declared[alive_key(self.robot)] = watch_tokens(self.session, self.robot, self._on_token)
 
     def subscribe(self, topic: Topic[Any]) -> None:
         """Hear this topic of the robot, too."""
@@ -113,7 +112,5 @@ class RobotConnection:
 
         return on_sample
 
-    def _on_token(self, received: zenoh.Sample) -> None:
-        *_, service, instance = str(received.key_expr).split("/")
-        present = received.kind == zenoh.SampleKind.PUT
-        self._heard.append(lambda listener: listener.on_liveliness(service, instance, present=present))
+    def _on_token(self, token: Token, present: bool) -> None:
+        self._heard.append(lambda listener: listener.on_liveliness(token.service, token.instance, present=present))

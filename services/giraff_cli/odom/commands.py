@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from giraff_cli.options import Connect, Robot, finite
+from giraff_schemas.text import printable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -68,7 +69,7 @@ def _tell(
         if code:
             print_error(text)
         else:
-            print(text, flush=True)
+            print(printable(text), flush=True)
         return code
 
     raise typer.Exit(run_with_robot(robot, connect or (), timeout, say, moves=True))

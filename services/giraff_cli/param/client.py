@@ -16,8 +16,10 @@ from giraff_cli.terminal.page import print_json
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_node.network.query_client import QueryClient
+from giraff_node.network.tokens import find_tokens
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.services import SERVICES
+from giraff_schemas.text import printable, printable_lines
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and then for its services to answer
@@ -60,7 +62,7 @@ def show(
         if as_json:
             print_json(as_objects(wanted))
         else:
-            print(view(wanted))
+            print(printable_lines(view(wanted)))
         return _WRONG if differences or len(answers) < len(services) else _DONE
 
     return run_with_robot(robot, connect, _PATIENCE, tell)
@@ -109,7 +111,7 @@ def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:
     if as_json:
         print_json([answer for _, answer in sorted(answers.items())])
     elif done:
-        print("\n".join(one.sentence() for one in done))
+        print("\n".join(printable(one.sentence()) for one in done))
     if len(answers) < len(services):
         return UNUSABLE
     return _DONE if all(answer.done for answer in answers.values()) else _WRONG
@@ -121,8 +123,7 @@ def _services(connection: RobotConnection, names: Iterable[str]) -> set[str]:
     there: set[str] = set()
     deadline, settled = time.monotonic() + _PATIENCE, 0.0
     while time.monotonic() < deadline:
-        replies = connection.session.liveliness().get(alive_key(connection.robot), timeout=_PATIENCE)
-        there |= {str(reply.ok.key_expr).split("/")[3] for reply in replies if reply.ok is not None}
+        there |= {token.service for token in find_tokens(connection.session, alive_key(connection.robot), _PATIENCE)}
         there &= _ANSWERING
         settled = settled or (time.monotonic() + _SETTLED if there else 0.0)
         if wanted and wanted <= there:

@@ -17,8 +17,10 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, publish_refusal
 from giraff_cli.play.reader import Reader, RecordedSample
 from giraff_cli.terminal.signals import StopSignal
+from giraff_cli.terminal.text import json_line
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_node.network.consent import NoRobotError
+from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.services import PLAY
 from giraff_schemas.topics import alive_key, key_below
 
@@ -85,25 +87,20 @@ class Presence:
 
     def __init__(self, session: zenoh.Session, robot: str) -> None:
         self._session = session
-        self._own = alive_key(robot, PLAY.name, secrets.token_hex(8))
+        self._own = Token(robot, PLAY.name, secrets.token_hex(8))
         self._token: zenoh.LivelinessToken | None = None
-        self._tokens: dict[str, bool] = {}
-        key = alive_key(robot)
-        self._subscriber = session.liveliness().declare_subscriber(key, self._on_token, history=True)
+        self._tokens: dict[Token, bool] = {}
+        self._subscriber = watch_tokens(session, robot, self._tokens.__setitem__)
 
     def declare(self) -> None:
         """Let the played one be found."""
-        self._token = self._session.liveliness().declare_token(self._own)
+        self._token = self._session.liveliness().declare_token(alive_key(*self._own))
 
     @property
     def services(self) -> list[str]:
         """Those that are there, of others."""
-        return sorted({token.split("/")[3] for token, present in list(self._tokens.items()) if present})
-
-    def _on_token(self, sample: zenoh.Sample) -> None:
-        token = str(sample.key_expr)
-        if token != self._own:
-            self._tokens[token] = sample.kind == zenoh.SampleKind.PUT
+        there = [token for token, present in list(self._tokens.items()) if present]
+        return sorted({token.service for token in there if token != self._own})
 
 
 def _play(
@@ -188,7 +185,7 @@ def _refusal(keys: Iterable[str], services: Sequence[str]) -> str:
 
 def _told(played: Played, *, as_json: bool) -> str:
     if as_json:
-        return msgspec.json.encode(played).decode() + "\n"
+        return json_line(played) + "\n"
     return (
         f"{played.file} as {played.robot}: {played.samples} samples in {played.seconds:.1f} s, the latest "
         f"{played.latest * 1000.0:.1f} ms late; ended by {played.ended_by}\n"

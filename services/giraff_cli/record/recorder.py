@@ -24,6 +24,7 @@ from giraff_mcap.writing import RecordingWriter
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import RobotMonitor, not_found_text, settle
 from giraff_node.network.tcp_options import set_tcp_options
+from giraff_schemas.text import printable
 from giraff_schemas.topics import TOPICS, key_below
 
 _LOOK_EVERY: Final = 0.2  # s
@@ -127,7 +128,7 @@ def _record(
 
 def tell(text: str) -> None:
     """What goes on, for people: standard output is for what comes of it."""
-    print(text, file=sys.stderr, flush=True)
+    print(printable(text), file=sys.stderr, flush=True)
 
 
 def _wait_for_one(

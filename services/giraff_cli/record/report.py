@@ -6,10 +6,11 @@ from io import StringIO
 from typing import Self
 
 import msgspec
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from giraff_cli.terminal.page import CleanConsole
+from giraff_cli.terminal.text import json_page
 from giraff_mcap.raw_sample import Count
 from giraff_mcap.writing import RecordingWriter
 
@@ -49,7 +50,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
 def told(report: Report, *, as_json: bool) -> str:
     """The report as text."""
     if as_json:
-        return msgspec.json.format(msgspec.json.encode(report), indent=2).decode() + "\n"
+        return json_page(report) + "\n"
     table = Table.grid(padding=(0, 2, 0, 0))
     for justify in ("left", "right", "right", "left"):
         table.add_column(justify=justify, no_wrap=True)
@@ -57,7 +58,7 @@ def told(report: Report, *, as_json: bool) -> str:
         rate = f"{count.samples / report.seconds:.1f} Hz" if report.seconds > 0.0 else ""
         table.add_row(Text(key), str(count.samples), rate, f"{count.lost} lost" if count.lost else "")
     text = StringIO()
-    console = Console(file=text, width=120, highlight=False)
+    console = CleanConsole(file=text, width=120, highlight=False)
     console.print(table)
     for key, why in report.unreadable.items():
         console.print(Text(f"not recorded: {key}: {why}"))

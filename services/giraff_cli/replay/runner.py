@@ -7,13 +7,14 @@ from io import StringIO
 from pathlib import Path
 
 import msgspec
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from giraff_cli.network.command import print_error
 from giraff_cli.replay.agreement import Agreement
 from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odometry
+from giraff_cli.terminal.page import CleanConsole
+from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.reading import Recording, RecordingError
@@ -69,7 +70,7 @@ def agreements(recording: Recording, unread: dict[str, str]) -> list[Agreement]:
 def _told(found: list[Agreement], *, as_json: bool) -> str:
     if as_json:
         rows = [msgspec.structs.asdict(agreement) | {"share": agreement.share} for agreement in found]
-        return msgspec.json.format(msgspec.json.encode(rows), indent=2).decode() + "\n"
+        return json_page(rows) + "\n"
     table = Table.grid(padding=(0, 2, 0, 0))
     for agreement in found:
         share = f"{agreement.share:.2%}" if agreement.compared else "nothing to compare"
@@ -81,7 +82,7 @@ def _told(found: list[Agreement], *, as_json: bool) -> str:
             f"{agreement.left_out} left out" if agreement.left_out else "",
         )
     text = StringIO()
-    console = Console(file=text, width=1000, highlight=False)
+    console = CleanConsole(file=text, width=1000, highlight=False)
     console.print(table)
     for agreement in found:
         if agreement.first:

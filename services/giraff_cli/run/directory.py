@@ -44,7 +44,7 @@ def _remove_abandoned(parent: Path) -> None:
 
 
 def _is_free(path: Path) -> bool:
-    with path.open("r+") as lock:
+    with path.open("r+", encoding="utf-8") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

@@ -17,8 +17,8 @@ from giraff_cli.telemetry import panels as blocks
 from giraff_cli.telemetry.panels import dim
 from giraff_cli.terminal.addresses import BesideCode, Code
 from giraff_cli.terminal.layout import NONE, Standing, beside, block, clock, header, notice, right, services
-from giraff_cli.terminal.text import printable
 from giraff_core.kinematics.pose import Pose
+from giraff_schemas.text import printable
 
 _COLUMNS: Final = 80
 _TOPIC_COLUMNS: Final = 3

@@ -11,7 +11,7 @@ from giraff_cli.run.odometry_error import OdometryError
 from giraff_cli.run.telemetry import AgeSummary, RunTelemetry
 from giraff_cli.telemetry.collector import Latest
 from giraff_cli.telemetry.localization_summary import LocalizationSummary, localization_rows
-from giraff_cli.terminal.text import counted
+from giraff_cli.terminal.text import counted, json_page
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, ODOM
@@ -113,7 +113,7 @@ def summarize(
 
 
 def to_json(summary: Summary) -> str:
-    return msgspec.json.format(msgspec.json.encode(summary), indent=2).decode() + "\n"
+    return json_page(summary) + "\n"
 
 
 def to_text(summary: Summary) -> str:

@@ -21,8 +21,8 @@ from giraff_cli.telemetry.describe import (
     verdicts,
 )
 from giraff_cli.terminal.layout import HEADING, NONE, block, left, right, text_or_dash, unit
-from giraff_cli.terminal.text import printable
 from giraff_schemas.messages import Range
+from giraff_schemas.text import printable
 from giraff_schemas.topics import MAP, MOTION, MOTION_HOLD, PARTICLES, POSE
 
 _BAR: Final = 12  # characters

@@ -10,7 +10,7 @@ from rich.rule import Rule
 from rich.table import Column, Table
 from rich.text import Text
 
-from giraff_cli.terminal.text import printable
+from giraff_schemas.text import printable
 
 Standing = Literal["starting", "alive", "silent", "ended"]
 

@@ -5,20 +5,30 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, Final, NoReturn
 
-import msgspec
-from rich.console import Console, RenderableType
+from rich.console import Console, ConsoleOptions, RenderableType
+from rich.segment import Segment
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.terminal.text import printable
+from giraff_cli.terminal.text import json_page
+from giraff_schemas.text import printable, printable_lines
 
 _PIPE_WIDTH: Final = 1000  # characters: a line stays a line for whoever searches them
 
 
-class Page(Console):
+class CleanConsole(Console):
+    """A console on which text of the network cannot steer the terminal: only Rich's own codes do."""
+
+    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterator[Segment]:
+        for segment in super().render(renderable, options):
+            is_sound = segment.control or segment.text.isprintable()
+            yield segment if is_sound else Segment(printable_lines(segment.text), segment.style)
+
+
+class Page(CleanConsole):
     """As wide as the terminal; colourless, and as wide as it takes, in a pipe."""
 
     def __init__(self) -> None:
@@ -31,7 +41,7 @@ class Page(Console):
 
 def print_json(document: Any) -> None:
     """The one document of a command with --json."""
-    print(msgspec.json.format(msgspec.json.encode(document), indent=2).decode())
+    print(json_page(document))
 
 
 def table_of(headings: Iterable[str], rows: Iterable[Sequence[str | Text]]) -> Table:

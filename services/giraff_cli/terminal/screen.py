@@ -10,11 +10,12 @@ import select
 import sys
 from typing import Final, Protocol
 
-from rich.console import Console, RenderableType
+from rich.console import RenderableType
 from rich.live import Live
 
 from giraff_cli.terminal.output import discard_stdout
-from giraff_cli.terminal.text import printable
+from giraff_cli.terminal.page import CleanConsole
+from giraff_schemas.text import printable, printable_lines
 
 _PICTURE_COLUMNS: Final = 100
 _WEB_FONTS: Final = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)
@@ -48,7 +49,7 @@ class Terminal:
     """
 
     def __init__(self, *, page: bool = True) -> None:
-        self._live = Live(console=Console(highlight=False), screen=page, transient=not page, auto_refresh=False)
+        self._live = Live(console=CleanConsole(highlight=False), screen=page, transient=not page, auto_refresh=False)
         self._live.start()
 
     def show(self, view: View) -> None:
@@ -95,14 +96,16 @@ def open_screen(*, page: bool = True) -> Screen:
 def say(text: str) -> None:
     """Print what a person should read after all. Whoever reads the output may have gone: that ends no run early."""
     try:
-        print(text, flush=True)
+        print(printable_lines(text), flush=True)
     except OSError:
         discard_stdout()
 
 
 def as_svg(picture: RenderableType, title: str = "giraff run", columns: int = _PICTURE_COLUMNS) -> str:
     """A live view as SVG, with the reader's own fonts."""
-    console = Console(file=io.StringIO(), record=True, width=columns, force_terminal=True, color_system="truecolor")
+    console = CleanConsole(
+        file=io.StringIO(), record=True, width=columns, force_terminal=True, color_system="truecolor"
+    )
     console.print(picture)
     return _WEB_FONTS.sub("", console.export_svg(title=title))
 

@@ -13,8 +13,9 @@ from rich.text import Text
 from giraff_cli.network.robot_graph import RobotGraph
 from giraff_cli.network.statistics import PublisherStatistics, TopicStatistics
 from giraff_cli.terminal.page import shown, table_of
-from giraff_cli.terminal.text import printable
+from giraff_cli.terminal.text import json_line
 from giraff_schemas.messages import Health
+from giraff_schemas.text import printable
 from giraff_schemas.topics import topic_of
 
 _WINDOW: Final = 3.0  # s that the figures of now look back
@@ -107,7 +108,7 @@ class TopView(msgspec.Struct, frozen=True):
         """For a script, or for a log."""
         report = self.report
         if self.as_json:
-            return msgspec.json.encode(report).decode()
+            return json_line(report)
         work = "  ".join(f"{work.service} {_percent(work.cpu)}" for work in report.services)
         lost = sum(stream.lost for stream in report.topics)
         slow = [f"{stream.key} {shown(stream.hz)} Hz" for stream in report.topics if _is_slow(stream)]

@@ -15,9 +15,10 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.robot_graph import GraphMonitor
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic
 from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.terminal.text import printable
+from giraff_cli.terminal.text import json_line
 from giraff_node import robot_now_ns
 from giraff_schemas.messages import Sample
+from giraff_schemas.text import printable
 from giraff_schemas.topics import Topic
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
@@ -121,7 +122,7 @@ class Echo:
     def _tell(self, key: str, sample: Sample, at_ns: int) -> None:
         content = selected(msgspec.to_builtins(sample), self._fields)
         if self._as_json:
-            print(msgspec.json.encode({"key": key, "sample": content}).decode(), flush=True)
+            print(json_line({"key": key, "sample": content}), flush=True)
             return
         if self._fields:
             values = "  ".join(f"{name}: {_text(value)}" for name, value in content.items())

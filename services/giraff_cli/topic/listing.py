@@ -16,9 +16,9 @@ from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph, is_
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, intersects
 from giraff_cli.terminal.page import Page, print_json, print_table, shown
 from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.terminal.text import printable
 from giraff_schemas.fields import Field, fields_of
 from giraff_schemas.messages import Sample
+from giraff_schemas.text import printable
 from giraff_schemas.topics import TOPICS, Topic, key_of, topic_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot

@@ -15,7 +15,7 @@ from giraff_cli.network.statistics import PublisherStatistics
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic
 from giraff_cli.terminal.page import print_json, print_table, shown
 from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.terminal.text import printable
+from giraff_schemas.text import printable
 from giraff_schemas.topics import Topic, topic_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot

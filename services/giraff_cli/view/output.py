@@ -12,6 +12,7 @@ import msgspec
 
 from giraff_cli.network.command import print_error
 from giraff_cli.network.ports import free_port
+from giraff_cli.terminal.text import json_line
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_viewer.scene import stock
@@ -79,7 +80,7 @@ class ViewerOutput(ExitStack):
                 "address": self.address or None,
                 "file": str(self._options.save or self._options.picture or "") or None,
             }
-            print(msgspec.json.encode(told).decode(), flush=True)
+            print(json_line(told), flush=True)
         return DONE
 
 

@@ -8,6 +8,7 @@ import msgspec
 
 from giraff_cli.telemetry.collector import KeyRate, Latest
 from giraff_cli.telemetry.describe import base_text, limit_text, moving
+from giraff_cli.terminal.text import json_line
 from giraff_cli.watch.screen import WatchView, missing
 
 
@@ -64,7 +65,7 @@ class ReportView(WatchView):
     """Tells itself as a report."""
 
     def line(self) -> str:
-        return msgspec.json.encode(report(self)).decode()
+        return json_line(report(self))
 
 
 def report(view: WatchView) -> WatchReport:

@@ -14,6 +14,7 @@ from rich.text import Text
 from giraff_cli.network.command import print_error
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.page import Page
+from giraff_cli.terminal.text import json_page
 from giraff_cli.why.chain import Standing
 from giraff_cli.why.diagnosis import Diagnosis, diagnose
 from giraff_cli.why.observation import Observation
@@ -42,7 +43,7 @@ def explain(connection: RobotConnection, seconds: float, *, as_json: bool) -> in
         return print_error(not_found_text(connection.robot, list_robots(connection.session)))
     diagnosis = diagnose(observation)
     if as_json:
-        print(msgspec.json.format(msgspec.json.encode(diagnosis), indent=2).decode())
+        print(json_page(diagnosis))
     else:
         _show(diagnosis, connection.decode_errors)
     return _STOPPED if diagnosis.stopped_by else _DRIVES

@@ -157,7 +157,7 @@ def read_known(environment: Mapping[str, str] = os.environ, *, with_file: bool =
 
 def _parsed(path: Path) -> dict[str, Any]:
     try:
-        return _toml(path.read_text())
+        return parse_toml(path.read_text(encoding="utf-8"))
     except ValueError as error:
         raise ConfigError(f"{path}: not TOML: {error}") from error
     except OSError as error:
@@ -207,7 +207,7 @@ def _value(variable: str, text: str) -> Any:
     if kind is None:
         return text
     try:
-        values = _toml(f"value = {text}")
+        values = parse_toml(f"value = {text}")
     except ValueError as error:
         raise ConfigError(f"{variable}: not a {kind} as TOML has it: {error}") from error
     if len(values) > 1:
@@ -215,7 +215,7 @@ def _value(variable: str, text: str) -> Any:
     return values["value"]
 
 
-def _toml(text: str) -> dict[str, Any]:
+def parse_toml(text: str) -> dict[str, Any]:
     """Raises ValueError, also for what is TOML and would be too much for whoever reads it."""
     try:
         values = tomllib.loads(text)

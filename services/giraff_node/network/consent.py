@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import shlex
 import signal
 import sys
 import threading
 from collections.abc import Callable, Sequence
+
+from giraff_schemas.text import printable
 
 
 class NoRobotError(Exception):
@@ -37,16 +41,17 @@ def agree(robot: str, host: str, line: str) -> None:
 
 def options(names: Sequence[str]) -> str:
     """How each of these is named."""
-    return ", ".join(f"--robot {name}" for name in names)
+    return ", ".join(f"--robot {shlex.quote(name)}" for name in names)
 
 
 def tell(text: str) -> None:
-    """Standard output is for what comes of a command."""
-    print(f"giraff: {text}", file=sys.stderr, flush=True)
+    """Say it beside what comes of a command. A reader who has gone ends nothing: least of all a stop."""
+    with contextlib.suppress(OSError):
+        print(printable(f"giraff: {text}"), file=sys.stderr, flush=True)
 
 
 def _placed(name: str, host: str) -> str:
-    return f"{name}, on {''.join(each if each.isprintable() else '?' for each in host) or 'an unknown host'}"
+    return f"{name}, on {host or 'an unknown host'}"
 
 
 def _is_terminal() -> bool:
@@ -55,7 +60,7 @@ def _is_terminal() -> bool:
 
 def _ask(question: str) -> str:
     """What is typed; empty at the end of the input."""
-    print(f"giraff: {question}", end="", file=sys.stderr, flush=True)
+    print(printable(f"giraff: {question}"), end="", file=sys.stderr, flush=True)
     in_main = threading.current_thread() is threading.main_thread()
     # A command that counts Ctrl-C instead of ending at it would wait here for ever.
     before = signal.signal(signal.SIGINT, signal.default_int_handler) if in_main else None

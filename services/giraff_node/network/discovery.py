@@ -24,6 +24,7 @@ from giraff_node.config.misplaced import find_misplaced
 from giraff_node.config.robot_file import DEFAULT_FILE, ConfigError, RawSettings, expects_robot_file, read
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
+from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.messages import Health
 from giraff_schemas.services import BASE, PLAY, ROBOTS_OWN
 from giraff_schemas.topics import alive_key, health_key, require_chunk
@@ -61,10 +62,16 @@ def resolve_target(robot: str | None, connect: Sequence[str], environment: Mappi
     for doubt in find_misplaced(given, environment, is_named=bool(robot)):
         raise ConfigError(doubt.what)
     network = given.table("network", NetworkConfig)
-    name, filed = robot or name_of(given), ""
-    if not (robot or environment.get("GIRAFF_CONFIG") or "GIRAFF_ROBOT_NAME" in map(str.upper, given.variables)):
-        name, filed = "", name
+    name, filed = named(given, robot, environment)
     return target_of(name, connect, network, "; ".join(strange.what for strange in given.strange), filed)
+
+
+def named(given: RawSettings, robot: str | None, environment: Mapping[str, str]) -> tuple[str, str]:
+    """Return `Target.robot` and `Target.filed`. Raises ConfigError."""
+    name = robot or name_of(given)
+    if robot or environment.get("GIRAFF_CONFIG") or "GIRAFF_ROBOT_NAME" in map(str.upper, given.variables):
+        return name, ""
+    return "", name
 
 
 def target_of(
@@ -96,17 +103,16 @@ def name_of(given: RawSettings) -> str:
 
 def list_robots(session: zenoh.Session) -> list[str]:
     """Names of the robots that are on the network now."""
-    replies = session.liveliness().get(alive_key("*"), timeout=_REPLY_WITHIN)
-    return robots_of(str(reply.ok.key_expr) for reply in replies if reply.ok is not None)
+    return robots_of(find_tokens(session, alive_key("*"), _REPLY_WITHIN))
 
 
-def robots_of(tokens: Iterable[str]) -> list[str]:
+def robots_of(tokens: Iterable[Token]) -> list[str]:
     """The robots that these liveliness tokens tell of.
 
     A keyboard or a recorder that waits for a robot is no robot; one that is played is. Only where no robot has a
     service of its own there, whoever else uses its name stands for it.
     """
-    services = [(robot, service) for _, robot, _, service, _ in (token.split("/") for token in tokens)]
+    services = [(token.robot, token.service) for token in tokens]
     own = {robot for robot, service in services if service in (*ROBOTS_OWN, PLAY.name)}
     return sorted(own or {robot for robot, _ in services})
 
@@ -115,10 +121,10 @@ class RobotMonitor:
     """The robots on the network, as their services come and go. It asks nobody, and so never waits."""
 
     def __init__(self, session: zenoh.Session) -> None:
-        self._tokens: set[str] = set()
-        self._news: deque[tuple[str, bool]] = deque()  # of Zenoh's threads
+        self._tokens: set[Token] = set()
+        self._news: deque[tuple[Token, bool]] = deque()  # of Zenoh's threads
         self._found_at: float | None = None
-        self._subscriber = session.liveliness().declare_subscriber(alive_key("*"), self._on_token, history=True)
+        self._subscriber = watch_tokens(session, "*", lambda *news: self._news.append(news))
 
     @property
     def names(self) -> list[str]:
@@ -128,8 +134,7 @@ class RobotMonitor:
     @property
     def all_names(self) -> list[str]:
         """Each name under which anything is there now, but for what is played from a recording."""
-        parts = (token.split("/") for token in self._now())
-        return sorted({robot for _, robot, _, service, _ in parts if service != PLAY.name})
+        return sorted({token.robot for token in self._now() if token.service != PLAY.name})
 
     @property
     def settled(self) -> list[str]:
@@ -138,14 +143,11 @@ class RobotMonitor:
         self._found_at = (self._found_at or now) if names else None
         return names if self._found_at is not None and now - self._found_at >= _SETTLED else []
 
-    def _now(self) -> set[str]:
+    def _now(self) -> set[Token]:
         for _ in range(len(self._news)):
             token, present = self._news.popleft()
             (self._tokens.add if present else self._tokens.discard)(token)
         return self._tokens
-
-    def _on_token(self, received: zenoh.Sample) -> None:
-        self._news.append((str(received.key_expr), received.kind == zenoh.SampleKind.PUT))
 
 
 def simulated_name(host: str) -> str:

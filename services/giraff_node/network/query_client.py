@@ -14,6 +14,7 @@ from giraff_core.estop_request import StopConfirmation
 from giraff_core.retry import RetriedRequest
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of
 from giraff_schemas.requests import EStopAnswer, EStopEngage
+from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of
 
 _TURN: Final = 0.01  # s
@@ -63,7 +64,7 @@ class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
 
     def _on_reply(self, reply: zenoh.Reply) -> None:
         if reply.ok is None:
-            self.fault = f"{self.key}: {_text_of(reply.err)}"
+            self.fault = f"{self.key}: {printable(_text_of(reply.err))}"
             return
         try:
             self.on_answer(msgspec.msgpack.decode(bytes(reply.ok.payload), type=self._query.answer))
@@ -87,8 +88,11 @@ class _EStopClient(QueryClient[EStopEngage, EStopAnswer]):
 
 
 def request_estop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> QueryClient[EStopEngage, EStopAnswer]:
-    """Asks base for an emergency stop until base confirms that the robot has stopped and will stay so."""
-    return _EStopClient(session, robot, EStopEngage(by=by, reason=reason))
+    """Asks base for an emergency stop until base confirms that the robot has stopped and will stay so.
+
+    A name or a reason in letters of another locale stops no stop: what cannot be sent becomes "?".
+    """
+    return _EStopClient(session, robot, EStopEngage(by=printable(by), reason=printable(reason)))
 
 
 def _text_of(error: Any) -> str:

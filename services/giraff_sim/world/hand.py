@@ -148,7 +148,7 @@ def read_script(path: Path, begin: float = 0.0) -> ScriptedHand:
     times: list[float] = []
     vectors: list[Vector] = []
     try:
-        with path.open(newline="") as file:
+        with path.open(encoding="utf-8", newline="") as file:
             for number, row in enumerate(csv.reader(file, skipinitialspace=True), 1):
                 if not row or (number == 1 and tuple(cell.strip() for cell in row) == _COLUMNS):
                     continue

@@ -64,7 +64,7 @@ def test_a_service_of_the_installed_tree_runs_and_is_well(tree: Tree, tmp_path: 
 
 
 def readable(path: Path) -> str:
-    return path.read_text(errors="replace") if path.is_file() and not path.is_symlink() else ""
+    return path.read_text(encoding="utf-8", errors="replace") if path.is_file() and not path.is_symlink() else ""
 
 
 def test_a_second_run_changes_nothing(tree: Tree) -> None:

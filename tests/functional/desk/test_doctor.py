@@ -58,16 +58,18 @@ def names(robot: ProcessRobot, *all_words: tuple[str, ...]) -> list[str]:
     return faults(told)
 
 
-def test_a_healthy_robot_is_told_in_one_line(robot: ProcessRobot) -> None:
+def test_a_healthy_robot_is_told_in_one_line_after_a_name_that_is_none(robot: ProcessRobot) -> None:
     said: list[str] = []
 
     def is_healthy() -> bool:
         done = subprocess.run([GIRAFF, "doctor"], env=robot.environment, check=False, capture_output=True, text=True)
-        said.append(done.stdout + done.stderr)
+        said.append(done.stderr + done.stdout)
         return done.returncode == 0
 
-    robot.wait("health", is_healthy, 60.0)
-    [line] = said[-1].splitlines()
+    with robot.observer.session.liveliness().declare_token("giraff/a b/alive/base/\x1b[2J"):
+        robot.wait("health", is_healthy, 60.0)
+    odd, line = said[-1].splitlines()
+    assert odd.endswith(r"no service can have, left out: 'giraff/a b/alive/base/\x1b[2J'")
     assert line.startswith("sim-test: 5 services on 1 host, ")
     assert line.endswith(": no fault found")
 

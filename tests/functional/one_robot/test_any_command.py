@@ -41,7 +41,7 @@ def test_a_robot_that_is_not_there_is_named_with_those_that_are(desk: Desk) -> N
 
 
 AFRESH: tuple[Words, ...] = (
-    ("estop", "status"),
+    ("estop", "engage"),
     ("frames",),
     ("graph", "--for", "0.3"),
     ("node", "list"),
@@ -53,15 +53,24 @@ AFRESH: tuple[Words, ...] = (
 """Verbs that no other test starts by their entry point: they are forked, see tests/support/zygote.py."""
 
 
-def test_each_verb_that_is_forked_elsewhere_starts_afresh(desk: Desk) -> None:
+ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0"}
+"""A host whose locale has no letters but those of ASCII, as a container often is."""
+
+
+def test_each_verb_that_is_forked_elsewhere_starts_afresh_whatever_the_locale(desk: Desk) -> None:
+    file = desk.directory / "deploy" / "robot.toml"
+    file.parent.mkdir()
+    file.write_text("# Küche\n", encoding="utf-8")
+
     def answers(words: Words) -> bool:
-        with desk.running(*words) as process:
+        with desk.running(*words, **ASCII) as process:
             out, err = process.communicate(timeout=60.0)
         assert "Traceback" not in err, err
         print(words, process.returncode, out, err)
         return process.returncode in ((0, 1) if words == ("why",) else (0,)) and bool(out) and not err
 
     run_beside(lambda words: wait(lambda: answers(words), 60.0, what=f"no answer to {words}"), AFRESH)
+    file.unlink()
 
 
 def test_a_closed_pipe_ends_it_quietly(desk: Desk) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import socket
 import threading
+from contextlib import ExitStack
 
 from tests.support.elsewhere import giraff
 from tests.support.process_robot import FULL_TILT, PATIENCE, ProcessRobot
@@ -32,8 +34,17 @@ def test_it_stops_stays_stopped_and_is_reset_for_a_level_hand_only(robot: Proces
     robot.drive_forward()
 
 
+ODD = ("giraff/a b/alive/base/x", "giraff/\x1b[2J/alive/base/x", "giraff/**")
+"""Liveliness tokens that anybody may declare."""
+
+
 def test_it_survives_a_restart_and_is_engaged_without_a_name(robot: ProcessRobot) -> None:
-    assert giraff(robot, "estop", "engage", "--timeout", "60", name=None).returncode == 0
+    with ExitStack() as declared:
+        for token in ODD:
+            declared.enter_context(robot.observer.session.liveliness().declare_token(token))
+        told = giraff(robot, "estop", "engage", "--timeout", "60", name=None)
+    assert told.returncode == 0, told
+    assert sorted(line.partition("left out: ")[2] for line in told.stderr.splitlines()) == sorted(map(ascii, ODD))
     robot.kill("base")
     robot.start("base")
 
@@ -48,9 +59,25 @@ def test_it_survives_a_restart_and_is_engaged_without_a_name(robot: ProcessRobot
     assert told.returncode == 2, "what is no simulation of this host is released only by its name"
     assert "--robot sim-test" in told.stderr
     assert giraff(robot, "estop", "reset", "--timeout", "60").returncode == 0
-    told = giraff(robot, "estop", "reset", "--timeout", "60")
-    assert told.returncode == 0
-    assert "not engaged, nothing to clear" in told.stdout
+
+
+def test_a_broken_robot_file_stops_no_stop(robot: ProcessRobot) -> None:
+    file = robot.directory / "nowhere" / "deploy" / "robot.toml"
+    file.parent.mkdir(parents=True)
+    file.write_bytes(b'# K\xfcche\n[robot]\nname = "other\n')
+    robot.drive_forward()
+    told = giraff(robot, "estop", "engage")
+    stopped_us = robot.simulator.now() + 350_000
+    file.unlink()
+    asked, remedy = told.stderr.splitlines()
+    assert (told.returncode, told.stdout) == (2, "")
+    doubt = "deploy/robot.toml cannot be read, so whether it is yours is not known"
+    assert asked == f"asked sim-test at {socket.gethostname()}; {doubt}"
+    assert remedy.startswith("giraff: deploy/robot.toml: not TOML: ")
+    assert "use the battery switch, or without the file: env GIRAFF_CONFIG=/dev/null" in remedy
+    robot.run(0.5)
+    assert robot.simulator.record(stopped_us).driven_ms == 0
+    assert giraff(robot, "estop", "reset", "--timeout", "60").returncode == 0
 
 
 def test_what_no_base_confirms_is_no_stop_until_one_is_back(robot: ProcessRobot) -> None:

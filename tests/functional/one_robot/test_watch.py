@@ -106,7 +106,7 @@ def test_a_script_reads_objects_and_may_go_when_it_likes(robot: ProcessRobot) ->
 
 
 def test_a_full_disk_is_named_and_a_paused_reader_holds_nothing_up(robot: ProcessRobot) -> None:
-    with Path("/dev/full").open("w") as full, watching(robot, stdout=full) as process:
+    with Path("/dev/full").open("w", encoding="utf-8") as full, watching(robot, stdout=full) as process:
         assert process.wait(PATIENCE) == 1
         assert process.stderr is not None
         assert process.stderr.read() == "giraff: cannot write to standard output: No space left on device\n"

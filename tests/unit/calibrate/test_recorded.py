@@ -62,7 +62,8 @@ def refused(done: tuple[int, str, str], code: int = 2) -> str:
 def save(path: Path, table: Floats) -> Path:
     """As a file of a recorded run."""
     path.write_text(
-        "".join(f"{t!r},{x!r},{y!r},{yaw!r},{right:.0f},{left:.0f}\n" for t, x, y, yaw, right, left in table.tolist())
+        "".join(f"{t!r},{x!r},{y!r},{yaw!r},{right:.0f},{left:.0f}\n" for t, x, y, yaw, right, left in table.tolist()),
+        encoding="utf-8",
     )
     return path
 
@@ -104,7 +105,7 @@ def test_runs_are_named_by_patterns_commas_and_again(say: Typed) -> None:
 def test_a_robots_own_runs_are_written_into_its_file(say: Typed, robot_file: Path, tmp_path: Path) -> None:
     true = Scales(1.01, 0.99, 1.03)
     made_up(tmp_path, true)
-    before = robot_file.read_text()
+    before = robot_file.read_text(encoding="utf-8")
     code, out, complaint = say("--fit", "run-[0-3].csv", "--check", "run-[45].csv", "--json", "found.json")
     assert (code, complaint) == (0, ""), complaint
     calibration = load("robot", RobotConfig).calibration
@@ -115,7 +116,7 @@ def test_a_robots_own_runs_are_written_into_its_file(say: Typed, robot_file: Pat
     [kept] = robot_file.parent.glob("robot.toml.before-*")
     assert kept.name == f"robot.toml.before-{calibration.date}"
     assert kept.read_text() == before
-    was, now = tomllib.loads(before), tomllib.loads(robot_file.read_text())
+    was, now = tomllib.loads(before), tomllib.loads(robot_file.read_text(encoding="utf-8"))
     del now["robot"]["calibration"]
     assert now == was
     assert json.loads((tmp_path / "found.json").read_text())["robot_file"] == str(robot_file)
@@ -124,11 +125,11 @@ def test_a_robots_own_runs_are_written_into_its_file(say: Typed, robot_file: Pat
 def test_a_wheel_far_from_before_takes_force(say: Typed, robot_file: Path, tmp_path: Path) -> None:
     made_up(tmp_path, Scales(1.06, 1.06, 1.06))
     words = ("--fit", "run-[0-3].csv", "--check", "run-[45].csv")
-    before = robot_file.read_text()
+    before = robot_file.read_text(encoding="utf-8")
     line = refused(say(*words), 1)
     assert "left wheel would change by +6.0 %, more than 5 %" in line
     assert "give --force" in line
-    assert robot_file.read_text() == before
+    assert robot_file.read_text(encoding="utf-8") == before
     assert say(*words, "--force")[0] == 0
     assert load("robot", RobotConfig).calibration.left_wheel_scale == pytest.approx(1.06, abs=0.002)
 
@@ -149,12 +150,12 @@ def test_what_makes_the_checked_runs_worse_is_refused(
     made_up(tmp_path, Scales(1.02, 0.98, 1.05))
     (tmp_path / "other").mkdir()
     made_up(tmp_path / "other", Scales(0.99, 1.01, 0.97), seed=1)
-    before = robot_file.read_text()
+    before = robot_file.read_text(encoding="utf-8")
     done = say("--fit", "run-*.csv", "--check", "other/run-*.csv", "--json", "found.json", *force)
     line = refused(done, 1)
     assert "those stay" in line
     assert "Worse than before: other/run-0.csv." in done[1]
-    assert robot_file.read_text() == before
+    assert robot_file.read_text(encoding="utf-8") == before
     assert os.listdir(robot_file.parent) == ["robot.toml"]  # noqa: PTH208
     assert "those stay" in json.loads((tmp_path / "found.json").read_text())["refused"]
 
@@ -209,11 +210,11 @@ def test_a_file_that_is_no_run_is_told_with_its_row(
     text, expected = BAD[name]
     path = tmp_path / "bad.csv"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    before = robot_file.read_text()
+    before = robot_file.read_text(encoding="utf-8")
     line = refused(say(*(FIT[:1] if option == "--check" else CHECK[:1]), option, path, "--json", "found.json"))
     assert f"{path}" in line
     assert expected in line
-    assert robot_file.read_text() == before
+    assert robot_file.read_text(encoding="utf-8") == before
     assert not (tmp_path / "found.json").exists()
 
 
@@ -307,7 +308,7 @@ def test_a_full_disk_leaves_the_robot_file_as_it_was(
     say: Typed, robot_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made_up(tmp_path, Scales(1.01, 0.99, 1.03))
-    before = robot_file.read_text()
+    before = robot_file.read_text(encoding="utf-8")
 
     def full(_descriptor: int) -> None:
         raise OSError(28, "No space left on device")
@@ -316,7 +317,7 @@ def test_a_full_disk_leaves_the_robot_file_as_it_was(
     code, _, complaint = say("--fit", "run-[0-3].csv", "--check", "run-[45].csv")
     assert code == 1
     assert "No space left on device; write into [robot.calibration] by hand:" in complaint.splitlines()[0]
-    assert robot_file.read_text() == before
+    assert robot_file.read_text(encoding="utf-8") == before
     assert os.listdir(robot_file.parent) == ["robot.toml"]  # noqa: PTH208
     code, _, complaint = say(*OTHERS, "--json", "found.json")
     assert (code, len(complaint.splitlines())) == (1, 1)

@@ -15,6 +15,7 @@ import giraff_cli.drive.operate
 import giraff_cli.record.recorder
 import giraff_cli.terminal.screen
 from giraff_cli.main import app
+from giraff_node.network import tokens
 from giraff_schemas.topics import alive_key
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
@@ -173,10 +174,19 @@ def test_with_no_robot_it_says_so(path: str, say: Typed, monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("path", [path for path in ASKING if path != "estop engage"])
 def test_with_two_robots_it_lists_them(path: str, say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
-    meet(monkeypatch, alive_key("sim-other", "base", "1"), alive_key("sim-test", "base", "2"))
+    """And leaves out names that no robot can have, which a stranger may declare."""
+    monkeypatch.setattr(tokens, "_told", set())
+    two = (alive_key("sim-other", "base", "1"), alive_key("sim-test", "base", "2"))
+    meet(monkeypatch, "giraff/a b/alive/base/x", *two, "giraff/**", "giraff/\x1b]0;x\a/alive/base/x")
     code, out, complaint = say(path, ASKING[path])
+    *left_out, said = complaint.splitlines()
     options = "--robot sim-other, --robot sim-test"
-    assert complaint == f"giraff: several robots are on the network; name one: {options} (or GIRAFF_ROBOT_NAME)\n"
+    assert said == f"giraff: several robots are on the network; name one: {options} (or GIRAFF_ROBOT_NAME)"
+    assert [line.partition(", left out: ")[2] for line in left_out] == [
+        "'giraff/a b/alive/base/x'",
+        "'giraff/**'",
+        r"'giraff/\x1b]0;x\x07/alive/base/x'",
+    ]
     assert (code, out) == (2, "")
 
 

@@ -11,6 +11,7 @@ from typing import Any, cast
 
 import msgspec
 import pytest
+import zenoh
 
 import giraff_cli.estop.client as it
 import giraff_node.network.query_client
@@ -150,6 +151,56 @@ def test_a_base_that_hangs_does_not_hide_the_answer_of_another(network: Network)
         assert engage(network.connection, "me", "", 10.0).code == 0
     assert hanging
     assert network.clock.monotonic() < 0.1, "held back until the slower one's time-out"
+
+
+ODD = "\x1b[2J\udcc3\nfalse: \x9b1m"
+"""What a terminal obeys, a byte of another locale, and the end of a line."""
+
+
+def test_a_name_and_a_reason_stop_no_stop_and_steer_no_terminal(network: Network) -> None:
+    odd = msgspec.structs.replace(LATCHED, by="\x1b[2J", reason="\x9b1m\nsim-estop: released\u202e")
+    with network.base(state=odd) as asked:
+        assert engage(network.connection, ODD, ODD, 10.0).code == 0
+        code, text = status(network.connection, 10.0)
+        refused = reset(network.connection, "me", 10.0)
+    assert asked[0][0] == EStopEngage(by="?[2J??false: ?1m", reason="?[2J??false: ?1m")
+    assert (code, text) == (1, f"{ROBOT}: ENGAGED, latch 7, by ?[2J: ?1m?sim-estop: released?")
+    assert refused.text.isprintable()
+
+
+def test_a_robot_that_may_be_another_is_asked_and_never_called_stopped(network: Network) -> None:
+    doubt = "robot.toml cannot be read, so whether it is yours is not known"
+    told: list[it.Result] = []
+    with network.base(), network.session.declare_token(alive_key(ROBOT, "base", "b")):
+        told.append(engage(network.connection, "me", "", 10.0, doubt=doubt))
+        assert it.engage_all(network.connection, "me", "", 10.0, (), told.append, doubt=doubt) == 2
+    assert told == [(2, f"asked {ROBOT} at an unknown host; {doubt}")] * 2
+    full = EStopAnswer(done=False, engaged=True, id=8, reason="disk full")
+    with network.base(lambda _: full), network.session.declare_token(alive_key(ROBOT, "base", "b")):
+        told = [engage(network.connection, "me", "", 1.0, doubt=doubt)]
+        assert it.engage_all(network.connection, "me", "", 1.0, (), told.append, doubt=doubt) == 2
+    assert told == [(2, f"asked {ROBOT} at an unknown host; {doubt}")] * 2
+    nobody = engage(network.connection, "me", "", 1.0, doubt=doubt)
+    assert nobody.text.startswith("NOT CONFIRMED after 1 s: nobody answered")
+
+
+def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
+    network: Network, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    get = network.session.get
+
+    def fails_for_one(key: str, *words: Any, **more: Any) -> Any:
+        if "/anna/" in key:
+            raise zenoh.ZError("no such key")
+        return get(key, *words, **more)
+
+    monkeypatch.setattr(network.session, "get", fails_for_one)
+    told: list[it.Result] = []
+    alive = [network.session.declare_token(alive_key(name, "base", "b")) for name in ("anna", ROBOT)]
+    with network.base(), alive[0], alive[1]:
+        assert it.engage_all(network.connection, "me", "", 2.0, (), told.append) == 2
+    assert told[0].text.startswith(f"{ROBOT}: STOPPED")
+    assert told[1].text.startswith("anna: NOT CONFIRMED after 2 s: giraff/anna/estop/engage: no such key")
 
 
 def cleared(request: Any) -> EStopAnswer:

@@ -13,6 +13,7 @@ import pytest
 
 from giraff_node.network import consent
 from giraff_node.network.discovery import choose, robots_of, simulated_name
+from giraff_node.network.tokens import Token
 from giraff_schemas.topics import alive_key
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
@@ -264,8 +265,8 @@ def test_what_is_no_address_is_told(host: Host, address: str) -> None:
 
 
 def test_a_keyboard_or_a_recorder_is_no_robot() -> None:
-    tokens = [alive_key(REAL, "keyboard", "1"), alive_key(OTHER, "recorder", "2")]
-    assert robots_of([*tokens, alive_key(OWN, "guard", "3")]) == [OWN]
+    tokens = [Token(REAL, "keyboard", "1"), Token(OTHER, "recorder", "2")]
+    assert robots_of([*tokens, Token(OWN, "guard", "3")]) == [OWN]
     assert robots_of(tokens) == [REAL, OTHER]
 
 

@@ -222,16 +222,19 @@ def test_no_command_opens_a_session(
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_no_fault_of_network_or_name_lets_a_stop_go_astray(
+def test_a_stop_is_tried_first_and_never_over_an_open_session_where_the_network_looks_secured(
     fault: str, tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """What it says of who answers: tests/unit/cli/test_estop.py. Which network is tried: test_stop_plan.py."""
     told = settle(monkeypatch, tmp_path, fault)
     code, out, err = typed(monkeypatch, capsys, "estop", "engage")
-    assert (code, out, opened) == (2, "", [])
-    [line] = err.splitlines()
+    assert (code, out) == (2, "")
+    *_, line = err.splitlines()
     assert told in line
-    assert "NOTHING IS STOPPED: use the battery switch, or " in line
+    assert "use the battery switch, or without the file: " in line
     assert "GIRAFF_CONFIG=/dev/null" in line
+    assert "NOTHING IS STOPPED: use the battery switch" in err
+    assert bool(opened) != ("secur" in str(FAULTS[fault][:2]).lower())
 
 
 @pytest.mark.parametrize("fault", FAULTS)
@@ -282,14 +285,13 @@ def test_what_is_wrong_elsewhere_stops_nobody_from_stopping_a_robot(
     for name, value in {"GIRAFF_CONFIG": str(path), **variables}.items():
         monkeypatch.setenv(name, value)
     _, _, err = typed(monkeypatch, capsys, "estop", "engage", "--robot", "anne")
-    [warning, _] = err.splitlines()
+    *_, warning = err.splitlines()
     assert warning.startswith("giraff: not everything of robot file and environment counts: ")
     assert told in warning
-    [session] = opened
-    assert "127.0.0.1:9" in session, "what is sound of the file counts"
+    assert "127.0.0.1:9" in opened[0], "what is sound of the file counts"
 
 
-def test_a_folder_that_is_gone_lets_no_stop_go_astray(
+def test_a_folder_that_is_gone_keeps_nobody_from_stopping_a_robot(
     tmp_path: Path, opened: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     gone = tmp_path / "gone"
@@ -298,8 +300,8 @@ def test_a_folder_that_is_gone_lets_no_stop_go_astray(
     gone.rmdir()
     monkeypatch.setenv("GIRAFF_CONFIG", "robot.toml")
     code, out, err = typed(monkeypatch, capsys, "estop", "engage")
-    assert (code, out, opened) == (2, "", [])
-    assert "robot.toml: cannot be read: No such file or directory; NOTHING IS STOPPED" in err
+    assert (code, out, len(opened)) == (2, "", 1)
+    assert "robot.toml: cannot be read: No such file or directory; NOTHING IS STOPPED FOR SURE" in err
 
 
 @pytest.mark.parametrize(

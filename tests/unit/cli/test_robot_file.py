@@ -23,10 +23,10 @@ def path(tmp_path: Path) -> Path:
 
 
 def test_fields_are_added_and_changed_and_all_else_stays(path: Path) -> None:
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
     record(path, "robot", FIELDS)
     record(path, "robot", {"swap_motors": False})
-    after = path.read_text()
+    after = path.read_text(encoding="utf-8")
     assert [line for line in before.splitlines() if line not in after.splitlines()] == []
     tables, was = tomllib.loads(after), tomllib.loads(before)
     assert tables["robot"] == was["robot"] | FIELDS | {"swap_motors": False}
@@ -40,7 +40,7 @@ def test_a_link_stays_a_link(path: Path) -> None:
     link.symlink_to(path)
     record(link, "robot", FIELDS)
     assert link.is_symlink()
-    assert tomllib.loads(path.read_text())["robot"]["swap_motors"] is True
+    assert tomllib.loads(path.read_text(encoding="utf-8"))["robot"]["swap_motors"] is True
 
 
 def test_line_ends_stay_what_they_were(path: Path) -> None:
@@ -65,14 +65,14 @@ def test_a_file_that_is_no_plain_utf8_is_left_alone(path: Path, text: bytes) -> 
 
 @pytest.mark.parametrize("text", ["[robot", "name = 'x'", "robot = 3"])
 def test_a_file_that_does_not_hold_the_table_is_left_alone(path: Path, text: str) -> None:
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(RobotFileError, match=r"write into \[robot\] by hand:\n    swap_motors = true"):
         record(path, "robot", FIELDS)
-    assert path.read_text() == text
+    assert path.read_text(encoding="utf-8") == text
 
 
 def test_a_disk_that_does_not_take_it_leaves_the_file_as_it_was(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
 
     def full(_descriptor: int) -> None:
         raise OSError(28, "No space left on device")
@@ -80,7 +80,7 @@ def test_a_disk_that_does_not_take_it_leaves_the_file_as_it_was(path: Path, monk
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(RobotFileError, match="No space left on device"):
         record(path, "robot", FIELDS)
-    assert path.read_text() == before
+    assert path.read_text(encoding="utf-8") == before
     assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208
 
 
@@ -93,9 +93,9 @@ KEPT = "before-2026-11-25"
 
 
 def test_a_table_that_is_missing_is_made_and_the_file_before_it_is_kept(path: Path) -> None:
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
     kept = record(path, "robot.calibration", CALIBRATION, kept_as=KEPT)
-    after = path.read_text()
+    after = path.read_text(encoding="utf-8")
     assert kept is not None
     assert kept == path.with_name("robot.toml.before-2026-11-25")
     assert kept.read_text() == before
@@ -109,11 +109,14 @@ def test_a_table_that_is_missing_is_made_and_the_file_before_it_is_kept(path: Pa
 
 
 def test_a_table_that_is_there_is_changed_in_place_and_no_copy_is_overwritten(path: Path) -> None:
-    path.write_text(path.read_text().replace("[network]", '[robot.calibration]\ndate = "x" # by hand\n\n[network]'))
-    texts = [path.read_text()]
+    path.write_text(
+        path.read_text(encoding="utf-8").replace("[network]", '[robot.calibration]\ndate = "x" # by hand\n\n[network]'),
+        encoding="utf-8",
+    )
+    texts = [path.read_text(encoding="utf-8")]
     for number in range(3):
         record(path, "robot.calibration", {**CALIBRATION, "track_scale": 1.0 + number}, kept_as=KEPT)
-        texts.append(path.read_text())
+        texts.append(path.read_text(encoding="utf-8"))
     assert 'date = "2026-11-25" # by hand\n' in texts[-1]
     names = ("robot.toml.before-2026-11-25", "robot.toml.before-2026-11-25-2", "robot.toml.before-2026-11-25-3")
     assert [path.with_name(name).read_text() for name in names] == texts[:3]
@@ -124,19 +127,19 @@ def test_a_table_that_is_there_is_changed_in_place_and_no_copy_is_overwritten(pa
     ["[robot]\na = 1\n[base]\nb = 2\n[robot.sensors]\nc = 3 # c\n", "[robot]\na = 1 # a\n", "robot.a = 1\n[x]\n"],
 )
 def test_a_table_finds_its_place_in_any_file(path: Path, text: str) -> None:
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     record(path, "robot.calibration", CALIBRATION)
-    was, tables = tomllib.loads(text), tomllib.loads(path.read_text())
+    was, tables = tomllib.loads(text), tomllib.loads(path.read_text(encoding="utf-8"))
     assert tables == {**was, "robot": {**was["robot"], "calibration": CALIBRATION}}
-    assert [line for line in text.splitlines() if line not in path.read_text().splitlines()] == []
+    assert [line for line in text.splitlines() if line not in path.read_text(encoding="utf-8").splitlines()] == []
 
 
 @pytest.mark.parametrize("text", ["robot = {a = 1}\n", "[base]\n", "[robot]\ncalibration = 3\n", "[robot"])
 def test_a_file_without_a_place_for_the_table_is_left_alone(path: Path, text: str) -> None:
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(RobotFileError, match=r'into \[robot.calibration\] by hand:\n    date = "2026-11-25"\n'):
         record(path, "robot.calibration", CALIBRATION, kept_as=KEPT)
-    assert path.read_text() == text
+    assert path.read_text(encoding="utf-8") == text
     assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208
 
 
@@ -144,7 +147,7 @@ def test_a_file_without_a_place_for_the_table_is_left_alone(path: Path, text: st
 def test_a_disk_that_fills_up_on_the_way_leaves_the_file_and_no_copy(
     path: Path, monkeypatch: pytest.MonkeyPatch, calls: int
 ) -> None:
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
     done: list[int] = []
 
     def full(descriptor: int) -> None:
@@ -156,5 +159,5 @@ def test_a_disk_that_fills_up_on_the_way_leaves_the_file_and_no_copy(
     with pytest.raises(RobotFileError, match="No space left on device"):
         record(path, "robot.calibration", CALIBRATION, kept_as=KEPT)
     if calls < 3:  # the fourth is the folder, with the file in it already
-        assert path.read_text() == before
+        assert path.read_text(encoding="utf-8") == before
         assert os.listdir(path.parent) == ["robot.toml"]  # noqa: PTH208

@@ -41,7 +41,7 @@ def test_bad_input_is_refused_before_anything_is_started(
     monkeypatch.setattr(run, "drive", drive)
     monkeypatch.setenv("GIRAFF_CONFIG", str(ROOT / "deploy" / "robot.toml"))
     monkeypatch.chdir(tmp_path)
-    Path(BAD_SCRIPT).write_text("0,0,0,9.81\n1,up,0,9.81\n")
+    Path(BAD_SCRIPT).write_text("0,0,0,9.81\n1,up,0,9.81\n", encoding="utf-8")
     code, out, err = typed(monkeypatch, capsys, "run", "--local", *options)
     assert (code, out) == (2, "")
     [line] = err.splitlines()

@@ -56,7 +56,7 @@ def test_the_newest_addresses_are_those_of_the_last_token(log: Path) -> None:
     page = Page(log, everywhere=False)
 
     def told(words: str) -> list[str]:
-        with log.open("a") as more:
+        with log.open("a", encoding="utf-8") as more:
             more.write(words)
         assert page.look()
         assert not page.look()
@@ -70,7 +70,7 @@ def test_the_newest_addresses_are_those_of_the_last_token(log: Path) -> None:
 
 
 def test_a_page_at_every_address_is_at_the_loopback_too(log: Path) -> None:
-    log.write_text(line("to drive, open https://192.168.1.7:8443/#one"))
+    log.write_text(line("to drive, open https://192.168.1.7:8443/#one"), encoding="utf-8")
     page = Page(log, everywhere=True)
     assert page.look()
     assert page.addresses == ("https://127.0.0.1:8443/#one", "https://192.168.1.7:8443/#one")
@@ -78,14 +78,16 @@ def test_a_page_at_every_address_is_at_the_loopback_too(log: Path) -> None:
 
 
 def test_what_is_no_announcement_is_no_address(log: Path) -> None:
-    log.write_text(line("somebody says: to drive, open https://a:1/#x") + "to drive, open https://a:1/#x\n[1]\n")
+    log.write_text(
+        line("somebody says: to drive, open https://a:1/#x") + "to drive, open https://a:1/#x\n[1]\n", encoding="utf-8"
+    )
     page = Page(log, everywhere=True)
     assert not page.look()
     assert page.addresses == ()
 
 
 def test_it_is_what_the_service_says(monkeypatch: pytest.MonkeyPatch, log: Path) -> None:
-    with log.open("w") as stderr:
+    with log.open("w", encoding="utf-8") as stderr:
         monkeypatch.setattr("sys.stderr", stderr)
         _log_addresses(MagicMock(log=service_logger("web")), ["https://a:1/#one"])
     page = Page(log, everywhere=False)

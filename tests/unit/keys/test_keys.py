@@ -81,7 +81,7 @@ def test_a_bundle_is_what_goes_to_the_host_and_nothing_else() -> None:
     assert sorted(os.listdir(robot)) == ["bundle.toml", "ca.pem", "host.key", "host.pem"]  # noqa: PTH208
     assert {*CERTIFICATES.values()} == {"ca.pem", "host.key", "host.pem"}, "what services look for"
     assert (robot / "ca.pem").read_bytes() == Path("keys/ca.pem").read_bytes()
-    assert Path("keys/.gitignore").read_text() == "*\n"
+    assert Path("keys/.gitignore").read_text(encoding="utf-8") == "*\n"
 
 
 def test_the_list_for_programs() -> None:
@@ -119,7 +119,7 @@ def test_nothing_is_overwritten() -> None:
     assert "giraff keys host robot --renew" in refusal("host", "robot", "10.0.0.1")
     Path("other").mkdir()
     assert "other is there already" in refusal("init", "--folder", "other")
-    Path("keys/robot/notes").write_text("mine")
+    Path("keys/robot/notes").write_text("mine", encoding="utf-8")
     assert "notes with it: move that elsewhere" in refusal("host", "robot", "--renew")
     Path("keys/link").symlink_to("robot")
     assert "keys/link is there already" in refusal("host", "link", "10.0.0.1")
@@ -301,7 +301,7 @@ def test_a_ca_key_that_others_can_read_is_told() -> None:
 
 def test_a_damaged_ca_is_named() -> None:
     bundle(authority(Path("keys")))
-    Path("keys/ca.pem").write_text("-----BEGIN CERTIFICATE-----\n")
+    Path("keys/ca.pem").write_text("-----BEGIN CERTIFICATE-----\n", encoding="utf-8")
     assert "keys/ca.pem is damaged" in refusal("list")
     assert "keys/ca.pem is damaged" in refusal("host", "desk", "10.0.0.1")
 

@@ -11,8 +11,9 @@ import zenoh
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import discovery as robots
+from giraff_node.network import tokens
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import find_robot, others, resolve_target
+from giraff_node.network.discovery import RobotMonitor, find_robot, others, resolve_target
 from giraff_schemas.topics import alive_key
 from tests.support.one_process import Clock, Session
 
@@ -93,6 +94,41 @@ def test_a_name_that_can_be_none_is_refused() -> None:
         resolve_target("a/b", (), {})
     with pytest.raises(NoRobotError, match=r"--connect: connect: 'a b' is no address"):
         resolve_target("anne", ["a b"], {})
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "giraff/a b/alive/base/x",
+        "giraff/é/alive/base/x",
+        "giraff/\x1b[2J/alive/base/x",
+        "giraff/\u202egnik/alive/base/x",
+        "giraff/\u200b/alive/base/x",
+        "giraff/a\nb/alive/base/x",
+        "giraff/*/alive/base/x",
+        "giraff/a$*/alive/base/x",
+        "giraff/otto/alive/b c/x",
+        "giraff/otto/alive/base/\x9b1m",
+        "giraff/**",
+        "**",
+    ],
+)
+def test_a_name_that_no_robot_can_have_is_left_out_and_told_once(
+    network: Network, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], key: str
+) -> None:
+    """Anybody on an open network may declare it: the robots beside it are found all the same."""
+    monkeypatch.setattr(tokens, "_told", set())
+    assert tokens.read_token(key) is None
+    assert ascii(key) in capsys.readouterr().err
+    with network.others.declare_token(alive_key(ONE, "base", "1")), network.others.declare_token(key):
+        assert robots.list_robots(network.ours) == [ONE]
+        assert RobotMonitor(network.ours).all_names == [ONE]
+    assert capsys.readouterr().err == ""
+    for number in range(20):
+        tokens.read_token(f"giraff/{number} /alive/base/{'x' * 1000}")
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 4, "a stranger fills no log"
+    assert max(map(len, told)) < 250
 
 
 class Network:

@@ -1,0 +1,60 @@
+"""`giraff estop engage` by its plan: stop first, complain after."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from functools import partial
+
+from giraff_cli.estop import client
+from giraff_cli.estop.plan import plan_stop
+from giraff_cli.network.command import UNUSABLE, UnopenedError, print_error, visit
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.user import user_at_host
+from giraff_cli.terminal.output import discard_stdout
+from giraff_node.network.consent import NoRobotError
+from giraff_node.network.reach import address_fault
+from giraff_schemas.text import printable_lines
+
+
+def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeout: float) -> int:
+    """Stop the robot, or every robot that is heard, wherever it can be reached; the exit code."""
+    # A robot that is reached another way is stopped, whatever is wrong with the address that was typed.
+    faults = {address: fault for address in connect if (fault := address_fault(address))}
+    try:
+        plan = plan_stop(robot, [address for address in connect if address not in faults])
+    except NoRobotError as error:
+        return print_error(f"NOTHING IS STOPPED: {error}")
+
+    def stop(connection: RobotConnection, *, doubt: str) -> int:
+        if connection.robot:
+            result = client.engage(connection, user_at_host(), reason, timeout, doubt=doubt)
+            for address, fault in faults.items():
+                print_error(f"--connect {address} is left out: {fault}")
+            return tell(result)
+        return client.engage_all(connection, user_at_host(), reason, timeout, connect, tell, doubt=doubt)
+
+    code, unopened = UNUSABLE, []
+    for target, doubt in plan.attempts:
+        try:
+            code = visit(target, partial(stop, doubt=doubt))
+            break
+        except UnopenedError as error:
+            unopened.append(str(error))
+    else:
+        if unopened:
+            print_error("NOTHING IS STOPPED: use the battery switch")
+    for complaint in (*unopened, *filter(None, [plan.complaint])):
+        print_error(complaint)
+    return code
+
+
+def tell(result: client.Result) -> int:
+    """Print how it ended; the exit code. Whoever reads it may have gone: that ends no stop of another robot."""
+    out = sys.stderr if result.code >= UNUSABLE else sys.stdout
+    try:
+        print(printable_lines(result.text), file=out, flush=True)
+    except OSError:
+        if out is sys.stdout:
+            discard_stdout()
+    return result.code
