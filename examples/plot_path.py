@@ -17,4 +17,4 @@ left, top = (min(point[axis] for path in paths.values() for point in path) - 0.3
 right, bottom = (max(point[axis] for path in paths.values() for point in path) + 0.3 for axis in (0, 1))
 lines = " M".join(" ".join(f"{x:.3f},{y:.3f}" for x, y in path) for path in paths.values())
 box = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="{left:.3f} {top:.3f} {right - left:.3f} {bottom - top:.3f}">'
-Path(file).write_text(f'{box}<path d="M{lines}" fill="none" stroke="black" stroke-width="0.02"/></svg>\n')
+Path(file).write_bytes(f'{box}<path d="M{lines}" fill="none" stroke="black" stroke-width="0.02"/></svg>\n'.encode())

@@ -79,7 +79,7 @@ def _read_yaml(path: Path) -> GridFile:
     except ImportError as error:
         raise _missing(path, "yaml") from error
     try:
-        content = yaml.safe_load(path.read_text())
+        content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise MapError(f"{path}: cannot be read: {error.strerror}") from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:

@@ -93,7 +93,7 @@ class RoomFile(_Strict, frozen=True, kw_only=True):
 def read_room_file(path: Path) -> RoomFile:
     """What a room file says. Raises MapError; whether its walls and posts can be is not asked yet."""
     try:
-        content = msgspec.convert(tomllib.loads(path.read_text()), RoomFile)
+        content = msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), RoomFile)
     except OSError as error:
         raise MapError(f"{path}: cannot be read: {error.strerror}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

@@ -52,7 +52,7 @@ _RUN_STATES: Final = (RunState.RUNNING, RunState.STOPPED, RunState.CRASHED)
 def _declare() -> None:
     if not _HEADER.is_file():
         raise BoardError(f"{_HEADER} is missing: the simulator runs from the repository's tree")
-    lines = _HEADER.read_text().splitlines()
+    lines = _HEADER.read_text(encoding="utf-8").splitlines()
     _ffi.cdef("\n".join(line for line in lines if not line.startswith("#")))
 
 
@@ -156,7 +156,7 @@ def _newer_source(built: Path) -> Path | None:
     record = built.with_suffix(".sources")
     if not record.is_file():
         return None  # a container has the library alone
-    folder, _, rules = record.read_text().partition("\n")
+    folder, _, rules = record.read_text(encoding="utf-8").partition("\n")
     sources = {record.parent / folder / word for word in rules.split() if word.endswith((".c", ".h", ".S"))}
     built_ns = built.stat().st_mtime_ns
     return next((each for each in sorted(sources) if each.is_file() and each.stat().st_mtime_ns > built_ns), None)

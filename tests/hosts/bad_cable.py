@@ -75,7 +75,7 @@ class Direction:
 
 def open_end(pid: int, name: str) -> int:
     """A TAP device in the network of a process; its descriptor. It is gone when that is closed."""
-    with Path(f"/proc/{pid}/ns/net").open() as network:
+    with Path(f"/proc/{pid}/ns/net").open(encoding="utf-8") as network:
         if ctypes.CDLL(None, use_errno=True).setns(network.fileno(), _NEW_NETWORK):
             raise OSError(ctypes.get_errno(), f"the network of process {pid}")
     end = os.open("/dev/net/tun", os.O_RDWR | os.O_NONBLOCK)

@@ -81,7 +81,7 @@ class Machine:
         deadline = time.monotonic() + _BOOT_WITHIN
         while True:
             with contextlib.suppress(OSError):
-                if (found := children.read_text().split()) and self._has_booted(int(found[0])):
+                if (found := children.read_text(encoding="utf-8").split()) and self._has_booted(int(found[0])):
                     self._first = int(found[0])
                     return
             if self._supply.poll() is not None or time.monotonic() > deadline:
@@ -143,7 +143,7 @@ class Machine:
         return run([str(program), "--ansi", "never", *words], within, cwd=place, env=environment)
 
     def _has_booted(self, first: int) -> bool:
-        return Path(f"/proc/{first}/comm").read_text().strip() == "docker-init"
+        return Path(f"/proc/{first}/comm").read_text(encoding="utf-8").strip() == "docker-init"
 
 
 def let_first(pid: int) -> None:
@@ -161,7 +161,7 @@ def kill(process: subprocess.Popen[bytes]) -> None:
 def _has_ended(pid: int) -> bool:
     """Whether a process, and all of which it was the first, has ended. Who buries it may take seconds until he does."""
     try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        state = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
     except (FileNotFoundError, ProcessLookupError):
         return True
     return state == "Z"

@@ -50,7 +50,7 @@ def seen_in(source: str) -> tuple[list[str], list[str]]:
 @cache
 def seen(path: Path) -> tuple[list[str], list[Path]]:
     """The same of a file, with the files of the modules."""
-    breaches, modules = seen_in(path.read_text())
+    breaches, modules = seen_in(path.read_text(encoding="utf-8"))
     others = (ROOT / (module.replace(".", "/") + ".py") for module in modules)
     return breaches, [other for other in others if other.is_file()]
 

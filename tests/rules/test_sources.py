@@ -23,7 +23,7 @@ REGISTRY = re.compile(r"(py" r"pi\.org|python" r"hosted\.org|npm" r"js\.(org|com
 def text_of(path: Path) -> str:
     """A file's text; empty for one that is not text."""
     try:
-        return path.read_text()
+        return path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
         return ""
 
@@ -54,6 +54,18 @@ def test_no_name_says_nothing() -> None:
 def test_no_source_file_is_too_long_to_read() -> None:
     lengths = {name(path): len(path.read_text().splitlines()) for path in sources(*CODE)}
     assert {path: lines for path, lines in lengths.items() if lines > MAX_LINES} == {}
+
+
+def test_no_text_is_read_or_written_by_the_letters_of_the_locale() -> None:
+    """Ruff looks for it, too, but not where it cannot tell that something is a path."""
+    calls = [
+        (name(path), call.lineno)
+        for path in sources(".py", under=("schemas", "services", "firmware", "examples", "scripts"))
+        for call in ast.walk(ast.parse(path.read_bytes()))
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)
+        if call.func.attr in ("read_text", "write_text") and "encoding" not in {word.arg for word in call.keywords}
+    ]
+    assert calls == []
 
 
 LOOPHOLES = {"skip", "skipif", "skipIf", "skipUnless", "xfail", "importorskip", "SkipTest"}

@@ -49,7 +49,7 @@ class Budget(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def read_budget(path: Path = BUDGET) -> Budget:
-    return msgspec.convert(tomllib.loads(path.read_text()), Budget)
+    return msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), Budget)
 
 
 def by_row(spent: Mapping[str, Costs], budget: Budget) -> dict[str, dict[str, Counter[str]]]:

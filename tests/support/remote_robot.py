@@ -113,7 +113,7 @@ class RemoteRobot:
         ports = self._directory / host
         control, file = self._directory / f"{host}.control", self._directory / f"{host}.toml"
         stock, rest = _ROBOT_FILE.split("[network]")
-        file.write_text(stock + network.read_text() + rest.partition("\n\n")[2])
+        file.write_text(stock + network.read_text(encoding="utf-8") + rest.partition("\n\n")[2])
         environment = {
             **clean(dict(os.environ)),
             **KNOWN,

@@ -96,7 +96,7 @@ def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> boo
 
 def settings(*names: str) -> dict[str, Any]:
     """What these files of `deploy/zenoh` say; the later ones count before the earlier ones."""
-    read = (tomllib.loads((_FILES / f"{name}.toml").read_text()) for name in names)
+    read = (tomllib.loads((_FILES / f"{name}.toml").read_text(encoding="utf-8")) for name in names)
     return functools.reduce(_merged, read)
 
 

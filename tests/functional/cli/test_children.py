@@ -61,7 +61,7 @@ def is_up(children: ProcessGroup, name: str) -> bool:
 def is_running(pid: int) -> bool:
     """Also a zombie has ended: whoever should reap it is init."""
     try:
-        stat = Path(f"/proc/{pid}/stat").read_text()
+        stat = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8")
     except (FileNotFoundError, ProcessLookupError):
         return False
     return stat.rpartition(")")[2].split()[0] != "Z"

@@ -79,7 +79,7 @@ def drive_to(robot: ProcessRobot, x: float) -> None:
 
 
 def test_a_line_is_driven_by_another_hand_and_measured(robot: ProcessRobot, shown: Screen, filed: Path) -> None:
-    before, start = filed.read_text(), robot.simulator.state()
+    before, start = filed.read_text(encoding="utf-8"), robot.simulator.state()
     begin(shown)
     drive_to(robot, start.x + 3.1)
     shown.wait_for("3.1 m, turned", PATIENCE)
@@ -98,11 +98,11 @@ def test_a_line_is_driven_by_another_hand_and_measured(robot: ProcessRobot, show
     shown.wait_for("not determined", PATIENCE)
     shown.type(b"\n")
     assert shown.ended(PATIENCE) == 1
-    assert filed.read_text() == before
+    assert filed.read_text(encoding="utf-8") == before
 
 
 def test_ctrl_c_ends_it(shown: Screen, filed: Path) -> None:
-    before = filed.read_text()
+    before = filed.read_text(encoding="utf-8")
     shown.type(b"\x03")
     assert shown.ended(PATIENCE) == 128 + signal.SIGINT
-    assert filed.read_text() == before
+    assert filed.read_text(encoding="utf-8") == before

@@ -65,7 +65,11 @@ def healths(robot: ProcessRobot, session: zenoh.Session) -> dict[str, Health]:
 
 def peak_of(pid: int) -> int:
     """bytes that a process has had in memory at most."""
-    [line] = [line for line in Path(f"/proc/{pid}/status").read_text().splitlines() if line.startswith("VmHWM:")]
+    [line] = [
+        line
+        for line in Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines()
+        if line.startswith("VmHWM:")
+    ]
     return int(line.split()[1]) * 1024
 
 

@@ -49,7 +49,7 @@ def test_a_signal_at_its_very_start_ends_it_without_a_traceback(
     with command.start() as process:
         maps = Path(f"/proc/{process.pid}/maps")
         wait(
-            lambda: re.search("lib-dynload|site-packages", maps.read_text()) is not None,
+            lambda: re.search("lib-dynload|site-packages", maps.read_text(encoding="utf-8")) is not None,
             PATIENCE,
             what="its first import",
         )

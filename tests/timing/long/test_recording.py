@@ -70,7 +70,7 @@ class Cost:
         spent: dict[str, float] = defaultdict(float)
         for thread in self._process.threads():
             try:
-                name = Path(f"/proc/{self._process.pid}/task/{thread.id}/comm").read_text().strip()
+                name = Path(f"/proc/{self._process.pid}/task/{thread.id}/comm").read_text(encoding="utf-8").strip()
             except OSError:  # it has just ended
                 continue
             spent[name.partition("-")[0]] += thread.user_time + thread.system_time

@@ -36,7 +36,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def table(path: Path) -> dict[str, Any]:
-    robot: dict[str, Any] = tomllib.loads(path.read_text())["robot"]
+    robot: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))["robot"]
     return robot
 
 
@@ -45,7 +45,7 @@ def guided(person: Person, taped: TapedRobot, path: Path, robot: str = "giraff")
 
 
 def test_what_was_found_is_written_and_the_file_before_is_kept(taped: TapedRobot, path: Path) -> None:
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
     person = Person(taped, {("Write", 1): "perhaps"})
     assert guided(person, taped, path) == 0
     assert person.count("Write") == 2
@@ -77,30 +77,30 @@ def test_a_robot_that_the_file_is_not_of_is_doubted(
 
 @pytest.mark.parametrize("answer", ["no", "n"])
 def test_nothing_is_written_unasked(taped: TapedRobot, path: Path, answer: str) -> None:
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
     assert guided(Person(taped, {("Write", 1): answer}), taped, path) == 1
-    assert path.read_text() == before
+    assert path.read_text(encoding="utf-8") == before
     assert list(path.parent.iterdir()) == [path]
 
 
 def test_without_a_check_nothing_is_written(taped: TapedRobot, path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
     checks: dict[tuple[str, int], Act | str] = {
         ("Mark", number): "skip" for number, leg in enumerate(PLAN, 1) if leg.is_check
     }
     assert guided(Person(taped, checks), taped, path) == 1
     assert "judge" in capsys.readouterr().err
-    assert path.read_text() == before
+    assert path.read_text(encoding="utf-8") == before
 
 
 def test_a_calibration_that_makes_it_worse_is_refused(
     taped: TapedRobot, path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    before = path.read_text()
+    before = path.read_text(encoding="utf-8")
     lengthened = {("ahead", number): "5.5" for number in range(1, 5)}
     assert guided(Person(taped, lengthened), taped, path) == 1
     assert "refused" in capsys.readouterr().err
-    assert path.read_text() == before
+    assert path.read_text(encoding="utf-8") == before
 
 
 def test_a_robot_file_that_is_not_there_is_refused_before_anything_is_driven(

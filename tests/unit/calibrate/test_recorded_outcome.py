@@ -106,7 +106,7 @@ def test_a_disk_that_takes_the_robot_file_and_not_the_outcome_is_told_so(
     line = refused(say(*OWN, "--json", "found.json"), 3)
     assert "found.json: cannot be written: No space left on device" in line
     assert f"{robot_file} is written, this is not" in line
-    assert "[robot.calibration]" in robot_file.read_text()
+    assert "[robot.calibration]" in robot_file.read_text(encoding="utf-8")
     assert not (tmp_path / "found.json").exists()
 
 
@@ -139,7 +139,7 @@ def test_a_robot_that_is_as_it_was_built_is_calibrated_all_the_same(
     made_up(tmp_path, Scales(1.0, 1.0, 1.0))
     code, out, _ = say(*OWN)
     assert (code, "Nothing to gain" in out) == (0, False)
-    assert "[robot.calibration]" in robot_file.read_text()
+    assert "[robot.calibration]" in robot_file.read_text(encoding="utf-8")
 
 
 def test_less_than_a_tenth_of_a_millimetre_is_not_worse() -> None:

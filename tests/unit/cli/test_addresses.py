@@ -130,5 +130,5 @@ def test_whoever_has_read_enough_ends_nothing(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_no_other_verb_waits_for_the_library() -> None:
-    source = Path(addresses.__file__).read_text()
+    source = Path(addresses.__file__).read_text(encoding="utf-8")
     assert "\nimport segno" not in source

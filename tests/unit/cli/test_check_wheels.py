@@ -106,7 +106,7 @@ def test_any_wiring_is_found_proved_and_written(bits: int, path: Path, monkeypat
     monkeypatch.setattr(Bench, "truth", truth)
     answer(monkeypatch, *honest(truth))
     assert check_wheels.check_wheels("port") == 0
-    robot = tomllib.loads(path.read_text())["robot"]
+    robot = tomllib.loads(path.read_text(encoding="utf-8"))["robot"]
     assert {name: robot[name] for name in FIELDS} == {name: Wiring[name.upper()] in truth for name in FIELDS}
     assert Bench.made.closed
 
