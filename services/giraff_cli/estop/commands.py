@@ -31,7 +31,7 @@ def engage(
 
     Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
     """
-    from giraff_cli.estop.attempts import engage_by_plan  # noqa: PLC0415
+    from giraff_cli.estop.engage import engage_by_plan  # noqa: PLC0415
 
     raise typer.Exit(engage_by_plan(robot, connect or (), reason, timeout))
 
@@ -67,7 +67,7 @@ def _tell(
     *,
     moves: bool = False,
 ) -> None:
-    from giraff_cli.estop.attempts import tell  # noqa: PLC0415
+    from giraff_cli.estop.engage import tell  # noqa: PLC0415
     from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
 
     raise typer.Exit(

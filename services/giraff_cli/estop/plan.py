@@ -9,7 +9,6 @@ import contextlib
 import os
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -38,19 +37,13 @@ _MEANING: Final = {
 """What stands in the command for what cannot be known here."""
 
 
-class Attempt(NamedTuple):
-    """One network on which the stop is tried."""
-
-    target: Target
-    doubt: str
-    """Why a robot that answers there may be another than the one that is meant; empty: it is the one."""
-
-
 class StopPlan(NamedTuple):
     """Where a stop is tried, and what is said afterwards."""
 
-    attempts: tuple[Attempt, ...]
-    """In this order, until a session can be opened. Empty: the network looks secured, and its rules are not known."""
+    target: Target | None
+    """None: nowhere, for the network looks secured, and its rules are not known."""
+    doubt: str
+    """Why a robot that answers may be another than the one that is meant; empty: it is the one."""
     complaint: str
     """What is wrong, with the remedy; empty: nothing is."""
 
@@ -61,43 +54,33 @@ def plan_stop(robot: str | None, connect: Sequence[str], environment: Mapping[st
     A network that looks secured is tried with certificates alone: an open session would ask a stranger's robot.
     """
     try:
-        way = resolve_target(robot, connect, environment)
+        sound = resolve_target(robot, connect, environment)
     except ConfigError as error:
-        return _plan_in_doubt(robot, connect, environment, error)
+        fault = str(error)
+    else:
+        return StopPlan(sound, "", not_all_counts(sound.warning) if sound.warning else "")
+    found = read_what_is_left(robot, environment)
+    target = _target(robot, connect, environment, found)
     return StopPlan(
-        (Attempt(way, ""), *_over_defaults(way, _doubt("[network]"))),
-        not_all_counts(way.warning) if way.warning else "",
+        target,
+        f"{_unusable(robot, environment)} cannot be read, so whether it is yours is not known",
+        f"{fault}; {_way_to_stop(robot, connect, environment, found, is_tried=target is not None)}",
     )
 
 
-def _plan_in_doubt(
-    robot: str | None, connect: Sequence[str], environment: Mapping[str, str], error: ConfigError
-) -> StopPlan:
-    found = read_what_is_left(robot, environment)
-    doubt = _doubt(_unusable(robot, environment))
+def _target(
+    robot: str | None, connect: Sequence[str], environment: Mapping[str, str], found: Readable
+) -> Target | None:
+    """Aim at what can be read. None: it looks secured, and nobody knows its rules."""
+    try:
+        network = msgspec.convert(found.network, NetworkConfig, strict=False)
+    except msgspec.ValidationError:
+        return None
     name, filed = robot or "", ""
     with contextlib.suppress(ConfigError):  # without a name, every robot that is heard is asked
         if not found.is_name_doubted:
             name, filed = named(found.given, robot, environment)
-    attempts: tuple[Attempt, ...] = ()
-    with contextlib.suppress(msgspec.ValidationError):  # it looks secured, and nobody knows its rules
-        network = msgspec.convert(found.network, NetworkConfig, strict=False)
-        way = target_of(name, connect, network, filed=filed)
-        attempts = (Attempt(way, doubt), *_over_defaults(way, doubt))
-    return StopPlan(attempts, f"{error}; {_way_to_stop(robot, connect, environment, found, is_tried=bool(attempts))}")
-
-
-def _over_defaults(way: Target, doubt: str) -> tuple[Attempt, ...]:
-    """Where no session can be opened on an open network: the one of a robot file that says nothing."""
-    network = way.network
-    if network.mode == "secured" or network.session_file:
-        return ()
-    other = NetworkConfig(local=network.local, connect=network.connect)
-    return () if other == network else (Attempt(replace(way, network=other), doubt),)
-
-
-def _doubt(unusable: str) -> str:
-    return f"{unusable} cannot be read, so whether it is yours is not known"
+    return target_of(name, connect, network, filed=filed)
 
 
 def _unusable(robot: str | None, environment: Mapping[str, str]) -> str:

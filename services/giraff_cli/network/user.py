@@ -6,11 +6,13 @@ import getpass
 import os
 import socket
 
+from giraff_schemas.text import printable
+
 
 def user_at_host() -> str:
-    """Whom to name to those who ask who it was."""
+    """Return whom to name to those who ask who it was. Bytes of another locale could not be sent, and become "?"."""
     try:
         user = getpass.getuser()
     except (OSError, KeyError):  # a container's user may have no name
         user = str(os.getuid())
-    return f"{user}@{socket.gethostname()}"
+    return printable(f"{user}@{socket.gethostname()}")

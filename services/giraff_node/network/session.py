@@ -7,6 +7,7 @@ for each mode, and `recorder.toml` for who records. Here this host's own endpoin
 from __future__ import annotations
 
 import functools
+import os
 import threading
 import tomllib
 from pathlib import Path
@@ -119,7 +120,7 @@ def certificates(folder: Path) -> dict[str, str]:
             raise ConfigError(
                 f"{path}: {error.strerror}; the network is secured: put this host's bundle of `giraff keys host` there"
             ) from error
-    return {field: str(folder / name) for field, name in CERTIFICATES.items()}
+    return {field: os.fsencode(folder / name).decode(errors="replace") for field, name in CERTIFICATES.items()}
 
 
 def _host_of(folder: Path) -> str:

@@ -18,6 +18,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from giraff_core.network import NetworkConfig
+from giraff_node.network.session import close_session, open_session
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import GIRAFF, PROCESSES, Command, command_in, line_of
 
@@ -56,7 +58,10 @@ def host_of(address: str) -> str:
 
 
 def require_a_page_beside(command: Command, target: list[str]) -> None:
-    """`giraff web` serves a robot that is there."""
+    """`giraff web` serves a robot that is there, beside a name that no robot can have."""
+    rendezvous = target[target.index("--connect") + 1]
+    session = open_session(NetworkConfig(rendezvous=rendezvous, local=True), command.robot, visiting=True)
+    odd = session.liveliness().declare_token(f"giraff/{command.robot}/alive/a b/\x1b[2J")
     words = [str(GIRAFF), "web", *target, "--port", "0"]
     streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with subprocess.Popen(words, env=command.environment, cwd=command.directory, **streams) as web:
@@ -64,6 +69,8 @@ def require_a_page_beside(command: Command, target: list[str]) -> None:
         assert "<title>" in got(page, "/", got(page, "/ca.crt"))
         web.send_signal(signal.SIGINT)
         _, err = web.communicate(timeout=PATIENCE)
+    del odd
+    assert close_session(session)
     assert web.returncode == 0, err
 
 

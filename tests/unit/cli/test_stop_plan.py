@@ -6,12 +6,13 @@ import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Never
+from unittest.mock import MagicMock
 
 import pytest
 import zenoh
 
-from giraff_cli.estop.attempts import engage_by_plan
+from giraff_cli.estop import engage
 from giraff_cli.estop.plan import plan_stop
 from giraff_cli.network import command
 from giraff_cli.network.connection import RobotConnection
@@ -29,13 +30,13 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "robot.toml"
 
 
-def attempts(path: Path, robot: str | None = "anne", **variables: str) -> list[tuple[str, NetworkConfig]]:
-    """Whom the plan asks, and where, with each in doubt."""
-    plan = plan_stop(robot, (), {"GIRAFF_CONFIG": str(path), **variables})
-    assert all(f"{path} cannot be read, so whether it is yours is not known" == doubt for _, doubt in plan.attempts)
-    assert "use the battery switch, or without the file: env GIRAFF_CONFIG=/dev/null " in plan.complaint
-    assert ("NOTHING IS STOPPED FOR SURE" in plan.complaint) == bool(plan.attempts)
-    return [(target.robot, target.network) for target, _ in plan.attempts]
+def aim(path: Path, robot: str | None = "anne", **variables: str) -> tuple[str, NetworkConfig] | None:
+    """Whom the plan asks, and where, in doubt; None: nobody."""
+    target, doubt, complaint = plan_stop(robot, (), {"GIRAFF_CONFIG": str(path), **variables})
+    assert doubt == f"{path} cannot be read, so whether it is yours is not known"
+    assert "use the battery switch, or without the file: env GIRAFF_CONFIG=/dev/null " in complaint
+    assert ("NOTHING IS STOPPED FOR SURE" in complaint) == (target is not None)
+    return None if target is None else (target.robot, target.network)
 
 
 @pytest.mark.parametrize(
@@ -59,10 +60,7 @@ def test_a_broken_file_is_tried_over_all_that_can_be_read_of_it(
 ) -> None:
     """And of every robot there, as nobody has named one."""
     path.write_bytes(content)
-    first, *others = attempts(path, None)
-    assert first == ("", network)
-    other = NetworkConfig(connect=network.connect, local=network.local)
-    assert others == ([] if other == network else [("", other)])
+    assert aim(path, None) == ("", network)
 
 
 UNREADABLE: dict[str, Callable[[Path], object]] = {
@@ -75,8 +73,8 @@ UNREADABLE: dict[str, Callable[[Path], object]] = {
 @pytest.mark.parametrize("kind", UNREADABLE)
 def test_a_file_that_cannot_be_read_is_tried_over_the_environment_and_the_defaults(path: Path, kind: str) -> None:
     UNREADABLE[kind](path)
-    assert attempts(path) == [("anne", DEFAULT)]
-    assert attempts(path, GIRAFF_NETWORK_CONNECT='["10.0.0.5"]', GIRAFF_NETWORK_MODE="fixed")[0] == ("anne", FIXED)
+    assert aim(path) == ("anne", DEFAULT)
+    assert aim(path, GIRAFF_NETWORK_CONNECT='["10.0.0.5"]', GIRAFF_NETWORK_MODE="fixed") == ("anne", FIXED)
 
 
 @pytest.mark.parametrize(
@@ -96,7 +94,7 @@ def test_a_file_that_cannot_be_read_is_tried_over_the_environment_and_the_defaul
 )
 def test_what_looks_secured_is_never_tried_without_its_rules(path: Path, content: bytes) -> None:
     path.write_bytes(content)
-    assert attempts(path) == []
+    assert aim(path) is None
 
 
 @pytest.mark.parametrize("mode", [b'mode = "secured"\n', b'mode = "secure"\n', b"mode =\n"])
@@ -105,34 +103,50 @@ def test_with_its_rules_it_is_tried_with_certificates_alone(
 ) -> None:
     monkeypatch.setattr(zenoh, "open", pytest.fail)
     path.write_bytes(b"[network]\n" + mode + ACCESS + b"[guard")
-    [(_, network)] = attempts(path, GIRAFF_NETWORK_KEYS=str(path.parent))
+    _, network = aim(path, GIRAFF_NETWORK_KEYS=str(path.parent)) or ("", DEFAULT)
     assert (network.mode, network.access.robot) == ("secured", ("pi",))
     monkeypatch.setenv("GIRAFF_CONFIG", str(path))
     monkeypatch.setenv("GIRAFF_NETWORK_KEYS", str(path.parent))
-    assert engage_by_plan("anne", (), "", 1.0) == 2
-    first, *more = capsys.readouterr().err.splitlines()
-    assert first == "giraff: NOTHING IS STOPPED: use the battery switch"
-    assert "the network is secured: put this host's bundle" in more[0]
+    assert engage.engage_by_plan("anne", (), "", 1.0) == 2
+    first, _ = capsys.readouterr().err.splitlines()
+    assert first.startswith("giraff: NOTHING IS STOPPED: use the battery switch; ")
+    assert "the network is secured: put this host's bundle" in first
 
 
-def test_a_sound_file_whose_network_cannot_be_opened_is_told_after_a_stop_over_the_defaults(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path.write_text('[network]\nrendezvous = "nonsense"', encoding="utf-8")
-    monkeypatch.setenv("GIRAFF_CONFIG", str(path))
+def test_nothing_is_said_before_the_stop(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever reads it may stand still."""
     order: list[str] = []
 
-    def opened(way: Target, **_: Any) -> RobotConnection:
-        order.append(way.network.rendezvous)
-        if way.network.rendezvous == "nonsense":
-            raise command.UnopenedError("no Zenoh session: nonsense")
+    def visit(*_: object) -> int:
+        order.append("stop")
+        return 0
+
+    monkeypatch.setattr(engage, "visit", visit)
+    monkeypatch.setattr(engage, "print_error", lambda text: order.append(text.partition(":")[0]))
+    monkeypatch.setenv("GIRAFF_CONFIG", str(path))
+    for content, told in ("[gaurd]", "not everything of robot file and environment counts"), ("[", str(path)):
+        path.write_text(content, encoding="utf-8")
+        engage.engage_by_plan("anne", ("no address",), "", 1.0)
+        assert order == ["stop", told]
+        order.clear()
+
+
+def test_an_exception_that_nobody_foresaw_ends_the_process_though_the_session_does_not_close(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def end(code: int) -> Never:
+        raise SystemExit(code)
+
+    def act(_: RobotConnection) -> int:
         raise EndedError
 
-    monkeypatch.setattr("giraff_cli.estop.attempts.print_error", order.append)
-    monkeypatch.setattr(command, "_opened", opened)
-    with pytest.raises(EndedError):
-        engage_by_plan("anne", (), "", 1.0)
-    assert order == ["nonsense", DEFAULT.rendezvous], "nothing is said before the stop"
+    session = MagicMock(name="session")
+    monkeypatch.setattr(command, "open_session", lambda *_, **__: session)
+    monkeypatch.setattr(RobotConnection, "close", lambda *_: False)
+    monkeypatch.setattr(os, "_exit", end)
+    with pytest.raises(SystemExit, match="1"):
+        command.visit(Target("anne", DEFAULT), act)
+    assert "EndedError" in capsys.readouterr().err
 
 
 class EndedError(Exception):

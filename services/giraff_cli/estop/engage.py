@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from functools import partial
 
 from giraff_cli.estop import client
 from giraff_cli.estop.plan import plan_stop
@@ -26,26 +25,22 @@ def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeo
     except NoRobotError as error:
         return print_error(f"NOTHING IS STOPPED: {error}")
 
-    def stop(connection: RobotConnection, *, doubt: str) -> int:
+    def stop(connection: RobotConnection) -> int:
         if connection.robot:
-            result = client.engage(connection, user_at_host(), reason, timeout, doubt=doubt)
+            result = client.engage(connection, user_at_host(), reason, timeout, doubt=plan.doubt)
             for address, fault in faults.items():
                 print_error(f"--connect {address} is left out: {fault}")
             return tell(result)
-        return client.engage_all(connection, user_at_host(), reason, timeout, connect, tell, doubt=doubt)
+        return client.engage_all(connection, user_at_host(), reason, timeout, connect, tell, doubt=plan.doubt)
 
-    code, unopened = UNUSABLE, []
-    for target, doubt in plan.attempts:
+    code = UNUSABLE
+    if plan.target is not None:
         try:
-            code = visit(target, partial(stop, doubt=doubt))
-            break
+            code = visit(plan.target, stop)
         except UnopenedError as error:
-            unopened.append(str(error))
-    else:
-        if unopened:
-            print_error("NOTHING IS STOPPED: use the battery switch")
-    for complaint in (*unopened, *filter(None, [plan.complaint])):
-        print_error(complaint)
+            print_error(f"NOTHING IS STOPPED: use the battery switch; {error}")
+    if plan.complaint:
+        print_error(plan.complaint)
     return code
 
 

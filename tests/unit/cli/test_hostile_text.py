@@ -1,0 +1,83 @@
+"""Text of the network in a terminal and in logs: it steers nothing, whoever has written it."""
+
+from __future__ import annotations
+
+import io
+import json
+import logging
+import re
+import sys
+
+import pytest
+from rich.table import Table
+
+from giraff_cli.terminal.page import CleanConsole
+from giraff_cli.terminal.text import json_line, json_page
+from giraff_client.errors import EmergencyStopError
+from giraff_keyboard import terminal
+from giraff_node.network.consent import tell
+from giraff_node.process.logs import service_logger
+from giraff_schemas.messages import EStop
+from giraff_schemas.text import printable
+
+HOSTILE = "\x1b]0;owned\x07\x1b[2J\x9b1m\r\x7f\u202eé"
+"""A title, an empty screen, a colour as one character, a line anew, and letters from right to left."""
+CLEAN = "?]0;owned??[2J?1m???é"
+
+
+class Screen(io.StringIO):
+    """Looks like a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_one_function_cleans_a_line() -> None:
+    assert printable(HOSTILE) == CLEAN
+    assert printable("a\nb") == "a?b"
+
+
+def test_a_table_keeps_its_colours_and_nothing_else() -> None:
+    out = io.StringIO()
+    console = CleanConsole(file=out, force_terminal=True, color_system="standard", width=60)
+    table = Table.grid()
+    table.add_row(HOSTILE, style="red")
+    console.print(table, HOSTILE, sep="\n")
+    assert out.getvalue().startswith("\x1b[31m?]0;owned?")
+    assert re.sub(r"\x1b\[[0-9;]*m|\n", "", out.getvalue()).isprintable()
+
+
+@pytest.mark.parametrize("write", [json_line, json_page])
+def test_json_has_it_all_and_steers_nothing(write: object) -> None:
+    assert callable(write)
+    written = write({"by": HOSTILE + "\U000e0001"})
+    assert written.replace("\n", "").isprintable()
+    assert json.loads(written) == {"by": HOSTILE + "\U000e0001"}
+
+
+@pytest.mark.parametrize("kind", [io.StringIO, Screen])
+def test_a_log_line_is_clean_on_a_terminal_and_in_a_file(
+    kind: type[io.StringIO], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stderr", kind())
+    log = service_logger("hostile")
+    log.error("stopped by %s", HOSTILE, exc_info=ValueError(HOSTILE))
+    logging.getLogger("hostile").handlers.clear()
+    assert isinstance(sys.stderr, io.StringIO)
+    assert sys.stderr.getvalue().count(CLEAN) == 2
+    assert sys.stderr.getvalue().replace("\n", "").isprintable()
+
+
+def test_what_a_command_a_script_and_the_keyboard_say_is_clean(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tell(HOSTILE)
+    assert capsys.readouterr().err == f"giraff: {CLEAN}\n"
+    error = EmergencyStopError(EStop(engaged=True, id=1, by=HOSTILE, reason=HOSTILE))
+    assert str(error).count(CLEAN) == 2
+    written: list[str] = []
+    monkeypatch.setattr(terminal, "_write", written.append)
+    shown = terminal.Terminal.__new__(terminal.Terminal)  # a real one takes the keys of a terminal
+    shown._shown, shown.is_gone = [], False
+    shown.show([HOSTILE])
+    assert written[0].endswith(f"{CLEAN}\r")
