@@ -10,7 +10,8 @@ from typing import Final, NamedTuple
 from giraff_cli.network.command import UNUSABLE, print_error
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.page import print_table
-from giraff_cli.terminal.text import duration, printable
+from giraff_cli.terminal.text import duration
+from giraff_schemas.text import printable
 from giraff_web.messages import OpenPage
 from giraff_web.server.host import PATIENCE, Answer, Ask, ask, sockets
 

@@ -175,7 +175,7 @@ def test_a_robot_that_may_be_another_is_asked_and_never_called_stopped(network: 
         told.append(engage(network.connection, "me", "", 10.0, doubt=doubt))
         assert it.engage_all(network.connection, "me", "", 10.0, (), told.append, doubt=doubt) == 2
     assert told == [(2, f"asked {ROBOT} at an unknown host; {doubt}")] * 2
-    full = EStopAnswer(done=False, engaged=True, id=8, reason="disk full")
+    full = msgspec.structs.replace(DONE, done=False, reason="disk full")
     with network.base(lambda _: full), network.session.declare_token(alive_key(ROBOT, "base", "b")):
         told = [engage(network.connection, "me", "", 1.0, doubt=doubt)]
         assert it.engage_all(network.connection, "me", "", 1.0, (), told.append, doubt=doubt) == 2
