@@ -25,7 +25,7 @@ from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import is_simulated_here, list_robots
 from giraff_node.network.session import open_session
-from giraff_schemas.text import printable
+from giraff_schemas.text import printable_lines
 
 _SEEK_NAMESAKE: Final = 0.5  # s; a peer on the network is met within some ten ms
 
@@ -64,7 +64,7 @@ def drive(plan: Plan) -> int:
 
 
 def _refuse(why: str) -> int:
-    print(printable(f"giraff run: {why}"), file=sys.stderr)
+    print(printable_lines(f"giraff run: {why}"), file=sys.stderr)
     return _REFUSED
 
 

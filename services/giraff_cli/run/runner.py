@@ -30,7 +30,7 @@ from giraff_node.network.query_client import request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
 from giraff_schemas.services import DEMONSTRATION, LOCALIZATION, WEB
-from giraff_schemas.text import printable
+from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
 
@@ -102,7 +102,7 @@ class Run:
             self._failures += self._robot.stop()
         self._failures += self._connection.decode_errors
         for failure in self._failures:
-            print(printable(f"giraff run: {failure}"), file=sys.stderr)
+            print(printable_lines(f"giraff run: {failure}"), file=sys.stderr)
         if telemetry is not None:
             self._conclude(telemetry)
         return FAILED if self._failures else DONE
