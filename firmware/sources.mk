@@ -1,5 +1,8 @@
 # What avr.mk and host.mk share: one board's sources and flags.
 
+# However it is spelled: what the compiler notes of headers names each object by its path.
+override BUILD := $(abspath $(BUILD))
+
 START_VALUES ?= common/start_values.c
 
 COMMON := boot clock cobs crc frame hello link uart watchdog

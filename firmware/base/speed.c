@@ -13,6 +13,7 @@ enum {
     MOTOR_MS_MAX = 2000,
     MOST_Q8 = (100 + PWM_OVER_PERCENT) * 256l / 100,
     MOST_BLIND_Q8 = (100 + PWM_OVER_BLIND_PERCENT) * 256l / 100,
+    PULLED_FOR = 5,                 /* periods in which a wheel against what is asked gets no slower: something pulls it */
     DUE_Q8 = 85,                    /* share by which what is due comes up to what is set in a period */
     LIMIT_Q15 = 328,                /* of what is set: told as SPEED_AT_LIMIT */
     SHORT_SHARE = 64,               /* a wheel that lacks less than this part of what it is asked for is not short */
@@ -94,12 +95,28 @@ static int32_t ramped(int32_t set, int32_t asked, int32_t step)
     return asked < 0 ? clamped(asked, set - step, 0) : clamped(asked, 0, set + step);
 }
 
-/* Most that a speed grows now. Wheels that still turn against what is asked are braked by a slow speed: a ramp that ran
- * ahead of them would be caught up with at once when they turn round. Both wait, so that the curve stays. */
-static int32_t growth_max(const struct speed_wheel *wheel, int32_t step, bool is_against)
+/* Whether wheels that turn against what is asked roll out. Those that something pulls soon get no slower, and need more
+ * than to be waited for. */
+static bool roll_out(struct speed_control *s, uint16_t against)
 {
-    const int32_t braking_um_s = HELD_FROM_UM_S;        /* a wheel that never turns round counts as held */
-    return is_against ? clamped(braking_um_s - magnitude(wheel->ramp_um_s), 0, step) : step;
+    if (!against) {
+        s->least_against = UINT16_MAX;
+        s->no_slower_for = 0;
+    } else if (against < s->least_against && s->no_slower_for < PULLED_FOR) {
+        s->least_against = against;
+        s->no_slower_for = 0;
+    } else if (s->no_slower_for < PULLED_FOR) {
+        s->no_slower_for++;
+    }
+    return against && s->no_slower_for < PULLED_FOR;
+}
+
+/* Most that a speed grows now. Wheels that roll out are braked by a slow speed: a ramp that ran ahead of them would be
+ * caught up with at once when they turn round. Both wait, so that the curve stays. */
+static int32_t growth_max(const struct speed_wheel *wheel, int32_t step, bool rolls_out)
+{
+    const int32_t braking_um_s = HELD_FROM_UM_S;
+    return rolls_out ? clamped(braking_um_s - magnitude(wheel->ramp_um_s), 0, step) : step;
 }
 
 static int32_t smoothed(int32_t set, int32_t wanted)
@@ -348,8 +365,8 @@ void speed_forget_wheels(struct speed_control *s)
 bool speed_step(struct speed_control *s, const struct speed_settings *settings, const struct speed_input *in)
 {
     smooth_battery(s, in->battery_adc_counts);
-    bool all_stand = true, is_against = s->is_against;
-    s->is_against = false;
+    bool all_stand = true, rolls_out = roll_out(s, s->against);
+    s->against = 0;
     for (uint8_t number = 0; number < WHEELS; number++) {
         struct speed_wheel *wheel = &s->wheel[number];
         int32_t asked = in->asked_um_s[number];
@@ -357,9 +374,10 @@ bool speed_step(struct speed_control *s, const struct speed_settings *settings, 
         if (um_per_tick_q8)
             speedometer_step(&wheel->speedometer, um_per_tick_q8, in->ticks[number], in->stamps[number], in->now);
         speed_on_asked(s, number, asked);
-        if ((asked > 0 && wheel->speedometer.um_s < 0) || (asked < 0 && wheel->speedometer.um_s > 0))
-            s->is_against = true;
-        wheel->ramp_um_s = ramped(wheel->ramp_um_s, asked, growth_max(wheel, settings->step_um_s, is_against));
+        int32_t um_s = wheel->speedometer.um_s;
+        if ((asked > 0 && um_s < 0) || (asked < 0 && um_s > 0))
+            s->against = (uint16_t)(s->against + (magnitude(um_s) >> 9));
+        wheel->ramp_um_s = ramped(wheel->ramp_um_s, asked, growth_max(wheel, settings->step_um_s, rolls_out));
         int32_t set = smoothed(wheel->set_um_s, wheel->ramp_um_s);
         int32_t growth = magnitude(set) - magnitude(wheel->set_um_s);
         wheel->growth_um_s = growth < 0 ? 0 : growth < UINT16_MAX ? (uint16_t)growth : UINT16_MAX;

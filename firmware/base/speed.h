@@ -50,7 +50,9 @@ struct speed_control {              /* all zero at first */
     uint16_t lost_q15;              /* share of what is set that the wheels are not asked for, since one cannot */
     uint8_t short_for;              /* periods in which a wheel has had all that it may get and was too slow */
     uint8_t flags;                  /* enum speed_flag */
-    bool is_against;                /* a wheel turned against what was asked in the last period */
+    uint16_t against;               /* speed of both wheels against what was asked in the last period, 512 um/s */
+    uint16_t least_against;         /* the least of it since they turn against, */
+    uint8_t no_slower_for;          /* and periods since then; stays at PULLED_FOR */
 };
 
 /* Whether a session can have them; then they are at *settings. */

@@ -164,6 +164,8 @@ class SpeedBench(BaseBench):
         """Of the speed that the robot's file expects of each motor."""
         self.speed = [0.0, 0.0]
         """m/s of each wheel."""
+        self.pull = [0.0, 0.0]
+        """m/s at which something pulls each wheel beside its motor."""
         self.hands: list[Callable[[int], float] | None] = [None, None]
         """What turns each wheel in the place of its motor: m/s, at a time in ms."""
         self.volts(SPEED_ROBOT.battery_nominal, board)
@@ -180,7 +182,7 @@ class SpeedBench(BaseBench):
         for number, motor in enumerate(self.model.motor):
             hand = self.hands[number]
             full = SPEED_ROBOT.max_wheel_speed / SPEED_ROBOT.max_level * self.strength[number]
-            aim = motor.drive * full * self._voltage_ratio
+            aim = motor.drive * full * self._voltage_ratio + self.pull[number]
             self.speed[number] += (aim - self.speed[number]) / _MOTOR_MS
             if hand is not None:
                 self.speed[number] = hand(self.now_ms)

@@ -72,6 +72,15 @@ def test_a_wheel_that_has_turned_round_starts_from_rest(robot: SpeedBench, asked
         assert along[-1] == pytest.approx(abs(asked[wheel]), abs=0.02)
 
 
+@pytest.mark.parametrize("pull", [(-0.2, -0.2), (-0.2, 0.0), (-0.3, -0.3)])
+def test_a_wheel_that_is_pulled_the_other_way_is_not_waited_for(robot: SpeedBench, pull: tuple[float, float]) -> None:
+    """On a slope, or by a person: it drives, as long as its motors can."""
+    robot.pull = list(pull)
+    robot.begin(0.5, 0.5)
+    assert robot.wheels().latch == Latch.NONE
+    assert robot.speed == pytest.approx([0.5, 0.5], abs=0.15)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_output_never_has_the_sign_opposite_to_what_is_asked(robot: SpeedBench, seed: int) -> None:
     """Slowing down is coasting, whatever turns the wheels."""
