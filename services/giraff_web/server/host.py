@@ -23,8 +23,8 @@ PATIENCE: Final = 2.0
 """s for a client, or for a service that is asked."""
 LARGEST: Final = 4096
 """Bytes of what a client asks."""
-SYSTEMD: Final = Path("/run/giraff/web")
-"""Where systemd's unit has its run directory."""
+RUN: Final = Path("/run")
+"""Where systemd has the run directories of its units, and of each user."""
 
 
 class Ask(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -59,8 +59,10 @@ def run_directory(environment: Mapping[str, str] = os.environ) -> Path:
     if given := environment.get("RUNTIME_DIRECTORY", "").partition(":")[0]:
         return Path(given)
     user = Path(environment.get("XDG_RUNTIME_DIR", ""))
-    if user.is_absolute():
-        return user / "giraff"
+    return user / "giraff" if user.is_absolute() else _state_folder(environment)
+
+
+def _state_folder(environment: Mapping[str, str]) -> Path:
     return state_directory("", {name: environment.get(name, "") for name in ("HOME", "XDG_STATE_HOME")})
 
 
@@ -69,9 +71,13 @@ def own_socket(environment: Mapping[str, str] = os.environ) -> Path:
     return run_directory(environment) / f"page-{os.getpid()}.sock"
 
 
-def sockets(environment: Mapping[str, str] = os.environ, systemd: Path = SYSTEMD) -> Iterator[Path]:
-    """Where page services of this host answer, or did before they died."""
-    for folder in dict.fromkeys((run_directory(environment), systemd)):
+def sockets(environment: Mapping[str, str] = os.environ, run: Path = RUN) -> Iterator[Path]:
+    """Where page services of this host answer, or did before they died.
+
+    A command may have been started without the service's environment, as by ssh or sudo. Root sees all users' folders.
+    """
+    own = run_directory(environment), _state_folder(environment)
+    for folder in dict.fromkeys((*own, *sorted(run.glob("user/*/giraff")), run / "giraff" / "web")):
         yield from sorted(folder.glob("page-*.sock"))
 
 

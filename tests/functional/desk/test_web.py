@@ -217,6 +217,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         for size in ((390, 844), (360, 640)):
             phone.resize(*size)
             asks_whole(phone)
+        monkeypatch.setenv("XDG_STATE_HOME", os.environ["XDG_RUNTIME_DIR"])  # no page of another test
         ends_pages(phone, laptop, lambda *asked: read(*typed(monkeypatch, capsys, "web", *asked)))
         for device in (phone, laptop):
             assert device.hosts == {urlsplit(address).netloc}

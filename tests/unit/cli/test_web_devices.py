@@ -10,7 +10,7 @@ import pytest
 
 from giraff_cli.web import devices as it
 from giraff_web.messages import OpenPage
-from giraff_web.server.host import Answer, Ask, run_directory
+from giraff_web.server.host import Answer, Ask, run_directory, sockets
 from tests.unit.cli.typed import typed
 
 Call = Callable[..., tuple[int, str, str]]
@@ -38,6 +38,7 @@ class Service:
 @pytest.fixture
 def giraff(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Call:
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path))
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "none"))  # where another test may have a service
     return lambda *words: typed(monkeypatch, capsys, *words)
 
 
@@ -137,3 +138,16 @@ def test_the_run_directory_is_this_users() -> None:
     assert run_directory(home) == Path("/home/ann/.local/state/giraff")
     assert run_directory(home | {"XDG_RUNTIME_DIR": "/run/user/7"}) == Path("/run/user/7/giraff")
     assert run_directory(home | {"RUNTIME_DIRECTORY": "/run/giraff/web:/run/x"}) == Path("/run/giraff/web")
+
+
+def test_a_service_is_found_without_its_environment(tmp_path: Path) -> None:
+    """By ssh or sudo."""
+    home = {"HOME": str(tmp_path / "ann")}
+    made = [
+        folder / "page-1.sock"
+        for folder in (run_directory(home), tmp_path / "user" / "7" / "giraff", tmp_path / "giraff" / "web")
+    ]
+    for path in made:
+        path.parent.mkdir(parents=True)
+        path.touch()
+    assert list(sockets(home | {"XDG_RUNTIME_DIR": str(tmp_path / "other")}, tmp_path)) == made
