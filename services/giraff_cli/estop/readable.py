@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import difflib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -23,8 +24,13 @@ from giraff_node.config.robot_file import (
 )
 from giraff_node.network.session import CERTIFICATES
 
-_SECURED: Final = re.compile(r"secur|tls|\baccess\b", re.IGNORECASE)
-"""Words of a secured network."""
+_OPEN: Final = ("lan", "fixed")
+"""Modes of an open network."""
+_WORD: Final = re.compile(r"[^\W_]+")
+_ENTRY: Final = re.compile(r"""(?<![^\W_])([^\W_]+)["']?[ \t]*[=:][ \t]*["']*([^"'\n,}#]*)""")
+"""The last word of a key, and its value as far as one line has it: of TOML, or of a `dict` as text."""
+_ALIKE: Final = 0.75
+"""Share of common letters from which on a word counts as another one mistyped."""
 
 
 class Readable(NamedTuple):
@@ -41,24 +47,25 @@ class Readable(NamedTuple):
 
 
 def read_what_is_left(robot: str | None, environment: Mapping[str, str]) -> Readable:
-    """Read all that can be used. Anything that looks secured makes the network a secured one."""
+    """Read all that can be used. A network whose mode is not known is secured if anything looks secured."""
     text = ""
     try:
         given, is_lost = read(environment, with_file=expects_robot_file(environment)), False
     except ConfigError:
         given, is_lost = read(environment, with_file=False), True
-        text = re.sub(r"#.*", "", _text_of_file(environment))
+        text = _text_of_file(environment)
         salvaged = _without_contradiction(_salvaged(text), text)
         given = given._replace(tables=given.tables | {"network": salvaged | given.tables.get("network", {})})
     doubted = find_misplaced(given, environment, is_named=bool(robot))
     values = given.tables.get("network", {})
     network = _sound(values)
-    unsound = str(doubted) + str({field: value for field, value in values.items() if field not in network})
+    misplaced = [{entry.word: entry.value} for entry in doubted]
+    unsound = str([*misplaced, {field: value for field, value in values.items() if field not in network}])
     network = _without_contradiction(network, unsound)
     in_doubt = is_lost or bool(doubted) or len(network) < len(values)
     keys = Path(network.get("keys", NetworkConfig().keys))
-    is_secured = "access" in values or bool(_SECURED.search(unsound + text)) or has_bundle(keys)
-    if in_doubt and "mode" not in network and is_secured:
+    is_secured = _looks_secured(f"{misplaced}\n{values}\n{text}") or has_bundle(keys)
+    if in_doubt and "mode" not in network and is_secured and not network.get("session_file"):
         network = {**network, "mode": "secured"}
     is_name_doubted = len(doubted) > len(find_misplaced(given, environment, is_named=True))
     return Readable(given, is_lost, doubted, network, in_doubt, is_name_doubted)
@@ -66,16 +73,42 @@ def read_what_is_left(robot: str | None, environment: Mapping[str, str]) -> Read
 
 def _without_contradiction(values: Mapping[str, Any], other: str) -> dict[str, Any]:
     """Leave out the mode of an open network if another text says that the network is secured."""
-    is_contradicted = values.get("mode") != "secured" and "secur" in other.lower()
+    is_contradicted = values.get("mode") != "secured" and _names_secured_mode(other)
     return {field: value for field, value in values.items() if not (is_contradicted and field == "mode")}
 
 
+def _names_secured_mode(text: str) -> bool:
+    """Tell whether the text says "secured" anywhere, or has a mode that is none of an open network."""
+    text = text.lower()
+    modes = [value.strip() for key, value in _ENTRY.findall(text) if _is_any({key}, "mode")]
+    return (
+        "secur" in text or _is_any(_WORD.findall(text), "secured") or not all(_is_any({mode}, *_OPEN) for mode in modes)
+    )
+
+
+def _looks_secured(text: str) -> bool:
+    """Tell whether anything in the text belongs to a secured network, mistyped or not."""
+    text = text.lower()
+    return _names_secured_mode(text) or "tls" in text or _is_any(_WORD.findall(text), "access", "keys", "session")
+
+
+def _is_any(words: Iterable[str], *known: str) -> bool:
+    """Tell whether one of the words is a known one, or may be one mistyped."""
+    return any(difflib.get_close_matches(word, known, n=1, cutoff=_ALIKE) for word in set(words))
+
+
 def _text_of_file(environment: Mapping[str, str]) -> str:
-    """The robot file, whatever its letters are; empty: it cannot be read."""
+    """Return the robot file without lines that are comments; empty: it cannot be read.
+
+    Without zero bytes and the mark of an editor, UTF-16 and UTF-32 read like UTF-8.
+    """
     try:
-        return robot_file(environment).read_bytes().decode(errors="replace")
+        content = robot_file(environment).read_bytes()
     except (ConfigError, OSError):
         return ""
+    text = content.replace(b"\0", b"").decode(errors="replace").lstrip("\ufeff\ufffd")
+    # A "#" behind something may stand in a text: what follows it counts.
+    return "\n".join(line for line in text.splitlines() if not line.lstrip().startswith("#"))
 
 
 def _salvaged(text: str) -> dict[str, Any]:

@@ -23,6 +23,7 @@ DEFAULT = NetworkConfig()
 FIXED = NetworkConfig(mode="fixed", connect=("10.0.0.5",))
 NETWORK = b'\n[network]\nmode = "fixed"\nconnect = ["10.0.0.5"]\n'
 ACCESS = b'[network.access]\nrobot = ["pi"]\n'
+SECURED = '[network]\nmode = "secured"\n'
 
 
 @pytest.fixture
@@ -53,6 +54,11 @@ def aim(path: Path, robot: str | None = "anne", **variables: str) -> tuple[str, 
         (b'[robot]\nname = "a/b"' + NETWORK, FIXED),
         (b'[robot]\nnmae = "anne"' + NETWORK, FIXED),
         (b"x = " + b"[" * 2000 + NETWORK, FIXED),
+        (NETWORK.decode().encode("utf-16"), FIXED),  # an editor of Windows
+        (b"\x1f\x8b\x08\0\0\0\0\0\0\xff\x8b.-\xca/\xaf", DEFAULT),  # packed: it says nothing
+        (Path("deploy/robot.toml").read_bytes() + b"[guard", DEFAULT),
+        (b'[network]\nsession_file = "s.json5"\n[guard', NetworkConfig(session_file="s.json5")),  # it alone counts
+        (b"#[network]\n # mode = 'secured'\r#keys = 'k'\n[guard", DEFAULT),
     ],
 )
 def test_a_broken_file_is_tried_over_all_that_can_be_read_of_it(
@@ -90,6 +96,25 @@ def test_a_file_that_cannot_be_read_is_tried_over_the_environment_and_the_defaul
         b'network = { mode = "secured" }\n[guard',
         b"[network]\nconnect = ['tls/pi:7447']",
         b"[guard\n" + ACCESS.replace(b"]\n", b"\n"),
+        b'[network]\nmode = "scured"',
+        b'[network]\nmode = "secrued"',
+        b'[network]\nmode = "encrypted"',
+        b'[network]\nmode = "lan encrypted"',
+        '[network]\nmode = "\u0455ecured"'.encode(),
+        b'[network]\nmode = "sec',
+        b'[network]\nmode = "scured"\nmode = "lan"',
+        b'[network]\nmode = "lan"\n[guard]\nmode = "encrypted"',
+        b'[network]\nmode = "scured"\nrouter = "r.example.org"\nsite = "lab"',
+        b'[network]\n[network.acces]\nrobot = ["pi"]',
+        b'[network]\nmode = "scured"\nkeys = "/media/keys"',
+        b'[network]\nkeys = "/media/keys"\nlocla = true',
+        b'[network]\nsession_file = ""\nmode = "scured"',
+        b'[network]\nsession_fil = "/etc/zenoh.json5"',
+        b"[guard\n[acess]",
+        b'network = { keys = "/etc/#1", mode = "secured" }\n[guard',
+        b'network = { keys = "/etc/#1" }\n[guard',
+        b'# as the others\rmode = "secured"\r[guard',
+        *(SECURED.encode(letters) for letters in ("utf-16", "utf-16-be", "utf-32", "utf-32-be")),
     ],
 )
 def test_what_looks_secured_is_never_tried_without_its_rules(path: Path, content: bytes) -> None:
