@@ -5,6 +5,7 @@ Each answers with an exit code and a word for people. Nothing is taken for done 
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 import time
 from collections.abc import Callable, Collection, Sequence
@@ -86,6 +87,7 @@ def _engage_heard(
     monitor = RobotMonitor(connection.session)
     asking: dict[str, QueryClient[EStopEngage, EStopAnswer]] = {}
     stopped: set[str] = set()
+    teller = ThreadPoolExecutor(1)  # a host that is looked up takes up to 0.5 s, in which the others are asked
     began = newest = time.monotonic()
     while (now := time.monotonic()) - began < timeout:
         for robot in monitor.all_names:
@@ -95,14 +97,17 @@ def _engage_heard(
         for robot in sorted(asking.keys() - stopped):
             if (answer := _poll(asking[robot], now)) is not None:
                 stopped.add(robot)
-                if not doubt:
+                if doubt:
+                    teller.submit(_tell_doubtful, connection, robot, doubt, tell)
+                else:
                     tell(_confirmed(connection, robot, answer))
         if asking and len(stopped) == len(asking) and now - newest > _NEWCOMERS:
             break
         time.sleep(_TURN)
-    codes = [RELEASED]
-    for robot in sorted(asking if doubt else asking.keys() - stopped):
-        if doubt and (robot in stopped or _has_stopped(asking[robot])):
+    teller.shutdown()
+    codes = [UNKNOWN if doubt else RELEASED]
+    for robot in sorted(asking.keys() - stopped):
+        if doubt and _has_stopped(asking[robot]):
             result = _doubtful(connection, robot, doubt)
         else:
             result = _unconfirmed(robot, asking[robot], timeout, whose=f"{robot}: ")
@@ -136,8 +141,14 @@ def _has_stopped(asking: QueryClient[EStopEngage, EStopAnswer]) -> bool:
 
 def _doubtful(connection: RobotConnection, robot: str, doubt: str) -> Result:
     """Tell of a robot that has confirmed, and may be another of that name."""
-    host = host_of(connection.session, robot) or "an unknown host"
-    return Result(UNKNOWN, printable(f"asked {robot} at {host}; {doubt}"))
+    host = ""
+    with contextlib.suppress(Exception):  # the robot is told of, whatever its lookup meets
+        host = host_of(connection.session, robot)
+    return Result(UNKNOWN, printable(f"asked {robot} at {host or 'an unknown host'}; {doubt}"))
+
+
+def _tell_doubtful(connection: RobotConnection, robot: str, doubt: str, tell: Callable[[Result], object]) -> None:
+    tell(_doubtful(connection, robot, doubt))
 
 
 def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer) -> Result:

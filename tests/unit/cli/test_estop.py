@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import SimpleNamespace
 from typing import Any, cast
 
 import msgspec
@@ -184,9 +185,17 @@ def test_a_robot_that_may_be_another_is_asked_and_never_called_stopped(network: 
     assert nobody.text.startswith("NOT CONFIRMED after 1 s: nobody answered")
 
 
+def at_once(_: object, act: Callable[..., Any], *words: Any) -> SimpleNamespace:
+    """Act in the thread that submits: real threads know nothing of the simulated clock."""
+    result = act(*words)
+    return SimpleNamespace(result=lambda: result)
+
+
+@pytest.mark.parametrize(("doubt", "says"), [("", "STOPPED"), ("whose is it", "asked sim-estop at an unknown host")])
 def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
-    network: Network, monkeypatch: pytest.MonkeyPatch
+    network: Network, monkeypatch: pytest.MonkeyPatch, doubt: str, says: str
 ) -> None:
+    """And told at once, though another one does not answer."""
     get = network.session.get
 
     def fails_for_one(key: str, *words: Any, **more: Any) -> Any:
@@ -196,10 +205,18 @@ def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
 
     monkeypatch.setattr(network.session, "get", fails_for_one)
     told: list[it.Result] = []
+    told_at: list[float] = []
+    monkeypatch.setattr("giraff_cli.estop.client.ThreadPoolExecutor.submit", at_once)
+
+    def tell(result: it.Result) -> None:
+        told.append(result)
+        told_at.append(network.clock.monotonic())
+
     alive = [network.session.declare_token(alive_key(name, "base", "b")) for name in ("anna", ROBOT)]
     with network.base(), alive[0], alive[1]:
-        assert it.engage_all(network.connection, "me", "", 2.0, (), told.append) == 2
-    assert told[0].text.startswith(f"{ROBOT}: STOPPED")
+        assert it.engage_all(network.connection, "me", "", 2.0, (), tell, doubt=doubt) == 2
+    assert says in told[0].text
+    assert told_at[0] < 0.5
     assert told[1].text.startswith("anna: NOT CONFIRMED after 2 s: giraff/anna/estop/engage: no such key")
 
 
