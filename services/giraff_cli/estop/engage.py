@@ -45,7 +45,7 @@ def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeo
 
 
 def tell(result: client.Result) -> int:
-    """Print how it ended; the exit code. Whoever reads it may have gone: that ends no stop of another robot."""
+    """Print how it ended; the exit code. A closed output ends no stop of another robot."""
     out = sys.stderr if result.code >= UNUSABLE else sys.stdout
     try:
         print(printable_lines(result.text), file=out, flush=True)

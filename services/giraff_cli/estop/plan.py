@@ -96,16 +96,15 @@ def _unusable(robot: str | None, environment: Mapping[str, str]) -> str:
 def _way_to_stop(
     robot: str | None, connect: Sequence[str], environment: Mapping[str, str], found: Readable, *, is_tried: bool
 ) -> str:
-    """What to do in the place of a `giraff estop engage` without robot file, in one line.
+    """Return the command that stops the robot without its robot file, and what else to do, in one line.
 
     The command is told all that can still be read of the network: it is to reach the robot, and no other.
     """
     given, is_lost, doubted, network, in_doubt, is_name_doubted = found
     if network.get("mode") == "secured" and not (network.get("session_file") or "access" in network):
         network = {"access": {"robot": [_HOST]}, **network}
-        is_far = is_lost or not expects_robot_file(
-            environment
-        )  # else the file has what it takes, if only on the robot's host
+        # A file that can be read has the address, or stands on the robot's host, which needs none.
+        is_far = is_lost or not expects_robot_file(environment)
         if is_far and not (connect or network.get("connect") or network.get("router")):
             connect = (_ADDRESS,)
     name = robot or (_NAME if is_name_doubted else _name(given, is_lost=is_lost))

@@ -28,7 +28,7 @@ RUN: Final = Path("/run")
 
 
 class Ask(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What a client says."""
+    """A client's request."""
 
     end: int = 0
     """Number of the page to end; 0: none, the pages are only listed."""
