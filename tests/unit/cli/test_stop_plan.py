@@ -112,7 +112,7 @@ def test_a_file_that_cannot_be_read_is_tried_over_the_environment_and_the_defaul
         b'[network]\nsession_fil = "/etc/zenoh.json5"',
         b"[guard\n[acess]",
         b'network = { keys = "/etc/#1", mode = "secured" }\n[guard',
-        b'network = { keys = "/etc/#1" }\n[guard',
+        b'network = { site = "#1", mode = "secured" }\n[guard',
         b'# as the others\rmode = "secured"\r[guard',
         *(SECURED.encode(letters) for letters in ("utf-16", "utf-16-be", "utf-32", "utf-32-be")),
     ],
