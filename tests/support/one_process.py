@@ -156,17 +156,24 @@ class Session:
     def get(
         self,
         key: str,
-        call: Callable[[Reply], Any] | None = None,
+        call: Callable[[Reply], Any],
         *,
         timeout: float,
         payload: bytes = b"",
         target: zenoh.QueryTarget = zenoh.QueryTarget.BEST_MATCHING,
         consolidation: zenoh.ConsolidationMode = zenoh.ConsolidationMode.AUTO,
         **_: Any,
-    ) -> list[Reply]:
-        """Tokens, to one who waits; else answers to who is called: all with the last, if not each by itself."""
-        if call is None:
-            return [Reply(Sample(token)) for token in self._tokens if _meet(key, token)]
+    ) -> None:
+        """Bring tokens to a handler that is told of their end, and answers to a function.
+
+        All answers come with the last, if not each by itself.
+        """
+        if isinstance(call, zenoh.handlers.Callback):
+            for token in [token for token in self._tokens if _meet(key, token)]:
+                call.callback(Reply(Sample(token)))
+            assert call.drop is not None
+            call.drop()
+            return
         asked = [one for one in self._answerers if _meet(one.key, key)]
         if target != zenoh.QueryTarget.ALL:
             asked = asked[:1]
@@ -178,4 +185,3 @@ class Session:
                 reply = Reply(Sample(key, data))
                 held_back = consolidation != zenoh.ConsolidationMode.NONE
                 self._clock.after(last if held_back else after, partial(call, reply))
-        return []

@@ -22,6 +22,7 @@ from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOS
 
 _ANSWER_WITHIN: Final = 1.0  # s
 _ALERT_WITHIN: Final = 0.3  # s; with TLS 1.3 the other end judges our certificate after we think all is well
+_MOST_HEARD: Final = 256  # answers kept; on an open network anybody may answer
 _UNREACHABLE: Final = (errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAVAIL, errno.EACCES, errno.EPERM)
 
 
@@ -43,7 +44,8 @@ def call(address: str, network: NetworkConfig, own: tuple[Interface, ...]) -> Pr
 
 def scout(seconds: float) -> dict[str, list[str]]:
     """Who answers a call by multicast: by Zenoh id, its locators."""
-    calling: Any = zenoh.scout(what="peer|router")
+    # Zenoh's default handler would block when it is full.
+    calling: Any = zenoh.scout(zenoh.handlers.RingChannel(_MOST_HEARD), what="peer|router")
     time.sleep(seconds)
     answers = iter(calling.try_recv, None)
     heard = {str(hello.zid): [str(locator) for locator in hello.locators] for hello in answers}

@@ -24,6 +24,7 @@ from giraff_node.config.misplaced import find_misplaced
 from giraff_node.config.robot_file import DEFAULT_FILE, ConfigError, RawSettings, expects_robot_file, read
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
+from giraff_node.network.replies import gather_replies
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.messages import Health
 from giraff_schemas.services import BASE, PLAY, ROBOTS_OWN
@@ -209,7 +210,10 @@ def require_consent(session: zenoh.Session, robot: str, line: str) -> None:
 def host_of(session: zenoh.Session, robot: str) -> str:
     """The host of its base, or of what else of it answers; empty: that is not known."""
     hosts: dict[bool, str] = {}
-    for reply in session.get(health_key(robot), target=zenoh.QueryTarget.ALL, timeout=_REPLY_WITHIN):
+    key, all_ = health_key(robot), zenoh.QueryTarget.ALL
+    for reply in gather_replies(
+        lambda handler: session.get(key, handler, target=all_, timeout=_REPLY_WITHIN), _REPLY_WITHIN
+    ):
         with contextlib.suppress(msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
             if reply.ok is not None:
                 health = msgspec.msgpack.decode(bytes(reply.ok.payload), type=Health)

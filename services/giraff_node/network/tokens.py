@@ -12,6 +12,7 @@ from typing import Final, NamedTuple
 import zenoh
 
 from giraff_node.network import consent
+from giraff_node.network.replies import gather_replies
 from giraff_schemas.topics import alive_key, require_chunk
 
 _MOST_TOLD: Final = 5
@@ -45,7 +46,7 @@ def read_token(key: str, tell: Callable[[str], object] = consent.tell) -> Token 
 
 def find_tokens(session: zenoh.Session, key: str, within: float) -> list[Token]:
     """Ask for the tokens that match `key` (`alive_key`), for `within` s at most."""
-    replies = session.liveliness().get(key, timeout=within)
+    replies = gather_replies(lambda handler: session.liveliness().get(key, handler, timeout=within), within)
     found = (read_token(str(reply.ok.key_expr)) for reply in replies if reply.ok is not None)
     return [token for token in found if token is not None]
 

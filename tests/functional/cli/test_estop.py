@@ -12,9 +12,12 @@ from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
+from giraff_node.network.discovery import RobotMonitor, list_robots
 from giraff_node.network.session import close_session, open_session
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.topics import alive_key
 from tests.functional.cli.bases import DONE, EPOCH, ROBOT, base
+from tests.support.waiting import wait
 
 
 @pytest.fixture
@@ -64,3 +67,16 @@ def test_a_base_that_hangs_does_not_hide_the_answer_of_another(
             assert engage(connection, "me", "", 60.0).code == 0
         assert engage(connection, "me", "", 60.0).code == 0
         release.set()
+
+
+def test_more_robots_than_zenoh_keeps_replies_hold_nobody(network: NetworkConfig, connection: RobotConnection) -> None:
+    stranger = open_session(network, "*", visiting=True)
+    tokens = [stranger.liveliness().declare_token(alive_key(f"r{number}", "base", "x")) for number in range(300)]
+    meeting = RobotMonitor(connection.session)
+    wait(lambda: len(meeting.names) == len(tokens), 60.0)
+    found: list[str] = []
+    looking = threading.Thread(target=lambda: found.extend(list_robots(connection.session)), daemon=True)
+    looking.start()
+    looking.join(60.0)
+    assert len(found) == len(tokens)
+    assert close_session(stranger)

@@ -26,13 +26,15 @@ class QuietNetwork:
         session = MagicMock(name="session")
         session.liveliness.return_value.get.side_effect = self._alive
         session.liveliness.return_value.declare_subscriber.side_effect = self._tell
-        session.get.side_effect = lambda *_, **__: []
+        session.get.side_effect = _no_reply
         session.info.peers_zid.side_effect = list
         session.info.routers_zid.side_effect = list
         return session
 
-    def _alive(self, key: str, **_: Any) -> list[Any]:
-        return [SimpleNamespace(ok=SimpleNamespace(key_expr=token)) for token in self._those(key)]
+    def _alive(self, key: str, handler: Any, **_: Any) -> None:
+        for token in self._those(key):
+            handler.callback(SimpleNamespace(ok=SimpleNamespace(key_expr=token)))
+        handler.drop()
 
     def _tell(self, key: str, hear: Callable[[Any], None], **_: Any) -> MagicMock:
         for token in self._those(key):
@@ -42,6 +44,11 @@ class QuietNetwork:
     def _those(self, key: str) -> list[str]:
         wanted = zenoh.KeyExpr(key)
         return [token for token in self._tokens if wanted.intersects(zenoh.KeyExpr(token))]
+
+
+def _no_reply(_key: str, handler: Any, **_: Any) -> None:
+    if isinstance(handler, zenoh.handlers.Callback) and handler.drop is not None:
+        handler.drop()
 
 
 class SteppingClock:
