@@ -21,6 +21,8 @@ Qos = Literal["control", "state"]
 """`control`: real-time priority, sent at once. `state`: below it. Both drop rather than wait: an old one is useless."""
 
 ROOT = "giraff"
+LONGEST_CHUNK = 80
+"""Characters of one name in a key. The simulation of a host is called by the host, whose name has at most 64."""
 
 RequestT = TypeVar("RequestT", bound=msgspec.Struct)
 AnswerT = TypeVar("AnswerT", bound=msgspec.Struct)
@@ -171,7 +173,9 @@ def frame_key(robot: str, child: str = "*") -> str:
 
 
 def require_chunk(name: str) -> str:
-    """`name`, if it can be one chunk of a key; else ValueError."""
+    """Return `name`, if it can be one chunk of a key; else raise ValueError."""
+    if len(name) > LONGEST_CHUNK:
+        raise ValueError(f"{name[:20]!r}... has {len(name)} characters: use {LONGEST_CHUNK} at most")
     if not name or not name.isascii() or any(c in "/*$?# " or not c.isprintable() for c in name):
         raise ValueError(f"{name!r} cannot be part of a key: use letters, digits, '-' and '_'")
     return name

@@ -8,6 +8,7 @@ from typing import Final, Protocol
 from giraff_core.estop import is_confirmed_stop
 from giraff_schemas.messages import EStop, Sample
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.text import printable
 
 _MOST_BASES: Final = 16  # whose states are kept; on an open network anybody may tell one
 
@@ -16,11 +17,15 @@ class StopConfirmation:
     """Judges the answers to one request to stop by what base itself tells meanwhile.
 
     Anybody may answer on an open network. So an answer counts only beside an `estop` sample of the same instance, which
-    says that the same latch is engaged.
+    says that the same latch is engaged. Where the liveliness tokens of several bases are known, each must confirm.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, robot: str = "this robot") -> None:
+        """`robot`: what its bases are called."""
+        self._robot = robot
         self._stated: dict[str, EStop] = {}  # by instance
+        self._answers: dict[str, EStopAnswer] = {}  # by instance, the newest that counted
+        self._alive: set[str] = set()  # instances
 
     def on_sample(self, estop: EStop) -> None:
         """Take what a base tells, from any thread."""
@@ -29,15 +34,50 @@ class StopConfirmation:
         if len(self._stated) > _MOST_BASES:
             del self._stated[next(iter(self._stated))]
 
+    def on_base(self, instance: str, *, present: bool) -> None:
+        """Take that the liveliness token of a base has come or gone, from any thread."""
+        (self._alive.add if present else self._alive.discard)(instance)
+
     def judge(self, answer: EStopAnswer) -> bool | str:
-        """Return whether base has stopped and will stay so, or why this answer does not tell."""
+        """Return whether each base has stopped and will stay so, or why this answer does not tell."""
         if not answer.engaged:
+            self._answers.pop(answer.instance, None)
             return False
-        stated = self._stated.get(answer.instance)
-        if stated is None or not stated.engaged or stated.id != answer.id:
-            whose = f"base {answer.instance[:8]}" if answer.instance else "a base that the answer does not name"
+        if not self._is_stated(answer):
+            if not answer.instance:
+                return (
+                    f"a base of an older version answers that latch {answer.id} is engaged, which proves no stop; "
+                    "update it, and look at `giraff estop status`"
+                )
+            whose = f"base {printable(answer.instance[:8])}"
             return f"an answer says that latch {answer.id} is engaged, but no estop sample of {whose} says so"
-        return is_confirmed_stop(answer)
+        self._answers[answer.instance] = answer
+        if len(self._answers) > _MOST_BASES:
+            del self._answers[next(iter(self._answers))]
+        return self.unconfirmed(for_good=answer.done) or is_confirmed_stop(answer)
+
+    def unconfirmed(self, *, for_good: bool = False) -> str:
+        """Tell of bases of one name that have not all stopped; empty: all have, or none has. `for_good`: and saved it.
+
+        A base that ended uncleanly counts until the network drops its token.
+        """
+        stopped = {
+            instance
+            for instance, answer in self._answers.items()
+            if self._is_stated(answer) and (answer.done or not for_good)
+        }
+        if not stopped or self._alive <= stopped:
+            return ""
+        known = len(self._alive | stopped)
+        told = ", ".join(sorted(printable(instance[:8]) for instance in stopped))
+        return (
+            f"{known} bases are called {self._robot}; only {told} confirmed; end all but one "
+            "(one that has crashed or lost its network counts until the network drops it, some seconds)"
+        )
+
+    def _is_stated(self, answer: EStopAnswer) -> bool:
+        stated = self._stated.get(answer.instance)
+        return stated is not None and stated.engaged and stated.id == answer.id
 
 
 class Request(Protocol):

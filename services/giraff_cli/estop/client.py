@@ -8,7 +8,7 @@ from __future__ import annotations
 import contextlib
 import shlex
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final, NamedTuple
 
@@ -16,10 +16,10 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.program import called_here
 from giraff_node.config.robot_file import DEFAULT_FILE
 from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, host_of, others
-from giraff_node.network.query_client import QueryClient, request_estop
+from giraff_node.network.query_client import EStopClient, QueryClient, request_estop
 from giraff_node.network.reach import find_silent
 from giraff_schemas.messages import EStop, RobotTime, Sample, Tick
-from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.requests import EStopAnswer, EStopReset
 from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, Topic, key_of
 
@@ -29,6 +29,7 @@ UNKNOWN: Final = 2
 
 _TURN: Final = 0.01  # s
 _NEWCOMERS: Final = 1.0  # s after the last one was met; the others of a network are met within some ten ms
+_MOST_TOLD: Final = 20  # robots that did not confirm; on an open network anybody may declare a name
 _TWO_PERIODS: Final = 2.5 / ESTOP.rate_hz  # s in which every base has told its state
 
 
@@ -40,7 +41,7 @@ class Result(NamedTuple):
 
 
 def engage(connection: RobotConnection, by: str, reason: str, timeout: float, *, doubt: str = "") -> Result:
-    """Ask again and again until base confirms that it has stopped and will stay so. 0: it has.
+    """Ask again and again until each base of this name confirms that it has stopped and will stay so. 0: it has.
 
     `doubt`: why it is not known whether the robot that answers is the one that is meant; then the code is UNKNOWN.
     """
@@ -51,8 +52,12 @@ def engage(connection: RobotConnection, by: str, reason: str, timeout: float, *,
         return _doubtful(connection, robot, doubt)
     if answer is not None:
         return _confirmed(connection, robot, answer)
-    code, text = _unconfirmed(robot, asking, timeout)
-    return Result(code, text + others(connection.session, robot) if code == UNKNOWN else text)
+    return _unconfirmed(robot, asking, timeout)
+
+
+def hint_of_others(connection: RobotConnection) -> str:
+    """Name the other robots on the network, for a person whose robot did not confirm; empty: there are none."""
+    return others(connection.session, connection.robot).removeprefix("; ")
 
 
 def engage_all(
@@ -72,7 +77,9 @@ def engage_all(
     """
     with ThreadPoolExecutor(1) as pool:
         silent = pool.submit(find_silent, addresses)
-        code = _engage_heard(connection, by, reason, timeout, tell, doubt)
+        teller = _Teller(tell)
+        code = _engage_heard(connection, by, reason, timeout, teller, doubt)
+        teller.end()
         for what in silent.result():
             tell(
                 Result(UNKNOWN, f"--connect {what}; NOT REACHED: a robot there was NOT STOPPED, use its battery switch")
@@ -85,7 +92,7 @@ def _engage_heard(
     connection: RobotConnection, by: str, reason: str, timeout: float, tell: Callable[[Result], object], doubt: str
 ) -> int:
     monitor = RobotMonitor(connection.session)
-    asking: dict[str, QueryClient[EStopEngage, EStopAnswer]] = {}
+    asking: dict[str, EStopClient] = {}
     stopped: set[str] = set()
     teller = ThreadPoolExecutor(1)  # a host that is looked up takes up to 0.5 s, in which the others are asked
     began = newest = time.monotonic()
@@ -106,7 +113,7 @@ def _engage_heard(
         time.sleep(_TURN)
     teller.shutdown()
     codes = [UNKNOWN if doubt else RELEASED]
-    for robot in sorted(asking.keys() - stopped):
+    for robot in sorted(asking.keys() - stopped, key=lambda name: _weight(connection, asking, name)):
         if doubt and _has_stopped(asking[robot]):
             result = _doubtful(connection, robot, doubt)
         else:
@@ -114,6 +121,29 @@ def _engage_heard(
         tell(result)
         codes.append(result.code)
     return max(codes) if _are_all(connection, asking, tell) else UNKNOWN
+
+
+def _weight(connection: RobotConnection, asking: Mapping[str, EStopClient], robot: str) -> tuple[bool, bool, str]:
+    """Sort the robot of the robot file first, then those that answer: of a long list only the first are told."""
+    return robot != connection.filed, not asking[robot].is_answered, robot
+
+
+class _Teller:
+    """Tells results, of those without a confirmation only the first: anybody may declare names."""
+
+    def __init__(self, tell: Callable[[Result], object]) -> None:
+        self._tell = tell
+        self._unknown = 0
+
+    def __call__(self, result: Result) -> None:
+        self._unknown += result.code == UNKNOWN
+        if result.code != UNKNOWN or self._unknown <= _MOST_TOLD:
+            self._tell(result)
+
+    def end(self) -> None:
+        """Tell how many were left out."""
+        if (more := self._unknown - _MOST_TOLD) > 0:
+            self._tell(Result(UNKNOWN, f"and {more} more: NOT CONFIRMED; use the battery switch"))
 
 
 def _are_all(connection: RobotConnection, asked: Collection[str], tell: Callable[[Result], object]) -> bool:
@@ -125,8 +155,8 @@ def _are_all(connection: RobotConnection, asked: Collection[str], tell: Callable
     return bool(asked)
 
 
-def _poll(asking: QueryClient[EStopEngage, EStopAnswer], now: float) -> EStopAnswer | None:
-    """Ask one robot. What goes wrong with it is its own fault: the others are asked all the same."""
+def _poll(asking: EStopClient, now: float) -> EStopAnswer | None:
+    """Ask one robot. An error becomes the fault of this request, so that the other robots are still asked."""
     try:
         return asking.poll(now)
     except Exception as error:  # noqa: BLE001  nothing that one name brings about may end the stop of another robot
@@ -134,7 +164,7 @@ def _poll(asking: QueryClient[EStopEngage, EStopAnswer], now: float) -> EStopAns
         return None
 
 
-def _has_stopped(asking: QueryClient[EStopEngage, EStopAnswer]) -> bool:
+def _has_stopped(asking: EStopClient) -> bool:
     """Tell whether base has stopped, but cannot keep it over a restart."""
     return asking.refusal is not None and asking.refusal.engaged
 
@@ -157,15 +187,14 @@ def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer) -> 
     return Result(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{release}`")
 
 
-def _unconfirmed(robot: str, asking: QueryClient[EStopEngage, EStopAnswer], timeout: float, whose: str = "") -> Result:
-    refusal = asking.refusal
+def _unconfirmed(robot: str, asking: EStopClient, timeout: float, whose: str = "") -> Result:
+    refusal, several = asking.refusal, asking.unconfirmed
     reason = "" if refusal is None else printable(refusal.reason)
-    if refusal is not None and refusal.engaged:
+    if refusal is not None and refusal.engaged and not several:
         return Result(ENGAGED, f"{robot}: STOPPED, latch {refusal.id}, but not for sure after a restart: {reason}")
-    if refusal is not None:
-        why = f"{asking.key} answers that it has not stopped: {reason}"
-    else:
-        why = asking.fault or f"nobody answered {asking.key}"
+    refused = refusal is not None and not refusal.engaged
+    known = [several, f"{asking.key} answers that it has not stopped: {reason}" if refused else ""]
+    why = "; ".join(filter(None, known)) or asking.fault or f"nobody answered {asking.key}"
     told = f"{whose}NOT CONFIRMED after {timeout:g} s: {why}; use the battery switch, then {HOW_TO_REACH}"
     return Result(UNKNOWN, told)
 

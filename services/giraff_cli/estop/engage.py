@@ -30,7 +30,10 @@ def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeo
             result = client.engage(connection, user_at_host(), reason, timeout, doubt=plan.doubt)
             for address, fault in faults.items():
                 print_error(f"--connect {address} is left out: {fault}")
-            return tell(result)
+            code = tell(result)
+            if code == client.UNKNOWN and (hint := client.hint_of_others(connection)):
+                print_error(hint)
+            return code
         return client.engage_all(connection, user_at_host(), reason, timeout, connect, tell, doubt=plan.doubt)
 
     code = UNUSABLE

@@ -97,7 +97,10 @@ def run_on_network(
 
 
 def visit(way: Target, act: Callable[[RobotConnection], int], *, records: bool = False) -> int:
-    """The exit code of `act` on this network. Raises UnopenedError. Whatever happens, no session holds the process."""
+    """The exit code of `act` on this network. Raises UnopenedError.
+
+    A session that does not close keeps no process from ending.
+    """
     connection = RobotConnection(way.robot, _opened(way, records=records), way.filed, way.network)
     try:
         code = guard_stdout(lambda: act(connection))

@@ -84,7 +84,7 @@ def _list(answers: dict[Path, Answer], faults: Sequence[str]) -> int:
         )
         if answer.pages:
             print_table(
-                (">page", "device", "address", ">open for", "it"), (_row(answer, page) for page in answer.pages)
+                (">page", "device", "address", ">open for", "state"), (_row(answer, page) for page in answer.pages)
             )
     return _told(answers, faults)
 

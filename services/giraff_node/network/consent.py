@@ -8,8 +8,11 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Sequence
+from typing import Final
 
 from giraff_schemas.text import printable
+
+_MOST_LISTED: Final = 10  # robots; on an open network anybody may declare a name
 
 
 class NoRobotError(Exception):
@@ -20,6 +23,8 @@ def pick(robots: Sequence[str], host_of: Callable[[str], str], *, asks: bool) ->
     """One of these by its number, where there `asks` anybody. `host_of`: a robot. Raises NoRobotError."""
     several = f"several robots are on the network; name one: {options(robots)} (or GIRAFF_ROBOT_NAME)"
     if not (asks and _is_terminal()):
+        raise NoRobotError(several)
+    if len(robots) > _MOST_LISTED:
         raise NoRobotError(several)
     for number, name in enumerate(robots, 1):
         tell(f"{number}  {_placed(name, host_of(name))}")
@@ -40,8 +45,9 @@ def agree(robot: str, host: str, line: str) -> None:
 
 
 def options(names: Sequence[str]) -> str:
-    """How each of these is named."""
-    return ", ".join(f"--robot {shlex.quote(name)}" for name in names)
+    """How each of these is named, of a long list the first ones."""
+    listed = ", ".join(f"--robot {shlex.quote(name)}" for name in names[:_MOST_LISTED])
+    return listed + (f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else "")
 
 
 def tell(text: str) -> None:

@@ -12,8 +12,10 @@ import zenoh
 
 from giraff_core.estop_request import StopConfirmation
 from giraff_core.retry import RetriedRequest
+from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of
 from giraff_schemas.requests import EStopAnswer, EStopEngage
+from giraff_schemas.services import BASE
 from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of
 
@@ -72,14 +74,29 @@ class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
             self.fault = f"{self.key}: answered with something else than {self._query.answer.__name__}: {error}"
 
 
-class _EStopClient(QueryClient[EStopEngage, EStopAnswer]):
-    """Listens to base's own state as well, without which no answer counts."""
+class EStopClient(QueryClient[EStopEngage, EStopAnswer]):
+    """Listens to base's own state as well, without which no answer counts, and to which bases are there."""
 
     def __init__(self, session: zenoh.Session, robot: str, request: EStopEngage) -> None:
-        self._confirmation = StopConfirmation()
+        self._confirmation = StopConfirmation(robot)
         super().__init__(session, robot, ESTOP_ENGAGE, request, self._confirmation.judge)
         # Before the first request: base tells its state at once when it engages.
         self._subscriber = session.declare_subscriber(key_of(robot, ESTOP), self._on_sample)
+        self._tokens = watch_tokens(session, robot, self._on_token)
+
+    @property
+    def unconfirmed(self) -> str:
+        """Tells of bases of this name that have not all stopped, though one has; empty: there are none."""
+        return self._confirmation.unconfirmed()
+
+    @property
+    def is_answered(self) -> bool:
+        """Whether anybody has answered."""
+        return bool(self._answers) or self.refusal is not None
+
+    def _on_token(self, token: Token, present: bool) -> None:
+        if token.service == BASE.name:
+            self._confirmation.on_base(token.instance, present=present)
 
     def _on_sample(self, received: zenoh.Sample) -> None:
         with contextlib.suppress(DecodeError):  # it is as if nothing had come
@@ -87,12 +104,12 @@ class _EStopClient(QueryClient[EStopEngage, EStopAnswer]):
             self._confirmation.on_sample(decode(ESTOP, key, bytes(received.payload), str(received.encoding)))
 
 
-def request_estop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> QueryClient[EStopEngage, EStopAnswer]:
-    """Asks base for an emergency stop until base confirms that the robot has stopped and will stay so.
+def request_estop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> EStopClient:
+    """Asks for an emergency stop until each base of this name confirms that it has stopped and will stay so.
 
     A name or a reason in letters of another locale stops no stop: what cannot be sent becomes "?".
     """
-    return _EStopClient(session, robot, EStopEngage(by=printable(by), reason=printable(reason)))
+    return EStopClient(session, robot, EStopEngage(by=printable(by), reason=printable(reason)))
 
 
 def _text_of(error: Any) -> str:

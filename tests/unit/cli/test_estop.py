@@ -6,7 +6,7 @@ With real sessions: tests/functional/cli/test_estop.py.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -31,6 +31,9 @@ DONE = EStopAnswer(done=True, engaged=True, id=7, reason="", instance="b")
 LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason="smoke")
 RELEASED = EStop(engaged=False, id=7, by="ann@desk", reason="")
 ANSWERS_AFTER = 0.02  # s
+
+SERVICES = (("base", "b"), ("guard", "no-base"))
+"""A base, and a service that is none."""
 
 Answer = Callable[[Any], EStopAnswer | None]
 """What base answers to a request; None: nothing, as one that hangs."""
@@ -115,9 +118,9 @@ def test_engaging_is_repeated_until_somebody_is_there(network: Network) -> None:
 def test_a_stop_that_nobody_confirms_is_no_stop(network: Network) -> None:
     with network.session.declare_token(alive_key("anna", "base", "1")):
         code, text = engage(network.connection, "me", "", 0.5)
+        assert it.hint_of_others(network.connection) == "on the network: --robot anna"
     assert code == 2
     assert text.startswith(f"NOT CONFIRMED after 0.5 s: nobody answered {key_of(ROBOT, ESTOP_ENGAGE)}; use the battery")
-    assert text.endswith("; on the network: --robot anna")
     assert network.clock.monotonic() == pytest.approx(0.5, abs=0.02)
 
 
@@ -134,7 +137,7 @@ def test_a_stop_that_nobody_confirms_is_no_stop(network: Network) -> None:
             "an answer says that latch 8 is engaged, but no estop sample of base b",
         ),
         (msgspec.structs.replace(DONE, instance="stranger"), 2, "no estop sample of base stranger says so; use the"),
-        (msgspec.structs.replace(DONE, instance=""), 2, "of a base that the answer does not name says so; use the"),
+        (msgspec.structs.replace(DONE, instance=""), 2, "update it, and look at `giraff estop status`; use the"),
     ],
 )
 def test_an_answer_that_is_no_confirmation_is_not_taken_for_one(
@@ -152,6 +155,41 @@ def test_a_base_that_hangs_does_not_hide_the_answer_of_another(network: Network)
         assert engage(network.connection, "me", "", 10.0).code == 0
     assert hanging
     assert network.clock.monotonic() < 0.1, "held back until the slower one's time-out"
+
+
+def test_a_stop_that_one_of_two_bases_confirms_is_none_until_the_other_has_confirmed_or_gone(network: Network) -> None:
+    told: list[it.Result] = []
+    tokens = [network.session.declare_token(alive_key(ROBOT, service, name)) for service, name in SERVICES]
+    with network.base(), tokens[0], tokens[1]:
+        with network.session.declare_token(alive_key(ROBOT, "base", "other")):
+            told.append(engage(network.connection, "me", "", 1.0))
+            it.engage_all(network.connection, "me", "", 1.0, (), told.append)
+            full = msgspec.structs.replace(DONE, done=False, reason="disk full", instance="other")
+            with network.base(lambda _: full, instance="other"):
+                assert engage(network.connection, "me", "", 1.0).code == 1
+            with network.base(lambda _: msgspec.structs.replace(DONE, instance="other"), instance="other"):
+                assert engage(network.connection, "me", "", 1.0).code == 0
+        assert engage(network.connection, "me", "", 1.0).code == 0
+    full = msgspec.structs.replace(DONE, done=False, reason="disk full")
+    with network.base(lambda _: full):
+        late = network.session.declare_token(alive_key(ROBOT, "base", "other"))
+        network.clock.after(0.5, late.__enter__)
+        told.append(engage(network.connection, "me", "", 1.0))
+        late.__exit__(None, None, None)
+    why = f"NOT CONFIRMED after 1 s: 2 bases are called {ROBOT}; only b confirmed; end all but one (one that has"
+    assert [(code, text.removeprefix(f"{ROBOT}: ")[: len(why)]) for code, text in told] == [(2, why)] * 3
+
+
+def test_of_a_flood_of_names_the_first_are_told_and_those_that_answer_before_the_others(network: Network) -> None:
+    told: list[it.Result] = []
+    refused = EStopAnswer(done=False, engaged=False, id=0, reason="no")
+    with ExitStack() as declared, network.base(lambda _: refused):
+        for name in (ROBOT, *(f"r{number}" for number in range(49))):
+            declared.enter_context(network.session.declare_token(alive_key(name, "base", "b")))
+        assert it.engage_all(network.connection, "me", "", 1.0, (), told.append) == 2
+        assert it.hint_of_others(network.connection).endswith("--robot r17 and 39 more")
+    assert told[0].text.startswith(f"{ROBOT}: NOT CONFIRMED after 1 s: {key_of(ROBOT, ESTOP_ENGAGE)} answers that")
+    assert (len(told), told[-1].text) == (21, "and 30 more: NOT CONFIRMED; use the battery switch")
 
 
 ODD = "\x1b[2J\udcc3\nfalse: \x9b1m"

@@ -42,7 +42,10 @@ def test_an_answer_counts_only_beside_bases_own_word_of_that_latch(
         confirmation.on_sample(msgspec.structs.replace(OWN, **told))
     asking.on_answer(msgspec.structs.replace(DONE, **answer))
     assert asking.poll(0.0) is None
-    assert (asking.refusal, "no estop sample of" in asking.fault) == (None, True)
+    told_why = (
+        "no estop sample of" if answer.get("instance", "base-1") else "update it, and look at `giraff estop status`"
+    )
+    assert (asking.refusal, told_why in asking.fault) == (None, True)
 
 
 def test_bases_own_word_may_come_after_its_answer_and_a_full_disk_is_told() -> None:
@@ -58,6 +61,28 @@ def test_bases_own_word_may_come_after_its_answer_and_a_full_disk_is_told() -> N
     assert confirmation.judge(full) is False
     confirmation.on_sample(msgspec.structs.replace(OWN, engaged=False))
     assert isinstance(confirmation.judge(DONE), str), "it was released since"
+
+
+@pytest.mark.parametrize(("done", "settles"), [(True, True), (False, False)])
+def test_each_live_base_of_the_name_must_confirm(done: bool, settles: bool) -> None:
+    confirmation = StopConfirmation("anna")
+    confirmation.on_base("base-1", present=True)
+    confirmation.on_sample(OWN)
+    assert (confirmation.judge(DONE), confirmation.unconfirmed()) == (True, "")
+    other = msgspec.structs.replace(DONE, instance="other", done=done)
+    confirmation.on_base("other", present=True)
+    told = str(confirmation.judge(DONE))
+    assert told.startswith("2 bases are called anna; only base-1 confirmed; end all but one")
+    assert told == confirmation.unconfirmed()
+    assert isinstance(confirmation.judge(other), str), "no estop sample of its own"
+    confirmation.on_sample(msgspec.structs.replace(OWN, instance="other"))
+    assert confirmation.judge(other) is settles
+    assert (confirmation.judge(DONE) is True) is settles, "what the other cannot keep over a restart is not confirmed"
+    assert confirmation.unconfirmed() == ""
+    confirmation.judge(msgspec.structs.replace(other, engaged=False))
+    assert isinstance(confirmation.judge(DONE), str), "the other was released"
+    confirmation.on_base("other", present=False)
+    assert confirmation.judge(DONE) is True, "a token that went counts no more"
 
 
 def test_a_flood_of_strangers_words_fills_nothing() -> None:

@@ -109,6 +109,7 @@ def test_a_name_that_can_be_none_is_refused() -> None:
         "giraff/a$*/alive/base/x",
         "giraff/otto/alive/b c/x",
         "giraff/otto/alive/base/\x9b1m",
+        f"giraff/a/alive/b/{'a' * 81}",
         "giraff/**",
         "**",
     ],
