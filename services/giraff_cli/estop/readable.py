@@ -81,9 +81,13 @@ def _names_secured_mode(text: str) -> bool:
     """Tell whether the text says "secured" anywhere, or has a mode that is none of an open network."""
     text = text.lower()
     modes = [value.strip() for key, value in _ENTRY.findall(text) if _is_any({key}, "mode")]
-    return (
-        "secur" in text or _is_any(_WORD.findall(text), "secured") or not all(_is_any({mode}, *_OPEN) for mode in modes)
-    )
+    return "secur" in text or _is_any(_WORD.findall(text), "secured") or not all(map(_is_open, modes))
+
+
+def _is_open(mode: str) -> bool:
+    """Tell whether a mode is one of an open network, as it stands or as the complaint asks: "did you mean 'lan'?"."""
+    close = difflib.get_close_matches(mode, (*_OPEN, "secured"), n=1)
+    return bool(close) and close[0] in _OPEN
 
 
 def _looks_secured(text: str) -> bool:
