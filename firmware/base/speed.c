@@ -95,8 +95,8 @@ static int32_t ramped(int32_t set, int32_t asked, int32_t step)
     return asked < 0 ? clamped(asked, set - step, 0) : clamped(asked, 0, set + step);
 }
 
-/* Whether wheels that turn against what is asked roll out. Those that something pulls soon get no slower, and need more
- * than to be waited for. */
+/* Whether wheels that turn against what is asked roll out by themselves. A wheel that something pulls soon gets no
+ * slower: waiting would not turn it round. */
 static bool roll_out(struct speed_control *s, uint16_t against)
 {
     if (!against) {

@@ -38,14 +38,14 @@ _MEANING: Final = {
 
 
 class StopPlan(NamedTuple):
-    """Where a stop is tried, and what is said afterwards."""
+    """The network on which a stop is tried, and the words that follow it."""
 
     target: Target | None
     """None: nowhere, for the network looks secured, and its rules are not known."""
     doubt: str
     """Why a robot that answers may be another than the one that is meant; empty: it is the one."""
     complaint: str
-    """What is wrong, with the remedy; empty: nothing is."""
+    """The fault of file or environment, with the remedy; empty: there is none."""
 
 
 def plan_stop(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> StopPlan:

@@ -1,4 +1,4 @@
-"""What can still be read of a robot file and an environment that cannot be used."""
+"""Read what is left of a robot file and an environment that cannot be used."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _ALIKE: Final = 0.75
 
 
 class Readable(NamedTuple):
-    """What can still be read of robot file and environment."""
+    """The readable part of robot file and environment."""
 
     given: RawSettings
     is_lost: bool

@@ -23,7 +23,7 @@ from giraff_node.network.session import open_session
 from giraff_node.process.lifecycle import restart_program
 
 UNUSABLE: Final = 2
-_BROKEN: Final = 1  # as Python ends where nobody takes an exception
+_BROKEN: Final = 1  # as Python's own after an exception that nobody catches
 
 _CAME_BACK: Final = "VISITED_BEFORE"
 """Set in the environment of a visit that begins anew at another network: there an address may yet be out of reach."""
@@ -118,7 +118,7 @@ def visit(way: Target, act: Callable[[RobotConnection], int], *, records: bool =
 
 
 def close_after_fault(connection: RobotConnection) -> None:
-    """Leave the network while an exception goes up that nobody foresaw: an open session would hold the process."""
+    """Leave the network after an unexpected exception. An open session would keep the process from ending."""
     if not connection.close(_CLOSE_WITHIN):
         traceback.print_exc()
         os._exit(_BROKEN)
@@ -136,7 +136,7 @@ def _opened(way: Target, *, records: bool) -> zenoh.Session:
 
 
 def not_all_counts(warning: str) -> str:
-    """What to say of entries that no table takes."""
+    """Return the warning about entries that no table takes."""
     return f"not everything of robot file and environment counts: {warning}"
 
 

@@ -22,9 +22,7 @@ class NoRobotError(Exception):
 def pick(robots: Sequence[str], host_of: Callable[[str], str], *, asks: bool) -> str:
     """One of these by its number, where there `asks` anybody. `host_of`: a robot. Raises NoRobotError."""
     several = f"several robots are on the network; name one: {options(robots)} (or GIRAFF_ROBOT_NAME)"
-    if not (asks and _is_terminal()):
-        raise NoRobotError(several)
-    if len(robots) > _MOST_LISTED:
+    if not (asks and _is_terminal()) or len(robots) > _MOST_LISTED:
         raise NoRobotError(several)
     for number, name in enumerate(robots, 1):
         tell(f"{number}  {_placed(name, host_of(name))}")
@@ -45,13 +43,13 @@ def agree(robot: str, host: str, line: str) -> None:
 
 
 def options(names: Sequence[str]) -> str:
-    """How each of these is named, of a long list the first ones."""
+    """Return the options that name these robots. Of a long list, it names only the first."""
     listed = ", ".join(f"--robot {shlex.quote(name)}" for name in names[:_MOST_LISTED])
     return listed + (f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else "")
 
 
 def tell(text: str) -> None:
-    """Say it beside what comes of a command. A reader who has gone ends nothing: least of all a stop."""
+    """Print to standard error. A closed output ends no command, least of all a stop."""
     with contextlib.suppress(OSError):
         print(printable(f"giraff: {text}"), file=sys.stderr, flush=True)
 

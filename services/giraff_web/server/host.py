@@ -47,7 +47,7 @@ class Answer(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class HostSocket(NamedTuple):
-    """Where commands of this host ask."""
+    """The socket that commands of this host ask."""
 
     robot: str
     listener: socket.socket
@@ -67,12 +67,12 @@ def _state_folder(environment: Mapping[str, str]) -> Path:
 
 
 def own_socket(environment: Mapping[str, str] = os.environ) -> Path:
-    """Where this process answers."""
+    """Return the path of this process's socket."""
     return run_directory(environment) / f"page-{os.getpid()}.sock"
 
 
 def sockets(environment: Mapping[str, str] = os.environ, run: Path = RUN) -> Iterator[Path]:
-    """Where page services of this host answer, or did before they died.
+    """Yield the sockets of this host's page services, also of those that have died.
 
     A command may have been started without the service's environment, as by ssh or sudo. Root sees all users' folders.
     """
