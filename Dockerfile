@@ -34,8 +34,10 @@ RUN /opt/giraff/bin/pip install --no-cache-dir --disable-pip-version-check --qui
 
 FROM ${BASE_IMAGE} AS run
 # 1000 is who the first user of most machines is: a bundle of keys copied there by him can be read.
+# Volumes get the owner of these folders, in whichever image they are first used.
 RUN useradd --uid 1000 --groups dialout --no-create-home --home-dir /tmp giraff \
- && install -d -o giraff -g giraff /var/lib/giraff
+ && install -d -o giraff -g giraff /var/lib/giraff \
+ && install -d -o giraff -g giraff -m 2770 /run/giraff/network
 COPY --from=build /opt/giraff /opt/giraff
 # A log line is seen when it is written. Nothing is compiled at a start: the file system is read-only.
 ENV PATH=/opt/giraff/bin:$PATH PYTHONUNBUFFERED=1 PYTHONDONTWRITEBYTECODE=1

@@ -37,7 +37,7 @@ def test_a_service_of_the_installed_tree_runs_and_is_well(tree: Tree, tmp_path: 
     assert "giraff_client" in typed
     wants = tree.installed("/etc/systemd/system/giraff.target.wants")
     assert {path.name for path in wants.iterdir()} == {
-        f"giraff@{service}.service" for service in ("base", "ranger", "guard", "odometry", "motion")
+        f"giraff@{service}.service" for service in ("door", "base", "ranger", "guard", "odometry", "motion")
     }
     environment = {
         "GIRAFF_CONFIG": str(tree.installed(CONFIGURATION)),
@@ -75,7 +75,10 @@ def test_a_second_run_changes_nothing(tree: Tree) -> None:
     assert "is up to date" in words
     assert "robot.toml, as it comes" in words
     changed = {path for path, at in times(tree).items() if before.get(path) != at}
-    assert {path.name for path in changed} <= {".shipped", "giraff@.service", "behind.conf", "giraff.target"}
+    assert {path.name for path in changed} <= {
+        *(".shipped", "giraff@.service", "behind.conf", "giraff.target"),
+        "giraff.conf",  # of sysusers.d and tmpfiles.d
+    }
 
 
 def times(tree: Tree) -> dict[Path, int]:
@@ -147,9 +150,11 @@ def test_a_role_enables_its_services_and_the_target(tree: Tree, role: str) -> No
     code, words = tree.install(ROLE=role)
     assert code == 0, words
     enabled = {path.name for path in tree.installed("/etc/systemd/system").glob("giraff.target.wants/*")}
-    expected = {"robot": {"base", "ranger", "guard", "odometry", "motion"}, "laptop": {"joystick"}, "": set[str]()}[
-        role
-    ]
+    expected = {
+        "robot": {"door", "base", "ranger", "guard", "odometry", "motion"},
+        "laptop": {"joystick"},
+        "": set[str](),
+    }[role]
     assert enabled == {f"giraff@{service}.service" for service in expected}
     assert tree.installed("/etc/systemd/system/multi-user.target.wants/giraff.target").is_symlink() is bool(role)
 

@@ -105,7 +105,7 @@ def test_systemd_calls_it_little_exposed(machine: Path) -> None:
 
 
 def test_the_roles_are_the_two_sides_of_the_robot() -> None:
-    assert ROLES == {"robot": ["base", "ranger", "guard", "odometry", "motion"], "laptop": ["joystick"]}
+    assert ROLES == {"robot": ["door", "base", "ranger", "guard", "odometry", "motion"], "laptop": ["joystick"]}
 
 
 def test_the_examples_of_the_environment_file_are_settings() -> None:
