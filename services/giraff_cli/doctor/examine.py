@@ -6,6 +6,7 @@ import os
 import threading
 import time
 from collections.abc import Callable, Sequence
+from itertools import chain
 from typing import Final, Generic, TypeVar
 
 import msgspec
@@ -14,7 +15,7 @@ import zenoh
 from giraff_cli.doctor.findings import Finding, as_document, findings
 from giraff_cli.doctor.inspection import Inspection, Machine, Network, Robot
 from giraff_cli.doctor.machine import geometry_of, look_at_boards, look_at_machine, wiring_checked
-from giraff_cli.doctor.probe import call_all, scout
+from giraff_cli.doctor.probe import call_all, call_pages, has_free_port
 from giraff_cli.doctor.robot import listen
 from giraff_cli.network.command import close_after_fault, print_error
 from giraff_cli.network.connection import RobotConnection
@@ -25,9 +26,11 @@ from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import Target, list_robots, resolve_target, settle, target_of
-from giraff_node.network.link_repair import hosts_of
-from giraff_node.network.session import open_session
-from giraff_schemas.services import BASE
+from giraff_node.network.host_addresses import host_addresses
+from giraff_node.network.scouting import scout
+from giraff_node.network.session import NobodyError, open_session
+from giraff_node.network.sockets import PROTOCOL
+from giraff_schemas.services import BASE, WEB
 from giraff_schemas.text import printable
 
 FoundT = TypeVar("FoundT")
@@ -80,9 +83,11 @@ def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Target, str]:
 
 
 def _join(way: Target) -> tuple[RobotConnection | None, str]:
-    """A connection to the network, or why there is none."""
+    """A connection to a door; or why there is none, where that is not the network's doing."""
     try:
-        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", visiting=True), way.filed), ""
+        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", "client"), way.filed), ""
+    except NobodyError:
+        return None, ""
     except ConfigError as error:
         return None, str(error)
     except zenoh.ZError as error:
@@ -93,19 +98,21 @@ def _look(
     way: Target, machine: Machine, connection: RobotConnection | None, problem: str, seconds: float
 ) -> Inspection:
     """Raises NoRobotError where several are there and none is named."""
-    by_multicast = connection is not None and way.network.mode == "lan"
-    by_multicast = by_multicast and not way.network.local and not way.network.session_file
-    calls = _Beside(lambda: call_all(way.network, machine.interfaces))
-    scouts = _Beside(lambda: scout(_SCOUT_FOR) if by_multicast else {})
+    has_doors = not way.network.local and not way.network.session_file
+    scouted = has_doors and way.network.mode == "lan" and not problem
+    calls = _Beside(lambda: call_all(way.network, machine))
+    scouts = _Beside(lambda: scout(_SCOUT_FOR) if scouted else {})
     robot = None if connection is None else _meet(connection, seconds)
     heard = scouts.result()
-    known = set() if connection is None else {str(connection.session.info.zid()), *_peers(connection.session)}
-    linked = set() if connection is None else _elsewhere(connection.session, machine)
-    strangers = [locators for each, locators in heard.items() if each not in known]
+    link = None if connection is None else next(iter(connection.session.info.links()), None)
+    zid = "" if link is None else str(link.zid)
+    protocol, _, door = ("" if link is None else link.dst).partition("/")
+    is_far = bool(door) and protocol != PROTOCOL and not is_own(door.rpartition(":")[0], machine.interfaces)
+    is_own_door = door == way.network.rendezvous and zid in heard
+    answers = robot.answers if robot else ()
+    webs = {each.health.host for each in answers if each.health.service == WEB.name} - {machine.host}
     running = [service for service, count in (robot.services if robot else {}).items() if count]
-    based_here = robot is not None and any(
-        each.health.service == BASE.name and each.health.host == machine.host for each in robot.answers
-    )
+    based_here = any(each.health.service == BASE.name and each.health.host == machine.host for each in answers)
     return Inspection(
         machine=msgspec.structs.replace(
             machine,
@@ -114,14 +121,17 @@ def _look(
             geometry=geometry_of(robot.name) if robot is not None and based_here else None,
         ),
         network=Network(
-            local=way.network.local,
+            has_doors=has_doors,
             problem=problem,
             calls=calls.result(),
-            linked=len(linked),
-            scouted=by_multicast,
-            scouts=len(linked & set(heard)),
-            strangers=len(strangers),
-            protocols=tuple(sorted({each.partition("/")[0] for locators in strangers for each in locators})),
+            pages=call_pages(sorted(webs)),
+            door=door,
+            is_far=is_far,
+            untold=tuple(sorted(host_addresses() - _hosts(heard[zid]))) if is_own_door else (),
+            has_free_port=has_free_port(way.network),
+            scouted=scouted,
+            is_found=zid in heard,
+            protocols=tuple(sorted({each.partition("/")[0] for each in chain(*heard.values())} - {PROTOCOL})),
             protocol="tls" if way.network.mode == "secured" else "tcp",
             robots=() if connection is None else tuple(list_robots(connection.session)),
         ),
@@ -144,14 +154,9 @@ def _meet(connection: RobotConnection, seconds: float) -> Robot | None:
     return listen(connection, seconds)
 
 
-def _peers(session: zenoh.Session) -> set[str]:
-    return {str(each) for each in session.info.peers_zid()}
-
-
-def _elsewhere(session: zenoh.Session, machine: Machine) -> set[str]:
-    """The processes of other machines that this one is linked with, by their Zenoh ids."""
-    hosts = hosts_of((str(link.zid), link.dst) for link in session.info.links())
-    return {each for each, host in hosts.items() if not is_own(host, machine.interfaces)}
+def _hosts(locators: Sequence[str]) -> set[str]:
+    """The addresses in "tcp/ADDRESS:PORT"."""
+    return {each.partition("/")[2].rpartition(":")[0] for each in locators}
 
 
 class _Beside(Generic[FoundT]):

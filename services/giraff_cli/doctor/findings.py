@@ -7,12 +7,23 @@ from typing import Final, Literal
 
 import msgspec
 
-from giraff_cli.doctor.inspection import Geometry, HealthReply, Inspection, Machine, Network, Probe, Rate, Robot
+from giraff_cli.doctor.inspection import (
+    NO_NAME,
+    Geometry,
+    HealthReply,
+    Inspection,
+    Machine,
+    Network,
+    Probe,
+    Rate,
+    Robot,
+)
 from giraff_cli.telemetry.describe import START_A_HAND
 from giraff_cli.terminal.text import json_page
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
-from giraff_schemas.services import BASE, HANDS, ODOMETRY, ROBOTS_OWN, RUN
+from giraff_core.network import HAND_PORTS
+from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, RUN
 
 Severity = Literal["fault", "warning", "note"]
 
@@ -23,11 +34,14 @@ _SLOW: Final = 0.7  # of the rate in the topics table
 _LOSSY: Final = 0.02
 _FEW: Final = 5  # samples that tell nothing about a rate
 
+_START: Final = "systemctl enable --now giraff@{service}, or docker-compose up -d {service}"
+
 NEEDED: Final = {
     "base": ("fault", "nothing moves"),
     "guard": ("fault", "nothing moves: base obeys the guard alone"),
     "ranger": ("fault", "the robot is blind, and guard stops it"),
     "odometry": ("warning", "nobody knows where the robot is"),
+    "door": ("fault", "other machines do not find the robot"),
 }
 
 
@@ -42,11 +56,11 @@ class Finding(msgspec.Struct, frozen=True, kw_only=True):
 
 def findings(look: Inspection) -> list[Finding]:
     """All of them, the gravest first."""
-    found = [*_of_machine(look.machine)]
+    found = [*_of_machine(look.machine), *_of_network(look)]
     if look.robot is None:
         found += _of_silence(look)
     else:
-        found += [*_of_network(look.network), *_of_services(look.robot), *_of_answers(look.robot, look.machine)]
+        found += [*_of_services(look.robot, look.network), *_of_answers(look.robot, look.machine)]
         found += [*_of_geometries(look.robot, look.machine), *_of_rates(look.robot), *_of_state(look.robot)]
     order = ("fault", "warning", "note")
     return sorted(dict.fromkeys(found), key=lambda each: order.index(each.severity))
@@ -85,12 +99,11 @@ def _of_silence(look: Inspection) -> Iterator[Finding]:
         found = True
         yield Finding(severity="fault", about=about, what=f"{whom}: {what}", fix=fix)
     if not found:
-        reached = [call.address for call in network.calls if call.outcome == "answers"]
-        what = f"{', '.join(reached)} answers, but runs no service of it" if reached else "nobody answers"
+        what = f"{network.door} answers, but runs no service of it" if network.door else "nobody answers"
         yield Finding(
             severity="fault",
             about="network",
-            what=f"{whom}: {what}",
+            what=f"{whom}: {what}{' by multicast' if network.scouted and not network.door else ''}",
             fix="see that it is on and its services run; where the network blocks multicast, give --connect ADDRESS",
         )
 
@@ -101,15 +114,17 @@ def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
         what, fix = _split(network.problem)
         yield "network", what, fix
     for call in network.calls:
-        if told := _of_call(call, machine):
+        if told := _of_call(call, look):
             yield told
-    if network.local or network.problem:
+    if network.problem:
         return
     if others := [name for name in network.robots if name != look.wanted]:
         yield "network", f"there is {', '.join(others)}", f"name the one you mean: --robot {others[0]}"
+    elif not network.has_doors:
+        return
     elif not machine.interfaces:
         yield "network", "this machine has no network: no interface is up", "plug the cable in, or join the Wi-Fi"
-    elif network.strangers and network.protocol not in network.protocols:
+    elif network.protocols and network.protocol not in network.protocols:
         theirs = " and ".join(network.protocols)
         secured = "secured" if "tls" in network.protocols else "lan or fixed"
         what = f"others answer, but speak {theirs}, and this machine {network.protocol}"
@@ -119,20 +134,27 @@ def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
         yield "network", what, f"ip link set {deaf[0]} multicast on; or give --connect ADDRESS"
 
 
-def _of_call(call: Probe, machine: Machine) -> tuple[str, str, str] | None:
+def _of_call(call: Probe, look: Inspection) -> tuple[str, str, str] | None:
+    machine = look.machine
     where = ", ".join(f"{each.name} {each.address}" for each in machine.interfaces) or "no interface is up"
+    port = call.address.rpartition(":")[2]
     match call.outcome:
         case "untrusted":
             return "certificates", f"{call.address}: {call.detail}", _trust(call.detail)
         case "refused":
-            fix = "start its services; or correct the port"
-            return "services", f"{call.address} is there, but nothing of a robot listens", fix
+            here = f"{', '.join(machine.services)} run on this machine, but " if machine.services else ""
+            what = f"{here}{call.address} refuses: no door listens"
+            return "door", what, f"start it there: {_START.format(service=DOOR.name)}; or correct the address"
+        case "answers" if look.network.has_doors and not look.network.door and not look.network.problem:
+            what = f"{call.address} answers, but is no door: another program, or one that hangs"
+            return "door", what, f"see there who listens: ss -ltnp 'sport = :{port}'"
         case "silent" | "no way" if not call.on_link:
             what = f"{call.address} does not answer, and is in none of this machine's networks ({where})"
             return "network", what, "correct the address, or join the robot's network"
         case "silent" | "no way":
             what = f"{call.address} does not answer, though it is in a network of this machine ({where})"
-            return "network", what, "see that it is on, that the address is its own, and that no firewall is between"
+            fix = f"see that it is on, that the address is its own, and that its firewall lets in {port}/tcp"
+            return "network", what, fix
         case _:
             return None
 
@@ -143,24 +165,50 @@ def _trust(detail: str) -> str:
     return "make both hosts' bundles with the same giraff keys folder, and copy them again"
 
 
-def _of_network(network: Network) -> Iterator[Finding]:
-    if network.scouted and network.linked and not network.scouts:
+def _of_network(look: Inspection) -> Iterator[Finding]:
+    network = look.network
+    if network.scouted and network.is_far and not network.is_found:
         yield Finding(
             severity="fault",
             about="network",
             what="multicast does not get through: the robot is reached by its address, and not found without it",
             fix="keep its address in connect of [network] on each machine; or let switch and firewall pass 224.0.0.224",
         )
+    if network.untold:
+        is_run = look.robot is not None and look.robot.services.get(RUN.name)
+        restart = "systemctl restart giraff@door, or docker-compose restart door"
+        yield Finding(
+            severity="fault",
+            about="door",
+            what=f"{', '.join(network.untold)} of this machine came after its door, which does not announce it",
+            fix="end giraff run, and start it again" if is_run else f"restart the door: {restart}",
+        )
+    if not network.has_free_port:
+        yield Finding(
+            severity="warning",
+            about="network",
+            what=f"the ports {HAND_PORTS[0]} to {HAND_PORTS[-1]} of this machine are taken: no hand can start here",
+            fix=f"end one of those who listen: ss -ltnp 'sport >= {HAND_PORTS[0]} and sport <= {HAND_PORTS[-1]}'",
+        )
+    for page in network.pages:
+        if page.outcome in ("silent", "no way") and not page.detail.startswith(NO_NAME):
+            host, _, port = page.address.rpartition(":")
+            what = f"giraff_web runs on {host}, but {page.address} does not answer: no browser reaches the page"
+            yield Finding(
+                severity="warning", about="page", what=what, fix=f"let the firewall of {host} pass {port}/tcp"
+            )
 
 
-def _of_services(robot: Robot) -> Iterator[Finding]:
+def _of_services(robot: Robot, network: Network) -> Iterator[Finding]:
+    doors = (DOOR.name, RUN.name, PLAY.name)
+    has_door = not network.has_doors or any(robot.services.get(each) for each in doors)
     for service, (severity, so) in NEEDED.items():
-        if not robot.services.get(service):
+        if not robot.services.get(service) and not (service == DOOR.name and has_door):
             yield Finding(
                 severity="fault" if severity == "fault" else "warning",
                 about=service,
                 what=f"giraff_{service} is not running, or hangs: {so}",
-                fix=f"start it on the robot's machine: systemctl start giraff@{service}, or docker-compose up",
+                fix=f"start it on the robot's machine: {_START.format(service=service)}",
             )
     if not any(robot.services.get(hand) for hand in HANDS):
         what = "nobody is there who could drive"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Final, Literal
 
 import msgspec
 
@@ -13,6 +13,8 @@ from giraff_schemas.messages import BaseState, EStop, Health
 Outcome = Literal["answers", "refused", "silent", "no way", "untrusted"]
 """Of a call to an address. `silent`: nothing came back; `no way`: it cannot be sent there; `untrusted`: the
 certificates of both ends do not go together."""
+NO_NAME: Final = "no such name"
+"""Begins the detail of a call to a host whose name nobody knows."""
 
 
 class Port(msgspec.Struct, frozen=True, kw_only=True):
@@ -55,6 +57,8 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     host: str
     version: str
     interfaces: tuple[Interface, ...] = ()
+    services: tuple[str, ...] = ()
+    """Parts of a robot that run on it, and meet each other at its Unix sockets."""
     ports: tuple[Port, ...] = ()
     disks: tuple[Disk, ...] = ()
     settings_problem: str = ""
@@ -69,7 +73,7 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class Probe(msgspec.Struct, frozen=True, kw_only=True):
-    """An address that the robot file or the command line names, called once."""
+    """An address, called once."""
 
     address: str
     outcome: Outcome
@@ -81,21 +85,27 @@ class Probe(msgspec.Struct, frozen=True, kw_only=True):
 class Network(msgspec.Struct, frozen=True, kw_only=True):
     """What this machine's session met."""
 
-    local: bool = False
-    """It keeps to the loopback."""
+    has_doors: bool = True
+    """Hosts find each other at doors. They do not where all keeps to the loopback, or by a session file."""
     problem: str = ""
     """Why there is no session."""
     calls: tuple[Probe, ...] = ()
-    linked: int = 0
-    """Processes of other machines that it is linked with."""
+    pages: tuple[Probe, ...] = ()
+    """Where browsers reach the page of a web service on another machine."""
+    door: str = ""
+    """Address of the door that it is linked with; empty: none."""
+    is_far: bool = False
+    """That door is another machine's."""
+    untold: tuple[str, ...] = ()
+    """Addresses of this machine that its own door does not announce."""
+    has_free_port: bool = True
+    """A hand, or whatever else stays, can listen to other machines."""
     scouted: bool = False
     """Others were called by multicast."""
-    scouts: int = 0
-    """How many of them have answered to that."""
-    strangers: int = 0
-    """Others that have answered, and with which there is no link."""
+    is_found: bool = False
+    """The door has answered to that."""
     protocols: tuple[str, ...] = ()
-    """That strangers speak."""
+    """That those speak who have answered."""
     protocol: str = "tcp"
     """That this machine speaks."""
     robots: tuple[str, ...] = ()

@@ -22,9 +22,10 @@ from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read_tables
 from giraff_node.network.discovery import is_simulated_here
 from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
+from giraff_node.network.sockets import live_sockets, socket_folder
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
-from giraff_schemas.services import HANDS, SERVICES
+from giraff_schemas.services import HANDS, ROBOTS_OWN, SERVICES
 from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind
 
 _BAUDS: Final = {
@@ -48,6 +49,7 @@ def look_at_machine(
         host=socket.gethostname(),
         version=version(),
         interfaces=interfaces(),
+        services=_services(network),
         disks=(_disk(state_directory(robot or "giraff", environment)), _disk(Path.cwd())),
         settings_problem=_settings_problem(wrong, environment),
         keys_problem=keys,
@@ -143,6 +145,12 @@ def _keys(network: NetworkConfig) -> tuple[str, bool]:
     with contextlib.suppress(BundleError):
         return warning, read_bundle(folder).expires < now
     return warning, False
+
+
+def _services(network: NetworkConfig) -> tuple[str, ...]:
+    with contextlib.suppress(ConfigError, OSError):  # a folder that this user may not use tells nothing
+        return tuple(each for each in live_sockets(socket_folder(network)) if each in ROBOTS_OWN)
+    return ()
 
 
 def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:

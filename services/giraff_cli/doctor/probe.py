@@ -7,32 +7,49 @@ import re
 import socket
 import ssl
 import threading
-import time
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-import zenoh
-
-from giraff_cli.doctor.inspection import Outcome, Probe
+from giraff_cli.doctor.inspection import NO_NAME, Machine, Outcome, Probe
 from giraff_cli.network.interfaces import Interface, on_link
-from giraff_core.network import NetworkConfig, with_port
+from giraff_core.network import NetworkConfig, ports_of, with_port
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
+from giraff_web.config import WebConfig
 
 _ANSWER_WITHIN: Final = 1.0  # s
 _ALERT_WITHIN: Final = 0.3  # s; with TLS 1.3 the other end judges our certificate after we think all is well
-_MOST_HEARD: Final = 256  # answers kept; on an open network anybody may answer
 _UNREACHABLE: Final = (errno.ENETUNREACH, errno.EHOSTUNREACH, errno.EADDRNOTAVAIL, errno.EACCES, errno.EPERM)
 
 
-def call_all(network: NetworkConfig, own: tuple[Interface, ...]) -> tuple[Probe, ...]:
-    """Each address that is named, all at once: one that is silent takes a second."""
+def call_all(network: NetworkConfig, machine: Machine) -> tuple[Probe, ...]:
+    """Each address at which a door should be, all at once: one that is silent takes a second."""
     named = (*network.connect, *filter(None, [network.router]))
-    secured = network.mode == "secured"
-    if secured or network.local:
+    if not network.local and (machine.services or (network.mode != "lan" and not named)):
         named = (network.rendezvous, *named)
-    return _at_once([partial(call, with_port(each), network, own) for each in dict.fromkeys(named)])
+    return _at_once([partial(call, with_port(each), network, machine.interfaces) for each in dict.fromkeys(named)])
+
+
+def call_pages(hosts: Sequence[str]) -> tuple[Probe, ...]:
+    """The pages of web services on these hosts."""
+    plain = NetworkConfig()
+    return _at_once([partial(call, f"{host}:{WebConfig().port}", plain, ()) for host in hosts])
+
+
+def has_free_port(network: NetworkConfig) -> bool:
+    """Whether a hand that starts on this machine finds a port."""
+    return any(_is_free(port) for port in ports_of(network, "outside"))
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as tried:
+        tried.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            tried.bind(("", port))
+        except OSError:
+            return False
+    return True
 
 
 def call(address: str, network: NetworkConfig, own: tuple[Interface, ...]) -> Probe:
@@ -40,17 +57,6 @@ def call(address: str, network: NetworkConfig, own: tuple[Interface, ...]) -> Pr
     host, _, port = address.rpartition(":")
     outcome, detail = _outcome(host.strip("[]"), int(port), network)
     return Probe(address=address, outcome=outcome, detail=detail, on_link=on_link(host.strip("[]"), own))
-
-
-def scout(seconds: float) -> dict[str, list[str]]:
-    """Who answers a call by multicast: by Zenoh id, its locators."""
-    # Zenoh's default handler would block when it is full.
-    calling: Any = zenoh.scout(zenoh.handlers.RingChannel(_MOST_HEARD), what="peer|router")
-    time.sleep(seconds)
-    answers = iter(calling.try_recv, None)
-    heard = {str(hello.zid): [str(locator) for locator in hello.locators] for hello in answers}
-    calling.stop()
-    return heard
 
 
 def _outcome(host: str, port: int, network: NetworkConfig) -> tuple[Outcome, str]:
@@ -62,7 +68,7 @@ def _outcome(host: str, port: int, network: NetworkConfig) -> tuple[Outcome, str
     except ConnectionRefusedError:
         return "refused", ""
     except socket.gaierror as error:
-        return "no way", f"no such name: {error.strerror}"
+        return "no way", f"{NO_NAME}: {error.strerror}"
     except OSError as error:
         return ("no way" if error.errno in _UNREACHABLE else "silent"), error.strerror or str(error)
 

@@ -27,8 +27,9 @@ from tests.support.process_robot import ProcessRobot, process_robot
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
-    """A healthy one, as soon as what was done to it is over."""
+    """A healthy one, as soon as what was done to it is over. Another user, and who hangs, are met at its door."""
     with process_robot(tmp_path_factory.mktemp("sick"), boards="host") as started:
+        started.start("door")
         yield started
 
 
@@ -70,7 +71,7 @@ def test_a_healthy_robot_is_told_in_one_line_after_a_name_that_is_none(robot: Pr
         robot.wait("health", is_healthy, 60.0)
     odd, line = said[-1].splitlines()
     assert odd.endswith(r"no service can have, left out: 'giraff/a b/alive/base/\x1b[2J'")
-    assert line.startswith("sim-test: 5 services on 1 host, ")
+    assert line.startswith("sim-test: 6 services on 1 host, ")
     assert line.endswith(": no fault found")
 
 
@@ -98,12 +99,11 @@ def test_ports_that_are_missing_not_permitted_or_another_board_s(robot: ProcessR
 
 def test_a_service_that_does_not_run(robot: ProcessRobot) -> None:
     robot.kill("guard")
-    becomes(robot, "guard: giraff_guard is not running, or hangs: nothing moves", "systemctl start giraff@guard")
+    becomes(robot, "guard: giraff_guard is not running, or hangs: nothing moves", "systemctl enable --now giraff@guard")
     robot.start("guard")
 
 
 def test_a_service_that_hangs_and_one_that_runs_twice(robot: ProcessRobot) -> None:
-    robot.keep_from_rendezvous("ranger")  # who hangs there hides the whole robot
     robot.start_second("guard")
     robot.signal("ranger", signal.SIGSTOP)
     try:

@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -26,10 +26,10 @@ from tests.support.waiting import wait
 
 
 @contextmanager
-def service_of(environment: dict[str, str], log: Path, before: tuple[str, ...] = ()) -> Iterator[None]:
+def running(service: str, environment: dict[str, str], log: Path, before: tuple[str, ...] = ()) -> Iterator[None]:
     """A process of a robot, somewhere."""
     with log.open("wb") as out:
-        command = [*before, sys.executable, "-P", "-m", "giraff_odometry"]
+        command = [*before, sys.executable, "-P", "-m", f"giraff_{service}"]
         process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out)
     try:
         yield
@@ -57,10 +57,10 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def secured(keys: Path, rendezvous: str) -> dict[str, str]:
-    """A host of a secured network, which is all on this machine."""
+    """A host of a secured network, which is all on this machine: with sockets of its own, which need no certificate."""
     access = keys.parent / "secured.toml"
     access.write_text((ROOT / "deploy" / "robot.toml").read_text() + '\n[network.access]\nrobot = ["pc", "old"]\n')
-    given = settings(mode="secured", keys=str(keys), rendezvous=rendezvous)
+    given = settings(mode="secured", keys=str(keys), rendezvous=rendezvous, sockets=f"{keys}-sockets")
     return given | {"GIRAFF_CONFIG": str(access)}
 
 
@@ -77,7 +77,7 @@ def test_certificates_that_are_not_trusted(keys: Path, tmp_path: Path) -> None:
             found[:] = [each for each in every if each.startswith("certificates: ")]
             return bool(found)
 
-        with service_of(secured(keys / theirs, rendezvous), tmp_path / f"{theirs.replace('/', '-')}.log"):
+        with running("door", secured(keys / theirs, rendezvous), tmp_path / f"{theirs.replace('/', '-')}.log"):
             wait(is_told, 180.0, what=f"{theirs} is not told")
         [fault] = found
         assert rendezvous in fault
@@ -95,13 +95,16 @@ HOME, AWAY = "home", "away"
 
 
 def test_networks_that_do_not_let_through(tmp_path: Path) -> None:
-    log = tmp_path / "odometry.log"
-    with Sites(HOME, AWAY, routed=True) as sites, service_of(settings(), log, tuple(sites.command(HOME))):
+    at = {site: settings(sockets=str(tmp_path / site)) for site in (HOME, AWAY)}  # they share the file system
+    with Sites(HOME, AWAY, routed=True) as sites, ExitStack() as robot:
+        for service in ("door", "odometry"):
+            robot.enter_context(running(service, at[HOME], tmp_path / f"{service}.log", tuple(sites.command(HOME))))
         away = tuple(sites.command(AWAY))
         home = ("--connect", sites.address(HOME))
 
         def ask_away(*words: str, **network: str) -> list[str]:
-            return faults(doctor(settings(**network), "--for", "1", *words, before=away, cwd=tmp_path))
+            given = at[AWAY] | settings(**network)
+            return faults(doctor(given, "--for", "1", *words, before=away, cwd=tmp_path))
 
         reached: list[list[str]] = []
 
@@ -110,15 +113,16 @@ def test_networks_that_do_not_let_through(tmp_path: Path) -> None:
             return any("giraff_base is not running" in each for each in reached[-1])
 
         wait(is_reached, 60.0, what="the robot at home")
-        # One after the other: two of them would hear each other.
         assert any("network: multicast does not get through" in each for each in reached[-1]), reached[-1]
         alone = ask_away()
-        assert any("network: no robot called sim-far is heard: nobody answers" in each for each in alone), alone
+        assert any(
+            "network: no robot called sim-far is heard: nobody answers by multicast" in each for each in alone
+        ), alone
         wrong = ask_away("--connect", "192.168.99.9")
         where = f"is in none of this machine's networks (uplink {sites.address(AWAY)}/24)"
         assert any("192.168.99.9:7447 does not answer" in each and where in each for each in wrong), wrong
         nobody = ask_away("--connect", sites.router(AWAY))
-        assert any("is there, but nothing of a robot listens" in each for each in nobody), nobody
+        assert any("refuses: no door listens" in each for each in nobody), nobody
         secure = ask_away(*home, mode="fixed")
         assert not any("multicast" in each for each in secure), secure
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import fcntl
 import socket
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import msgspec
 import pytest
 
+from giraff_cli.doctor import probe
 from giraff_cli.doctor.findings import findings
 from giraff_cli.doctor.inspection import (
+    NO_NAME,
     Disk,
     Geometry,
     GeometryInUse,
@@ -30,6 +34,7 @@ from giraff_core.kinematics.calibration import Calibration
 from giraff_core.network import NetworkConfig
 from giraff_core.parameters.table import Parameters
 from giraff_node.network.discovery import simulated_name
+from giraff_node.network.sockets import live_sockets, own_socket, socket_folder
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.messages import Health
 from giraff_schemas.params import ParamAnswer
@@ -37,11 +42,11 @@ from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT as ODOMETRYS
 from tests.unit.cli.samples import base, estop
 
-SERVICES = ("base", "guard", "joystick", "odometry", "ranger")
+SERVICES = ("base", "door", "guard", "joystick", "odometry", "ranger")
 UPLINK = Interface(name="uplink", address="10.71.1.2/24", multicast=True)
 DISK = Disk(folder="/var/lib/giraff", free_bytes=10**9, total_bytes=10**10)
 MACHINE = Machine(host="pc", version="0.1.0-aa", interfaces=(UPLINK,), disks=(DISK,))
-NETWORK = Network(robots=("anne",), scouted=True)
+NETWORK = Network(robots=("anne",), door="10.71.1.9:7447", is_far=True, scouted=True, is_found=True)
 
 
 def answer(service: str, ahead: float | None = 0.0, **fields: Any) -> HealthReply:
@@ -69,6 +74,10 @@ def said(look: Inspection) -> list[str]:
 
 def of_machine(**fields: Any) -> Inspection:
     return msgspec.structs.replace(HEALTHY, machine=msgspec.structs.replace(MACHINE, **fields))
+
+
+def of_network(**fields: Any) -> Inspection:
+    return msgspec.structs.replace(HEALTHY, network=msgspec.structs.replace(NETWORK, **fields))
 
 
 def of_robot(**fields: Any) -> Inspection:
@@ -147,7 +156,7 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (answered(answer("guard", notices=("waits; start it",))), "warning guard on pc: waits -> start it"),
         (answered(answer("base", 2.0, host="old-pc")), "fault clock: the clock of old-pc is 2.0 s ahead of this"),
         (answered(answer("base", -2.0, host="old-pc")), "fault clock: the clock of old-pc is 2.0 s behind this"),
-        (answered(answer("base", version="0.1.0-bb")), "fault version: versions differ: 0.1.0-aa on pc (guard), "),
+        (answered(answer("base", version="0.1.0-bb")), "fault version: versions differ: 0.1.0-aa on pc (door), "),
         (answered(answer("base", None, version="")), "an older one on pc (base)"),
         (rated(hz=20.0), "fault guard: cmd_vel comes at 20 Hz instead of 50"),
         (rated(heard=0, hz=None), "fault guard: cmd_vel is silent, though giraff_guard says it is well"),
@@ -183,27 +192,48 @@ def test_a_healthy_robot_has_no_findings() -> None:
             ),
             "warning wiring: the wiring is not checked -> lift the wheels",
         ),
+        (of_network(is_found=False), "fault network: multicast does not get through"),
+        (of_network(untold=("10.72.1.2",)), "fault door: 10.72.1.2 of this machine came after its door, which"),
+        (of_network(untold=("10.72.1.2",)), "restart the door: systemctl restart giraff@door"),
         (
-            msgspec.structs.replace(HEALTHY, network=msgspec.structs.replace(NETWORK, linked=2)),
-            "fault network: multicast does not get through",
+            msgspec.structs.replace(
+                simulated(HEALTHY), network=msgspec.structs.replace(NETWORK, untold=("10.72.1.2",), door="")
+            ),
+            "does not announce it -> end giraff run, and start it again",
         ),
-        (silent(), "fault network: no robot called anne is heard: nobody answers"),
+        (of_network(has_free_port=False), "warning network: the ports 7448 to 7456 of this machine are taken"),
+        (
+            of_network(pages=call("silent")),
+            "warning page: giraff_web runs on 10.71.1.9, but 10.71.1.9:7447 does not answer: no browser",
+        ),
+        (of_robot(services=ROBOT.services | {"door": 0}), "fault door: giraff_door is not running, or hangs: other"),
+        (silent(), "fault network: no robot called anne is heard: nobody answers ->"),
+        (silent(scouted=True), "fault network: no robot called anne is heard: nobody answers by multicast ->"),
         (silent(problem="no session; look"), "fault network: no robot called anne is heard: no session -> look"),
         (silent(robots=("otto",)), "there is otto -> name the one you mean: --robot otto"),
         (silent(msgspec.structs.replace(MACHINE, interfaces=())), "no interface is up"),
-        (silent(strangers=1, protocols=("tls",)), "others answer, but speak tls, and this machine tcp"),
+        (silent(protocols=("tls",)), "others answer, but speak tls, and this machine tcp"),
         (
             silent(msgspec.structs.replace(MACHINE, interfaces=(msgspec.structs.replace(UPLINK, multicast=False),))),
             "interface uplink does not do multicast",
         ),
-        (silent(calls=call("refused")), "fault services: no robot called anne is heard: 10.71.1.9:7447 is there, but"),
+        (silent(calls=call("refused")), "fault door: no robot called anne is heard: 10.71.1.9:7447 refuses: no door"),
+        (
+            silent(msgspec.structs.replace(MACHINE, services=("base", "guard")), calls=call("refused")),
+            "base, guard run on this machine, but 10.71.1.9:7447 refuses: no door listens -> start it there: systemctl",
+        ),
+        (silent(calls=call("answers")), "10.71.1.9:7447 answers, but is no door: another program, or one that hangs"),
         (silent(calls=call("silent")), "does not answer, though it is in a network of this machine"),
+        (silent(calls=call("silent")), "and that its firewall lets in 7447/tcp"),
         (silent(calls=call("no way", on_link=False)), "is in none of this machine's networks (uplink 10.71.1.2/24)"),
         (
             silent(calls=call("untrusted", "self-signed")),
             "fault certificates: no robot called anne is heard: 10.71.1.9",
         ),
-        (silent(calls=call("answers")), "10.71.1.9:7447 answers, but runs no service of it"),
+        (
+            silent(calls=call("answers"), door="10.71.1.9:7447"),
+            "fault network: no robot called anne is heard: 10.71.1.9:7447 answers, but runs no service of it",
+        ),
     ],
 )
 def test_what_is_wrong_is_named_with_its_way_out(look: Inspection, told: str) -> None:
@@ -279,6 +309,39 @@ def test_the_robot_files_hands_are_held_against_its_priorities(
 ) -> None:
     (file := tmp_path / "robot.toml").write_text(lines)
     assert look_at_machine("", NetworkConfig(), environment={"GIRAFF_CONFIG": str(file)}).unranked_hands == unranked
+
+
+@pytest.mark.parametrize("instead", ["run", "play"])
+def test_a_run_and_what_is_played_are_doors_and_the_loopback_needs_none(instead: str) -> None:
+    answers = (*(each for each in ROBOT.answers if each.health.service != "door"), answer(instead))
+    assert findings(of_robot(services=ROBOT.services | {"door": 0, instead: 1}, answers=answers)) == []
+    local = of_robot(services={name: 1 for name in SERVICES if name != "door"}, answers=answers[:-1])
+    assert findings(msgspec.structs.replace(local, network=Network(has_doors=False))) == []
+
+
+def test_a_page_on_a_machine_whose_name_is_not_known_here_is_no_finding() -> None:
+    assert findings(of_network(pages=call("no way", NO_NAME))) == []
+
+
+def test_a_port_is_free_where_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        monkeypatch.setattr(probe, "ports_of", lambda *_: (port,))
+        assert not probe.has_free_port(NetworkConfig())
+    assert probe.has_free_port(NetworkConfig())
+
+
+def test_parts_of_a_robot_run_where_their_sockets_are_in_use(tmp_path: Path) -> None:
+    network = NetworkConfig(sockets=str(tmp_path))
+    folder = socket_folder(network)
+    with ExitStack() as held:
+        for service in ("base", "joystick", "guard"):
+            lock = held.enter_context(own_socket(folder, service).with_suffix(".lock").open("wb"))
+            if service != "guard":
+                fcntl.flock(lock, fcntl.LOCK_EX)
+        assert live_sockets(folder) == ("base", "joystick")
+        assert look_at_machine("", network).services == ("base",)
+    assert look_at_machine("", network).services == ()
 
 
 def test_the_gravest_comes_first() -> None:
