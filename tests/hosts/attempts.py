@@ -6,13 +6,14 @@ import json
 import sys
 import time
 from pathlib import Path
-from typing import Any, Final, NamedTuple, Self
+from typing import Any, Final, Literal, NamedTuple, Self
 
 from tests.hosts.lab import NAME, PATIENCE, Lab
 from tests.hosts.machine import Machine, kill
 from tests.support.waiting import wait
 
 _STRANGER: Final = Path(__file__).with_name("stranger.py")
+Does = Literal["drives", "guards", "listens"]
 
 
 class Told(NamedTuple):
@@ -27,10 +28,10 @@ class Told(NamedTuple):
 class Attempt:
     """Goes on until the end of its block."""
 
-    def __init__(self, lab: Lab, machine: Machine, config: dict[str, Any], *, drives: bool = True) -> None:
-        """`config`: Zenoh's. `drives`: it says whatever moves a robot; else it only listens."""
+    def __init__(self, lab: Lab, machine: Machine, config: dict[str, Any], does: Does = "drives") -> None:
+        """`config`: Zenoh's. `does`: it says whatever moves a robot, or what guard alone does."""
         self._output = lab.directory / f"attempt-{machine.name}-{time.monotonic_ns()}"
-        command = [sys.executable, str(_STRANGER), NAME, json.dumps(config), "drives" if drives else "listens"]
+        command = [sys.executable, str(_STRANGER), NAME, json.dumps(config), does]
         with self._output.open("wb") as out, self._output.with_suffix(".log").open("wb") as log:
             self._process = machine.start(command, stdout=out, stderr=log)
 

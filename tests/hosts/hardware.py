@@ -33,13 +33,14 @@ _PATIENCE: Final = 60.0  # s
 class Hardware:
     """Runs on no machine of the lab: whatever happens to those, the boards go on, and their record is the judge."""
 
-    def __init__(self, directory: Path) -> None:
+    def __init__(self, directory: Path, ports: Path = PORTS) -> None:
         self._processes = ProcessGroup(directory)
-        shutil.rmtree(PORTS, ignore_errors=True)  # of a lab that was killed
+        self._ports = ports
+        shutil.rmtree(ports, ignore_errors=True)  # of a lab that was killed
         world = directory / "world.toml"
         world.write_text(PROVING_ROOM)
         control = directory / "control"
-        arguments = ["--ports", str(PORTS), "--control", str(control), "--world", str(world)]
+        arguments = ["--ports", str(ports), "--control", str(control), "--world", str(world)]
         arguments += ["--seed", "1", "--boards", "host", "--hand", "still"]
         environment = os.environ | ROBOT | {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")}
         self._processes.start("simulator", "giraff_sim", arguments, environment)
@@ -51,7 +52,7 @@ class Hardware:
             time.sleep(0.01)
         self.simulator = SimulatorClient(control)
         for board in BOARDS:
-            permit(PORTS / board)
+            permit(ports / board)
 
     def unplug(self, *boards: BoardName) -> None:
         for board in boards:
@@ -60,7 +61,7 @@ class Hardware:
     def plug(self, *boards: BoardName) -> None:
         for board in boards:
             self.simulator.plug(board)
-            permit(PORTS / board)
+            permit(self._ports / board)
 
     def run(self, seconds: float) -> None:
         """Let simulated time pass."""
@@ -100,7 +101,7 @@ class Hardware:
     def close(self) -> None:
         self.simulator.close()
         troubles = self._processes.stop_all(grace=5.0)
-        shutil.rmtree(PORTS, ignore_errors=True)
+        shutil.rmtree(self._ports, ignore_errors=True)
         assert not troubles, troubles
 
 

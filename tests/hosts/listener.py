@@ -29,7 +29,7 @@ def main(robot: str, key: str, network: str) -> None:
         age = time.time() - said["stamp_ns"] * 1e-9
         print(json.dumps({"at": at, "age": age, "sample": said}), flush=True)
 
-    session = open_session(msgspec.json.decode(network, type=NetworkConfig), robot, visiting=True)
+    session = open_session(msgspec.json.decode(network, type=NetworkConfig), robot, "outside")
     with session, session.declare_subscriber(f"giraff/{robot}/{key}", on_sample):
         while not threading.Event().wait(0.5):
             set_tcp_options()

@@ -129,10 +129,14 @@ class Machine:
 
     def start(self, command: list[str], **options: Any) -> subprocess.Popen[Any]:
         """Start a program on it. It ends with the machine's power."""
-        options.setdefault("env", os.environ | {"PATH": BIN})
+        # Its /run is its own, its /tmp is not: at sockets there it would meet the other machines.
+        options.setdefault("env", os.environ | {"PATH": BIN, "XDG_RUNTIME_DIR": "/run"})
+        return subprocess.Popen(self.inside(command), start_new_session=True, **options)
+
+    def inside(self, command: list[str]) -> list[str]:
+        """Return the command line that runs a program on it."""
         spaces = ["--mount", "--pid", "--uts", *(["--net"] if self._own_network else [])]
-        enter = ["/usr/bin/nsenter", "--target", str(self.pid), *spaces, "--"]
-        return subprocess.Popen([*enter, *command], start_new_session=True, **options)
+        return ["/usr/bin/nsenter", "--target", str(self.pid), *spaces, "--", *command]
 
     def docker(self, *words: str, within: float = 60.0, given: str = "") -> str:
         return run(["docker", "--host", self.socket, *words], within, input=given)

@@ -1,8 +1,8 @@
-"""Runs on a machine of the lab and tries whatever it may not: python stranger.py ROBOT CONFIG drives|listens.
+"""Runs on a machine of the lab and tries whatever it may not: python stranger.py ROBOT CONFIG drives|guards|listens.
 
 CONFIG: Zenoh's, as JSON. It listens to everything, and drives, as guard, as each operator and as who holds a motion,
-with the newest moment of the robot that it has heard. Prints {"heard": samples of the robot, "links": their other
-ends} again and again.
+with the newest moment of the robot that it has heard; or as guard alone. Prints {"heard": samples of the robot,
+"links": their other ends} again and again.
 """
 
 from __future__ import annotations
@@ -82,8 +82,8 @@ def main(robot: str, config: str, does: str) -> None:
         session.declare_subscriber(everything, stranger.on_sample),
     ):
         for seq in itertools.count():
-            if does == "drives":
-                for key, payload in stranger.commands(seq).items():
+            for key, payload in stranger.commands(seq).items():
+                if does == "drives" or (does == "guards" and key == CMD_VEL.key):
                     session.put(f"giraff/{robot}/{key}", payload)
             if seq % _TELLS_EVERY == 0:
                 links = sorted(link.dst for link in session.info.links())

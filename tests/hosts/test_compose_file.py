@@ -16,7 +16,7 @@ from tests.hosts.machine import BIN
 
 COMPOSE = {"1.29": "/usr/bin/docker-compose", "current": str(CURRENT_COMPOSE)}
 UP = {
-    "robot": {"base", "ranger", "guard", "odometry", "motion"},
+    "robot": {"door", "base", "ranger", "guard", "odometry", "motion"},
     "laptop": {"joystick", "watch"},
     "desk": {"watch"},
     "sim": {"sim"},

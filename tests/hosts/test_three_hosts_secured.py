@@ -12,9 +12,9 @@ import pytest
 
 from giraff_cli.keys.manage import make_authority, make_bundle
 from giraff_core.access import AccessConfig
-from giraff_core.network import NetworkConfig
+from giraff_core.network import NetworkConfig, link_of
 from giraff_node.network.key_bundle import BACKDATED
-from giraff_node.network.session import session_config
+from giraff_node.network.session import Role, session_config
 from tests.hosts.attempts import Attempt, Told
 from tests.hosts.images import CURRENT_COMPOSE
 from tests.hosts.lab import NAME, NUMBERS, PATIENCE, Lab, address
@@ -64,36 +64,44 @@ def secured(lab: Lab, up: None, keys: Path) -> None:  # noqa: ARG001  it was rel
     lab.wait_until_healthy(*NUMBERS)
 
 
+def bare(network: NetworkConfig, role: Role = "outside") -> dict[str, Any]:
+    """A peer with a port, or a client; without rules, and without the sockets of this one machine of all hosts."""
+    config = session_config(network, NAME, role)
+    link = link_of(network)
+    config["transport"]["link"]["protocols"] = [link]
+    for way in ("listen", "connect"):
+        endpoints = config[way].get("endpoints", [])
+        config[way]["endpoints"] = [each for each in endpoints if each.startswith(f"{link}/")]
+    config["access_control"] = {"enabled": False}
+    return config
+
+
 def as_a_home_has_it() -> dict[str, Any]:
-    return session_config(NetworkConfig(), NAME, visiting=True)
+    return bare(NetworkConfig())
 
 
 def waiting_to_be_called() -> dict[str, Any]:
-    """As a home has it, but that it calls nobody."""
-    config = as_a_home_has_it()
+    """As a home has it, but that it calls nobody. Of two peers the one of the greater id calls, so its own is least."""
+    config = as_a_home_has_it() | {"id": "1"}
     config["connect"]["endpoints"] = []
     for way in ("multicast", "gossip"):
         config["scouting"].setdefault(way, {})["autoconnect"] = {"peer": []}
     return config
 
 
-def with_keys(bundle: Path) -> dict[str, Any]:
+def with_keys(bundle: Path, role: Role = "outside") -> dict[str, Any]:
     """As the robot's own hosts have it, with rules that hold back nothing of one's own."""
-    network = NetworkConfig(
-        mode="secured", connect=(address("robot"),), keys=str(bundle), access=AccessConfig(robot=("robot",))
+    return bare(
+        NetworkConfig(
+            mode="secured", connect=(address("robot"),), keys=str(bundle), access=AccessConfig(robot=("robot",))
+        ),
+        role,
     )
-    config = session_config(network, NAME, visiting=True)
-    config["access_control"] = {"enabled": False}
-    return config
-
-
-def called_by_nobody(config: dict[str, Any]) -> dict[str, Any]:
-    config["listen"]["endpoints"] = []
-    return config
 
 
 def without_certificate(keys: Path) -> dict[str, Any]:
-    config = called_by_nobody(with_keys(keys / "desk"))
+    config = with_keys(keys / "desk")
+    config["listen"]["endpoints"] = []  # Zenoh opens no port for TLS without a certificate
     config["transport"]["link"]["tls"] = {"root_ca_certificate": str(keys / "ca.pem")}
     return config
 
@@ -120,22 +128,29 @@ def configs(lab: Lab, keys: Path) -> dict[str, dict[str, Any]]:
         "no-certificate": without_certificate(keys),
         "another-authority": with_keys(anothers(lab)),
         "expired": with_keys(expired(keys)),
-        "plain-tcp": session_config(NetworkConfig(mode="fixed", connect=(address("robot"),)), NAME),
+        "plain-tcp": bare(NetworkConfig(mode="fixed", connect=(address("robot"),))),
         "multicast": as_a_home_has_it(),
     }
 
 
 @pytest.mark.usefixtures("up")
 def test_an_open_network_is_open(lab: Lab, strangers: dict[str, Machine]) -> None:
-    """What the secured one is held against: a stranger hears the robot, and the robot calls it."""
+    """What the secured one is held against: a stranger hears the robot, and the robot calls it.
+
+    It may drive as an operator does. What it says as guard moves nothing, and keeps nobody from driving.
+    """
+    armed_and_at_rest(lab)
+    began_us = lab.hardware.simulator.now()
     lab.switch.count_calls(lab.machines["robot"], *(f"{NETWORK}.{number}" for number in KINDS.values()))
     # One that calls nobody: else it may be the first to call, and nobody calls twice.
-    silent = Attempt(lab, strangers["plain-tcp"], waiting_to_be_called())
-    with silent, Attempt(lab, strangers["multicast"], as_a_home_has_it()) as attempt:
+    silent = Attempt(lab, strangers["plain-tcp"], waiting_to_be_called(), "guards")
+    with silent, Attempt(lab, strangers["multicast"], as_a_home_has_it(), "guards") as attempt:
         attempt.hears(HEARD)
         silent.hears(HEARD)
         assert silent.told().links
         assert lab.switch.calls() > 0
+        assert lab.hardware.last_driven(began_us) is None
+        lab.hardware.drive()
 
 
 @pytest.mark.usefixtures("secured")
@@ -156,8 +171,9 @@ def test_strangers_are_nobody(lab: Lab, strangers: dict[str, Machine], keys: Pat
             attempts[kind] = stack.enter_context(Attempt(lab, strangers[kind], config))
         for attempt in attempts.values():
             attempt.told()
+        # The certificate is of another address, at which nobody could call them: so they are clients, as commands are.
         known = [
-            stack.enter_context(Attempt(lab, machine, called_by_nobody(with_keys(keys / "desk")), drives=False))
+            stack.enter_context(Attempt(lab, machine, with_keys(keys / "desk", "client"), "listens"))
             for machine in strangers.values()
         ]
         for one in known:

@@ -22,7 +22,7 @@ _PERIOD: Final = 0.005  # s: 100 Mbit/s, ten times what the cable carries
 
 def main(does: str, robot: str) -> None:
     key = f"giraff/{robot}/bulk"
-    session = open_session(NetworkConfig(), robot, visiting=True)
+    session = open_session(NetworkConfig(), robot, "client")
     if does == "send":
         publisher = session.declare_publisher(
             key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.BACKGROUND

@@ -42,7 +42,7 @@ from giraff_node.config.robot_file import load
 from giraff_node.network.session import NetworkConfig, open_session
 from giraff_schemas.topics import key_below
 lower_priority()
-session = open_session(load("network", NetworkConfig), "sim-test", visiting=True)
+session = open_session(load("network", NetworkConfig), "sim-test", "client")
 listens = session.declare_subscriber(key_below("sim-test", "**"), zenoh.handlers.RingChannel(1))
 threading.Event().wait()
 """
