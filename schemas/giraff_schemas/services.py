@@ -32,6 +32,8 @@ class Service(msgspec.Struct, frozen=True, kw_only=True):
     """A robot is whole without it."""
     simulated: bool = False
     """A part of `giraff run`."""
+    inside: bool = False
+    """It listens to processes of its own host alone."""
 
 
 JOYSTICK: Final = Service(
@@ -79,6 +81,7 @@ BASE: Final = Service(
     answers=(t.ESTOP_ENGAGE, t.ESTOP_RESET),
     board=BoardKind.BASE,
     simulated=True,
+    inside=True,
 )
 GUARD: Final = Service(
     name="guard",
@@ -88,6 +91,7 @@ GUARD: Final = Service(
     publishes=(t.CMD_VEL, t.LEASE, t.GUARD),
     subscribes=(t.TICK, t.RANGE, t.WHEELS, t.OPERATOR_CMD_VEL),
     simulated=True,
+    inside=True,
 )
 RANGER: Final = Service(
     name="ranger",
@@ -98,6 +102,7 @@ RANGER: Final = Service(
     subscribes=(t.TICK,),
     board=BoardKind.RANGER,
     simulated=True,
+    inside=True,
 )
 ODOMETRY: Final = Service(
     name="odometry",
@@ -108,6 +113,7 @@ ODOMETRY: Final = Service(
     subscribes=(t.WHEELS,),
     answers=(t.ODOM_RESET, t.ODOM_SET_POSE),
     simulated=True,
+    inside=True,
 )
 MOTION: Final = Service(
     name="motion",
@@ -119,6 +125,7 @@ MOTION: Final = Service(
     answers=t.MOTION_QUERIES,
     optional=True,
     simulated=True,
+    inside=True,
 )
 """An operator that others ask for motions by metres and radians."""
 LOCALIZATION: Final = Service(
@@ -134,6 +141,8 @@ LOCALIZATION: Final = Service(
 """Tells where the robot is on a map. No part of what keeps it from obstacles."""
 RECORDER: Final = Service(name="recorder", host="any", package="giraff_recorder", table="recorder", optional=True)
 """Hears all that there is."""
+DOOR: Final = Service(name="door", host="robot", package="giraff_door", table="door", optional=True)
+"""The process of the robot that other hosts find, and through which their commands hear all of it."""
 SENTRY: Final = Service(name="sentry", host="robot", package="giraff_sentry", table="sentry", optional=True)
 GATEWAY: Final = Service(
     name="gateway",
@@ -162,6 +171,7 @@ SERVICES: Final = (
     MOTION,
     LOCALIZATION,
     RECORDER,
+    DOOR,
     SENTRY,
     GATEWAY,
     ROUTER,
@@ -181,7 +191,7 @@ ROBOTS_OWN: Final = tuple(service.name for service in SERVICES if service.host =
 """Names of those that every robot has."""
 WATCHED: Final = (*ROBOTS_OWN, JOYSTICK.name)
 """Names of those whose end is an incident while the robot is armed."""
-INSTALLED: Final = tuple(service.name for service in SERVICES if service.host == "robot" and service.simulated)
+INSTALLED: Final = (DOOR.name, *(service.name for service in SERVICES if service.inside))
 """Names of those that are started on a robot's computer unless somebody says otherwise: `robot` of the compose file and
 of `make install`."""
 SIMULATED: Final = tuple(service.name for service in SERVICES if service.simulated)

@@ -37,6 +37,8 @@ class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
     qos: Qos
     names: str = ""
     """Field of the sample that says what `*` stands for, and must agree with it: access is granted by key."""
+    inside: bool = False
+    """Base and guard act on it, so it is taken from the robot's own host only."""
 
     def at(self, name: str) -> Topic[SampleT]:
         """The row of one operator or sensor."""
@@ -57,13 +59,13 @@ class Query(msgspec.Struct, Generic[RequestT, AnswerT], frozen=True):
         return msgspec.structs.replace(self, key=self.key.replace("*", service))
 
 
-TICK = Topic("tick", m.Tick, 50, "control")
+TICK = Topic("tick", m.Tick, 50, "control", inside=True)
 TILT = Topic("tilt", m.Tilt, 50, "state")
 OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 50, "control", "operator")
 LEASE = Topic("lease", m.Lease, 10, "control")
-RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control", "sensor")
-CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control")
-WHEELS = Topic("wheels", m.Wheels, 100, "control")
+RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control", "sensor", inside=True)
+CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control", inside=True)
+WHEELS = Topic("wheels", m.Wheels, 100, "control", inside=True)
 ODOM = Topic("odom", m.Odometry, 100, "state")
 BASE = Topic("base", m.BaseState, 10, "state")
 BATTERY = Topic("battery", m.Battery, 2, "state")

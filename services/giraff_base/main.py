@@ -6,7 +6,7 @@ from giraff_node import Node
 
 
 def main() -> None:
-    with Node("base", BaseConfig, steady=True) as node:
+    with Node("base", BaseConfig) as node:
         node.run(Base(node, node.config, node.robot))
 
 

@@ -28,14 +28,16 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.consent import NoRobotError as UnknownRobotError
 from giraff_node.network.discovery import (
     CORRECT_IT,
+    Target,
     find_robot,
     not_found_text,
     others,
     require_consent,
     resolve_target,
 )
+from giraff_node.network.hand import open_hand
 from giraff_node.network.reach import find_silent
-from giraff_node.network.session import close_session, open_session
+from giraff_node.network.session import NobodyError, close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.localization import MapPose
@@ -234,9 +236,10 @@ class Robot(Motions, States, FrameReader):
         try:
             if way.warning:
                 logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)
-            self._session = open_session(way.network, way.robot or "*", visiting=True)
+            self._session = self._find_door(way)
             self._is_named = bool(way.robot)
             self.name = way.robot or find_robot(self._session, way.filed, self._patience)
+            self._session = open_hand(way.network, self.name, self._session)
             self._listen(self._session)
         except (UnknownRobotError, ConfigError) as error:
             raise NoRobotError(str(error)) from error
@@ -244,6 +247,17 @@ class Robot(Motions, States, FrameReader):
             raise NoRobotError(
                 f"no Zenoh session: {error}; check the table [network] of the robot file, and `connect`"
             ) from error
+
+    def _find_door(self, way: Target) -> zenoh.Session:
+        """A session of which only the finding is asked. Raises UnknownRobotError, ConfigError, `zenoh.ZError`."""
+        until = time.monotonic() + self._patience
+        while True:
+            try:
+                return open_session(way.network, way.robot or "*", "client")
+            except NobodyError as error:
+                if time.monotonic() >= until:
+                    raise UnknownRobotError(not_found_text(way.robot, ())) from error
+                time.sleep(_PERIOD)
 
     @property
     def _by(self) -> str:

@@ -21,6 +21,7 @@ from giraff_schemas.topics import (
     QUERIES,
     ROOT,
     TILT,
+    TOPICS,
     Topic,
     alive_key,
     frame_key,
@@ -30,6 +31,10 @@ from giraff_schemas.topics import (
 
 _ASKS: Final = ("declare_subscriber", "declare_liveliness_subscriber", "liveliness_query")
 _TELLS: Final = ("put", "delete", "reply", "declare_queryable", "liveliness_token")
+_ALL: Final = (*_ASKS, *_TELLS, "query")
+_SOCKET: Final = "unixsock-stream"
+_LINKS: Final = ("tcp", "tls", "udp", "quic", "ws")
+"""Zenoh's words for the links to other hosts."""
 
 
 class AccessConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -124,6 +129,37 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
         subjects.append(_subject(subject, (host,)))
         policies.append(_policy(subject, drives, present, asks))
     return {"rules": rules, "subjects": subjects, "policies": policies}
+
+
+def with_inside(rules: dict[str, Any], *, is_inside: bool, is_split: bool) -> dict[str, Any]:
+    """Add to Zenoh's rules of a node that what base and guard act on comes from processes of its own host alone.
+
+    Those meet at Unix sockets. Whoever is inside takes such a sample from no other link, and no other process passes
+    one on to a socket: its own host would be believed. `is_split`: a part of the robot is on another host.
+    """
+    keys = [f"{ROOT}/*/{topic.key}" for topic in TOPICS if topic.inside]
+    held = _rule("inside only", "ingress" if is_inside else "egress", ("put", "delete"), *keys) | {"permission": "deny"}
+    trusted = _rule("this host does all", "ingress", _ALL, "**") | {"flows": ["ingress", "egress"]}
+    subjects = [{"id": "this host", "link_protocols": [_SOCKET]}]
+    whom = "this host"
+    if (
+        is_inside and rules
+    ):  # the only ones of a secured network who may say it; of several subjects one that may is enough
+        whom = "robot"
+    elif is_inside:
+        whom = "elsewhere"
+        subjects.append({"id": whom, "link_protocols": [*_LINKS]})
+    policies = [_policy("this host", "this host does all")]
+    if not (is_inside and is_split):
+        policies.append(_policy(whom, "inside only"))
+    return {
+        "enabled": True,
+        "default_permission": "allow",
+        **rules,
+        "rules": [*rules.get("rules", ()), held, trusted],
+        "subjects": [*rules.get("subjects", ()), *subjects],
+        "policies": [*rules.get("policies", ()), *policies],
+    }
 
 
 def _rule(name: str, flow: str, messages: tuple[str, ...], *keys: str) -> dict[str, Any]:

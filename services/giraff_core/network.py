@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Final, Literal
 
 import msgspec
@@ -10,6 +11,8 @@ from giraff_core.access import AccessConfig
 from giraff_core.site import require_site
 
 _PORT: Final = 7447  # Zenoh's own
+HAND_PORTS: Final = range(7448, 7457)
+"""Other hosts reach a door at 7447, and hands and whatever else stays at the first free one of these."""
 
 
 class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -21,7 +24,13 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     session_file: str = ""
     """A Zenoh JSON5 file; when given, it alone counts."""
     rendezvous: str = "127.0.0.1:7447"
-    """Where the processes of one host find each other, with or without a network. Any of them may own it."""
+    """Where the door of this host listens, on its loopback; at the same port it listens to other hosts."""
+    sockets: str = ""
+    """Folder of the Unix sockets at which the processes of this host meet; empty: /run/giraff/network where this user
+    may use it, else a folder of this user's own."""
+    client: bool = False
+    """Hear all through the robot's door, over the one link that this host has dialled: for one that cannot be dialled.
+    A hand finds out by itself."""
     connect: tuple[str, ...] = ()
     """More hosts to connect to, like "192.168.1.20" or "robot.lan:7447": for networks without multicast."""
     router: str = ""
@@ -38,6 +47,11 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     def __post_init__(self) -> None:
         if self.mode == "secured" and not self.session_file and not self.access.robot:
             raise ValueError("mode is secured, but [network.access] names no host of the robot: nobody could drive it")
+        if self.mode != "secured" and len(self.access.robot) > 1:
+            raise ValueError(
+                f"[network.access] names several hosts of the robot, but mode is {self.mode}: anybody on the network "
+                'could speak for guard and ranger; run them on the host of base, or set mode = "secured"'
+            )
         for address in self.connect:
             _require_address("connect", address)
         if self.router:
@@ -46,6 +60,31 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 raise ValueError("router is given, but not at which site this host is: the router passes between sites")
         if self.site:
             require_site(self.site)
+
+    @property
+    def is_split(self) -> bool:
+        """Whether guard or ranger may run on another host than base."""
+        return self.mode == "secured" and len(self.access.robot) > 1
+
+
+def link_of(network: NetworkConfig) -> str:
+    """Zenoh's word for the links between hosts."""
+    return "tls" if network.mode == "secured" else "tcp"
+
+
+def addresses(network: NetworkConfig) -> tuple[str, ...]:
+    """Each HOST:PORT at which a door may be: those that are given, then this host's own."""
+    others = () if network.local else (*network.connect, *filter(None, [network.router]))
+    return tuple(dict.fromkeys(map(with_port, (*others, network.rendezvous))))
+
+
+def ports_of(network: NetworkConfig, role: str) -> Sequence[int]:
+    """Ports of which a process of this role takes the first free one; 0: any, or none at all."""
+    return (
+        HAND_PORTS
+        if not network.local and (role in {"outside", "apart"} or (role == "inside" and network.is_split))
+        else (0,)
+    )
 
 
 def _require_address(field: str, address: str) -> None:

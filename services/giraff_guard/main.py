@@ -6,7 +6,7 @@ from giraff_node import Node
 
 
 def main() -> None:
-    with Node("guard", GuardConfig, steady=True) as node:
+    with Node("guard", GuardConfig) as node:
         node.run(Guard(node, node.config, node.robot))
 
 

@@ -27,19 +27,21 @@ from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_core.robot import RobotConfig
 from giraff_node.boards.board_link import BoardLink
 from giraff_node.config.robot_file import ConfigError, read_known
+from giraff_node.network.base_reach import BaseReach
 from giraff_node.network.decode_errors import DecodeErrors
 from giraff_node.network.host_addresses import AddressWatch, host_addresses
 from giraff_node.network.key_bundle import ExpiryWatch
 from giraff_node.network.link_repair import LinkRepair
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.router_link import RouterLink
-from giraff_node.network.session import open_session
+from giraff_node.network.session import NobodyError, Role, open_session
 from giraff_node.process.clock import robot_now_ns
 from giraff_node.process.lifecycle import Process
 from giraff_node.process.state import Folder, state_directory
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Health
+from giraff_schemas.services import BASE, DOOR, GUARD, SERVICES
 from giraff_schemas.topics import (
     PARAM_DESCRIBE,
     PARAM_SAVE,
@@ -57,6 +59,7 @@ from giraff_schemas.topics import (
 )
 from giraff_schemas.wire import BoardKind
 
+_STEADY = (BASE.name, GUARD.name)  # nothing that may hold them up for longer than a turn is done in these
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
 
 
@@ -92,6 +95,14 @@ class _Query(Generic[RequestT, AnswerT]):
             query.reply(query.key_expr, encode(answer), encoding=encoding_of(type(answer)))
 
 
+def _role_of(service: str, network: NetworkConfig) -> Role:
+    if service == DOOR.name:
+        return "door"
+    if any(row.name == service and row.inside for row in SERVICES):
+        return "inside"
+    return "client" if network.client else "outside"
+
+
 class Settings(NamedTuple, Generic[ConfigT]):
     """What a service goes by."""
 
@@ -108,17 +119,13 @@ class Settings(NamedTuple, Generic[ConfigT]):
 
 
 class Node(Generic[ConfigT]):
-    """One service's process, and the `IO` of its turns. `service` names its table and its liveliness token.
-
-    `steady`: nothing that may hold it up for longer than a turn is done in it; for those that drive the motors.
-    """
+    """One service's process, and the `IO` of its turns. `service` names its table and its liveliness token."""
 
     def __init__(
         self,
         service: str,
         config: type[ConfigT] | Settings[ConfigT],
         *,
-        steady: bool = False,
         records: bool = False,
         session: zenoh.Session | None = None,
     ) -> None:
@@ -134,8 +141,13 @@ class Node(Generic[ConfigT]):
         try:
             filed, self.robot, network = config if isinstance(config, Settings) else Settings.load(service, config)
             self.network = network
-            self._addresses = None if network.local else AddressWatch(host_addresses())
-            self.session = session or open_session(network, self.robot.name, records=records)
+            role = _role_of(service, network)
+            told = role in {"door", "outside"} and not network.local and not network.session_file
+            self._addresses = AddressWatch(host_addresses(), every=role == "door") if told else None
+            self.session = session or open_session(network, self.robot.name, role, records=records, name=service)
+        except NobodyError as error:
+            self.log.error("no door of the robot answers at %s; it is looked for again at the next start", error)
+            sys.exit(1)
         except ConfigError as error:
             self.log.error("%s", error)
             sys.exit(2)
@@ -152,7 +164,10 @@ class Node(Generic[ConfigT]):
         routed = network.router and not network.local and not network.session_file
         self._router = RouterLink(network.router, network.site, self._sees_router) if routed else None
         own = network.local or network.session_file
-        self._link_repair = None if own else LinkRepair(self.session, network, self.robot.name, visits=not steady)
+        visits = role if role in {"inside", "outside"} and service not in _STEADY else None
+        self._link_repair = None if own else LinkRepair(self.session, network, self.robot.name, visits)
+        is_deaf = role == "outside" and session is None and not own
+        self._base_reach = BaseReach(self.session, network, self.robot.name) if is_deaf else None
         self._boards: list[BoardLink] = []
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
@@ -307,6 +322,12 @@ class Node(Generic[ConfigT]):
             self.set_notice("router", self._router.problem(now))
         if self._link_repair is not None:
             self._link_repair.look(now)
+        if self._base_reach is not None and self._base_reach.is_deaf(now):
+            self._process.start_again(
+                "the robot's door hears base and this process does not, because no other host can dial this one "
+                "(a firewall?): all goes through the door from now on",
+                {"GIRAFF_NETWORK_CLIENT": "true"},
+            )
         # Zenoh learns this host's addresses at the start of a process, so a new address takes a new process.
         if self._addresses is not None and self._addresses.due(now):
             addresses = host_addresses()

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from tests.rules.repository import ROOT, SOURCE_ROOTS, packages, pyproject, services
+from tests.rules.test_policies import parts
 from tests.support.tools import finished
 
 LINT_IMPORTS = Path(sys.executable).with_name("lint-imports")
@@ -105,7 +106,8 @@ def test_contracts_name_every_package() -> None:
 @pytest.mark.parametrize("package", services())
 def test_a_service_is_configuration_policy_and_main(package: str) -> None:
     modules = {path.name for path in (ROOT / "services" / package).iterdir()}
-    assert {"__init__.py", "__main__.py", "config.py", "policy.py", "main.py"} <= modules
+    pure = {f"{part}.py" for part in parts(package)}
+    assert {"__init__.py", "__main__.py", "main.py"} | pure <= modules
 
 
 LOAD = """

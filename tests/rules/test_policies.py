@@ -63,6 +63,11 @@ def test_an_impure_import_shows(source: str, expected: list[str]) -> None:
     assert impure_imports(source) == expected
 
 
+def parts(package: str) -> list[str]:
+    """Modules of a service that touch no world. A door decides nothing."""
+    return ["config"] if package == "giraff_door" else ["config", "policy"]
+
+
 LOADS = """
 import importlib, sys
 for module in {modules}:
@@ -77,7 +82,7 @@ def loaded_of_the_network(modules: list[str]) -> str:
 
 
 def test_importing_a_policy_loads_no_network() -> None:
-    modules = [f"{package}.{part}" for package in services() for part in ("config", "policy")]
+    modules = [f"{package}.{part}" for package in services() for part in parts(package)]
     assert loaded_of_the_network(modules) == "[]"
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
+
 from tests.dst.test_stops import ROWS
 from tests.loop.test_motion_stops import ROWS as MOTION_ROWS
-from tests.rules.node_ids import is_simulated
+from tests.rules.node_ids import exists, is_simulated
+from tests.rules.repository import ROOT
 from tests.timing import fault_table
 from tests.timing.faults import MOVING
 from tests.timing.scenarios import SCENARIOS
@@ -38,3 +41,18 @@ def test_what_stops_in_simulated_time_has_the_bound_that_the_table_has() -> None
     bounds = {each.fault: each.bound for each in SCENARIOS if judge_of(each).startswith((f"{STOPS}[", MOTION_STOPS))}
     moving = {f"{name}{MOVING}": row.bound for name, row in MOTION_ROWS.items()}
     assert bounds == {name: row.bound for name, row in ROWS.items()} | moving
+
+
+def test_whoever_shows_what_a_page_says_is_there() -> None:
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *(ROOT / "docs").glob("*.md")]
+    named = {
+        each for page in pages for each in re.findall(r"tests/[\w/]+\.py(?:::\w+)?", page.read_text(encoding="utf-8"))
+    }
+    assert [test for test in sorted(named) if "::" in test and not exists(test)] == []
+
+
+def test_each_letter_of_the_access_table_is_a_test() -> None:
+    page = (ROOT / "docs" / "access.md").read_text(encoding="utf-8")
+    legend = re.findall(r"^([a-z]) `tests/\S+::\w+`[,.]$", page, re.MULTILINE)
+    used = {letter for letters in re.findall(r": ([a-z](?: [a-z])*)(?=;| \|)", page) for letter in letters.split()}
+    assert (len(legend), set(legend)) == (len(used), used)

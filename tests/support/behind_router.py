@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from giraff_cli.keys.manage import make_authority, make_bundle
 from tests.support.elsewhere import clean
-from tests.support.sites import ROUTER, Sites
+from tests.support.sites import OWN_SOCKETS, ROUTER, Sites
 
 _SESSION: Final = Path(__file__).with_name("site_session.py")
 
@@ -145,7 +145,7 @@ class BehindRouter:
 def _environment(robot_file: Path) -> dict[str, str]:
     """Of a process that is started for itself: this one's own threads are no word for it."""
     given = {name: value for name, value in os.environ.items() if name != "ZENOH_RUNTIME"}
-    return clean(given) | {"GIRAFF_CONFIG": str(robot_file)}
+    return clean(given) | OWN_SOCKETS | {"GIRAFF_CONFIG": str(robot_file)}
 
 
 def _table(name: str, access: Mapping[str, Any]) -> str:

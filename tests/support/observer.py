@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -10,19 +9,19 @@ import zenoh
 
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import load
-from giraff_node.network.session import close_session, session_config
+from giraff_node.network.session import close_session, open_session
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.topics import Query, SampleT, Topic, key_of
 
 
 class Observer:
-    """A peer of the robot's network that no service knows of."""
+    """A peer of the robot's network that no service knows of, and its door."""
 
     def __init__(self, environment: Mapping[str, str]) -> None:
         self._robot = environment["GIRAFF_ROBOT_NAME"]
-        settings = session_config(load("network", NetworkConfig, environment), self._robot)
-        settings["listen"]["endpoints"] = ["tcp/127.0.0.1:0"]  # the rendezvous is owned by one of the robot's own
-        self.session = zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
+        network = load("network", NetworkConfig, environment)
+        self.session = open_session(network, self._robot, "inside", visits=True)
+        self.door = open_session(network, self._robot, "door", visits=True)
         self._newest: dict[str, Any] = {}
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
@@ -56,4 +55,5 @@ class Observer:
 
     def close(self) -> None:
         self._declared.clear()
+        close_session(self.door)
         close_session(self.session)

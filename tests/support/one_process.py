@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import count
+from types import SimpleNamespace
 from typing import Any
 
 import zenoh
@@ -114,6 +115,7 @@ class Session:
         self._tokens: list[str] = []
         self.subscribed: list[str] = []
         """Every key that anybody ever listened to."""
+        self.info = SimpleNamespace(peers_zid=list, routers_zid=list)
 
     def liveliness(self) -> Session:
         return self

@@ -6,7 +6,6 @@ import json
 import math
 import os
 import signal
-import socket
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -186,18 +185,6 @@ class ProcessRobot:
         self.signal(service, signal.SIGKILL)
         self.wait(f"the end of {service}", lambda: bool(self._processes.reap()), PATIENCE)
 
-    def keep_from_rendezvous(self, service: str) -> None:
-        """Start a service anew while another owns the rendezvous, where newcomers find the robot."""
-        host, _, port = self.environment["GIRAFF_NETWORK_RENDEZVOUS"].rpartition(":")
-        self.kill(service)
-
-        def is_owned() -> bool:
-            with socket.socket() as probe:
-                return probe.connect_ex((host, int(port))) == 0
-
-        self.wait("another at the rendezvous", is_owned, PATIENCE)
-        self.start(service)
-
     def log(self, service: str) -> str:
         return self._processes.log(service).read_text()
 
@@ -352,14 +339,15 @@ class ProcessRobot:
         """Let the joystick reach base, guard and motion through a cable each, and nothing else."""
         network = load("network", NetworkConfig, self.environment)
         name = self.environment["GIRAFF_ROBOT_NAME"]
-        operators = session_config(network, name)
+        operators = session_config(network, name, "outside")
+        operators["transport"]["link"]["protocols"] = ["tcp"]
         operators["listen"]["endpoints"] = []
         operators["connect"]["endpoints"] = []
         operators["scouting"]["gossip"] = {"enabled": False}  # it would tell the others' own ports
         for service in ("base", "guard", "motion"):
             port = free_port()
             self.cables.append(end.enter_context(Cable(free_port(), port)))
-            settings = session_config(network, name)
+            settings = session_config(network, name, "inside")
             settings["listen"]["endpoints"].append(f"tcp/127.0.0.1:{port}")
             self._write_session(service, settings)
             operators["connect"]["endpoints"].append(f"tcp/127.0.0.1:{self.cables[-1].port}")

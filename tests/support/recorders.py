@@ -68,7 +68,7 @@ def killed_recording(robot: ProcessRobot, name: str) -> tuple[Path, int]:
 def hearing(rendezvous: str, robot: str) -> Iterator[RawSubscriber]:
     """To all that comes of a robot, as long as the block lasts, on a loopback whose rendezvous nobody else owns."""
     network = NetworkConfig(local=True, rendezvous=rendezvous)
-    session = zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network, robot))))
+    session = zenoh.open(zenoh.Config.from_json5(json.dumps(session_config(network, robot, "apart"))))
     subscriber = RawSubscriber(session, [key_below(robot, "**")])
     try:
         yield subscriber

@@ -19,12 +19,12 @@ from giraff_sim.control.client import SimulatorClient
 from tests.support.behind_router import BehindRouter
 from tests.support.elsewhere import clean
 from tests.support.process_robot import FULL_TILT, PATIENCE, PROVING_ROOM
-from tests.support.sites import ROUTER, Sites
+from tests.support.sites import OWN_SOCKETS, ROUTER, Sites
 from tests.support.waiting import wait
 
 _ROBOT_FILE: Final = (ROOT / "deploy" / "robot.toml").read_text()
 _HOSTS: Final = {
-    "robot": ("base,ranger", ("base", "guard", "ranger", "odometry")),
+    "robot": ("base,ranger", ("door", "base", "guard", "ranger", "odometry")),
     "operator": ("joystick", ("joystick",)),
 }
 """Host -> boards, services."""
@@ -117,6 +117,7 @@ class RemoteRobot:
         environment = {
             **clean(dict(os.environ)),
             **KNOWN,
+            **OWN_SOCKETS,
             "GIRAFF_CONFIG": str(file),
             "GIRAFF_ROBOT_NAME": self._name,
             "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",

@@ -23,7 +23,7 @@ class SiteSession:
     """Everything the parent can ask for; each answer can be written as JSON."""
 
     def __init__(self, robot: str, changes: dict[str, Any]) -> None:
-        self._settings = session_config(load("network", NetworkConfig), robot, visiting=True) | changes
+        self._settings = session_config(load("network", NetworkConfig), robot, "apart") | changes
         self._session = self._open()
         self._crowd: list[zenoh.Session] = []
         self._heard: list[tuple[str, str]] = []

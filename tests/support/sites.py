@@ -12,6 +12,9 @@ from typing import Final, Self
 from tests.support.waiting import wait
 
 ROUTER: Final = "router"
+_SOCKETS: Final = Path("/tmp/giraff-sites")  # noqa: S108  nothing is written to it: each site has a memory of its own there
+OWN_SOCKETS: Final = {"GIRAFF_NETWORK_SOCKETS": str(_SOCKETS)}
+"""For the environment of each process: no host sees the Unix sockets of another."""
 _PATIENCE: Final = 10.0  # s
 
 
@@ -29,12 +32,13 @@ class Sites:
         self._as_user = [] if os.geteuid() == 0 else ["--user", "--map-root-user"]
 
     def __enter__(self) -> Self:
+        _SOCKETS.mkdir(exist_ok=True)
         try:
-            self._hold(ROUTER, ["unshare", *self._as_user, "--net"])
+            self._hold(ROUTER, ["unshare", *self._as_user, "--net", "--mount"])
             self._run(ROUTER, "sh", "-c", f"echo {self._routed:d} > /proc/sys/net/ipv4/ip_forward")
             self._run(ROUTER, "ip", "link", "set", "lo", "up")
             for site in self._sites:
-                self._hold(site, [*self._into(ROUTER), "unshare", "--net"])
+                self._hold(site, [*self._into(ROUTER), "unshare", "--net", "--mount"])
                 self._wire(site)
             for site in self._sites:
                 self.await_link(site, "UP")
@@ -86,7 +90,7 @@ class Sites:
         return [self.router(site) for site in self._sites]
 
     def _hold(self, site: str, command: list[str]) -> None:
-        holder = subprocess.Popen([*command, "sleep", "infinity"])
+        holder = subprocess.Popen([*command, "sh", "-c", f"mount -t tmpfs tmpfs {_SOCKETS} && exec sleep infinity"])
         self._holders[site] = holder
         deadline = time.monotonic() + _PATIENCE
         while (
@@ -98,7 +102,7 @@ class Sites:
 
     def _into(self, site: str) -> list[str]:
         user = ["--user", "--preserve-credentials"] if self._as_user else []
-        return ["nsenter", "--target", str(self._holders[site].pid), *user, "--net", "--"]
+        return ["nsenter", "--target", str(self._holders[site].pid), *user, "--net", "--mount", "--wd=.", "--"]
 
     def _wire(self, site: str) -> None:
         leg, peer = _leg(site), str(self._holders[site].pid)

@@ -49,7 +49,7 @@ class Talker:
 @contextmanager
 def talker(rendezvous: str, robot: str, service: str = "base") -> Iterator[Talker]:
     """With a token on the network, as long as the block lasts."""
-    session = open_session(NetworkConfig(rendezvous=rendezvous, local=True), robot, visiting=True)
+    session = open_session(NetworkConfig(rendezvous=rendezvous, local=True), robot, "inside", visits=True)
     try:
         with session.liveliness().declare_token(alive_key(robot, service, INSTANCE)):
             yield Talker(session, robot)

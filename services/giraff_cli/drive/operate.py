@@ -15,6 +15,7 @@ from giraff_cli.network.limits import ask_limits
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.main import go_on_asking, in_terminal, run_keyboard
 from giraff_node import Node
+from giraff_node.network.hand import open_hand
 from giraff_node.node import Settings
 from giraff_schemas.services import KEYBOARD
 
@@ -40,7 +41,7 @@ def drive(robot: str | None, connect: Sequence[str]) -> int:
 
 def _drive(connection: RobotConnection, settings: Settings[KeyboardConfig]) -> int:
     # The services' runtime from here on, with its signals: whatever ends it, the robot is told first.
-    node = Node(KEYBOARD.name, settings, session=connection.session)
+    node = Node(KEYBOARD.name, settings, session=open_hand(connection.network, connection.robot, connection.session))
     node.log.setLevel(logging.ERROR)  # the screen tells the rest
     with node:
         with DriveTerminal(node.fail) as terminal:

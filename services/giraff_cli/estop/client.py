@@ -28,6 +28,7 @@ ENGAGED: Final = 1
 UNKNOWN: Final = 2
 
 _TURN: Final = 0.01  # s
+_LEAST: Final = 0.5  # s
 _NEWCOMERS: Final = 1.0  # s after the last one was met; the others of a network are met within some ten ms
 _MOST_TOLD: Final = 20  # robots that did not confirm; on an open network anybody may declare a name
 _TWO_PERIODS: Final = 2.5 / ESTOP.rate_hz  # s in which every base has told its state
@@ -45,7 +46,7 @@ def engage(connection: RobotConnection, by: str, reason: str, timeout: float, *,
 
     `doubt`: why it is not known whether the robot that answers is the one that is meant; then the code is UNKNOWN.
     """
-    robot, deadline = connection.robot, time.monotonic() + timeout
+    robot, deadline = connection.robot, time.monotonic() + _left(connection, timeout)
     asking = request_estop(connection.session, robot, by=by, reason=reason)
     answer = asking.wait(deadline)
     if doubt and (answer or _has_stopped(asking)):
@@ -91,15 +92,17 @@ def engage_all(
 def _engage_heard(
     connection: RobotConnection, by: str, reason: str, timeout: float, tell: Callable[[Result], object], doubt: str
 ) -> int:
-    monitor = RobotMonitor(connection.session)
+    doors = [(connection.session, RobotMonitor(connection.session))]
+    connection.open_other_doors(lambda session: doors.append((session, RobotMonitor(session))))
     asking: dict[str, EStopClient] = {}
     stopped: set[str] = set()
     teller = ThreadPoolExecutor(1)  # a host that is looked up takes up to 0.5 s, in which the others are asked
-    began = newest = time.monotonic()
-    while (now := time.monotonic()) - began < timeout:
-        for robot in monitor.all_names:
+    newest = time.monotonic()
+    until = newest + _left(connection, timeout)
+    while (now := time.monotonic()) < until:
+        for session, robot in ((session, robot) for session, monitor in doors for robot in monitor.all_names):
             if robot not in asking:  # each by its own key: rules of a secured network pass none with a wildcard
-                asking[robot] = request_estop(connection.session, robot, by=by, reason=reason)
+                asking[robot] = request_estop(session, robot, by=by, reason=reason)
                 newest = now
         for robot in sorted(asking.keys() - stopped):
             if (answer := _poll(asking[robot], now)) is not None:
@@ -121,6 +124,11 @@ def _engage_heard(
         tell(result)
         codes.append(result.code)
     return max(codes) if _are_all(connection, asking, tell) else UNKNOWN
+
+
+def _left(connection: RobotConnection, timeout: float) -> float:
+    """Return what is left of the time, where a door had to be waited for."""
+    return max(_LEAST, timeout - (connection.waited or 0.0))
 
 
 def _weight(connection: RobotConnection, asking: Mapping[str, EStopClient], robot: str) -> tuple[bool, bool, str]:

@@ -39,7 +39,7 @@ def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeo
     code = UNUSABLE
     if plan.target is not None:
         try:
-            code = visit(plan.target, stop)
+            code = visit(plan.target, stop, patience=timeout)
         except UnopenedError as error:
             print_error(f"NOTHING IS STOPPED: use the battery switch; {error}")
     if plan.complaint:

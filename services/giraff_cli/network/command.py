@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import shlex
 import sys
+import time
 import traceback
 from collections.abc import Callable, Sequence
 from typing import Final
 
 import zenoh
 
-from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.connection import MovedError, RobotConnection
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.program import called_here
 from giraff_node.config.robot_file import ConfigError
@@ -19,7 +20,7 @@ from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import CORRECT_IT, Target, find_robot, require_consent, resolve_target
 from giraff_node.network.reach import find_silent
-from giraff_node.network.session import open_session
+from giraff_node.network.session import NobodyError, Role, open_session
 from giraff_node.process.lifecycle import restart_program
 
 UNUSABLE: Final = 2
@@ -27,15 +28,12 @@ _BROKEN: Final = 1  # as Python's own after an exception that nobody catches
 
 _CAME_BACK: Final = "VISITED_BEFORE"
 """Set in the environment of a visit that begins anew at another network: there an address may yet be out of reach."""
+_ASK_AGAIN: Final = 0.1  # s
 _CLOSE_WITHIN: Final = 0.3  # s; whoever has ended a command does not wait, and the robot sees a dead link at once
 
 
 class UnopenedError(Exception):
     """No session can be opened on a network. The message says why, and the remedy."""
-
-
-class MovedError(Exception):
-    """This host is to be found at other addresses than when the visit began."""
 
 
 def run_with_robot(
@@ -53,12 +51,13 @@ def run_with_robot(
 
     def find_and_act(connection: RobotConnection) -> int:
         if not connection.robot:
-            connection.robot = find_robot(connection.session, connection.filed, patience)
+            left = patience if connection.waited is None else 0.0
+            connection.robot = find_robot(connection.session, connection.filed, patience, left)
             if moves:
                 require_consent(connection.session, connection.robot, naming(connection.robot))
         return act(connection)
 
-    return run_on_network(robot, connect, find_and_act)
+    return run_on_network(robot, connect, find_and_act, patience=patience)
 
 
 def naming(robot: str) -> str:
@@ -74,11 +73,13 @@ def run_on_network(
     act: Callable[[RobotConnection], int],
     *,
     records: bool = False,
+    role: Role = "client",
+    patience: float = 0.0,
 ) -> int:
     """The exit code of `act` on the network, whose connection has no robot where nobody has named one; or UNUSABLE.
 
     An address of `connect` that does not answer is an error: another robot would be found in its place.
-    `records`: it hears what is no sample of ours (`session_config`).
+    `records`: it hears what is no sample of ours (`session_config`). `role`: as there; `patience`: as of `visit`.
     """
     try:
         way = resolve_target(robot, connect)
@@ -91,17 +92,25 @@ def run_on_network(
     if way.warning:
         print_error(not_all_counts(way.warning))
     try:
-        return visit(way, act, records=records)
+        return visit(way, act, records=records, role=role, patience=patience)
     except UnopenedError as error:
         return print_error(str(error))
 
 
-def visit(way: Target, act: Callable[[RobotConnection], int], *, records: bool = False) -> int:
+def visit(
+    way: Target,
+    act: Callable[[RobotConnection], int],
+    *,
+    records: bool = False,
+    role: Role = "client",
+    patience: float = 0.0,
+) -> int:
     """The exit code of `act` on this network. Raises UnopenedError.
 
+    Nobody may be there. Then it is tried again for `patience` s, and after that the connection waits to be met.
     A session that does not close keeps no process from ending.
     """
-    connection = RobotConnection(way.robot, _opened(way, records=records), way.filed, way.network)
+    connection = _connected(way, role, records, patience)
     try:
         code = guard_stdout(lambda: act(connection))
     except MovedError:
@@ -124,15 +133,26 @@ def close_after_fault(connection: RobotConnection) -> None:
         os._exit(_BROKEN)
 
 
-def _opened(way: Target, *, records: bool) -> zenoh.Session:
-    try:
-        return open_session(way.network, way.robot or "*", visiting=True, records=records)
-    except ConfigError as error:
-        raise UnopenedError(str(error)) from error
-    except zenoh.ZError as error:
-        raise UnopenedError(
-            f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect"
-        ) from error
+def _connected(way: Target, role: Role, records: bool, patience: float) -> RobotConnection:
+    waited: float | None = None
+    began = time.monotonic()
+    while True:
+        try:
+            session = open_session(way.network, way.robot or "*", role, records=records)
+        except NobodyError:
+            waited = time.monotonic() - began
+            if waited >= patience:
+                role = "outside"
+            time.sleep(_ASK_AGAIN)
+        except ConfigError as error:
+            raise UnopenedError(str(error)) from error
+        except zenoh.ZError as error:
+            raise UnopenedError(
+                f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect"
+            ) from error
+        else:
+            waited = waited if role == "outside" else None
+            return RobotConnection(way.robot, session, way.filed, way.network, waited)
 
 
 def not_all_counts(warning: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
@@ -10,9 +11,10 @@ from typing import Any, Final, Protocol
 
 import zenoh
 
-from giraff_core.network import NetworkConfig
+from giraff_core.network import NetworkConfig, addresses
 from giraff_node import robot_now_ns
-from giraff_node.network.session import close_session
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.network.session import NobodyError, close_session, open_clients
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
@@ -22,6 +24,10 @@ from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
 _ASK_AGAIN: Final = 0.1  # s
 _ANY_NETWORK: Final = NetworkConfig()
 _MOST_WAITING: Final = 20_000  # reports, 40 s of them; a listener that stands still longer loses the oldest
+
+
+class MovedError(Exception):
+    """The network is another than when the visit began: this host has other addresses, or somebody is there at last."""
 
 
 class Listener(Protocol):
@@ -42,9 +48,16 @@ class RobotConnection:
     """What Zenoh's threads hear waits in a queue, so that the listener has one thread."""
 
     def __init__(
-        self, robot: str, session: zenoh.Session, filed: str = "", network: NetworkConfig = _ANY_NETWORK
+        self,
+        robot: str,
+        session: zenoh.Session,
+        filed: str = "",
+        network: NetworkConfig = _ANY_NETWORK,
+        waited: float | None = None,
     ) -> None:
         """`session`: of this connection alone, which closes it, on `network`."""
+        self.waited = waited
+        """s in which no door was found. The session is then one that waits to be met; None: it hears all."""
         self.robot = robot
         self.filed = filed
         """The name in the robot file of the current folder, where nobody has named one; it counts if it is heard."""
@@ -52,6 +65,8 @@ class RobotConnection:
         self.network = network
         self._heard: deque[Report] = deque(maxlen=_MOST_WAITING)
         self._declared: dict[str, Any] = {}  # by key; a subscriber that nobody references ends
+        self._others: list[zenoh.Session] = []
+        self._is_closed = False
         self._complaints: dict[str, tuple[int, str]] = {}
         """Of each key: when (robot's clock), what."""
 
@@ -80,7 +95,9 @@ class RobotConnection:
         self._declared.pop(key_of(self.robot, topic)).undeclare()
 
     def dispatch(self, listener: Listener) -> None:
-        """Tell `listener` what was heard since the last call."""
+        """Tell `listener` what was heard since the last call. Raises MovedError."""
+        if self.waited is not None and next(iter(self.session.info.peers_zid()), None) is not None:
+            raise MovedError
         with contextlib.suppress(IndexError):  # Zenoh's threads fill it: emptiness cannot be asked first
             while True:
                 self._heard.popleft()(listener)
@@ -94,9 +111,30 @@ class RobotConnection:
         """The same, of what came after `at_ns`."""
         return [complaint for when_ns, complaint in list(self._complaints.values()) if when_ns >= at_ns]
 
+    def open_other_doors(self, on_door: Callable[[zenoh.Session], object]) -> None:
+        """Open a link to each other door that answers: robots behind one need not be heard at another.
+
+        It takes seconds where an address is silent, so it is done in a thread, which calls `on_door`.
+        """
+        if self.waited is None and not self.network.session_file and len(addresses(self.network)) > 1:
+            threading.Thread(target=self._open_other_doors, args=(on_door,), name="doors", daemon=True).start()
+
+    def _open_other_doors(self, on_door: Callable[[zenoh.Session], object]) -> None:
+        known = _doors(self.session)
+        with contextlib.suppress(NobodyError, ConfigError):
+            for session in open_clients(self.network, "*"):
+                if self._is_closed or _doors(session) <= known:
+                    close_session(session)
+                else:
+                    known |= _doors(session)
+                    self._others.append(session)
+                    on_door(session)
+
     def close(self, within: float = 1.0) -> bool:
         """Leave the network; False when Zenoh does not come back from it, after `within` s."""
-        return close_session(self.session, within)
+        self._is_closed = True
+        closed = [close_session(session, within) for session in (self.session, *self._others)]
+        return all(closed)
 
     def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
         def on_sample(received: zenoh.Sample) -> None:
@@ -114,3 +152,7 @@ class RobotConnection:
 
     def _on_token(self, token: Token, present: bool) -> None:
         self._heard.append(lambda listener: listener.on_liveliness(token.service, token.instance, present=present))
+
+
+def _doors(session: zenoh.Session) -> set[str]:
+    return {str(zid) for zid in (*session.info.peers_zid(), *session.info.routers_zid())}

@@ -68,6 +68,7 @@ def play(
             lambda connection: _play(
                 connection, stopping, reader, Played(file=str(path), robot=name), keys, rate, as_json=as_json
             ),
+            role="apart",
         )
 
 

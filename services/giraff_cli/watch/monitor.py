@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from contextlib import closing
 from typing import Final
 
-from giraff_cli.network.command import MovedError, print_error, run_on_network
-from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.command import print_error, run_on_network
+from giraff_cli.network.connection import MovedError, RobotConnection
 from giraff_cli.telemetry.collector import Snapshot, Telemetry
 from giraff_cli.terminal.output import DONE
 from giraff_cli.terminal.screen import LineScreen, Screen, Terminal, open_screen

@@ -11,6 +11,7 @@ from giraff_cli.network.limits import ask_limits
 from giraff_cli.network.ports import port_or_any
 from giraff_cli.terminal import addresses
 from giraff_node import Node
+from giraff_node.network.hand import open_hand
 from giraff_node.node import Settings
 from giraff_schemas.services import WEB
 from giraff_web.config import WebConfig
@@ -35,6 +36,7 @@ def serve(robot: str | None, connect: Sequence[str], port: int | None) -> int:
 
 def _serve(connection: RobotConnection, settings: Settings[WebConfig]) -> int:
     # The services' runtime from here on, with its signals: whatever ends it, the robot is told first.
-    with Node(WEB.name, settings, session=connection.session) as node:
+    session = open_hand(connection.network, connection.robot, connection.session)
+    with Node(WEB.name, settings, session=session) as node:
         run_web(node, lambda told: addresses.tell(addresses.with_loopback(told)))
     return _DONE

@@ -178,9 +178,12 @@ def choose(found: Sequence[str], filed: str) -> Choice:
     return Choice(found[0] if len(found) == 1 else "", remark)
 
 
-def find_robot(session: zenoh.Session, filed: str, patience: float) -> str:
-    """The robot that is there, where nobody has named one. A person at a terminal is asked. Raises NoRobotError."""
-    deadline = time.monotonic() + patience
+def find_robot(session: zenoh.Session, filed: str, patience: float, left: float | None = None) -> str:
+    """The robot that is there, where nobody has named one. A person at a terminal is asked. Raises NoRobotError.
+
+    `left`: s of the patience; None: all.
+    """
+    deadline = time.monotonic() + (patience if left is None else left)
     while not (found := list_robots(session)):
         if time.monotonic() > deadline:
             named = f"; {DEFAULT_FILE} names {filed}" if filed else ""

@@ -1,15 +1,16 @@
 """Where other hosts reach this one, and whether that is still what its session tells them.
 
 Zenoh looks at the interfaces once, when the process opens its first session. A robot whose Wi-Fi comes up after its
-services, or gets another address, would go on telling the old addresses: some hosts would reach it and some never.
+door, beside a cable to a laser or a VPN, would go on telling the old addresses, and call on the old networks: nobody on
+the new one would find it.
 """
 
 from __future__ import annotations
 
 import fcntl
+import re
 import socket
 import struct
-from pathlib import Path
 from typing import Final
 
 _GET_FLAGS: Final = 0x8913  # linux/sockios.h, SIOCGIFFLAGS
@@ -18,37 +19,45 @@ _LOOPBACK: Final = 0x8  # linux/if.h
 _UP_AND_RUNNING: Final = 0x1 | 0x40
 _REQUEST: Final = struct.Struct("16s24x")  # struct ifreq: a name, and what is asked for in place of the padding
 
+_CONTAINERS: Final = re.compile(r"docker\d|br-[0-9a-f]{12}$|virbr\d|lxc|lxdbr|podman|cni|veth")
+"""Names of the interfaces that Docker and its like make: no other host is behind them. A bridge of the host's own, such
+as br0, carries its network."""
 _LOOK: Final = 1.0  # s between looks
 _SETTLED: Final = 1.0  # s; an address that comes and goes is none
 
 
 def host_addresses() -> frozenset[str]:
-    """IPv4 addresses of the interfaces that are up and have a carrier; of no loopback, and no bridge like docker0."""
+    """IPv4 addresses of the interfaces that are up and have a carrier; of no loopback, and no bridge of containers."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
         found = (_address(asked, name) for _, name in socket.if_nameindex())
         return frozenset(address for address in found if address)
 
 
 class AddressWatch:
-    """Says when none of the addresses that were told is left, but there are others. `told`: when the session opened."""
+    """Says when this host is to be found elsewhere than was told. `told`: its addresses when the session opened.
 
-    def __init__(self, told: frozenset[str]) -> None:
+    `every`: each address that comes or goes counts, as it does for a door, which nobody's driving depends on. Else only
+    that none of those which were told is left: whoever drives is not stopped by a VPN.
+    """
+
+    def __init__(self, told: frozenset[str], *, every: bool = False) -> None:
         self._told = told
+        self._every = every
         self._next = 0.0
-        self._moved_at: float | None = None
+        self._seen = told
+        self._since = 0.0
 
     def due(self, now: float) -> bool:
         """Whether it is time to look again. `now`: monotonic, s."""
         return now >= self._next
 
     def moved(self, now: float, addresses: frozenset[str]) -> bool:
-        """Whether this host is to be found elsewhere, and stays there."""
+        """Whether this host has other addresses, and keeps them."""
         self._next = now + _LOOK
-        if not addresses or addresses & self._told:
-            self._moved_at = None
-        elif self._moved_at is None:
-            self._moved_at = now
-        return self._moved_at is not None and now - self._moved_at >= _SETTLED
+        if addresses != self._seen:
+            self._seen, self._since = addresses, now
+        is_other = addresses != self._told if self._every else not addresses & self._told
+        return bool(addresses) and is_other and now - self._since >= _SETTLED
 
 
 def _address(asked: socket.socket, name: str) -> str:
@@ -56,13 +65,9 @@ def _address(asked: socket.socket, name: str) -> str:
     request = _REQUEST.pack(name.encode())
     try:
         (flags,) = struct.unpack_from("H", fcntl.ioctl(asked, _GET_FLAGS, request), 16)
-        if flags & _UP_AND_RUNNING != _UP_AND_RUNNING or flags & _LOOPBACK or _is_bridge(name):
+        if flags & _UP_AND_RUNNING != _UP_AND_RUNNING or flags & _LOOPBACK or _CONTAINERS.match(name):
             return ""
         # A struct sockaddr_in: family and port, 2 bytes each, before the address.
         return socket.inet_ntoa(fcntl.ioctl(asked, _GET_ADDRESS, request)[20:24])
     except OSError:  # it is gone since it was listed, or has no address
         return ""
-
-
-def _is_bridge(name: str) -> bool:
-    return Path("/sys/class/net", name, "bridge").exists()

@@ -19,11 +19,11 @@ import zenoh
 
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import close_session, open_session
+from giraff_node.network.session import Role, close_session, open_session
 from giraff_node.network.tcp_options import set_tcp_options
 
-_STAYS: Final = 6.0
-"""s; who was linked for less was a visitor, like `giraff estop`, and has left."""
+_STAYS: Final = 2.0
+"""s; who was linked for less made such a visit, and has left. Commands are clients, and touch nobody but a door."""
 _VISITS_EVERY: Final = 1.0  # s; the first may come before the other end has noticed
 _GIVES_UP: Final = 12.0
 """s; then it was ended, alone of its host. A program that is not ours may hold a dead link for 10 s."""
@@ -67,7 +67,8 @@ class LostPeers:
 class LinkRepair:
     """Looks after the links of a session: a dead one is let go, and visits are made, one at a time, in a thread."""
 
-    def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str, *, visits: bool) -> None:
+    def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str, visits: Role | None) -> None:
+        """`visits`: the role in which it does; None: it leaves that to others."""
         self._session, self._network, self._robot, self._visits = session, network, robot, visits
         # One visit mends the links of all: not all who miss somebody make theirs at the same moment.
         self._lost_peers = LostPeers(int(str(session.zid())[-2:], 16) / 256 * _LOOK * 2)
@@ -80,19 +81,19 @@ class LinkRepair:
             return
         self._next = now + _LOOK
         set_tcp_options()
-        if not self._visits:
+        if self._visits is None:
             return
         links = hosts_of((str(link.zid), link.dst) for link in self._session.info.links())
         if self._lost_peers.look(now, links) and (self._under_way is None or not self._under_way.is_alive()):
-            whom = (self._network, self._robot)
+            whom = (self._network, self._robot, self._visits)
             self._under_way = threading.Thread(target=join_briefly, args=whom, name="visit", daemon=True)
             self._under_way.start()
 
 
-def join_briefly(network: NetworkConfig, robot: str) -> None:
+def join_briefly(network: NetworkConfig, robot: str, role: Role) -> None:
     """Join the network of `robot` for a moment."""
     try:
-        session = open_session(network, robot, visiting=True)
+        session = open_session(network, robot, role, visits=True)
     except (zenoh.ZError, ConfigError):  # the next visit, or nobody, is told; this process is well without
         return
     time.sleep(_VISIT)

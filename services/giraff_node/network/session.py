@@ -6,23 +6,31 @@ for each mode, and `recorder.toml` for who records. Here this host's own endpoin
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import os
 import threading
 import tomllib
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 import msgspec
 import zenoh
 
-from giraff_core.access import access_control
-from giraff_core.network import NetworkConfig, with_port
+from giraff_core.access import access_control, with_inside
+from giraff_core.network import NetworkConfig, addresses, link_of, ports_of
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
+from giraff_node.network.scouting import find_doors
+from giraff_node.network.sockets import PROTOCOL, own_socket, socket_folder
+from giraff_node.network.tokens import find_tokens
+from giraff_schemas.services import PLAY, ROBOTS_OWN
+from giraff_schemas.topics import alive_key
 
 _FILES: Final = Path(__file__).parents[1] / "zenoh"
 _CLOSE_TIMEOUT: Final = 1.0  # s
+_ANSWERS_WITHIN: Final = 0.3  # s in which a door tells who is there
 
 CERTIFICATES: Final = {
     "root_ca_certificate": CA_CERTIFICATE,
@@ -34,36 +42,68 @@ CERTIFICATES: Final = {
 """Zenoh's name -> file of the host's bundle, as `giraff keys host` makes it."""
 
 
-def session_config(
-    network: NetworkConfig, robot: str, *, visiting: bool = False, records: bool = False
-) -> dict[str, Any]:
-    """The Zenoh configuration of a peer of `robot`, as nested dictionaries. Raises ConfigError.
+Role = Literal["inside", "door", "outside", "apart", "client"]
+"""What the network is to a process.
 
-    `visiting`: it is gone in a moment, and leaves the rendezvous to those who stay. A session that waits for the
-    rendezvous to become free does not come back from its close, either. `records`: it hears what is no sample of ours.
+`inside`: a service that the robot's stopping depends on. It listens at Unix sockets alone and dials out.
+`door`: the process of a host that others find, at the port of the rendezvous.
+`outside`: listens at a port of its own; a hand, and whatever stays and is none of the robot's own.
+`apart`: as a door, but at no Unix socket, so that no robot of this host believes it; a recording that is played.
+`client`: has one link, to a door, and hears all through it; a command, and a hand whose host cannot be dialled.
+"""
+
+_OUTERMOST: Final = "ffffffff"
+"""Zenoh compares ids from their last digits on, and of two peers the greater dials: nobody can dial who is inside."""
+_RETRIED: Final = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
+# Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
+_FIRST: Final = "#exit_on_failure=true"
+_IS_TAKEN: Final = 50
+"""ms until a port counts as taken. Zenoh would wait for it for good, and at 0 it never tries the rendezvous again."""
+
+
+class NobodyError(Exception):
+    """A client finds no door. The message says where it has looked."""
+
+
+def session_config(
+    network: NetworkConfig,
+    robot: str,
+    role: Role = "door",
+    *,
+    records: bool = False,
+    visits: bool = False,
+    port: int = 0,
+    name: str = "peer",
+) -> dict[str, Any]:
+    """The Zenoh configuration of a process of `robot`, as nested dictionaries. Raises ConfigError.
+
+    `port`: of its own, where it listens at one; 0: any. `records`: it hears what is no sample of ours. `visits`: it is
+    gone in a moment, and leaves the sockets' rendezvous to those who stay. A session that waits for the rendezvous to
+    become free does not come back from its close, either. `name`: part of its socket's.
     """
-    config = settings("peer", network.mode, *(("recorder",) if records else ()))
-    _, _, port = network.rendezvous.rpartition(":")
-    protocol = "tls" if network.mode == "secured" else "tcp"
-    reach = "127.0.0.1" if network.local else "0.0.0.0"  # noqa: S104  other hosts are to reach it
-    # Where there is no multicast, or a cable was cut, the other hosts find this one at its rendezvous.
-    meeting = network.rendezvous if network.local else f"{reach}:{port}"
-    retried = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
-    # Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
-    first = "#exit_on_failure=true"
-    own = [f"{reach}:0"]
-    if not network.local:
-        # What listens at all addresses is told by those that have a carrier: the processes of a host without a network
-        # would meet at the rendezvous, and not each other.
-        own.append("127.0.0.1:0")
-    config["listen"]["endpoints"] = [
-        *(() if visiting else (f"{protocol}/{meeting}{retried}",)),
-        *(f"{protocol}/{address}{first}" for address in own),
-    ]
-    # The loopback first: with only `lo` up, two peers of one host would never find each other.
-    others = () if network.local else (*network.connect, *filter(None, [network.router]))
-    config["connect"]["endpoints"] = [f"{protocol}/{with_port(address)}" for address in (network.rendezvous, *others)]
-    if network.local:
+    config = settings(
+        "peer", network.mode, *(("client",) if role == "client" else ()), *(("recorder",) if records else ())
+    )
+    link = link_of(network)
+    folder = socket_folder(network)
+    meeting = f"{PROTOCOL}/{folder}/rendezvous"
+    config["connect"]["endpoints"] = [meeting, *(f"{link}/{address}" for address in addresses(network))]
+    if role != "client":
+        stays = role in {"inside", "door"} and not visits
+        config["listen"]["endpoints"] = [
+            f"{PROTOCOL}/{own_socket(folder, name)}{_FIRST}",
+            *_ports(network, role, port),
+            *([f"{meeting}{_RETRIED}"] if stays else []),  # last: after a taken one nothing is bound in time
+        ]
+        if port:
+            config["listen"]["timeout_ms"] = _IS_TAKEN
+    if role == "apart":
+        config["transport"]["link"]["protocols"].remove(PROTOCOL)
+        for ways in config["listen"], config["connect"]:
+            ways["endpoints"] = [way for way in ways["endpoints"] if not way.startswith(PROTOCOL)]
+    if role == "inside":
+        config["id"] = f"{os.urandom(12).hex()}{_OUTERMOST}".lstrip("0")
+    if network.local or role in {"inside", "client"}:
         config["scouting"]["multicast"]["enabled"] = False
     if network.site:
         config["region_name"] = network.site
@@ -73,18 +113,101 @@ def session_config(
         # Whose host this is matters only for what a router may say to it.
         me = _host_of(keys) if network.access.routers else ""
         config["access_control"] |= access_control(network.access, robot, me)
+    config["access_control"] = with_inside(
+        config["access_control"] if network.mode == "secured" else {},
+        is_inside=role == "inside",
+        is_split=network.is_split,
+    )
     return config
 
 
-def open_session(network: NetworkConfig, robot: str, *, visiting: bool = False, records: bool = False) -> zenoh.Session:
-    """Join the network of `robot`, or visit it (`session_config`). Raises `zenoh.ZError` and ConfigError."""
+def open_session(
+    network: NetworkConfig,
+    robot: str,
+    role: Role = "door",
+    *,
+    records: bool = False,
+    visits: bool = False,
+    name: str = "peer",
+) -> zenoh.Session:
+    """Join the network of `robot`. Raises `zenoh.ZError`, ConfigError and, of a client, NobodyError."""
     if network.session_file:
         return zenoh.open(zenoh.Config.from_file(network.session_file))
-    return zenoh.open(
-        zenoh.Config.from_json5(
-            msgspec.json.encode(session_config(network, robot, visiting=visiting, records=records)).decode()
-        )
+    if role == "client":
+        return _open_client(network, robot, records=records)
+    config = functools.partial(session_config, network, robot, role, records=records, visits=visits, name=name)
+    *first, last = ports_of(network, role)
+    for port in first:
+        with contextlib.suppress(zenoh.ZError):  # somebody else listens there
+            return _open(config(port=port))
+    return _open(config(port=last))
+
+
+def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -> Iterator[zenoh.Session]:
+    """Open one link to each door that answers, one after another. Raises ConfigError, and NobodyError at the first.
+
+    Where no address is given, the network is asked by multicast: for any robot where this host has no door, for one
+    that is named also after this host's own, which need not hear it.
+    """
+    config = session_config(network, robot, "client", records=records)
+    sockets, *named = config["connect"]["endpoints"]
+    doors = [*named, sockets]  # a door before a process that others depend on
+    is_met = False
+    for door in doors:
+        with contextlib.suppress(zenoh.ZError):
+            yield _open(_at(config, [door]))
+            is_met = True
+    if is_met and robot == "*":
+        return
+    if network.mode == "lan" and not network.local and not network.connect:
+        met = [door for door in find_doors() if door.startswith(f"{link_of(network)}/")]
+        with contextlib.suppress(zenoh.ZError):
+            yield _open(_at(config, met or doors))
+            return
+    if not is_met:
+        raise NobodyError(", ".join(each.partition("/")[2] for each in doors))
+
+
+def _open_client(network: NetworkConfig, robot: str, *, records: bool) -> zenoh.Session:
+    """Link to the door at which the robot is heard, else to the first that answers."""
+    first: zenoh.Session | None = None
+    for session in open_clients(network, robot, records=records):
+        if robot == "*" or _is_heard(session, robot):
+            if first is not None:
+                close_session(first)
+            return session
+        if first is None:
+            first = session
+        else:
+            close_session(session)
+    assert first is not None  # noqa: S101  else there was a NobodyError
+    return first
+
+
+def _is_heard(session: zenoh.Session, robot: str) -> bool:
+    """Whether a part of the robot itself is. This host's own hand, at whose socket a command may link, is none."""
+    return any(
+        token.service in (*ROBOTS_OWN, PLAY.name) for token in find_tokens(session, alive_key(robot), _ANSWERS_WITHIN)
     )
+
+
+def _at(config: dict[str, Any], endpoints: Sequence[str]) -> dict[str, Any]:
+    return config | {"connect": config["connect"] | {"endpoints": [*endpoints]}}
+
+
+def _open(config: dict[str, Any]) -> zenoh.Session:
+    return zenoh.open(zenoh.Config.from_json5(msgspec.json.encode(config).decode()))
+
+
+def _ports(network: NetworkConfig, role: Role, port: int) -> list[str]:
+    """Where other hosts reach this process."""
+    link, reach = link_of(network), "127.0.0.1" if network.local else "0.0.0.0"  # noqa: S104  other hosts are to reach it
+    own = [f"{link}/{reach}:{port}{_FIRST}"]
+    if role in {"door", "apart"}:
+        _, _, meeting = network.rendezvous.rpartition(":")
+        at_door = f"{link}/{network.rendezvous if network.local else f'{reach}:{meeting}'}{_RETRIED}"
+        return [at_door] if role == "door" else [*own, at_door]
+    return own if role == "outside" or network.is_split else []
 
 
 def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> bool:

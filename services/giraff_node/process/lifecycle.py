@@ -46,7 +46,7 @@ class Process:
         self._notifier = Notifier()
         self._failure: BaseException | None = None
         self._stopping = False
-        self._again = False
+        self._again: Mapping[str, str] | None = None
         self._waker = Waker()
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, self._on_signal)
@@ -89,10 +89,10 @@ class Process:
         self._failure = error
         self._waker.wake()
 
-    def start_again(self, why: str) -> None:
-        """End, and become the same program anew."""
+    def start_again(self, why: str, marks: Mapping[str, str] = MappingProxyType({})) -> None:
+        """End, and become the same program anew. `marks`: as of `restart_program`."""
         self.log.warning("%s: starting again", why)
-        self._again = self._stopping = True
+        self._again, self._stopping = marks, True
 
     def end(
         self,
@@ -114,8 +114,8 @@ class Process:
         closed = close_session(session)
         self.log.info("ended")
         status = chosen or (1 if kind is not None or self._failure is not None else 0)
-        if self._again and not status:
-            restart_program()
+        if self._again is not None and not status:
+            restart_program(self._again)
         if not closed:
             sys.stderr.flush()
             os._exit(status)
@@ -133,4 +133,4 @@ class Process:
 
     def _on_signal(self, _number: int, _frame: FrameType | None) -> None:
         self._stopping = True  # the wake-up descriptor has already been written to
-        self._again = False
+        self._again = None

@@ -81,7 +81,7 @@ class Base:
 def base(
     network: NetworkConfig, answer: Answer = lambda _: DONE, state: EStop = LATCHED, instance: str = "b"
 ) -> Iterator[Base]:
-    session = open_session(network, ROBOT, visiting=True)
+    session = open_session(network, ROBOT, "client")
     made = Base(session, answer, state, instance)
     try:
         yield made

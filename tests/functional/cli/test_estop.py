@@ -31,7 +31,7 @@ def network() -> Iterator[NetworkConfig]:
 
 @pytest.fixture
 def connection(network: NetworkConfig) -> Iterator[RobotConnection]:
-    made = RobotConnection(ROBOT, open_session(network, ROBOT, visiting=True))
+    made = RobotConnection(ROBOT, open_session(network, ROBOT, "client"))
     yield made
     assert made.close()
 
@@ -70,13 +70,13 @@ def test_a_base_that_hangs_does_not_hide_the_answer_of_another(
 
 
 def test_more_robots_than_zenoh_keeps_replies_hold_nobody(network: NetworkConfig, connection: RobotConnection) -> None:
-    stranger = open_session(network, "*", visiting=True)
+    stranger = open_session(network, "*", "client")
     tokens = [stranger.liveliness().declare_token(alive_key(f"r{number}", "base", "x")) for number in range(300)]
     meeting = RobotMonitor(connection.session)
     wait(lambda: len(meeting.names) == len(tokens), 60.0)
-    found: list[str] = []
-    looking = threading.Thread(target=lambda: found.extend(list_robots(connection.session)), daemon=True)
+    looking = threading.Thread(target=lambda: list_robots(connection.session), daemon=True)
     looking.start()
     looking.join(60.0)
-    assert len(found) == len(tokens)
+    assert not looking.is_alive()
+    wait(lambda: len(list_robots(connection.session)) == len(tokens), 60.0)
     assert close_session(stranger)

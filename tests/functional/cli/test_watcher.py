@@ -90,8 +90,8 @@ def test_a_namesake_is_found_and_others_are_not(connection: RobotConnection, oth
 
 def test_a_visitor_leaves_the_rendezvous_to_those_who_stay(network: NetworkConfig) -> None:
     assert network.rendezvous in str(session_config(network, ROBOT)["listen"])
-    assert network.rendezvous not in str(session_config(network, ROBOT, visiting=True)["listen"])
-    assert network.rendezvous in str(session_config(network, ROBOT, visiting=True)["connect"])
+    assert network.rendezvous not in str(session_config(network, ROBOT, "client")["listen"])
+    assert network.rendezvous in str(session_config(network, ROBOT, "client")["connect"])
 
 
 def test_a_name_is_held_by_one_run_of_a_host() -> None:

@@ -30,7 +30,7 @@ class Peers:
     def __init__(self, directory: Path) -> None:
         self.network = NetworkConfig(rendezvous=f"127.0.0.1:{free_port()}", local=True)
         self._stack = ExitStack()
-        self.session = self._stack.enter_context(open_session(self.network, ROBOT))
+        self.session = self._stack.enter_context(open_session(self.network, ROBOT, "inside", visits=True))
         self._directory = directory
         self._started: list[subprocess.Popen[bytes]] = []
 

@@ -18,7 +18,8 @@ import zenoh
 
 from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
-from giraff_node.network.session import close_session, session_config
+from giraff_node.network.session import Role, close_session, session_config
+from giraff_node.network.sockets import PROTOCOL
 from giraff_schemas.topics import (
     OPERATOR_CMD_VEL,
     PARAM_QUERIES,
@@ -40,9 +41,11 @@ def direct(callback: Callable[[Any], object]) -> zenoh.handlers.Callback[Any]:
     return zenoh.handlers.Callback(callback, indirect=False)
 
 
-def open_marked(network: NetworkConfig, *, visiting: bool) -> zenoh.Session:
-    """As a process of this host would open it, with marks."""
-    config = session_config(network, ROBOT, visiting=visiting)
+def open_marked(network: NetworkConfig, role: Role) -> zenoh.Session:
+    """As a process of this host would open it, with marks. Who is outside has no folder of sockets in common."""
+    config = session_config(network, ROBOT, role)
+    if role == "outside":
+        elsewhere(config)
     marks = {
         "id": "marks",
         "flows": ["ingress", "egress"],
@@ -56,8 +59,15 @@ def open_marked(network: NetworkConfig, *, visiting: bool) -> zenoh.Session:
     return zenoh.open(zenoh.Config.from_json5(json.dumps(config)))
 
 
+def elsewhere(config: dict[str, Any]) -> None:
+    """Keep a session from the sockets of this machine, as if it ran on another."""
+    for ways in (config.get("listen", {}), config["connect"]):
+        ways["endpoints"] = [way for way in ways.get("endpoints", ()) if not way.startswith(PROTOCOL)]
+    config["transport"]["link"]["protocols"].remove(PROTOCOL)
+
+
 class Network:
-    """A session for each host, as its processes would open it, and one more of the robot's."""
+    """A session for each host, as its processes would open it, and base and the door of the robot's."""
 
     def __init__(self, keys: Path) -> None:
         rendezvous = f"127.0.0.1:{free_port()}"
@@ -65,8 +75,9 @@ class Network:
             host: NetworkConfig(mode="secured", rendezvous=rendezvous, keys=str(keys / host), access=ACCESS, local=True)
             for host in HOSTS
         }
-        self.sessions = {host: open_marked(self.of[host], visiting=host != "robot") for host in HOSTS}
-        self.base = open_marked(self.of["robot"], visiting=True)
+        self.door = open_marked(self.of["robot"], "door")
+        self.sessions = {host: open_marked(self.of[host], "inside" if host == "robot" else "outside") for host in HOSTS}
+        self.base = open_marked(self.of["robot"], "inside")
         self.heard: list[tuple[str, str]] = []
         """(key, host) of what came to base."""
         self._marks = count()
@@ -159,5 +170,5 @@ class Network:
         return {key for key, maker in self.heard if maker == host}
 
     def close(self) -> None:
-        for session in (*self.sessions.values(), self.base):
+        for session in (*self.sessions.values(), self.base, self.door):
             close_session(session)

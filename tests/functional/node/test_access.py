@@ -12,7 +12,7 @@ import msgspec
 import pytest
 import zenoh
 
-from giraff_node.network.session import close_session, open_session, session_config
+from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import (
     CMD_VEL,
     ESTOP_ENGAGE,
@@ -30,7 +30,7 @@ from giraff_schemas.topics import (
     frame_key,
     key_of,
 )
-from tests.functional.node.secured import MINE, Network, direct, open_marked
+from tests.functional.node.secured import MINE, Network, direct, elsewhere, open_marked
 from tests.support.secured_hosts import HOSTS, ROBOT, authority
 from tests.support.waiting import wait
 
@@ -125,24 +125,42 @@ def test_nobody_poses_as_a_service_of_the_robot(network: Network, host: str, ser
         assert [reply.ok is not None for reply in replies] == ([True] if seen else [])
 
 
+def test_the_robots_own_certificate_does_not_speak_for_its_host(network: Network) -> None:
+    """Another host may have come by it; what base acts on comes by a socket."""
+    away = open_marked(network.of["robot"], "outside")
+    mark = key_of(ROBOT, ODOM)
+
+    def is_heard() -> bool:
+        for key in (*(key_of(ROBOT, topic) for topic in (TICK, CMD_VEL)), mark):
+            away.put(key, "away")
+        return ("odom", "away") in network.heard
+
+    network.heard.clear()
+    wait(is_heard, 60.0, every=0.1)
+    close_session(away)
+    assert {key for key, maker in network.heard if maker == "away"} == {"odom"}
+
+
 def test_a_stranger_gets_no_link(network: Network, keys: Path, tmp_path: Path) -> None:
     """Another authority's certificate, none at all, plain tcp: not even the greeting comes about."""
     before = links_of(network)
     another = msgspec.structs.replace(network.of["robot"], keys=str(authority(tmp_path) / "robot"))
-    no_certificate = session_config(network.of["robot"], ROBOT, visiting=True)
+    no_certificate = session_config(network.of["robot"], ROBOT, "outside")
     no_certificate["transport"]["link"]["tls"] = {"root_ca_certificate": str(keys / "ca.pem")}
     no_certificate["listen"]["endpoints"] = []
-    plain = session_config(msgspec.structs.replace(network.of["robot"], mode="fixed"), ROBOT, visiting=True)
+    plain = session_config(msgspec.structs.replace(network.of["robot"], mode="fixed"), ROBOT, "outside")
+    callers = (session_config(another, ROBOT, "outside"), no_certificate, plain)
     heard: list[str] = []
     with ExitStack() as stack:
-        strangers = [open_session(another, ROBOT, visiting=True)]
-        strangers += [zenoh.open(zenoh.Config.from_json5(json.dumps(config))) for config in (no_certificate, plain)]
+        for config in callers:
+            elsewhere(config)
+        strangers = [zenoh.open(zenoh.Config.from_json5(json.dumps(config))) for config in callers]
         for stranger in strangers:
             stack.callback(close_session, stranger)
             stack.enter_context(stranger.declare_subscriber("**", lambda sample: heard.append(str(sample.key_expr))))
         network.heard.clear()
         # They dial as often as anybody: once somebody who came after them is linked, they would be, too.
-        later = open_marked(network.of["desk"], visiting=True)
+        later = open_marked(network.of["desk"], "outside")
         stack.callback(close_session, later)
         linked = sorted([*before, "desk"])
 

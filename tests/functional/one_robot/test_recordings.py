@@ -79,7 +79,7 @@ def test_what_a_kill_left_is_repaired(robot: ProcessRobot, killed: Path) -> None
 def test_what_a_kill_left_is_said_again(robot: ProcessRobot, killed: Path) -> None:
     recorded = list(Recording(killed).samples())
     heard: list[tuple[str, bytes]] = []
-    subscriber = robot.observer.session.declare_subscriber(
+    subscriber = robot.observer.door.declare_subscriber(
         key_below(REPLAY, "**"), lambda sample: heard.append((str(sample.key_expr), bytes(sample.payload)))
     )
     with giraff_process(robot, "play", killed.name, "--rate", "4") as process:
@@ -95,7 +95,7 @@ def test_again_and_again_only_what_is_asked_for(robot: ProcessRobot, killed: Pat
     words = ("play", killed.name, "--rate", "100", "--topics", "odom", "--topics", "range/*", "--json")
     asked = {"odom", "range/front_left", "range/front_right", "range/rear"}
     heard: set[str] = set()
-    subscriber = robot.observer.session.declare_subscriber(
+    subscriber = robot.observer.door.declare_subscriber(
         key_below(REPLAY, "**"), lambda sample: heard.add(str(sample.key_expr).split("/", 2)[2])
     )
     with giraff_process(robot, *words, "--loop") as process:

@@ -27,7 +27,7 @@ JUDGED = ("base", "guard")
 @contextmanager
 def stranger(robot: ProcessRobot) -> Iterator[zenoh.Session]:
     """A session on the robot's network that takes messages of any size, as any program with Zenoh does."""
-    settings = session_config(load("network", NetworkConfig, robot.environment), NAME, visiting=True)
+    settings = session_config(load("network", NetworkConfig, robot.environment), NAME, "outside")
     del settings["transport"]["link"]["rx"]
     session = zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
     try:

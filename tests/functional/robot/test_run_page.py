@@ -60,7 +60,7 @@ def host_of(address: str) -> str:
 def require_a_page_beside(command: Command, target: list[str]) -> None:
     """`giraff web` serves a robot that is there, beside a name that no robot can have."""
     rendezvous = target[target.index("--connect") + 1]
-    session = open_session(NetworkConfig(rendezvous=rendezvous, local=True), command.robot, visiting=True)
+    session = open_session(NetworkConfig(rendezvous=rendezvous, local=True), command.robot, "client")
     odd = session.liveliness().declare_token(f"giraff/{command.robot}/alive/a b/\x1b[2J")
     words = [str(GIRAFF), "web", *target, "--port", "0"]
     streams: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}

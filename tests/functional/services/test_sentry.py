@@ -14,10 +14,10 @@ import msgspec
 import pytest
 import tomlkit
 
-from giraff_node.network.session import close_session, open_session
+from giraff_node.network.session import close_session
 from giraff_schemas.topics import CMD_VEL, ODOM, key_of
 from giraff_sim.board import ROOT
-from tests.functional.node.secured import ANOTHERS, MINE, Network
+from tests.functional.node.secured import ANOTHERS, MINE, Network, open_marked
 from tests.support.secured_hosts import ACCESS, ROBOT, authority
 from tests.support.waiting import wait
 
@@ -100,7 +100,7 @@ def test_what_is_allowed_is_not_told(sentry: Sentry) -> None:
     """Nor is it told by the time that what came after it, and is not allowed, has been."""
     network = sentry.network
     before = len(sentry.messages())
-    joined = open_session(network.of["laptop"], ROBOT, visiting=True)
+    joined = open_marked(network.of["laptop"], "outside")
 
     def said(host: str, key: str) -> bool:
         return any(told.startswith(f"refused {host}") and f" {key};" in told for told in sentry.messages()[before:])

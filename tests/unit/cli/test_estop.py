@@ -93,6 +93,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network()
     for module in (it, giraff_node.network.query_client):
         monkeypatch.setattr(module, "time", made.clock)
+    monkeypatch.setattr(RobotConnection, "open_other_doors", lambda *_: None)  # test_stopping.py has two
     return made
 
 

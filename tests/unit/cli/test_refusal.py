@@ -143,7 +143,7 @@ def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     def refuse(config: Any) -> Never:
         found.append(str(config))
-        raise zenoh.ZError("none is opened here")
+        raise ConfigError("none is opened here")  # ZError: nobody is there, who may come yet
 
     monkeypatch.setattr(zenoh, "open", refuse)
     monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process

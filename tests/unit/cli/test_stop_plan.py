@@ -143,7 +143,7 @@ def test_nothing_is_said_before_the_stop(path: Path, monkeypatch: pytest.MonkeyP
     """Whoever reads it may stand still."""
     order: list[str] = []
 
-    def visit(*_: object) -> int:
+    def visit(*_: object, **__: object) -> int:
         order.append("stop")
         return 0
 

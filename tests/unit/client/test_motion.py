@@ -76,6 +76,7 @@ class Network:
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network()
     monkeypatch.setattr(giraff_client.robot, "open_session", lambda *_, **__: made.session)
+    monkeypatch.setattr(giraff_client.robot, "open_hand", lambda _network, _robot, door: door)
     monkeypatch.setattr(giraff_client.robot, "close_session", lambda _: None)
     for module in (giraff_client.robot, giraff_node.motion_client):
         monkeypatch.setattr(module, "time", made.clock)

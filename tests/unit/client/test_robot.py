@@ -37,6 +37,7 @@ def test_a_session_that_fails_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     session = FailingSession()
     left: list[object] = []
     monkeypatch.setattr(giraff_client.robot, "open_session", lambda *_, **__: session)
+    monkeypatch.setattr(giraff_client.robot, "open_hand", lambda _network, _robot, door: door)
     monkeypatch.setattr(giraff_client.robot, "close_session", left.append)
     with pytest.raises(NoRobotError, match=r"check the table \[network\]"), Robot("sim-test"):
         pass
@@ -117,6 +118,7 @@ class Network:
 def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     made = Network()
     monkeypatch.setattr(giraff_client.robot, "open_session", lambda *_, **__: made)
+    monkeypatch.setattr(giraff_client.robot, "open_hand", lambda _network, _robot, door: door)
     monkeypatch.setattr(giraff_client.robot, "close_session", lambda _: None)
     for module in (giraff_client.robot, giraff_client.frames, giraff_client.jump, giraff_node.network.query_client):
         monkeypatch.setattr(module, "time", made)

@@ -12,7 +12,7 @@ import msgspec
 import pytest
 import zenoh
 
-from giraff_core.access import AccessConfig, access_control
+from giraff_core.access import AccessConfig, access_control, with_inside
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import session_config
@@ -29,8 +29,11 @@ from giraff_schemas.topics import (
     ODOM_SET_POSE,
     OPERATOR_CMD_VEL,
     PARAM_SET,
+    RANGE,
+    TICK,
     TILT,
     TOPICS,
+    WHEELS,
     Query,
     Topic,
     alive_key,
@@ -45,7 +48,7 @@ MINE, ANOTHERS = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("keyboard"
 def lets_in(host: str, message: str, key: str, access: AccessConfig = ACCESS, me: str = "") -> bool:
     """Whether a node takes of this host a message whose key expression is that, or any part of it."""
     control = access_control(access, ROBOT, me)
-    subjects = {subject["id"] for subject in control["subjects"] if host in subject["cert_common_names"]}
+    subjects = {subject["id"] for subject in control["subjects"] if host in subject.get("cert_common_names", ())}
     granted = {rule for policy in control["policies"] if subjects & {*policy["subjects"]} for rule in policy["rules"]}
     return any(
         zenoh.KeyExpr(allowed).intersects(zenoh.KeyExpr(key))
@@ -153,11 +156,11 @@ def test_links_speak_tls_only(keys: Path) -> None:
     config = session_config(
         NetworkConfig(mode="secured", connect=("192.0.2.1",), keys=str(keys / "laptop"), access=ACCESS), ROBOT
     )
-    assert config["transport"]["link"]["protocols"] == ["tls"]
+    assert config["transport"]["link"]["protocols"] == ["tls", "unixsock-stream"]
     assert config["transport"]["link"]["tls"]["enable_mtls"] is True
     assert config["scouting"]["multicast"]["enabled"] is False
     endpoints = config["listen"]["endpoints"] + config["connect"]["endpoints"]
-    assert {endpoint.split("/")[0] for endpoint in endpoints} == {"tls"}
+    assert {endpoint.split("/")[0] for endpoint in endpoints} == {"tls", "unixsock-stream"}
     assert "tls/192.0.2.1:7447" in endpoints
 
 
@@ -172,7 +175,7 @@ def test_no_rule_that_lets_in_covers_bases_door(keys: Path) -> None:
         and {"put", "delete"} & set(rule["messages"])
         and any(zenoh.KeyExpr(key).intersects(door) for key in rule["key_exprs"])
     ]
-    assert opened_by == ["the robot tells"]
+    assert opened_by == ["the robot tells", "this host does all"]
 
 
 def test_missing_keys_are_named_with_the_way_out(tmp_path: Path) -> None:
@@ -193,3 +196,47 @@ def test_missing_keys_are_named_with_the_way_out(tmp_path: Path) -> None:
 def test_rules_that_cannot_be_meant_are_refused(access: dict[str, Any], complaint: str) -> None:
     with pytest.raises(msgspec.ValidationError, match=complaint):
         msgspec.convert({"mode": "secured", "access": access}, NetworkConfig)
+
+
+@pytest.mark.parametrize("mode", ["lan", "fixed"])
+def test_a_robot_on_several_hosts_needs_certificates(mode: str) -> None:
+    with pytest.raises(msgspec.ValidationError, match=r"anybody on the network could speak for guard and ranger"):
+        msgspec.convert({"mode": mode, "access": {"robot": ["robot", "second"]}}, NetworkConfig)
+
+
+@pytest.mark.parametrize(
+    ("is_inside", "is_split", "flow", "link"),
+    [
+        (True, False, "ingress", "tcp"),
+        (True, False, "ingress", "tls"),
+        (False, False, "egress", "unixsock-stream"),
+        (False, True, "egress", "unixsock-stream"),
+    ],
+)
+def test_what_base_and_guard_act_on_passes_no_link_to_another_host(
+    is_inside: bool, is_split: bool, flow: str, link: str
+) -> None:
+    """Whoever is inside takes it from none, and nobody else hands it on to a socket."""
+    for topic in (TICK, WHEELS, CMD_VEL, RANGE.at("rear")):
+        assert denies(with_inside({}, is_inside=is_inside, is_split=is_split), flow, link, key_of(ROBOT, topic))
+
+
+def test_a_robot_on_several_hosts_takes_it_from_its_certificates() -> None:
+    assert not denies(with_inside({}, is_inside=True, is_split=True), "ingress", "tls", key_of(ROBOT, CMD_VEL))
+
+
+def test_the_robots_certificate_does_not_speak_for_its_host() -> None:
+    """Of several subjects of a link one that may is enough, so the denial stands with what lets the robot in."""
+    control = with_inside(access_control(ACCESS, ROBOT), is_inside=True, is_split=False)
+    assert {"rules": ["inside only"], "subjects": ["robot"]} in control["policies"]
+
+
+def denies(control: dict[str, Any], flow: str, link: str, key: str) -> bool:
+    """Whether a node refuses this key on links of a kind, whatever else it allows: Zenoh lets a denial win."""
+    subjects = {subject["id"] for subject in control["subjects"] if link in subject.get("link_protocols", ())}
+    bound = {rule for policy in control["policies"] if subjects & {*policy["subjects"]} for rule in policy["rules"]}
+    return any(
+        rule["permission"] == "deny" and flow in rule["flows"] and {"put", "delete"} <= {*rule["messages"]}
+        for rule in control["rules"]
+        if rule["id"] in bound and any(zenoh.KeyExpr(held).includes(zenoh.KeyExpr(key)) for held in rule["key_exprs"])
+    )

@@ -13,8 +13,8 @@ HOME = frozenset({"192.168.1.20"})
 OTHER = frozenset({"10.0.0.7"})
 
 
-def moves(told: frozenset[str], *seen: frozenset[str]) -> list[bool]:
-    watch = AddressWatch(told)
+def moves(told: frozenset[str], *seen: frozenset[str], every: bool = False) -> list[bool]:
+    watch = AddressWatch(told, every=every)
     return [watch.moved(float(second), addresses) for second, addresses in enumerate(seen)]
 
 
@@ -33,6 +33,22 @@ def moves(told: frozenset[str], *seen: frozenset[str]) -> list[bool]:
 )
 def test_moved(told: frozenset[str], seen: tuple[frozenset[str], ...], moved: list[bool]) -> None:
     assert moves(told, *seen) == moved
+
+
+@pytest.mark.parametrize(
+    ("told", "seen", "moved"),
+    [
+        (HOME, (HOME, HOME), [False, False]),
+        (HOME, (HOME | OTHER, HOME | OTHER), [False, True]),
+        (HOME | OTHER, (HOME, HOME), [False, True]),
+        (HOME, (HOME | OTHER, HOME, HOME | OTHER), [False, False, False]),
+        (HOME, (NONE, NONE, NONE), [False, False, False]),
+        (HOME, (NONE, OTHER, HOME | OTHER, HOME | OTHER), [False, False, False, True]),
+    ],
+    ids=["as told", "one more", "one less", "a VPN flaps", "alone", "one after the other"],
+)
+def test_a_door_counts_each_address(told: frozenset[str], seen: tuple[frozenset[str], ...], moved: list[bool]) -> None:
+    assert moves(told, *seen, every=True) == moved
 
 
 def test_looked_at_once_a_second() -> None:

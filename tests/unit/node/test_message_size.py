@@ -45,16 +45,16 @@ def taken(config: dict[str, Any]) -> int:
     ("kind", "size"),
     [
         ({}, OURS),
-        ({"visiting": True}, OURS),
+        ({"role": "client"}, OURS),
         ({"records": True}, RECORDED),
-        ({"records": True, "visiting": True}, RECORDED),
+        ({"records": True, "role": "client"}, RECORDED),
     ],
     ids=["service", "command", "flight recorder", "giraff record"],
 )
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("local", [False, True])
 def test_a_session_takes_what_it_is_there_for(
-    kind: dict[str, bool], size: int, mode: str, local: bool, keys: str
+    kind: dict[str, Any], size: int, mode: str, local: bool, keys: str
 ) -> None:
     network = msgspec.convert(
         {"mode": mode, "local": local, "keys": keys, "access": msgspec.to_builtins(ACCESS)}, NetworkConfig

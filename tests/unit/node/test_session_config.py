@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 import json
+from typing import get_args
 
 import zenoh
 
 from giraff_core.network import NetworkConfig
-from giraff_node.network.session import session_config
+from giraff_node.network.session import Role, session_config
 
 ROBOT = "sim-node"
 
 
 def test_a_local_session_stays_on_the_loopback() -> None:
-    config = session_config(NetworkConfig(local=True, connect=("192.0.2.1",)), ROBOT)
-    endpoints = config["listen"]["endpoints"] + config["connect"]["endpoints"]
-    assert all(endpoint.startswith("tcp/127.0.0.1:") for endpoint in endpoints)
-    assert config["scouting"]["multicast"]["enabled"] is False
+    for role in get_args(Role):
+        config = session_config(NetworkConfig(local=True, connect=("192.0.2.1",)), ROBOT, role)
+        endpoints = config.get("listen", {}).get("endpoints", []) + config["connect"]["endpoints"]
+        assert all(endpoint.startswith(("tcp/127.0.0.1:", "unixsock-stream/")) for endpoint in endpoints)
+        assert config["scouting"]["multicast"]["enabled"] is False
 
 
 def test_a_session_on_the_network_scouts_and_connects() -> None:
     config = session_config(NetworkConfig(connect=("192.0.2.1",)), ROBOT)
-    assert config["connect"]["endpoints"] == ["tcp/127.0.0.1:7447", "tcp/192.0.2.1:7447"]
+    assert config["connect"]["endpoints"][1:] == ["tcp/192.0.2.1:7447", "tcp/127.0.0.1:7447"]
     assert config["scouting"]["multicast"]["enabled"] is True
 
 
 def test_the_configuration_is_one_that_zenoh_takes() -> None:
-    zenoh.Config.from_json5(json.dumps(session_config(NetworkConfig(), ROBOT)))
+    for role in get_args(Role):
+        zenoh.Config.from_json5(json.dumps(session_config(NetworkConfig(), ROBOT, role)))
+
+
+def test_who_is_inside_listens_to_its_own_host_alone() -> None:
+    config = session_config(NetworkConfig(), ROBOT, "inside")
+    assert all(endpoint.startswith("unixsock-stream/") for endpoint in config["listen"]["endpoints"])
+    assert config["scouting"]["multicast"]["enabled"] is False

@@ -1,0 +1,3 @@
+from giraff_door.main import main
+
+main()
