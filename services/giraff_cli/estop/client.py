@@ -6,9 +6,10 @@ Each answers with an exit code and a word for people. Nothing is taken for done 
 from __future__ import annotations
 
 import contextlib
+import functools
 import shlex
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Final, NamedTuple
 
@@ -70,16 +71,18 @@ def engage_all(
     tell: Callable[[Result], object],
     *,
     doubt: str = "",
+    only: str = "",
 ) -> int:
     """The same of every robot that is heard; the worst code. `tell` is given each result as soon as there is one.
 
+    `only`: of those of this name; empty: of all.
     Listens until a second after the last newcomer, and no longer than `timeout`. `addresses`: where somebody takes a
     robot to be. One at which nobody answers stops no other robot's stop, and is told.
     """
     with ThreadPoolExecutor(1) as pool:
         silent = pool.submit(find_silent, addresses)
         teller = _Teller(tell)
-        code = _engage_heard(connection, by, reason, timeout, teller, doubt)
+        code = _engage_heard(connection, by, reason, timeout, teller, doubt, only)
         teller.end()
         for what in silent.result():
             tell(
@@ -90,40 +93,48 @@ def engage_all(
 
 
 def _engage_heard(
-    connection: RobotConnection, by: str, reason: str, timeout: float, tell: Callable[[Result], object], doubt: str
+    connection: RobotConnection,
+    by: str,
+    reason: str,
+    timeout: float,
+    tell: Callable[[Result], object],
+    doubt: str,
+    only: str,
 ) -> int:
     doors = [(connection.session, RobotMonitor(connection.session))]
     connection.open_other_doors(lambda session: doors.append((session, RobotMonitor(session))))
-    asking: dict[str, EStopClient] = {}
-    stopped: set[str] = set()
+    asking: dict[tuple[str, int], EStopClient] = {}  # of each door: the robots at two may have one name
+    stopped: set[tuple[str, int]] = set()
+    tell_once = functools.cache(tell)  # one robot may be heard at two doors
     teller = ThreadPoolExecutor(1)  # a host that is looked up takes up to 0.5 s, in which the others are asked
     newest = time.monotonic()
     until = newest + _left(connection, timeout)
     while (now := time.monotonic()) < until:
-        for session, robot in ((session, robot) for session, monitor in doors for robot in monitor.all_names):
-            if robot not in asking:  # each by its own key: rules of a secured network pass none with a wildcard
-                asking[robot] = request_estop(session, robot, by=by, reason=reason)
+        for at, robot in ((at, robot) for at, (_, monitor) in enumerate(doors) for robot in monitor.all_names):
+            # Each by its own key: rules of a secured network pass none with a wildcard.
+            if (robot, at) not in asking and only in {"", robot}:
+                asking[robot, at] = request_estop(doors[at][0], robot, by=by, reason=reason)
                 newest = now
-        for robot in sorted(asking.keys() - stopped):
-            if (answer := _poll(asking[robot], now)) is not None:
-                stopped.add(robot)
+        for robot, at in sorted(asking.keys() - stopped):
+            if (answer := _poll(asking[robot, at], now)) is not None:
+                stopped.add((robot, at))
                 if doubt:
                     teller.submit(_tell_doubtful, connection, robot, doubt, tell)
                 else:
-                    tell(_confirmed(connection, robot, answer))
+                    tell_once(_confirmed(connection, robot, answer))
         if asking and len(stopped) == len(asking) and now - newest > _NEWCOMERS:
             break
         time.sleep(_TURN)
     teller.shutdown()
     codes = [UNKNOWN if doubt else RELEASED]
-    for robot in sorted(asking.keys() - stopped, key=lambda name: _weight(connection, asking, name)):
-        if doubt and _has_stopped(asking[robot]):
+    open_ones = sorted(asking.keys() - stopped, key=lambda way: _weight(connection, asking[way], way[0]))
+    for robot, at in open_ones:
+        result = _unconfirmed(robot, asking[robot, at], timeout, whose=f"{robot}: ")
+        if doubt and _has_stopped(asking[robot, at]):
             result = _doubtful(connection, robot, doubt)
-        else:
-            result = _unconfirmed(robot, asking[robot], timeout, whose=f"{robot}: ")
         tell(result)
         codes.append(result.code)
-    return max(codes) if _are_all(connection, asking, tell) else UNKNOWN
+    return max(codes) if _are_all(connection, {robot for robot, _ in asking}, tell) else UNKNOWN
 
 
 def _left(connection: RobotConnection, timeout: float) -> float:
@@ -131,9 +142,9 @@ def _left(connection: RobotConnection, timeout: float) -> float:
     return max(_LEAST, timeout - (connection.waited or 0.0))
 
 
-def _weight(connection: RobotConnection, asking: Mapping[str, EStopClient], robot: str) -> tuple[bool, bool, str]:
+def _weight(connection: RobotConnection, asking: EStopClient, robot: str) -> tuple[bool, bool, str]:
     """Sort the robot of the robot file first, then those that answer: of a long list only the first are told."""
-    return robot != connection.filed, not asking[robot].is_answered, robot
+    return robot != connection.filed, not asking.is_answered, robot
 
 
 class _Teller:

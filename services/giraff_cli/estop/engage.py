@@ -26,7 +26,7 @@ def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeo
         return print_error(f"NOTHING IS STOPPED: {error}")
 
     def stop(connection: RobotConnection) -> int:
-        if connection.robot:
+        if connection.robot and len(connection.network.connect) < 2:
             result = client.engage(connection, user_at_host(), reason, timeout, doubt=plan.doubt)
             for address, fault in faults.items():
                 print_error(f"--connect {address} is left out: {fault}")
@@ -34,7 +34,9 @@ def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeo
             if code == client.UNKNOWN and (hint := client.hint_of_others(connection)):
                 print_error(hint)
             return code
-        return client.engage_all(connection, user_at_host(), reason, timeout, connect, tell, doubt=plan.doubt)
+        return client.engage_all(
+            connection, user_at_host(), reason, timeout, connect, tell, doubt=plan.doubt, only=connection.robot
+        )
 
     code = UNUSABLE
     if plan.target is not None:

@@ -84,23 +84,13 @@ def session_config(
     config = settings(
         "peer", network.mode, *(("client",) if role == "client" else ()), *(("recorder",) if records else ())
     )
-    link = link_of(network)
-    folder = socket_folder(network)
-    meeting = f"{PROTOCOL}/{folder}/rendezvous"
-    config["connect"]["endpoints"] = [meeting, *(f"{link}/{address}" for address in addresses(network))]
-    if role != "client":
-        stays = role in {"inside", "door"} and not visits
-        config["listen"]["endpoints"] = [
-            f"{PROTOCOL}/{own_socket(folder, name)}{_FIRST}",
-            *_ports(network, role, port),
-            *([f"{meeting}{_RETRIED}"] if stays else []),  # last: after a taken one nothing is bound in time
-        ]
-        if port:
-            config["listen"]["timeout_ms"] = _IS_TAKEN
+    listens, config["connect"]["endpoints"] = _endpoints(network, role, port, name, stays=not visits)
+    if listens:
+        config["listen"]["endpoints"] = listens
+    if port:
+        config["listen"]["timeout_ms"] = _IS_TAKEN
     if role == "apart":
         config["transport"]["link"]["protocols"].remove(PROTOCOL)
-        for ways in config["listen"], config["connect"]:
-            ways["endpoints"] = [way for way in ways["endpoints"] if not way.startswith(PROTOCOL)]
     if role == "inside":
         config["id"] = f"{os.urandom(12).hex()}{_OUTERMOST}".lstrip("0")
     if network.local or role in {"inside", "client"}:
@@ -150,8 +140,8 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
     that is named also after this host's own, which need not hear it.
     """
     config = session_config(network, robot, "client", records=records)
-    sockets, *named = config["connect"]["endpoints"]
-    doors = [*named, sockets]  # a door before a process that others depend on
+    # A door before a process that others depend on.
+    doors = sorted(config["connect"]["endpoints"], key=lambda way: way.startswith(PROTOCOL))
     is_met = False
     for door in doors:
         with contextlib.suppress(zenoh.ZError):
@@ -197,6 +187,27 @@ def _at(config: dict[str, Any], endpoints: Sequence[str]) -> dict[str, Any]:
 
 def _open(config: dict[str, Any]) -> zenoh.Session:
     return zenoh.open(zenoh.Config.from_json5(msgspec.json.encode(config).decode()))
+
+
+def _endpoints(network: NetworkConfig, role: Role, port: int, name: str, *, stays: bool) -> tuple[list[str], list[str]]:
+    """Where a process listens, and whom it dials. Raises ConfigError."""
+    dials = [f"{link_of(network)}/{address}" for address in addresses(network)]
+    if role == "apart":
+        return _ports(network, role, port), dials
+    try:
+        folder = socket_folder(network)
+    except ConfigError:
+        if role != "client":
+            raise
+        return [], dials  # a door may answer all the same, and a robot be stopped there
+    meeting = f"{PROTOCOL}/{folder}/rendezvous"
+    dials.insert(0, meeting)
+    if role == "client":
+        return [], dials
+    listens = [f"{PROTOCOL}/{own_socket(folder, name)}{_FIRST}", *_ports(network, role, port)]
+    if role in {"inside", "door"} and stays:
+        listens.append(f"{meeting}{_RETRIED}")  # last: after a taken one nothing is bound in time
+    return listens, dials
 
 
 def _ports(network: NetworkConfig, role: Role, port: int) -> list[str]:

@@ -259,6 +259,22 @@ def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
     assert told[1].text.startswith("anna: NOT CONFIRMED after 2 s: giraff/anna/estop/engage: no such key")
 
 
+@pytest.mark.parametrize("name", [ROBOT, ""])
+@pytest.mark.parametrize(("answers", "code"), [(True, 0), (False, 2)])
+def test_robots_of_one_name_behind_two_doors_are_both_asked(
+    network: Network, monkeypatch: pytest.MonkeyPatch, answers: bool, code: int, name: str
+) -> None:
+    other = Network()
+    other.clock, other.session = network.clock, Session(network.clock)
+    monkeypatch.setattr(RobotConnection, "open_other_doors", lambda _, on_door: on_door(other.session))
+    told: list[it.Result] = []
+    alive = [each.session.declare_token(alive_key(ROBOT, "base", "b")) for each in (network, other)]
+    with network.base(), other.base(lambda _: DONE if answers else None) as asked, alive[0], alive[1]:
+        assert it.engage_all(network.connection, "me", "", 2.0, (), told.append, only=name) == code
+    assert asked
+    assert [result.code for result in told] == ([0] if answers else [0, 2])
+
+
 def cleared(request: Any) -> EStopAnswer:
     return EStopAnswer(done=True, engaged=False, id=request.id, reason="")
 

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from typing import get_args
 
+import pytest
 import zenoh
 
 from giraff_core.network import NetworkConfig
+from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import Role, session_config
 
 ROBOT = "sim-node"
@@ -30,6 +32,14 @@ def test_a_session_on_the_network_scouts_and_connects() -> None:
 def test_the_configuration_is_one_that_zenoh_takes() -> None:
     for role in get_args(Role):
         zenoh.Config.from_json5(json.dumps(session_config(NetworkConfig(), ROBOT, role)))
+
+
+def test_a_command_goes_to_a_door_where_no_socket_can_be_used() -> None:
+    nowhere = NetworkConfig(sockets="/proc/nowhere", connect=("192.0.2.1",))
+    config = session_config(nowhere, ROBOT, "client")
+    assert config["connect"]["endpoints"] == ["tcp/192.0.2.1:7447", "tcp/127.0.0.1:7447"]
+    with pytest.raises(ConfigError, match="let sockets in"):
+        session_config(nowhere, ROBOT, "inside")
 
 
 def test_who_is_inside_listens_to_its_own_host_alone() -> None:
