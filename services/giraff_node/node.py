@@ -29,7 +29,7 @@ from giraff_node.boards.board_link import BoardLink
 from giraff_node.config.robot_file import ConfigError, read_known
 from giraff_node.network.base_reach import BaseReach
 from giraff_node.network.decode_errors import DecodeErrors
-from giraff_node.network.host_addresses import AddressWatch, host_addresses
+from giraff_node.network.host_addresses import AddressWatch, host_addresses, placed_addresses
 from giraff_node.network.key_bundle import ExpiryWatch
 from giraff_node.network.link_repair import LinkRepair
 from giraff_node.network.query_client import QueryClient
@@ -143,7 +143,8 @@ class Node(Generic[ConfigT]):
             self.network = network
             role = _role_of(service, network)
             told = role in {"door", "outside"} and not network.local and not network.session_file
-            self._addresses = AddressWatch(host_addresses(), every=role == "door") if told else None
+            self._look_at_addresses = placed_addresses if role == "door" else host_addresses
+            self._addresses = AddressWatch(self._look_at_addresses(), every=role == "door") if told else None
             self.session = session or open_session(network, self.robot.name, role, records=records, name=service)
         except NobodyError as error:
             self.log.error("no door of the robot answers at %s; it is looked for again at the next start", error)
@@ -330,7 +331,7 @@ class Node(Generic[ConfigT]):
             )
         # Zenoh learns this host's addresses at the start of a process, so a new address takes a new process.
         if self._addresses is not None and self._addresses.due(now):
-            addresses = host_addresses()
+            addresses = self._look_at_addresses()
             if self._addresses.moved(now, addresses):
                 self._process.start_again(f"this host is now found at {', '.join(sorted(addresses))}")
 

@@ -28,9 +28,18 @@ _SETTLED: Final = 1.0  # s; an address that comes and goes is none
 
 def host_addresses() -> frozenset[str]:
     """IPv4 addresses of the interfaces that are up and have a carrier; of no loopback, and no bridge of containers."""
+    return frozenset(address for _, address in _found())
+
+
+def placed_addresses() -> frozenset[str]:
+    """The same, each with its interface: one that moves to a bridge is heard by multicast there alone."""
+    return frozenset(f"{address} on {name}" for name, address in _found())
+
+
+def _found() -> list[tuple[str, str]]:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as asked:
-        found = (_address(asked, name) for _, name in socket.if_nameindex())
-        return frozenset(address for address in found if address)
+        every = [(name, _address(asked, name)) for _, name in socket.if_nameindex()]
+    return [(name, address) for name, address in every if address]
 
 
 class AddressWatch:
