@@ -1,4 +1,4 @@
-"""Whether a hand hears the robot's base, or only the door does.
+"""Find out whether a hand hears the robot's base, or only the door does.
 
 Base listens at Unix sockets alone, so it has to dial a hand on another host. It cannot where that host lets nothing in:
 a firewall, a network address translation, a container. The door is dialled by the hand, and so can always be asked.

@@ -1,11 +1,10 @@
 """Reconnects to peers whose link is lost while their host is still reachable.
 
-When a cable is cut for a second, some links between two hosts expire and some outlive it. Zenoh dials a peer that it is
-told of, but only when that one is news to whoever tells; and it asks around by multicast every 8 s, where it asks at
-all. So two services stayed deaf to each other while others of their hosts were not: for good, without multicast. A
-visit, a session of a moment such as `giraff why` has, is news to everybody: through it both hear of each other, and
-dial. One of a host is enough; over a slow cable it holds up its own process for a tenth of a second and more, so those
-that drive the motors leave it to the others.
+When a cable is cut for a second, some links between two hosts expire and some outlive it. Zenoh dials a peer that it
+is told of, but only when that peer is news to the one who tells. Who is inside answers no multicast. So two services
+stayed deaf to each other for good while others of their hosts were not. A visit is a second session for a moment. It
+is news to everybody: through it both hear of each other, and dial. One visit of a host is enough. Over a slow cable
+it holds up its own process for a tenth of a second and more, so base and guard leave it to the others.
 """
 
 from __future__ import annotations

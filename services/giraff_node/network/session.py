@@ -52,7 +52,7 @@ Role = Literal["inside", "door", "outside", "apart", "client"]
 `client`: has one link, to a door, and hears all through it; a command, and a hand whose host cannot be dialled.
 """
 
-_OUTERMOST: Final = "ffffffff"
+_INSIDE_ID_ENDS: Final = "ffffffff"
 """Zenoh compares ids from their last digits on, and of two peers the greater dials: nobody can dial who is inside."""
 _RETRIED: Final = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
 # Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
@@ -92,7 +92,7 @@ def session_config(
     if role == "apart":
         config["transport"]["link"]["protocols"].remove(PROTOCOL)
     if role == "inside":
-        config["id"] = f"{os.urandom(12).hex()}{_OUTERMOST}".lstrip("0")
+        config["id"] = f"{os.urandom(12).hex()}{_INSIDE_ID_ENDS}".lstrip("0")
     if network.local or role in {"inside", "client"}:
         config["scouting"]["multicast"]["enabled"] = False
     if network.site:
