@@ -13,6 +13,8 @@ from giraff_core.site import require_site
 _PORT: Final = 7447  # Zenoh's own
 HAND_PORTS: Final = range(7448, 7457)
 """Other hosts reach a door at 7447, and hands and whatever else stays at the first free one of these."""
+_FURTHER: Final = (10, 11, 12)
+"""A door listens at so much more than its port, too: who calls one port all the time shuts that one alone."""
 
 
 class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -76,6 +78,13 @@ def addresses(network: NetworkConfig) -> tuple[str, ...]:
     """Each HOST:PORT at which a door may be: those that are given, then this host's own."""
     others = () if network.local else (*network.connect, *filter(None, [network.router]))
     return tuple(dict.fromkeys(map(with_port, (*others, network.rendezvous))))
+
+
+def door_ports(address: str) -> tuple[str, ...]:
+    """Return the ports of the door at HOST:PORT, as addresses; the usual one first."""
+    host, _, port = address.rpartition(":")
+    further = [int(port) + more for more in _FURTHER] if port.isdecimal() else []
+    return address, *(f"{host}:{each}" for each in further if each < 1 << 16)
 
 
 def ports_of(network: NetworkConfig, role: str) -> Sequence[int]:

@@ -13,13 +13,14 @@ import threading
 import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from typing import Any, Final, Literal
 
 import msgspec
 import zenoh
 
 from giraff_core.access import access_control, with_inside
-from giraff_core.network import NetworkConfig, addresses, link_of, ports_of
+from giraff_core.network import NetworkConfig, addresses, door_ports, link_of, ports_of
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
 from giraff_node.network.scouting import find_doors
@@ -31,6 +32,7 @@ from giraff_schemas.topics import alive_key
 _FILES: Final = Path(__file__).parents[1] / "zenoh"
 _CLOSE_TIMEOUT: Final = 1.0  # s
 _ANSWERS_WITHIN: Final = 0.3  # s in which a door tells who is there
+_NEXT_WAY: Final = 0.3  # s until the next port of a door is tried, too
 
 CERTIFICATES: Final = {
     "root_ca_certificate": CA_CERTIFICATE,
@@ -145,14 +147,14 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
     is_met = False
     for door in doors:
         with contextlib.suppress(zenoh.ZError):
-            yield _open(_at(config, [door]))
+            yield _open_first(config, door_ports(door))
             is_met = True
     if is_met and robot == "*":
         return
     if network.mode == "lan" and not network.local and not network.connect:
         met = [door for door in find_doors() if door.startswith(f"{link_of(network)}/")]
         with contextlib.suppress(zenoh.ZError):
-            yield _open(_at(config, met or doors))
+            yield _open_first(config, met or doors)
             return
     if not is_met:
         raise NobodyError(", ".join(each.partition("/")[2] for each in doors))
@@ -181,8 +183,43 @@ def _is_heard(session: zenoh.Session, robot: str) -> bool:
     )
 
 
-def _at(config: dict[str, Any], endpoints: Sequence[str]) -> dict[str, Any]:
-    return config | {"connect": config["connect"] | {"endpoints": [*endpoints]}}
+def _open_first(config: dict[str, Any], ways: Sequence[str]) -> zenoh.Session:
+    """Link over the way that answers first; each is tried a moment after the one before. Raises `zenoh.ZError`.
+
+    A port that somebody calls all the time takes nobody else in for seconds.
+    """
+    answers: SimpleQueue[zenoh.Session | zenoh.ZError] = SimpleQueue()
+    open_ways = 0
+    failed = zenoh.ZError("there is no way")
+    for way in (*ways, ""):
+        if way:
+            threading.Thread(target=_try, args=(config, way, answers), name="way in", daemon=True).start()
+            open_ways += 1
+        while open_ways:
+            try:
+                answer = answers.get(timeout=_NEXT_WAY if way else None)
+            except Empty:
+                break
+            open_ways -= 1
+            if isinstance(answer, zenoh.Session):
+                threading.Thread(target=_close_late, args=(answers, open_ways), daemon=True).start()
+                return answer
+            failed = answer
+    raise failed
+
+
+def _try(config: dict[str, Any], way: str, answers: SimpleQueue[zenoh.Session | zenoh.ZError]) -> None:
+    try:
+        answers.put(_open(config | {"connect": config["connect"] | {"endpoints": [way]}}))
+    except zenoh.ZError as error:
+        answers.put(error)
+
+
+def _close_late(answers: SimpleQueue[zenoh.Session | zenoh.ZError], open_ways: int) -> None:
+    """Close what the ways that are still tried come to."""
+    for _ in range(open_ways):
+        if isinstance(late := answers.get(), zenoh.Session):
+            close_session(late)
 
 
 def _open(config: dict[str, Any]) -> zenoh.Session:
@@ -207,18 +244,25 @@ def _endpoints(network: NetworkConfig, role: Role, port: int, name: str, *, stay
     listens = [f"{PROTOCOL}/{own_socket(folder, name)}{_FIRST}", *_ports(network, role, port)]
     if role in {"inside", "door"} and stays:
         listens.append(f"{meeting}{_RETRIED}")  # last: after a taken one nothing is bound in time
+    if role == "door" and not network.local:
+        _, *further = door_ports(_at_all(network.rendezvous))
+        listens += [f"{link_of(network)}/{address}{_RETRIED}" for address in further]
     return listens, dials
 
 
 def _ports(network: NetworkConfig, role: Role, port: int) -> list[str]:
     """Where other hosts reach this process."""
-    link, reach = link_of(network), "127.0.0.1" if network.local else "0.0.0.0"  # noqa: S104  other hosts are to reach it
-    own = [f"{link}/{reach}:{port}{_FIRST}"]
+    link, own_port = link_of(network), f"127.0.0.1:{port}" if network.local else _at_all(f":{port}")
+    own = [f"{link}/{own_port}{_FIRST}"]
     if role in {"door", "apart"}:
-        _, _, meeting = network.rendezvous.rpartition(":")
-        at_door = f"{link}/{network.rendezvous if network.local else f'{reach}:{meeting}'}{_RETRIED}"
+        at_door = f"{link}/{network.rendezvous if network.local else _at_all(network.rendezvous)}{_RETRIED}"
         return [at_door] if role == "door" else [*own, at_door]
     return own if role == "outside" or network.is_split else []
+
+
+def _at_all(address: str) -> str:
+    """Return the port of an address at all addresses of this host: others are to reach it."""
+    return f"0.0.0.0:{address.rpartition(':')[2]}"
 
 
 def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> bool:

@@ -8,7 +8,7 @@ from typing import get_args
 import pytest
 import zenoh
 
-from giraff_core.network import NetworkConfig
+from giraff_core.network import NetworkConfig, door_ports
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import Role, session_config
 
@@ -46,3 +46,12 @@ def test_who_is_inside_listens_to_its_own_host_alone() -> None:
     config = session_config(NetworkConfig(), ROBOT, "inside")
     assert all(endpoint.startswith("unixsock-stream/") for endpoint in config["listen"]["endpoints"])
     assert config["scouting"]["multicast"]["enabled"] is False
+
+
+def test_a_door_listens_at_further_ports_and_a_client_knows_them() -> None:
+    ports = [f"tcp/0.0.0.0:{port}#" for port in (7447, 7457, 7458, 7459)]
+    listens = session_config(NetworkConfig(), ROBOT, "door")["listen"]["endpoints"]
+    assert all(any(endpoint.startswith(port) for endpoint in listens) for port in ports)
+    assert door_ports("192.0.2.1:7447") == tuple(f"192.0.2.1:{port}" for port in (7447, 7457, 7458, 7459))
+    assert door_ports("[2001:db8::1]:65530") == ("[2001:db8::1]:65530",)
+    assert not session_config(NetworkConfig(), ROBOT, "outside", port=7448)["listen"]["endpoints"][2:]

@@ -1,0 +1,32 @@
+"""A port of a door at which nobody answers, because others call there all the time."""
+
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+
+import pytest
+
+from giraff_cli.network.ports import free_port
+from giraff_core.network import NetworkConfig, door_ports
+from giraff_node.network.session import NobodyError, close_session, open_clients, open_session
+
+ROBOT = "sim-node"
+
+
+def test_a_client_comes_in_by_another_port_of_the_door(tmp_path: Path) -> None:
+    usual = f"127.0.0.1:{free_port()}"
+    further = door_ports(usual)[1]
+    client = NetworkConfig(mode="fixed", rendezvous=usual, sockets=str(tmp_path / "laptop"))
+    with socket.create_server(("127.0.0.1", int(usual.rpartition(":")[2]))):  # it takes calls, and says nothing
+        with pytest.raises(NobodyError):
+            next(open_clients(client, ROBOT))
+        door = open_session(
+            NetworkConfig(mode="fixed", rendezvous=further, sockets=str(tmp_path / "robot")), ROBOT, visits=True
+        )
+        try:
+            session = next(open_clients(client, ROBOT))
+            assert [str(zid) for zid in session.info.peers_zid()] == [str(door.zid())]
+            close_session(session)
+        finally:
+            close_session(door)
