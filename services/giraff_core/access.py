@@ -35,6 +35,8 @@ _ALL: Final = (*_ASKS, *_TELLS, "query")
 _SOCKET: Final = "unixsock-stream"
 _LINKS: Final = ("tcp", "tls", "udp", "quic", "ws")
 """Zenoh's words for the links to other hosts."""
+_OWN_HOST: Final = "this host"
+_DOES_ALL: Final = "does all"
 
 
 class AccessConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -131,35 +133,38 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
     return {"rules": rules, "subjects": subjects, "policies": policies}
 
 
-def with_inside(rules: dict[str, Any], *, is_inside: bool, is_split: bool) -> dict[str, Any]:
-    """Add to Zenoh's rules of a node that what base and guard act on comes from processes of its own host alone.
-
-    Those meet at Unix sockets. Whoever is inside takes such a sample from no other link, and no other process passes
-    one on to a socket: its own host would be believed. `is_split`: a part of the robot is on another host.
-    """
-    keys = [f"{ROOT}/*/{topic.key}" for topic in TOPICS if topic.inside]
-    held = _rule("inside only", "ingress" if is_inside else "egress", ("put", "delete"), *keys) | {"permission": "deny"}
-    trusted = _rule("this host does all", "ingress", _ALL, "**") | {"flows": ["ingress", "egress"]}
-    subjects = [{"id": "this host", "link_protocols": [_SOCKET]}]
-    whom = "this host"
-    if (
-        is_inside and rules
-    ):  # the only ones of a secured network who may say it; of several subjects one that may is enough
-        whom = "robot"
-    elif is_inside:
-        whom = "elsewhere"
-        subjects.append({"id": whom, "link_protocols": [*_LINKS]})
-    policies = [_policy("this host", "this host does all")]
-    if not (is_inside and is_split):
-        policies.append(_policy(whom, "inside only"))
-    return {
-        "enabled": True,
-        "default_permission": "allow",
-        **rules,
-        "rules": [*rules.get("rules", ()), held, trusted],
-        "subjects": [*rules.get("subjects", ()), *subjects],
-        "policies": [*rules.get("policies", ()), *policies],
+def with_own_host(rules: dict[str, Any]) -> dict[str, Any]:
+    """Add to Zenoh's rules of a node that processes of its own host, which it meets at Unix sockets, do all."""
+    return rules | {
+        "rules": [
+            *rules.get("rules", ()),
+            _rule(_DOES_ALL, "ingress", _ALL, "**") | {"flows": ["ingress", "egress"]},
+        ],
+        "subjects": [*rules.get("subjects", ()), {"id": _OWN_HOST, "link_protocols": [_SOCKET]}],
+        "policies": [*rules.get("policies", ()), _policy(_OWN_HOST, _DOES_ALL)],
     }
+
+
+def with_inside(rules: dict[str, Any], *, is_split: bool) -> dict[str, Any]:
+    """Add to Zenoh's rules of a node inside that what base and guard act on comes from its own host alone.
+
+    `is_split`: a part of the robot is on another host. Zenoh looks at a link when it begins. A second link to a peer
+    would count as the first, so door and hands have no socket at all (`giraff_node.network.session`).
+    """
+    held = _rule(
+        "inside only", "ingress", ("put", "delete"), *(f"{ROOT}/*/{topic.key}" for topic in TOPICS if topic.inside)
+    )
+    control = with_own_host({"enabled": True, "default_permission": "deny"} | rules)
+    # The only one of a secured network who may say it; of several subjects one that may is enough.
+    whom = "robot"
+    if not rules:
+        whom = "elsewhere"
+        control["subjects"].append({"id": whom, "link_protocols": [*_LINKS]})
+        control["policies"].append(_policy(whom, _DOES_ALL))
+    if not is_split:
+        control["rules"].append(held | {"permission": "deny"})
+        control["policies"].append(_policy(whom, "inside only"))
+    return control
 
 
 def _rule(name: str, flow: str, messages: tuple[str, ...], *keys: str) -> dict[str, Any]:

@@ -166,7 +166,10 @@ class Node(Generic[ConfigT]):
         self._router = RouterLink(network.router, network.site, self._sees_router) if routed else None
         own = network.local or network.session_file
         visits = role if role in {"inside", "outside"} and service not in _STEADY else None
-        self._link_repair = None if own else LinkRepair(self.session, network, self.robot.name, visits)
+        watch = self._on_impostor if role == "inside" and not network.is_split else lambda _: None
+        self._link_repair = (
+            None if network.session_file else LinkRepair(self.session, network, self.robot.name, visits, watch)
+        )
         is_deaf = role == "outside" and session is None and not own
         self._base_reach = BaseReach(self.session, network, self.robot.name) if is_deaf else None
         self._boards: list[BoardLink] = []
@@ -334,6 +337,14 @@ class Node(Generic[ConfigT]):
             addresses = self._look_at_addresses()
             if self._addresses.moved(now, addresses):
                 self._process.start_again(f"this host is now found at {', '.join(sorted(addresses))}")
+
+    def _on_impostor(self, peer: str) -> None:
+        self.fail(
+            RuntimeError(
+                f"peer {peer} is linked at a socket of this host and from elsewhere, too: another may speak in its "
+                "name, and would be believed"
+            )
+        )
 
     def _sees_router(self) -> bool:
         return bool(self.session.info.routers_zid())

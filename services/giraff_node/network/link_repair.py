@@ -11,14 +11,15 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Final, NamedTuple
 
 import zenoh
 
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import Role, close_session, open_session
+from giraff_node.network.session import INSIDE_ID_ENDS, Role, close_session, open_session
+from giraff_node.network.sockets import PROTOCOL
 from giraff_node.network.tcp_options import set_tcp_options
 
 _STAYS: Final = 2.0
@@ -27,6 +28,7 @@ _VISITS_EVERY: Final = 1.0  # s; the first may come before the other end has not
 _GIVES_UP: Final = 12.0
 """s; then it was ended, alone of its host. A program that is not ours may hold a dead link for 10 s."""
 _LOOK: Final = 0.2  # s between looks
+OWN_HOST: Final = "this host"
 _VISIT: Final = 0.7  # s; telling takes two round trips, dialling one more
 
 
@@ -46,10 +48,13 @@ class LostPeers:
         self._next = 0.0
 
     def look(self, now: float, links: Mapping[str, str]) -> bool:
-        """Whether a visit is due. `links`: id of each peer that is linked -> its host; `now`: monotonic, s."""
+        """Whether a visit is due. `links`: id of each peer that is linked -> its host; `now`: monotonic, s.
+
+        Of this process's own host only who is inside is missed: others come and go, and need nobody.
+        """
         for peer in self._linked.keys() - links.keys():
             host, since = self._linked.pop(peer)
-            if now - since >= _STAYS:
+            if now - since >= _STAYS and (host != OWN_HOST or peer.endswith(INSIDE_ID_ENDS)):
                 self._next = max(self._next, now + self._delay)
                 self._missed[peer] = _Peer(host, now)
         for peer, host in links.items():
@@ -66,9 +71,17 @@ class LostPeers:
 class LinkRepair:
     """Looks after the links of a session: a dead one is let go, and visits are made, one at a time, in a thread."""
 
-    def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str, visits: Role | None) -> None:
-        """`visits`: the role in which it does; None: it leaves that to others."""
+    def __init__(
+        self,
+        session: zenoh.Session,
+        network: NetworkConfig,
+        robot: str,
+        visits: Role | None,
+        on_impostor: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        """`visits`: the role in which it does; None: it leaves that to others. `on_impostor` takes such a peer's id."""
         self._session, self._network, self._robot, self._visits = session, network, robot, visits
+        self._on_impostor = on_impostor
         # One visit mends the links of all: not all who miss somebody make theirs at the same moment.
         self._lost_peers = LostPeers(int(str(session.zid())[-2:], 16) / 256 * _LOOK * 2)
         self._under_way: threading.Thread | None = None
@@ -80,9 +93,12 @@ class LinkRepair:
             return
         self._next = now + _LOOK
         set_tcp_options()
+        found = [Link(str(link.zid), link.src, link.dst) for link in self._session.info.links()]
+        for peer in impostors(found):
+            self._on_impostor(peer)
         if self._visits is None:
             return
-        links = hosts_of((str(link.zid), link.dst) for link in self._session.info.links())
+        links = hosts_of(found)
         if self._lost_peers.look(now, links) and (self._under_way is None or not self._under_way.is_alive()):
             whom = (self._network, self._robot, self._visits)
             self._under_way = threading.Thread(target=join_briefly, args=whom, name="visit", daemon=True)
@@ -99,7 +115,28 @@ def join_briefly(network: NetworkConfig, robot: str, role: Role) -> None:
     close_session(session)
 
 
-def hosts_of(links: Iterable[tuple[str, str]]) -> dict[str, str]:
-    """Peer -> host, of links (peer, locator) to other hosts: "tcp/10.0.0.5:7447" is at 10.0.0.5."""
-    found = ((peer, locator.partition("/")[2].rpartition(":")[0]) for peer, locator in links)
-    return {peer: host for peer, host in found if host and not host.startswith("127.")}
+class Link(NamedTuple):
+    """Of a session to a peer, between two locators."""
+
+    peer: str
+    src: str
+    dst: str
+
+
+def hosts_of(links: Iterable[Link]) -> dict[str, str]:
+    """Peer -> host, of links that are no sockets: "tcp/10.0.0.5:7447" is at 10.0.0.5."""
+    found = ((link.peer, _host(link.src), _host(link.dst)) for link in links)
+    return {peer: OWN_HOST if host == own else host for peer, own, host in found if host}
+
+
+def impostors(links: Iterable[Link]) -> set[str]:
+    """Peers that are linked at a Unix socket and in another way as well, which is believed like the socket."""
+    at_sockets, elsewhere = set[str](), set[str]()
+    for peer, src, _ in links:
+        (at_sockets if src.startswith(PROTOCOL) else elsewhere).add(peer)
+    return at_sockets & elsewhere
+
+
+def _host(locator: str) -> str:
+    """Return the host of a locator; empty: a Unix socket."""
+    return locator.partition("/")[2].rpartition(":")[0]

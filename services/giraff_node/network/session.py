@@ -19,7 +19,7 @@ from typing import Any, Final, Literal
 import msgspec
 import zenoh
 
-from giraff_core.access import access_control, with_inside
+from giraff_core.access import access_control, with_inside, with_own_host
 from giraff_core.network import NetworkConfig, addresses, door_ports, link_of, ports_of
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
@@ -50,11 +50,14 @@ Role = Literal["inside", "door", "outside", "apart", "client"]
 `inside`: a service that the robot's stopping depends on. It listens at Unix sockets alone and dials out.
 `door`: the process of a host that others find, at the port of the rendezvous.
 `outside`: listens at a port of its own; a hand, and whatever stays and is none of the robot's own.
-`apart`: as a door, but at no Unix socket, so that no robot of this host believes it; a recording that is played.
+`apart`: as a door, at a port of its own, too; a recording that is played beside a robot.
 `client`: has one link, to a door, and hears all through it; a command, and a hand whose host cannot be dialled.
+
+Who is inside believes what comes over a Unix socket. Zenoh judges a peer by its first link and would believe a second
+one as well, so nobody is linked in both ways: of peers only those inside have sockets, and among them nothing else.
 """
 
-_INSIDE_ID_ENDS: Final = "ffffffff"
+INSIDE_ID_ENDS: Final = "ffffffff"
 """Zenoh compares ids from their last digits on, and of two peers the greater dials: nobody can dial who is inside."""
 _RETRIED: Final = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
 # Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
@@ -91,10 +94,10 @@ def session_config(
         config["listen"]["endpoints"] = listens
     if port:
         config["listen"]["timeout_ms"] = _IS_TAKEN
-    if role == "apart":
+    if role not in {"inside", "client"}:
         config["transport"]["link"]["protocols"].remove(PROTOCOL)
     if role == "inside":
-        config["id"] = f"{os.urandom(12).hex()}{_INSIDE_ID_ENDS}".lstrip("0")
+        config["id"] = f"{os.urandom(12).hex()}{INSIDE_ID_ENDS}".lstrip("0")
     if network.local or role in {"inside", "client"}:
         config["scouting"]["multicast"]["enabled"] = False
     if network.site:
@@ -105,11 +108,11 @@ def session_config(
         # Whose host this is matters only for what a router may say to it.
         me = _host_of(keys) if network.access.routers else ""
         config["access_control"] |= access_control(network.access, robot, me)
-    config["access_control"] = with_inside(
-        config["access_control"] if network.mode == "secured" else {},
-        is_inside=role == "inside",
-        is_split=network.is_split,
-    )
+    if role == "inside":
+        rules = config["access_control"] if network.mode == "secured" else {}
+        config["access_control"] = with_inside(rules, is_split=network.is_split)
+    elif role == "client" and network.mode == "secured":
+        config["access_control"] = with_own_host(config["access_control"])
     return config
 
 
@@ -177,7 +180,7 @@ def _open_client(network: NetworkConfig, robot: str, *, records: bool) -> zenoh.
 
 
 def _is_heard(session: zenoh.Session, robot: str) -> bool:
-    """Whether a part of the robot itself is. This host's own hand, at whose socket a command may link, is none."""
+    """Whether a part of the robot itself is; the door of this host need not be the robot's."""
     return any(
         token.service in (*ROBOTS_OWN, PLAY.name) for token in find_tokens(session, alive_key(robot), _ANSWERS_WITHIN)
     )
@@ -229,8 +232,9 @@ def _open(config: dict[str, Any]) -> zenoh.Session:
 def _endpoints(network: NetworkConfig, role: Role, port: int, name: str, *, stays: bool) -> tuple[list[str], list[str]]:
     """Where a process listens, and whom it dials. Raises ConfigError."""
     dials = [f"{link_of(network)}/{address}" for address in addresses(network)]
-    if role == "apart":
-        return _ports(network, role, port), dials
+    listens = _ports(network, role, port)
+    if role not in {"inside", "client"}:
+        return listens, dials
     try:
         folder = socket_folder(network)
     except ConfigError:
@@ -241,12 +245,9 @@ def _endpoints(network: NetworkConfig, role: Role, port: int, name: str, *, stay
     dials.insert(0, meeting)
     if role == "client":
         return [], dials
-    listens = [f"{PROTOCOL}/{own_socket(folder, name)}{_FIRST}", *_ports(network, role, port)]
-    if role in {"inside", "door"} and stays:
+    listens.insert(0, f"{PROTOCOL}/{own_socket(folder, name)}{_FIRST}")
+    if stays:
         listens.append(f"{meeting}{_RETRIED}")  # last: after a taken one nothing is bound in time
-    if role == "door" and not network.local:
-        _, *further = door_ports(_at_all(network.rendezvous))
-        listens += [f"{link_of(network)}/{address}{_RETRIED}" for address in further]
     return listens, dials
 
 
@@ -255,8 +256,8 @@ def _ports(network: NetworkConfig, role: Role, port: int) -> list[str]:
     link, own_port = link_of(network), f"127.0.0.1:{port}" if network.local else _at_all(f":{port}")
     own = [f"{link}/{own_port}{_FIRST}"]
     if role in {"door", "apart"}:
-        at_door = f"{link}/{network.rendezvous if network.local else _at_all(network.rendezvous)}{_RETRIED}"
-        return [at_door] if role == "door" else [*own, at_door]
+        at_door = [network.rendezvous] if network.local else map(_at_all, door_ports(network.rendezvous))
+        return [*(own if role == "apart" else []), *(f"{link}/{address}{_RETRIED}" for address in at_door)]
     return own if role == "outside" or network.is_split else []
 
 

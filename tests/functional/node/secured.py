@@ -19,7 +19,6 @@ import zenoh
 from giraff_cli.network.ports import free_port
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import Role, close_session, session_config
-from giraff_node.network.sockets import PROTOCOL
 from giraff_schemas.topics import (
     OPERATOR_CMD_VEL,
     PARAM_QUERIES,
@@ -42,10 +41,8 @@ def direct(callback: Callable[[Any], object]) -> zenoh.handlers.Callback[Any]:
 
 
 def open_marked(network: NetworkConfig, role: Role) -> zenoh.Session:
-    """As a process of this host would open it, with marks. Who is outside has no folder of sockets in common."""
+    """As a process of this host would open it, with marks."""
     config = session_config(network, ROBOT, role)
-    if role == "outside":
-        elsewhere(config)
     marks = {
         "id": "marks",
         "flows": ["ingress", "egress"],
@@ -57,13 +54,6 @@ def open_marked(network: NetworkConfig, role: Role) -> zenoh.Session:
     config["access_control"]["subjects"].append({"id": "everybody", "cert_common_names": [*HOSTS]})
     config["access_control"]["policies"].append({"rules": ["marks"], "subjects": ["everybody"]})
     return zenoh.open(zenoh.Config.from_json5(json.dumps(config)))
-
-
-def elsewhere(config: dict[str, Any]) -> None:
-    """Keep a session from the sockets of this machine, as if it ran on another."""
-    for ways in (config.get("listen", {}), config["connect"]):
-        ways["endpoints"] = [way for way in ways.get("endpoints", ()) if not way.startswith(PROTOCOL)]
-    config["transport"]["link"]["protocols"].remove(PROTOCOL)
 
 
 class Network:

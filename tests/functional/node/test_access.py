@@ -30,7 +30,7 @@ from giraff_schemas.topics import (
     frame_key,
     key_of,
 )
-from tests.functional.node.secured import MINE, Network, direct, elsewhere, open_marked
+from tests.functional.node.secured import MINE, Network, direct, open_marked
 from tests.support.secured_hosts import HOSTS, ROBOT, authority
 from tests.support.waiting import wait
 
@@ -152,8 +152,6 @@ def test_a_stranger_gets_no_link(network: Network, keys: Path, tmp_path: Path) -
     callers = (session_config(another, ROBOT, "outside"), no_certificate, plain)
     heard: list[str] = []
     with ExitStack() as stack:
-        for config in callers:
-            elsewhere(config)
         strangers = [zenoh.open(zenoh.Config.from_json5(json.dumps(config))) for config in callers]
         for stranger in strangers:
             stack.callback(close_session, stranger)

@@ -156,26 +156,28 @@ def test_links_speak_tls_only(keys: Path) -> None:
     config = session_config(
         NetworkConfig(mode="secured", connect=("192.0.2.1",), keys=str(keys / "laptop"), access=ACCESS), ROBOT
     )
-    assert config["transport"]["link"]["protocols"] == ["tls", "unixsock-stream"]
+    assert config["transport"]["link"]["protocols"] == ["tls"]
     assert config["transport"]["link"]["tls"]["enable_mtls"] is True
     assert config["scouting"]["multicast"]["enabled"] is False
     endpoints = config["listen"]["endpoints"] + config["connect"]["endpoints"]
-    assert {endpoint.split("/")[0] for endpoint in endpoints} == {"tls", "unixsock-stream"}
+    assert {endpoint.split("/")[0] for endpoint in endpoints} == {"tls"}
     assert "tls/192.0.2.1:7447" in endpoints
 
 
 def test_no_rule_that_lets_in_covers_bases_door(keys: Path) -> None:
     """`cmd_vel/**` would match `cmd_vel`, too."""
-    config = session_config(NetworkConfig(mode="secured", keys=str(keys / "laptop"), access=ACCESS, local=True), ROBOT)
+    network = NetworkConfig(mode="secured", keys=str(keys / "laptop"), access=ACCESS, local=True)
+    config = session_config(network, ROBOT, "inside")
     door = zenoh.KeyExpr(key_of(ROBOT, CMD_VEL))
     opened_by = [
         rule["id"]
         for rule in config["access_control"]["rules"]
-        if "ingress" in rule["flows"]
+        if rule["permission"] == "allow"
+        and "ingress" in rule["flows"]
         and {"put", "delete"} & set(rule["messages"])
         and any(zenoh.KeyExpr(key).intersects(door) for key in rule["key_exprs"])
     ]
-    assert opened_by == ["the robot tells", "this host does all"]
+    assert opened_by == ["the robot tells", "does all"]
 
 
 def test_missing_keys_are_named_with_the_way_out(tmp_path: Path) -> None:
@@ -204,30 +206,21 @@ def test_a_robot_on_several_hosts_needs_certificates(mode: str) -> None:
         msgspec.convert({"mode": mode, "access": {"robot": ["robot", "second"]}}, NetworkConfig)
 
 
-@pytest.mark.parametrize(
-    ("is_inside", "is_split", "flow", "link"),
-    [
-        (True, False, "ingress", "tcp"),
-        (True, False, "ingress", "tls"),
-        (False, False, "egress", "unixsock-stream"),
-        (False, True, "egress", "unixsock-stream"),
-    ],
-)
-def test_what_base_and_guard_act_on_passes_no_link_to_another_host(
-    is_inside: bool, is_split: bool, flow: str, link: str
-) -> None:
-    """Whoever is inside takes it from none, and nobody else hands it on to a socket."""
+@pytest.mark.parametrize("link", ["tcp", "tls"])
+def test_who_is_inside_takes_what_base_and_guard_act_on_over_no_link_to_another_host(link: str) -> None:
+    control = with_inside({}, is_split=False)
+    assert control["default_permission"] == "deny"  # of a link that is of no known kind
     for topic in (TICK, WHEELS, CMD_VEL, RANGE.at("rear")):
-        assert denies(with_inside({}, is_inside=is_inside, is_split=is_split), flow, link, key_of(ROBOT, topic))
+        assert denies(control, "ingress", link, key_of(ROBOT, topic))
 
 
 def test_a_robot_on_several_hosts_takes_it_from_its_certificates() -> None:
-    assert not denies(with_inside({}, is_inside=True, is_split=True), "ingress", "tls", key_of(ROBOT, CMD_VEL))
+    assert not denies(with_inside({}, is_split=True), "ingress", "tls", key_of(ROBOT, CMD_VEL))
 
 
 def test_the_robots_certificate_does_not_speak_for_its_host() -> None:
     """Of several subjects of a link one that may is enough, so the denial stands with what lets the robot in."""
-    control = with_inside(access_control(ACCESS, ROBOT), is_inside=True, is_split=False)
+    control = with_inside(access_control(ACCESS, ROBOT), is_split=False)
     assert {"rules": ["inside only"], "subjects": ["robot"]} in control["policies"]
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_node.network.link_repair import LostPeers, hosts_of
+from giraff_node.network.link_repair import OWN_HOST, Link, LostPeers, hosts_of, impostors
+from giraff_node.network.session import INSIDE_ID_ENDS
 
 ROBOT, LAPTOP = "10.0.0.2", "10.0.0.3"
 DELAY = 0.3
@@ -56,6 +57,30 @@ def test_a_visitor_may_leave(partings: LostPeers) -> None:
     assert visits(partings, BOTH | {"watch": LAPTOP}, 11.5, 20.0) == []
 
 
-def test_the_host_of_a_link() -> None:
-    links = [("base", "tcp/10.0.0.2:7447"), ("guard", "tls/[fe80::1]:40000"), ("own", "tcp/127.0.0.1:41111")]
-    assert hosts_of(links) == {"base": "10.0.0.2", "guard": "[fe80::1]"}
+SOCKET = "unixsock-stream/here"
+LINKS = [
+    Link("base", "tcp/10.0.0.3:40001", "tcp/10.0.0.2:7447"),
+    Link("guard", "tls/[fe80::2]:7448", "tls/[fe80::1]:40000"),
+    Link("own", "tcp/127.0.0.1:7448", "tcp/127.0.0.1:41111"),
+    Link("page", "tcp/10.0.0.3:7448", "tcp/10.0.0.3:41112"),
+    Link("ranger", SOCKET, "unixsock-stream/there"),
+]
+
+
+def test_the_hosts_of_links() -> None:
+    own = dict.fromkeys(("own", "page"), OWN_HOST)
+    assert hosts_of(LINKS) == {"base": "10.0.0.2", "guard": "[fe80::1]"} | own
+
+
+def test_of_its_own_host_who_is_inside_is_missed_and_nobody_else() -> None:
+    page, base = "c0ffee", f"c0ffee{INSIDE_ID_ENDS}"
+    for gone, due in ((page, False), (base, True)):
+        partings = LostPeers(DELAY)
+        visits(partings, dict.fromkeys((page, base, "door"), OWN_HOST), 0.0, 5.0)
+        left = dict.fromkeys({page, base, "door"} - {gone}, OWN_HOST)
+        assert bool(visits(partings, left, 5.0, 7.0)) is due
+
+
+def test_a_peer_that_is_linked_at_a_socket_and_from_elsewhere_is_an_impostor() -> None:
+    assert impostors(LINKS) == set()
+    assert impostors([*LINKS, Link("ranger", "tcp/10.0.0.3:40002", "tcp/10.0.0.9:7450")]) == {"ranger"}

@@ -87,7 +87,7 @@ def test_every_peer_of_a_site_dials_the_router_and_tells_its_site(keys: Path) ->
 
 def test_without_a_router_nothing_is_dialled_and_no_site_told() -> None:
     config = session_config(NetworkConfig(), ROBOT)
-    assert config["connect"]["endpoints"][1:] == ["tcp/127.0.0.1:7447"]
+    assert config["connect"]["endpoints"] == ["tcp/127.0.0.1:7447"]
     assert "region_name" not in config
 
 

@@ -25,7 +25,7 @@ def test_a_local_session_stays_on_the_loopback() -> None:
 
 def test_a_session_on_the_network_scouts_and_connects() -> None:
     config = session_config(NetworkConfig(connect=("192.0.2.1",)), ROBOT)
-    assert config["connect"]["endpoints"][1:] == ["tcp/192.0.2.1:7447", "tcp/127.0.0.1:7447"]
+    assert config["connect"]["endpoints"] == ["tcp/192.0.2.1:7447", "tcp/127.0.0.1:7447"]
     assert config["scouting"]["multicast"]["enabled"] is True
 
 
@@ -48,10 +48,18 @@ def test_who_is_inside_listens_to_its_own_host_alone() -> None:
     assert config["scouting"]["multicast"]["enabled"] is False
 
 
+@pytest.mark.parametrize("role", ["door", "outside", "apart"])
+def test_a_peer_that_others_dial_has_no_socket(role: Role) -> None:
+    """A robot's ranger had two links to its door, one at a socket, and believed what strangers said by the other."""
+    config = session_config(NetworkConfig(), ROBOT, role)
+    assert config["transport"]["link"]["protocols"] == ["tcp"]
+    assert not [each for part in ("listen", "connect") for each in config[part]["endpoints"] if "unixsock" in each]
+
+
 def test_a_door_listens_at_further_ports_and_a_client_knows_them() -> None:
     ports = [f"tcp/0.0.0.0:{port}#" for port in (7447, 7457, 7458, 7459)]
     listens = session_config(NetworkConfig(), ROBOT, "door")["listen"]["endpoints"]
     assert all(any(endpoint.startswith(port) for endpoint in listens) for port in ports)
     assert door_ports("192.0.2.1:7447") == tuple(f"192.0.2.1:{port}" for port in (7447, 7457, 7458, 7459))
     assert door_ports("[2001:db8::1]:65530") == ("[2001:db8::1]:65530",)
-    assert not session_config(NetworkConfig(), ROBOT, "outside", port=7448)["listen"]["endpoints"][2:]
+    assert not session_config(NetworkConfig(), ROBOT, "outside", port=7448)["listen"]["endpoints"][1:]
