@@ -122,6 +122,11 @@ class ProcessSite:
         """No firewall any more; none is fine."""
         self._in_network(host, "nft", "--file", "-", given=f"table {_FIREWALL}\ndelete table {_FIREWALL}\n")
 
+    def ip(self, host: str, *commands: str) -> None:
+        """Run commands of ip(8) on a host."""
+        for command in commands:
+            self._in_network(host, "ip", *command.split())
+
     def _in_network(self, host: str, *command: str, given: str = "") -> str:
         return run(["nsenter", "--target", str(self.machines[host].pid), "--net", *command], input=given)
 

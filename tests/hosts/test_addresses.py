@@ -1,0 +1,79 @@
+"""A robot with several networks is found and stopped on the one that it shares with the laptop, whichever came first.
+
+No Docker. The simulator's record of the motors is the judge.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import pytest
+
+from tests.hosts.process_site import NUMBERS, ProcessSite
+from tests.hosts.switch import NETWORK
+from tests.support.waiting import wait
+
+pytestmark = pytest.mark.timeout(180)
+
+LAN: Final = {"mode": "lan"}
+_FOUND_WITHIN: Final = "40"  # s
+_OTHER: Final = (
+    "link add laser type veth peer name scanner",
+    "address add 192.168.77.1/24 dev laser",
+    "link set laser up",
+    "link set scanner up",
+)
+"""A second network: of a laser scanner on a cable, or of a VPN."""
+_OURS, _ANOTHER = f"{NETWORK}.{NUMBERS['robot']}/24", f"{NETWORK}.77/24"
+_HAS, _HAS_NOT = f"address add {_OURS} dev eth0", f"address del {_OURS} dev eth0"
+
+
+class Change(NamedTuple):
+    """What happens to the robot's network before its services start, and while they run."""
+
+    before: tuple[str, ...]
+    then: tuple[str, ...]
+
+
+CHANGES: Final = {
+    "the laser's network is there first": Change((*_OTHER, _HAS_NOT), (_HAS,)),
+    "it comes later, as a VPN does": Change(("link del laser",), _OTHER),
+    "the robot's address becomes another": Change((), (_HAS_NOT, f"address add {_ANOTHER} dev eth0")),
+    "its address moves to a bridge": Change(
+        (f"address del {_ANOTHER} dev eth0", _HAS),
+        (
+            "link add br0 type bridge",
+            "link set br0 up",
+            _HAS_NOT,
+            "link set eth0 master br0",
+            f"address add {_OURS} dev br0",
+        ),
+    ),
+}
+"""Each begins where the one before ended."""
+
+
+def test_a_robot_with_several_networks_is_found_and_stopped(tmp_path: Path) -> None:
+    with ProcessSite(tmp_path) as site:
+        for what, (before, then) in CHANGES.items():
+            site.ip("robot", *before)
+            site.start(LAN, "door", "base")
+            wait(lambda: "recovered: board" in site.log("base"), 60.0, what=what)
+            site.ip("robot", *then)
+            stopped = site.giraff("laptop", LAN, "estop", "engage", "--timeout", _FOUND_WITHIN)
+            assert "STOPPED" in stopped, what
+            assert "starting again" not in site.log("base"), what
+            site.kill()
+
+
+def test_a_vpn_that_comes_stops_no_drive(tmp_path: Path) -> None:
+    with ProcessSite(tmp_path) as site:
+        site.start(LAN, "door", "base", "guard", "ranger")
+        site.start(LAN, "joystick", host="laptop")
+        site.hardware.drive()
+        since = site.hardware.simulator.now()
+        site.ip("robot", *_OTHER)
+        site.hardware.run(4.0)  # the door starts itself again meanwhile
+        assert "starting again" in site.log("door")
+        assert site.hardware.simulator.record(since).driven_ms >= 3990
