@@ -352,6 +352,16 @@ class GuardState(Sample, frozen=True, kw_only=True):
     """By sensor: why it is not trusted; empty when it is."""
 
 
+class WebPage(msgspec.Struct, frozen=True, kw_only=True):
+    """Where giraff_web serves its page over HTTPS."""
+
+    port: int
+    hosts: tuple[str, ...]
+    """Names and addresses at which other hosts reach it."""
+    certificate: str
+    """SHA-256 of its certificate in DER, in hexadecimal digits."""
+
+
 class Health(msgspec.Struct, frozen=True, kw_only=True):
     """Answer of a service's health query. It judges the service: not its links, nor who drives."""
 
@@ -381,3 +391,5 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     """Of the program: its number, and a digest of what all services share."""
     stamp_ns: int = 0
     """Wall clock of its host when it answered, ns since 1970."""
+    page: WebPage | None = None
+    """Of giraff_web; None for every other service."""

@@ -40,7 +40,7 @@ from giraff_node.process.lifecycle import Process
 from giraff_node.process.state import Folder, state_directory
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
-from giraff_schemas.messages import Health
+from giraff_schemas.messages import Health, WebPage
 from giraff_schemas.services import BASE, DOOR, GUARD, SERVICES
 from giraff_schemas.topics import (
     PARAM_DESCRIBE,
@@ -313,6 +313,10 @@ class Node(Generic[ConfigT]):
     def set_notice(self, name: str, message: str) -> None:
         """State what is wrong elsewhere, or awaited, or with "" that nothing is: this service is well all the same."""
         self._process.condition.set_notice(name, message)
+
+    def set_page(self, page: WebPage) -> None:
+        """State where this service serves its page; health tells it."""
+        self._process.condition.page = page
 
     def fail(self, error: BaseException) -> None:
         """End the process with `error`, from any thread."""

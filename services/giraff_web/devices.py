@@ -25,6 +25,7 @@ _BROWSERS: Final = (
     (r"\bChrom(e|ium)/", "Chrome"),
     (r"\bSafari/", "Safari"),
     (r"\bcurl/", "curl"),
+    (r"^giraff estop$", "giraff estop"),
 )
 _SYSTEMS: Final = (
     (r"\bWindows\b", "Windows"),

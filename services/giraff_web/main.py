@@ -16,6 +16,7 @@ from giraff_node import Node
 from giraff_node.network.host_addresses import host_addresses
 from giraff_node.process.state import state_directory
 from giraff_node.process.unix_socket import listen_at
+from giraff_schemas.messages import WebPage
 from giraff_web.config import WebConfig
 from giraff_web.messages import Room
 from giraff_web.server.host import RIGHTS, HostSocket, own_socket
@@ -58,6 +59,9 @@ def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> Non
             server = Server(config, site, announce, node.log.info, node.fail, host=host)
             with closing(server):
                 server.start()
+                node.set_page(
+                    WebPage(port=server.port, hosts=site.reached_at, certificate=site.certificate.fingerprint)
+                )
                 node.run(Web(node, config, node.robot, server, node.log.info, room))
     except (_RoomError, CertificateProblemError, PortError) as error:
         node.log.error("%s", error)
@@ -114,6 +118,7 @@ def _site(node: Node[WebConfig], config: WebConfig) -> Site:
         names=tuple(str(name) for name in names),
         reached_at=tuple(dict.fromkeys(reached_at)) or ("localhost",),
         strangers_watch=not certificates.is_secured(network),
+        robot=node.robot.name,
     )
 
 

@@ -33,6 +33,7 @@ def drive(robot: str | None, connect: Sequence[str]) -> int:
         return print_error("drive: cannot draw on this terminal, of which TERM says that it is dumb")
 
     def act(connection: RobotConnection) -> int:
+        connection.ask_page()
         limits = ask_limits(connection, "drive")
         return _drive(connection, Settings(KeyboardConfig(), limits, connection.network))
 

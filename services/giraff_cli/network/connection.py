@@ -11,6 +11,7 @@ from typing import Any, Final, Protocol
 
 import zenoh
 
+from giraff_cli.network.pages import PageKeeper
 from giraff_core.network import NetworkConfig, addresses
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
@@ -18,7 +19,7 @@ from giraff_node.network.session import NobodyError, close_session, open_clients
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
-from giraff_schemas.services import BASE
+from giraff_schemas.services import BASE, WEB
 from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
 
 _ASK_AGAIN: Final = 0.1  # s
@@ -67,6 +68,7 @@ class RobotConnection:
         self._declared: dict[str, Any] = {}  # by key; a subscriber that nobody references ends
         self._others: list[zenoh.Session] = []
         self._is_closed = False
+        self._pages = PageKeeper()
         self._complaints: dict[str, tuple[int, str]] = {}
         """Of each key: when (robot's clock), what."""
 
@@ -111,6 +113,10 @@ class RobotConnection:
         """The same, of what came after `at_ns`."""
         return [complaint for when_ns, complaint in list(self._complaints.values()) if when_ns >= at_ns]
 
+    def ask_page(self) -> None:
+        """Ask where the robot's pages are, and keep it for a stop that Zenoh does not bring about."""
+        self._pages.ask(self.session, self.robot)
+
     def open_other_doors(self, on_door: Callable[[zenoh.Session], object]) -> None:
         """Open a link to each other door that answers: robots behind one need not be heard at another.
 
@@ -134,6 +140,7 @@ class RobotConnection:
         """Leave the network; False when Zenoh does not come back from it, after `within` s."""
         self._is_closed = True
         closed = [close_session(session, within) for session in (self.session, *self._others)]
+        self._pages.wait(within)
         return all(closed)
 
     def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
@@ -151,6 +158,8 @@ class RobotConnection:
         return on_sample
 
     def _on_token(self, token: Token, present: bool) -> None:
+        if present and token.service == WEB.name:
+            self._heard.append(lambda _: self.ask_page())
         self._heard.append(lambda listener: listener.on_liveliness(token.service, token.instance, present=present))
 
 

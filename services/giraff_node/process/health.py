@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 from giraff_node.process.version import version
-from giraff_schemas.messages import Health
+from giraff_schemas.messages import Health, WebPage
 
 
 class HealthState:
@@ -26,6 +26,7 @@ class HealthState:
         """Keys of the topics table; the same one may be told twice."""
         self.subscribes: list[str] = []
         self.answers: list[str] = []
+        self.page: WebPage | None = None
 
     def set_fault(self, name: str, message: str) -> None:
         """State what is wrong with `name` of this service itself, or with "" that nothing is."""
@@ -53,6 +54,7 @@ class HealthState:
             rss_bytes=_resident(),
             version=version(),
             stamp_ns=time.time_ns(),
+            page=self.page,
         )
 
     @property

@@ -13,6 +13,8 @@ from datetime import datetime
 from pathlib import Path
 from typing import Final, NamedTuple
 
+from cryptography.hazmat.primitives import hashes
+
 from giraff_core.network import NetworkConfig
 from giraff_keys.certificates import addresses_of, new_authority, new_host
 from giraff_keys.files import KeyFileError, is_pair, read_certificate, read_key
@@ -36,6 +38,8 @@ class Certificate(NamedTuple):
     context: ssl.SSLContext
     authority: bytes
     """PEM, of what a device installs to trust the service."""
+    fingerprint: str
+    """SHA-256 of the certificate in DER, in hexadecimal digits."""
 
 
 def own_names(hostname: str, addresses: Iterable[str], further: Iterable[str]) -> tuple[Address, ...]:
@@ -118,7 +122,10 @@ def _loaded(folder: Path, way_out: str) -> Certificate:
     context.minimum_version = ssl.TLSVersion.TLSv1_2
     try:
         context.load_cert_chain(folder / HOST_CERTIFICATE, folder / HOST_KEY)
-        return Certificate(context, (folder / CA_CERTIFICATE).read_bytes())
+        fingerprint = read_certificate(folder / HOST_CERTIFICATE).fingerprint(hashes.SHA256()).hex()
+        return Certificate(context, (folder / CA_CERTIFICATE).read_bytes(), fingerprint)
+    except KeyFileError as error:
+        raise CertificateProblemError(f"{error}; {way_out}") from error
     except OSError as error:  # ssl.SSLError is one, too
         told = f"{error.filename}: {error.strerror}" if error.filename else f"certificate and key: {error}"
         raise CertificateProblemError(f"{folder}: {told}; {way_out}") from error

@@ -54,6 +54,8 @@ class Site(NamedTuple):
     """By which others reach it: they are told to people."""
     strangers_watch: bool = True
     """Whether a page without a session is let in."""
+    robot: str = ""
+    """Name of the robot that the pages drive and stop; each answer tells it."""
 
 
 class Server:
@@ -203,7 +205,10 @@ class Server:
 
     async def _answer(self, request: web.BaseRequest) -> web.StreamResponse:
         assert self._requests is not None  # noqa: S101  made before anybody is let in
-        return await self._requests.answer(request)
+        answer = await self._requests.answer(request)
+        if not answer.prepared:
+            answer.headers["Giraff-Robot"] = self._site.robot
+        return answer
 
     async def _look(self) -> None:
         """Close the pages that are silent, and those whose session is over. Tell drivers who has come and gone."""

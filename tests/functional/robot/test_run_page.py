@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import re
@@ -22,6 +23,7 @@ from giraff_core.network import NetworkConfig
 from giraff_node.network.session import close_session, open_session
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import GIRAFF, PROCESSES, Command, command_in, line_of
+from tests.support.waiting import wait
 
 RUN = ("--web", "--hand", "none", "--boards", "host")
 
@@ -51,6 +53,20 @@ def got(address: str, path: str, authority: str = "", data: bytes | None = None)
         answer = connection.getresponse()
         assert answer.status < 300, answer.status
         return answer.read().decode()
+
+
+def kept_of(command: Command) -> tuple[int, str] | None:
+    """Port and certificate of the page that a visit has kept for a stop; None: none has."""
+    for file in (command.directory / "state").rglob("page-*.json"):
+        [page] = json.loads(file.read_bytes())
+        return page["port"], page["certificate"]
+    return None
+
+
+def fingerprint(address: str) -> str:
+    asked = urlsplit(address)
+    pem = ssl.get_server_certificate((str(asked.hostname), asked.port or 0))
+    return hashlib.sha256(ssl.PEM_cert_to_DER_cert(pem)).hexdigest()
 
 
 def host_of(address: str) -> str:
@@ -85,6 +101,7 @@ def test_the_page_of_a_run_comes_and_goes_with_it_and_is_named_where_it_dies(
         assert len(command.pids()) == PROCESSES + 1
         assert json.loads(got(page, "/stop", trusted, b"")) == {"asked": True}
         line_of(process, "base EMERGENCY STOP")
+        wait(lambda: kept_of(command) == (urlsplit(page).port, fingerprint(page)), PATIENCE)
         process.send_signal(signal.SIGTERM)
         _, err = process.communicate(timeout=PATIENCE)
     assert (process.returncode, err) == (0, "")
