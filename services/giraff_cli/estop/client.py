@@ -42,13 +42,40 @@ class Result(NamedTuple):
     text: str
 
 
-def engage(connection: RobotConnection, by: str, reason: str, timeout: float, *, doubt: str = "") -> Result:
+class OtherWay:
+    """Asks a robot for the stop beside Zenoh. This one asks none."""
+
+    def hear(self, robot: str, asking: EStopClient) -> None:
+        """Take into account what base says to this request over Zenoh."""
+
+    def end(self, robot: str) -> None:
+        """Ask this robot no more: it has confirmed over Zenoh."""
+
+    def stopped(self) -> set[str]:
+        """Wait until it is known which robots have confirmed this way, and return them."""
+        return set()
+
+
+ZENOH_ALONE: Final = OtherWay()
+
+
+def engage(
+    connection: RobotConnection,
+    by: str,
+    reason: str,
+    timeout: float,
+    *,
+    doubt: str = "",
+    other: OtherWay = ZENOH_ALONE,
+) -> Result:
     """Ask again and again until each base of this name confirms that it has stopped and will stay so. 0: it has.
 
     `doubt`: why it is not known whether the robot that answers is the one that is meant; then the code is UNKNOWN.
+    `other`: asks meanwhile, too.
     """
     robot, deadline = connection.robot, time.monotonic() + _left(connection, timeout)
     asking = request_estop(connection.session, robot, by=by, reason=reason)
+    other.hear(robot, asking)
     answer = asking.wait(deadline)
     if doubt and (answer or _has_stopped(asking)):
         return _doubtful(connection, robot, doubt)
@@ -71,18 +98,18 @@ def engage_all(
     tell: Callable[[Result], object],
     *,
     doubt: str = "",
-    only: str = "",
+    other: OtherWay = ZENOH_ALONE,
 ) -> int:
-    """The same of every robot that is heard; the worst code. `tell` is given each result as soon as there is one.
+    """The same of each robot of the connection's name; where it has none, of every robot that is heard. The worst code.
 
-    `only`: of those of this name; empty: of all.
+    `tell` is given each result as soon as there is one. `other`: asks one of them meanwhile, too.
     Listens until a second after the last newcomer, and no longer than `timeout`. `addresses`: where somebody takes a
     robot to be. One at which nobody answers stops no other robot's stop, and is told.
     """
     with ThreadPoolExecutor(1) as pool:
         silent = pool.submit(find_silent, addresses)
         teller = _Teller(tell)
-        code = _engage_heard(connection, by, reason, timeout, teller, doubt, only)
+        code = _engage_heard(connection, by, reason, timeout, teller, doubt, other)
         teller.end()
         for what in silent.result():
             tell(
@@ -99,7 +126,7 @@ def _engage_heard(
     timeout: float,
     tell: Callable[[Result], object],
     doubt: str,
-    only: str,
+    other: OtherWay,
 ) -> int:
     doors = [(connection.session, RobotMonitor(connection.session))]
     connection.open_other_doors(lambda session: doors.append((session, RobotMonitor(session))))
@@ -112,8 +139,9 @@ def _engage_heard(
     while (now := time.monotonic()) < until:
         for at, robot in ((at, robot) for at, (_, monitor) in enumerate(doors) for robot in monitor.all_names):
             # Each by its own key: rules of a secured network pass none with a wildcard.
-            if (robot, at) not in asking and only in {"", robot}:
+            if (robot, at) not in asking and connection.robot in {"", robot}:
                 asking[robot, at] = request_estop(doors[at][0], robot, by=by, reason=reason)
+                other.hear(robot, asking[robot, at])
                 newest = now
         for robot, at in sorted(asking.keys() - stopped):
             if (answer := _poll(asking[robot, at], now)) is not None:
@@ -121,20 +149,23 @@ def _engage_heard(
                 if doubt:
                     teller.submit(_tell_doubtful, connection, robot, doubt, tell)
                 else:
+                    other.end(robot)
                     tell_once(_confirmed(connection, robot, answer))
         if asking and len(stopped) == len(asking) and now - newest > _NEWCOMERS:
             break
         time.sleep(_TURN)
     teller.shutdown()
+    elsewhere = other.stopped()
     codes = [UNKNOWN if doubt else RELEASED]
-    open_ones = sorted(asking.keys() - stopped, key=lambda way: _weight(connection, asking[way], way[0]))
+    not_stopped = [way for way in asking.keys() - stopped if way[0] not in elsewhere]
+    open_ones = sorted(not_stopped, key=lambda way: _weight(connection, asking[way], way[0]))
     for robot, at in open_ones:
         result = _unconfirmed(robot, asking[robot, at], timeout, whose=f"{robot}: ")
         if doubt and _has_stopped(asking[robot, at]):
             result = _doubtful(connection, robot, doubt)
         tell(result)
         codes.append(result.code)
-    return max(codes) if _are_all(connection, {robot for robot, _ in asking}, tell) else UNKNOWN
+    return max(codes) if _are_all(connection, {robot for robot, _ in asking} | elsewhere, tell) else UNKNOWN
 
 
 def _left(connection: RobotConnection, timeout: float) -> float:

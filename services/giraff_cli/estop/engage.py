@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Mapping, Sequence
+from typing import Final
 
 from giraff_cli.estop import client
-from giraff_cli.estop.plan import plan_stop
+from giraff_cli.estop.page import PageStop, Place, place_of
+from giraff_cli.estop.plan import StopPlan, plan_stop
 from giraff_cli.network.command import UNUSABLE, UnopenedError, print_error, visit
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
@@ -15,38 +19,112 @@ from giraff_node.network.consent import NoRobotError
 from giraff_node.network.reach import address_fault
 from giraff_schemas.text import printable_lines
 
+_LOOK: Final = 0.05  # s
+_SEVERAL: Final = 2  # addresses, at which robots of one name may be
 
-def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeout: float) -> int:
-    """Stop the robot, or every robot that is heard, wherever it can be reached; the exit code."""
+
+def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeout: float, page: str = "") -> int:
+    """Stop the robot, or every robot that is heard, wherever it can be reached; the exit code.
+
+    `page`: HOST:PORT of its page; empty: the pages that a visit has kept are asked.
+    """
     # A robot that is reached another way is stopped, whatever is wrong with the address that was typed.
     faults = {address: fault for address in connect if (fault := address_fault(address))}
     try:
         plan = plan_stop(robot, [address for address in connect if address not in faults])
     except NoRobotError as error:
         return print_error(f"NOTHING IS STOPPED: {error}")
+    stop = _Stop(plan, robot or "", connect, reason, timeout, faults, page)
+    stop.start()
+    return stop.end()
 
-    def stop(connection: RobotConnection) -> int:
-        if connection.robot and len(connection.network.connect) < 2:
-            result = client.engage(connection, user_at_host(), reason, timeout, doubt=plan.doubt)
-            for address, fault in faults.items():
-                print_error(f"--connect {address} is left out: {fault}")
-            code = tell(result)
-            if code == client.UNKNOWN and (hint := client.hint_of_others(connection)):
-                print_error(hint)
-            return code
-        return client.engage_all(
-            connection, user_at_host(), reason, timeout, connect, tell, doubt=plan.doubt, only=connection.robot
-        )
 
-    code = UNUSABLE
-    if plan.target is not None:
+class _Stop(threading.Thread):
+    """The stop over Zenoh, in a thread: its handshakes may take half a minute, and the page waits for none of them."""
+
+    def __init__(
+        self,
+        plan: StopPlan,
+        robot: str,
+        connect: Sequence[str],
+        reason: str,
+        timeout: float,
+        faults: Mapping[str, str],
+        page: str,
+    ) -> None:
+        """`robot`, `connect` and `page`: as they were typed. `faults`: of the addresses of `connect`."""
+        super().__init__(name="stop", daemon=True)
+        self._plan, self._connect, self._reason, self._timeout, self._faults = plan, connect, reason, timeout, faults
+        named, filed = (plan.target.robot, plan.target.filed) if plan.target else (robot, "")
+        self._is_one = bool(named) and (plan.target is None or len(plan.target.network.connect) < _SEVERAL)
+        self._place: Place | None = None
+        self._page_fault = ""
         try:
-            code = visit(plan.target, stop, patience=timeout)
-        except UnopenedError as error:
-            print_error(f"NOTHING IS STOPPED: use the battery switch; {error}")
-    if plan.complaint:
-        print_error(plan.complaint)
-    return code
+            self._place = place_of(page) if page else None
+        except ValueError as error:
+            self._page_fault = f"--page is left out: {error}"
+        self._page = PageStop(named or filed, self._place, timeout, plan.doubt)
+        self._code = UNUSABLE
+        self._error: BaseException | None = None
+
+    def run(self) -> None:
+        try:
+            self._code = self._over_zenoh()
+        except BaseException as error:  # noqa: BLE001  raised again in the main thread
+            self._error = error
+
+    def end(self) -> int:
+        """Wait until one of the ways has confirmed, or none of them does; say so. The exit code."""
+        page = self._page
+        stopped_by = ""
+        while self.is_alive() and not (stopped_by and self._is_one):
+            self.join(_LOOK)
+            if not stopped_by and (stopped_by := page.confirmed):
+                tell(client.Result(client.RELEASED, f"{page.robot}: STOPPED, told by its page at {stopped_by}"))
+        if self._error is not None:
+            raise self._error
+        code = client.RELEASED if stopped_by and self._is_one else self._code
+        if (told := page.unconfirmed) and not stopped_by and (code == client.UNKNOWN or self._place):
+            code = tell(client.Result(client.UNKNOWN, told))
+        if self._page_fault:
+            print_error(self._page_fault)
+        if self._plan.complaint:
+            print_error(self._plan.complaint)
+        if self.is_alive():  # Zenoh would hold the process
+            sys.stdout.flush()
+            os._exit(code)
+        return code
+
+    def _over_zenoh(self) -> int:
+        fault = ""
+        if self._plan.target is not None:
+            try:
+                return visit(self._plan.target, self._act, patience=self._timeout)
+            except UnopenedError as error:
+                fault = str(error)
+        is_stopped = bool(self._page.stopped())
+        if fault and not (self._is_one and is_stopped):
+            print_error(f"NOTHING IS STOPPED: use the battery switch; {fault}")
+        return UNUSABLE
+
+    def _act(self, connection: RobotConnection) -> int:
+        plan, page = self._plan, self._page
+        if connection.robot and not plan.doubt:
+            connection.ask_page()
+        what = connection, user_at_host(), self._reason, self._timeout
+        if not self._is_one:
+            return client.engage_all(*what, self._connect, tell, doubt=plan.doubt, other=page)
+        result = client.engage(*what, doubt=plan.doubt, other=page)
+        if result.code != client.UNKNOWN:
+            page.end(connection.robot)
+        elif page.stopped():
+            return client.RELEASED
+        for address, fault in self._faults.items():
+            print_error(f"--connect {address} is left out: {fault}")
+        code = tell(result)
+        if code == client.UNKNOWN and (hint := client.hint_of_others(connection)):
+            print_error(hint)
+        return code
 
 
 def tell(result: client.Result) -> int:

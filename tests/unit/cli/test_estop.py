@@ -187,7 +187,9 @@ def test_of_a_flood_of_names_the_first_are_told_and_those_that_answer_before_the
     with ExitStack() as declared, network.base(lambda _: refused):
         for name in (ROBOT, *(f"r{number}" for number in range(49))):
             declared.enter_context(network.session.declare_token(alive_key(name, "base", "b")))
+        network.connection.robot = ""
         assert it.engage_all(network.connection, "me", "", 1.0, (), told.append) == 2
+        network.connection.robot = ROBOT
         assert it.hint_of_others(network.connection).endswith("--robot r17 and 39 more")
     assert told[0].text.startswith(f"{ROBOT}: NOT CONFIRMED after 1 s: {key_of(ROBOT, ESTOP_ENGAGE)} answers that")
     assert (len(told), told[-1].text) == (21, "and 30 more: NOT CONFIRMED; use the battery switch")
@@ -252,6 +254,7 @@ def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
         told_at.append(network.clock.monotonic())
 
     alive = [network.session.declare_token(alive_key(name, "base", "b")) for name in ("anna", ROBOT)]
+    network.connection.robot = ""
     with network.base(), alive[0], alive[1]:
         assert it.engage_all(network.connection, "me", "", 2.0, (), tell, doubt=doubt) == 2
     assert says in told[0].text
@@ -270,7 +273,8 @@ def test_robots_of_one_name_behind_two_doors_are_both_asked(
     told: list[it.Result] = []
     alive = [each.session.declare_token(alive_key(ROBOT, "base", "b")) for each in (network, other)]
     with network.base(), other.base(lambda _: DONE if answers else None) as asked, alive[0], alive[1]:
-        assert it.engage_all(network.connection, "me", "", 2.0, (), told.append, only=name) == code
+        network.connection.robot = name
+        assert it.engage_all(network.connection, "me", "", 2.0, (), told.append) == code
     assert asked
     assert [result.code for result in told] == ([0] if answers else [0, 2])
 
