@@ -9,20 +9,33 @@ UNSEEN_AT_MOST: Final = 3
 """States that a page was sent and has not shown yet."""
 
 
+class Allowance(NamedTuple):
+    """How many of one kind there may be."""
+
+    most: int
+    """Of all addresses together."""
+    of_one_address: int
+    patience: float
+    """s that each may take."""
+
+
 class Limits(NamedTuple):
     """As they are; tests have shorter times."""
 
-    connections: int = 300
-    """TCP, of all together."""
-    of_one_address: int = 60
+    bare: Allowance = Allowance(128, 16, 2.0)
+    """TCP connections that have sent nothing yet. Each costs a socket."""
+    handshakes: Allowance = Allowance(32, 8, 3.0)
+    """TLS handshakes under way. Each costs some 0.3 MB."""
+    connections: Allowance = Allowance(240, 60, 5.0)
+    """Connections that have agreed on TLS. The patience is from one request to the next; a page has no such end."""
     drivers: int = 16
     """Pages with a session."""
+    watchers_of_one_address: int = 8
+    """Pages without a session. `[web] most_watchers` limits those of all addresses."""
     rate: float = 250.0
     """Messages a second of one page, and as many at once."""
     silent: float = 5.0
     """s after which a page that shows nothing of what it is sent is closed."""
-    idle: float = 5.0
-    """s that a handshake may take, and a connection from one request to the next; a page has no such end."""
 
 
 class Rate:

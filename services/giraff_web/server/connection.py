@@ -50,7 +50,7 @@ class Socket(web.WebSocketResponse):
     """Closes with the codes of this service, also where the library finds the fault."""
 
     def __init__(self) -> None:
-        super().__init__(timeout=_GOODBYE, max_msg_size=_READ_AT_MOST, compress=False)
+        super().__init__(timeout=_GOODBYE, autoping=False, max_msg_size=_READ_AT_MOST, compress=False)
 
     async def close(self, *, code: int = LEAVING, message: bytes = b"", drain: bool = True) -> bool:
         if code in _MADE_BY_LIBRARY:
@@ -65,6 +65,7 @@ class Connection:
         self,
         page: int,
         device: str,
+        address: str,
         cookie: str,
         put: Callable[[Event], None],
         end_page: Callable[[int, str], object],
@@ -74,6 +75,7 @@ class Connection:
         """`cookie`: of its session; empty: it watches only. `end_page` ends a page by its number, and for whom."""
         self.page = page
         self.device = device
+        self.address = address
         self.cookie = cookie
         self.socket = Socket()
         self._put = put
@@ -134,11 +136,19 @@ class Connection:
     async def _read(self) -> None:
         while True:
             message = await self.socket.receive()
-            if message.type is not WSMsgType.TEXT:
-                if message.type is WSMsgType.BINARY:
-                    await self.end(BAD_MESSAGE, "a message is JSON text, and no binary data")
-                return
-            if fault := self._take(message.data):
+            match message.type:
+                case WSMsgType.TEXT:
+                    fault = self._take(message.data)
+                case WSMsgType.PING | WSMsgType.PONG:  # they count as all that a page says
+                    fault = self._too_many(self._loop.time())
+                    if not fault and message.type is WSMsgType.PING:
+                        with contextlib.suppress(ConnectionError):  # the next message tells that it has gone
+                            await self.socket.pong(message.data)
+                case WSMsgType.BINARY:
+                    fault = "a message is JSON text, and no binary data"
+                case _:
+                    return
+            if fault:
                 await self.end(BAD_MESSAGE, fault)
                 return
 
@@ -154,8 +164,8 @@ class Connection:
         now = self._loop.time()
         if isinstance(said, Stop):
             self._put(StopAsked(self.device))  # before its rate is looked at
-        if not self._rate.take(now):
-            return f"more than {self._limits.rate:g} messages a second"
+        if fault := self._too_many(now):
+            return fault
         if isinstance(said, Seen):
             if said.n > self._sent:
                 return f"no state {said.n} was sent here"
@@ -167,6 +177,10 @@ class Connection:
             else:
                 self._put(Said(self.page, said))
         return ""
+
+    def _too_many(self, now: float) -> str:
+        """Count one message of the page; empty: it may say that many."""
+        return "" if self._rate.take(now) else f"more than {self._limits.rate:g} messages a second"
 
     async def _write(self) -> None:
         while True:

@@ -1,8 +1,9 @@
 """TCP connections before and around HTTP: how many there may be, and how long one may do nothing.
 
 asyncio's own server says nothing of who calls before TLS is agreed on, and aiohttp's waits for a first request for
-ever. So connections are taken here. Where there are too many the one that has asked nothing for longest goes, never a
-page that is open: a crowd of idle ones keeps no STOP out.
+ever. So connections are taken here. Each is in one of three crowds, which take no room from each other: it has sent
+nothing, its TLS handshake is under way, or it has agreed on TLS. So a crowd that asks nothing keeps no STOP out, and a
+request that is under way is never sent away.
 """
 
 from __future__ import annotations
@@ -11,45 +12,52 @@ import asyncio
 import contextlib
 import socket
 import ssl
-from collections import Counter
 from collections.abc import Callable
 from typing import Any, Final
 
 from giraff_web.limits import Limits
+from giraff_web.server.crowd import Crowd
 
 _LOOK: Final = 0.5  # s
 _GOODBYE: Final = 1.0  # s that the other side has to close its side
 _AFTER_TROUBLE: Final = 0.2  # s; no descriptor was free
+_HANDSHAKE: Final = b"\x16"
+"""First byte of each TLS connection."""
 
 
 class Guarded(asyncio.Protocol):
     """Stands between a connection and its HTTP, and knows what it is good for."""
 
-    def __init__(
-        self, inner: asyncio.Protocol, connection: socket.socket, now: float, ended: Callable[[Guarded], None]
-    ) -> None:
-        self.inner = inner
-        self._connection = connection
-        self._ended = ended
+    def __init__(self, connection: socket.socket, now: float, doorman: Doorman) -> None:
+        self.connection = connection
+        self.inner = asyncio.Protocol()
+        """Its HTTP; before TLS is agreed on it does nothing."""
+        self._doorman = doorman
         self.address = _address(connection.getpeername)
         self.own_address = _address(connection.getsockname)
         """Of this host, at which it was reached."""
-        self.is_page = False
-        """It is the WebSocket of a page that was let in."""
-        self.asked_at = now
-        """When its last request began."""
+        self.is_busy = False
+        """A request that has come whole is under way, or it is the WebSocket of a page."""
+        self.since = now
+        """When it was accepted, or its last request began or ended."""
         self.transport: asyncio.BaseTransport | None = None
         self.opening: asyncio.Task[None] | None = None
+        self.crowd: Crowd[Guarded] | None = None
 
     def end(self) -> None:
         """At once, whatever waits to be written."""
+        self._doorman.forget(self)
+        if self.opening is None:
+            self._doorman.close_bare(self)
+            return
         with contextlib.suppress(OSError):  # the other side was quicker
-            self._connection.shutdown(socket.SHUT_RDWR)  # which ends a handshake, too
+            self.connection.shutdown(socket.SHUT_RDWR)  # which ends a handshake, too
         if isinstance(self.transport, asyncio.Transport) and not self.transport.is_closing():
             self.transport.abort()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self.transport = transport
+        self._doorman.let_in(self)
         self.inner.connection_made(transport)
 
     def data_received(self, data: bytes) -> None:
@@ -66,7 +74,7 @@ class Guarded(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         self.inner.connection_lost(exc)
-        self._ended(self)
+        self._doorman.forget(self)
 
 
 class Doorman:
@@ -78,16 +86,19 @@ class Doorman:
         self._listener = listener
         self._context = context
         self._http = http
-        self._limits = limits
         self._loop = asyncio.get_running_loop()
-        self._inside: dict[asyncio.Protocol, Guarded] = {}  # by their HTTP
+        self.bare: Crowd[Guarded] = Crowd(limits.bare)
+        self.handshakes: Crowd[Guarded] = Crowd(limits.handshakes)
+        self.connections: Crowd[Guarded] = Crowd(limits.connections)
+        self._crowds = self.bare, self.handshakes, self.connections
+        self._by_http: dict[asyncio.Protocol, Guarded] = {}
 
     def __len__(self) -> int:
-        return len(self._inside)
+        return sum(map(len, self._crowds))
 
     def of(self, http: asyncio.BaseProtocol | None) -> Guarded | None:
         """The connection of this HTTP; None: it has ended."""
-        return self._inside.get(http) if isinstance(http, asyncio.Protocol) else None
+        return self._by_http.get(http) if isinstance(http, asyncio.Protocol) else None
 
     async def run(self) -> None:
         """Until it is cancelled."""
@@ -96,66 +107,87 @@ class Doorman:
             both.create_task(self._look())
 
     def close(self) -> None:
-        for guarded in list(self._inside.values()):
+        for crowd in self._crowds:
+            crowd.end_all()
+
+    def let_in(self, guarded: Guarded) -> None:
+        """Give it its HTTP: TLS is agreed on. It ends where there is no room."""
+        if self._move(guarded, self.connections):
+            guarded.inner = self._http()
+            self._by_http[guarded.inner] = guarded
+        else:
             guarded.end()
+
+    def forget(self, guarded: Guarded) -> None:
+        """It ends."""
+        self._by_http.pop(guarded.inner, None)
+        if guarded.crowd is not None:
+            guarded.crowd.leave(guarded)
+
+    def close_bare(self, guarded: Guarded) -> None:
+        self._loop.remove_reader(guarded.connection)
+        guarded.connection.close()
 
     async def _take(self) -> None:
         while True:
+            await asyncio.sleep(0)  # whoever is inside comes between two that call
             try:
                 connection, _ = await self._loop.sock_accept(self._listener)
             except OSError:
                 await asyncio.sleep(_AFTER_TROUBLE)
                 continue
-            guarded = Guarded(self._http(), connection, self._loop.time(), self._forget)
-            if not self._make_room(guarded.address):
-                connection.close()
-                continue
-            self._inside[guarded.inner] = guarded
-            guarded.opening = asyncio.create_task(self._open(guarded, connection))
+            guarded = Guarded(connection, self._loop.time(), self)
+            self._loop.add_reader(connection, self._hear, guarded)
+            if self._move(guarded, self.bare):
+                self._hear(guarded)  # mostly it has said something by now
+            else:
+                guarded.end()
 
-    async def _open(self, guarded: Guarded, connection: socket.socket) -> None:
+    def _hear(self, guarded: Guarded) -> None:
+        """Begin TLS once there is a first byte of it: before that a connection gets no buffers."""
+        try:
+            first = guarded.connection.recv(1, socket.MSG_PEEK)
+        except BlockingIOError:
+            return
+        except OSError:
+            first = b""
+        if first == _HANDSHAKE and self._move(guarded, self.handshakes):
+            self._loop.remove_reader(guarded.connection)
+            guarded.opening = asyncio.create_task(self._open(guarded))
+        else:
+            guarded.end()
+
+    async def _open(self, guarded: Guarded) -> None:
+        connection = guarded.connection
         try:
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             await self._loop.connect_accepted_socket(
                 lambda: guarded,
                 connection,
                 ssl=self._context,
-                ssl_handshake_timeout=self._limits.idle,
+                ssl_handshake_timeout=self.handshakes.allowance.patience,
                 ssl_shutdown_timeout=_GOODBYE,
             )
-        except (OSError, asyncio.CancelledError):  # it speaks no TLS, does not trust this certificate, or is sent away
-            self._forget(guarded)
-            with contextlib.suppress(OSError):
-                connection.close()
+        except (OSError, asyncio.CancelledError) as error:
+            # It speaks no TLS, does not trust this certificate, or is sent away. The traceback and asyncio's own frame
+            # refer to each other: they would keep the TLS buffers until the garbage is collected.
+            error.__traceback__ = None
+        if guarded.transport is None:
+            self.forget(guarded)
+            connection.close()
 
-    def _make_room(self, address: str) -> bool:
-        """Whether one more may come in, for which an idle one goes where need be."""
-        counts = Counter(each.address for each in self._inside.values())
-        if counts[address] >= self._limits.of_one_address:
-            return self._send_away(address)
-        if len(self._inside) >= self._limits.connections:
-            return any(self._send_away(crowd) for crowd, _ in counts.most_common())
-        return True
-
-    def _send_away(self, address: str) -> bool:
-        idle = [each for each in self._inside.values() if each.address == address and not each.is_page]
-        if not idle:
-            return False
-        oldest = min(idle, key=lambda each: each.asked_at)
-        self._forget(oldest)
-        oldest.end()
-        return True
-
-    def _forget(self, guarded: Guarded) -> None:
-        self._inside.pop(guarded.inner, None)
+    def _move(self, guarded: Guarded, crowd: Crowd[Guarded]) -> bool:
+        """Whether that crowd has taken it."""
+        if guarded.crowd is not None:
+            guarded.crowd.leave(guarded)
+        guarded.crowd = crowd if crowd.enter(guarded) else None
+        return guarded.crowd is not None
 
     async def _look(self) -> None:
         while True:
             await asyncio.sleep(_LOOK)
-            now = self._loop.time()
-            for guarded in [each for each in self._inside.values() if not each.is_page]:
-                if now - guarded.asked_at >= self._limits.idle:
-                    guarded.end()
+            for crowd in self._crowds:
+                crowd.end_late(self._loop.time())
 
 
 def _address(asked: Callable[[], Any]) -> str:

@@ -87,14 +87,20 @@ class Requests:
         }
 
     async def answer(self, request: web.BaseRequest) -> Answer:
-        if guarded := self._guarded(request.protocol):
-            guarded.asked_at = self._loop.time()
+        guarded = self._guarded(request.protocol)
+        if guarded is not None:
+            guarded.since = self._loop.time()
+            guarded.is_busy = request.content.is_eof()  # a body may come for ever
         try:
             answer = await self._answer(request)
         except web.HTTPException as error:  # the library's, of a broken handshake
             answer = _refusal(error.status, f"{error.text or error.reason}; open the address that giraff web prints")
         except (HttpProcessingError, ClientError):
             answer = _refusal(400, "the body cannot be read; open the address that giraff web prints")
+        finally:
+            if guarded is not None:
+                guarded.since = self._loop.time()
+                guarded.is_busy = False
         if not answer.prepared:
             answer.headers.update(_HEADERS)
             answer.headers["Content-Security-Policy"] = _CONTENT.format(host=self._host(request) or "invalid")

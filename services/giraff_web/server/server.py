@@ -253,26 +253,36 @@ class Server:
     async def page(self, request: web.BaseRequest, device: str, cookie: str) -> web.StreamResponse:
         """Serve the WebSocket of a page. `cookie`: of a session; empty: it watches only."""
         now = self._loop.time()
-        connection = Connection(next(self._numbers), device, cookie, self._put, self._end_page, self._limits, now)
+        address = str(request.remote)
+        connection = Connection(
+            next(self._numbers), device, address, cookie, self._put, self._end_page, self._limits, now
+        )
+        guarded = self._doorman.of(request.protocol) if self._doorman is not None else None
+        if guarded is not None:
+            guarded.is_busy = False  # before it is let in
         await connection.socket.prepare(request)
         if not cookie and not self._site.strangers_watch:
             await connection.end(NOT_ALLOWED, "open the address that giraff web prints: strangers may not watch here")
             return connection.socket
-        alike = sum(each.may_drive == connection.may_drive for each in self._connections.values())
-        if alike >= (self._limits.drivers if cookie else self._config.most_watchers):
-            await connection.end(TOO_MANY, f"{alike} pages are open here, and that is the most; close one of them")
+        alike = [each.address for each in self._connections.values() if each.may_drive == connection.may_drive]
+        own = alike.count(address)
+        if len(alike) >= (self._limits.drivers if cookie else self._config.most_watchers):
+            await connection.end(TOO_MANY, f"{len(alike)} pages are open here, and that is the most; close one of them")
             return connection.socket
-        guarded = self._doorman.of(request.protocol) if self._doorman is not None else None
+        if not cookie and own >= self._limits.watchers_of_one_address:
+            await connection.end(
+                TOO_MANY, f"{own} pages of this address watch, and that is the most; close one of them"
+            )
+            return connection.socket
         if guarded is None:
             return connection.socket
-        guarded.is_page = True
+        guarded.is_busy = True
         self._connections[connection.page] = connection
         self._put(Opened(connection.page, device, connection.may_drive))
         try:
             await connection.serve()
         finally:
             self._forget(connection)
-            guarded.is_page = False
             if connection.dropping is not None:
                 await connection.dropping
             if not connection.socket.closed:

@@ -8,12 +8,13 @@ import gc
 import json
 import select
 import socket
+import ssl
 from pathlib import Path
 
 import aiohttp
 import pytest
 
-from giraff_web.limits import Limits
+from giraff_web.limits import Allowance, Limits
 from giraff_web.messages import LARGEST, Refused
 from giraff_web.pages import Closed, Opened, StopAsked
 from giraff_web.server.connection import Connection
@@ -161,24 +162,81 @@ def test_a_session_that_ended_ends_its_page(tmp_path: Path) -> None:
     trying(tmp_path, course)
 
 
-def test_stop_gets_through_500_idle_connections_from_one_address(tmp_path: Path) -> None:
+@pytest.mark.parametrize("sent", [b"", b"\x16\x03\x01\x02\x00\x01"], ids=["bare", "begun"])
+@pytest.mark.parametrize("addresses", [1, 100])
+def test_stop_gets_through_a_crowd_that_costs_little(tmp_path: Path, sent: bytes, addresses: int) -> None:
+    crowded, other = "127.0.0.2", "127.0.0.3"
+    crowd_of = [crowded, *(f"127.0.1.{n}" for n in range(1, addresses))]
+
     async def course(it: Desk) -> None:
-        doorman, crowded, other = await doorman_of(it), "127.0.0.2", HOST
-        async with browser(it) as watcher, page(it, watcher) as socket:
+        doorman = await doorman_of(it)
+        limits = Limits()
+        kept = limits.handshakes if sent else limits.bare
+        most = min(kept.most, addresses * kept.of_one_address)
+        async with browser(it, address=crowded) as watcher, page(it, watcher) as socket:
             await it.until(lambda: it.of(Opened))
             with contextlib.ExitStack() as crowd:
-                for _ in range(500):
-                    crowd.enter_context(socket_from(crowded)).connect((HOST, it.server.port))
-                await it.until(lambda: len(doorman) == Limits().of_one_address + 1)
-                for caller in (crowded, other):
-                    async with browser(it, address=caller) as session, session.post(f"{it.url}/stop") as answer:
+                for n in range(500):
+                    caller = crowd.enter_context(socket_from(crowd_of[n % addresses]))
+                    caller.connect((HOST, it.server.port))
+                    with contextlib.suppress(ConnectionError):  # an idle one is sent away
+                        caller.sendall(sent)
+                await it.until(lambda: len(doorman.handshakes if sent else doorman.bare) == most)
+                for address in (crowded, other):
+                    async with browser(it, address=address) as session, session.post(f"{it.url}/stop") as answer:
                         assert answer.status == 202
                 await socket.send_str(STOP)
                 await it.until(lambda: len(it.of(StopAsked)) == 3)
-                assert [stop.device for stop in it.of(StopAsked)] == [f"iPhone at {crowded}", IPHONE, IPHONE]
-                assert len(doorman) <= Limits().of_one_address + 2
+                assert [stop.device for stop in it.of(StopAsked)] == [
+                    f"iPhone at {address}" for address in (crowded, other, crowded)
+                ]
+                assert len(doorman.connections) <= 3
+                assert len(doorman.bare) <= limits.bare.most
+                assert tls_of_servers() <= limits.handshakes.most + 4
 
-    trying(tmp_path, course)
+    gc.collect()
+    gc.disable()  # what has ended must go without it
+    try:
+        trying(tmp_path, course)
+    finally:
+        gc.enable()
+
+
+def tls_of_servers() -> int:
+    """Return how many TLS objects of servers this process has."""
+    return sum(each.server_side for each in gc.get_objects() if type(each) is ssl.SSLObject)
+
+
+def test_pages_of_one_address_leave_room_for_others_to_watch(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with (
+            browser(it) as many, browser(it, address="127.0.0.2") as other, contextlib.AsyncExitStack() as open_pages,
+        ):  # fmt: skip
+            for _ in range(2):
+                await open_pages.enter_async_context(page(it, many))
+            async with page(it, many) as third:
+                assert await closed(third) == (
+                    4429,
+                    "2 pages of this address watch, and that is the most; close one of them",
+                )
+            await open_pages.enter_async_context(page(it, other))
+            await sign_in(it, many)
+            await open_pages.enter_async_context(page(it, many))
+            await it.until(lambda: len(it.of(Opened)) == 4)
+
+    trying(tmp_path, course, limits=Limits()._replace(watchers_of_one_address=2))
+
+
+def test_pings_are_answered_and_count_as_what_a_page_says(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with browser(it) as session, session.ws_connect(f"{it.url}/ws", autoping=False) as socket:
+            for n in range(6):
+                await socket.ping(b"%d" % n)
+            answers = [await socket.receive() for _ in range(6)]
+            assert [each.data for each in answers[:5]] == [b"%d" % n for n in range(5)]
+            assert answers[5].data == 4400
+
+    trying(tmp_path, course, limits=Limits()._replace(rate=5.0))
 
 
 async def doorman_of(it: Desk) -> Doorman:
@@ -193,6 +251,9 @@ def socket_from(address: str) -> socket.socket:
     return found
 
 
+SHORT = Allowance(most=10, of_one_address=10, patience=0.2)
+
+
 def test_an_idle_connection_ends(tmp_path: Path) -> None:
     async def course(it: Desk) -> None:
         async with browser(it) as session:
@@ -204,7 +265,7 @@ def test_an_idle_connection_ends(tmp_path: Path) -> None:
                 await it.until(lambda: len(doorman) == 0)
                 assert silent.recv(1) == b""
 
-    trying(tmp_path, course, limits=Limits()._replace(idle=0.2))
+    trying(tmp_path, course, limits=Limits()._replace(bare=SHORT, connections=SHORT))
 
 
 def test_what_came_and_went_leaves_nothing(tmp_path: Path) -> None:
