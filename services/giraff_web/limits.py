@@ -28,6 +28,8 @@ class Limits(NamedTuple):
     """TLS handshakes under way. Each costs some 0.3 MB."""
     connections: Allowance = Allowance(240, 60, 5.0)
     """Connections that have agreed on TLS. The patience is from one request to the next; a page has no such end."""
+    stops: Allowance = Allowance(32, 4, 1.0)
+    """Requests for a stop that wait for base's word of it. One that may not wait is answered at once."""
     drivers: int = 16
     """Pages with a session."""
     watchers_of_one_address: int = 8

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import NamedTuple, Protocol
 
 from giraff_core.io import Selectable
+from giraff_schemas.messages import EStop
 from giraff_web.messages import Hello, LetGo, Refused, Reset, State, Wish
 
 
@@ -51,6 +52,10 @@ class Pages(Selectable, Protocol):
 
     def show(self, state: State) -> None:
         """Replace what every page is shown: each gets the newest as soon as it can take it."""
+        ...
+
+    def confirm(self, word: EStop) -> None:
+        """Answer those whose stop an earlier turn has taken: base says in this turn that it stands."""
         ...
 
     def tell(self, page: int, message: Hello | Refused) -> None:

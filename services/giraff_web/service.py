@@ -87,6 +87,8 @@ class Web:
             if isinstance(sample, EStop):
                 self._stops.on_estop(sample, now)
         self._stops.poll(now)
+        if (word := self._stops.confirmed(now)) is not None:
+            self._pages.confirm(word)
         policy.stopping = self._stops.asked
         if self._timer.due(now):
             command = policy.command(now)

@@ -43,6 +43,7 @@ class Stops:
         """When a stop was asked for that base's word has answered; None: none that a release could still cross."""
         self._begun = "", -math.inf
         """Who has asked for the stop that base was asked for last, and when: who releases it was shown that one."""
+        self._confirmed_at = -math.inf
         self._log = log
 
     @property
@@ -65,6 +66,13 @@ class Stops:
             self._begun = device, now
         elif self._begun[0] != device or now - self._begun[1] > _ONE_WISH:
             self._stands_since = now
+
+    def confirmed(self, now: float) -> EStop | None:
+        """Return base's newest word if a stop stands, and base has said or confirmed that in this very turn."""
+        if self.asked or not self._engaged(now):
+            return None
+        word, heard = max(self._states.values(), key=lambda state: state[1])
+        return word if now in (heard, self._confirmed_at) else None
 
     def on_estop(self, state: EStop, now: float) -> None:
         """Take what base says of its stop."""
@@ -95,6 +103,8 @@ class Stops:
     def poll(self, now: float) -> bool:
         """Go on asking; whether base has confirmed a stop just now."""
         confirmed = self._stop.poll(now)
+        if confirmed:
+            self._confirmed_at = now
         if self._reset is not None:
             self._go_on(*self._reset, now)
         return confirmed

@@ -12,6 +12,7 @@ from typing import Final, Literal
 import msgspec
 
 from giraff_core.timer import Timer
+from giraff_schemas.messages import EStop
 from giraff_sim.board import Implementation
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.dst.network import FaultyNetwork, Link
@@ -153,6 +154,7 @@ class Browsers:
         self._events: deque[Event] = deque()
         self._numbers = 0
         self.now = 0.0
+        self.confirmed: list[EStop] = []
 
     def add(self, device: str = "phone", *, may_drive: bool = True) -> Browser:
         self._numbers += 1
@@ -179,6 +181,9 @@ class Browsers:
     def show(self, state: State) -> None:
         for browser in self.open.values():
             browser.shown(state, self.now)
+
+    def confirm(self, word: EStop) -> None:
+        self.confirmed.append(word)
 
     def tell(self, page: int, message: Hello | Refused) -> None:
         if page not in self.open:

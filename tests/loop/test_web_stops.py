@@ -175,6 +175,7 @@ def test_a_stop_holds_until_it_is_released_and_its_release_moves_nothing() -> No
         assert browser.state is not None
         assert browser.state.stop is not None
         assert browser.state.stop.engaged
+        assert it.browsers.confirmed[0].engaged
         browser.release()
         it.run(2.0)
         assert not it.is_stopped()

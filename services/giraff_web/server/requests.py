@@ -12,9 +12,9 @@ import msgspec
 from aiohttp import ClientError, web
 from aiohttp.http_exceptions import HttpProcessingError
 
+from giraff_schemas.messages import EStop
 from giraff_web.devices import device_name
 from giraff_web.messages import LARGEST
-from giraff_web.pages import Event, StopAsked
 from giraff_web.server.doorman import Guarded
 from giraff_web.server.files import File, page_files
 from giraff_web.sessions import SESSION_LIFE, Granted, Sessions
@@ -35,6 +35,8 @@ _CONTENT: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; manifest-src 'self'; "
     "connect-src 'self' wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
+_TOLD_OF_STOP: Final = ("engaged", "id", "by", "reason", "engaged_ns", "instance")
+"""Fields of base's word that confirm a stop."""
 
 Answer = web.StreamResponse
 
@@ -44,9 +46,10 @@ class _Shows(msgspec.Struct, frozen=True):
 
 
 class OpensPages(Protocol):
-    """What takes a page's WebSocket."""
+    """What takes a page's WebSocket, and a stop."""
 
     async def page(self, request: web.BaseRequest, device: str, cookie: str) -> Answer: ...
+    async def stop(self, device: str, address: str) -> EStop | None: ...
 
 
 class Requests:
@@ -56,7 +59,6 @@ class Requests:
         self,
         sessions: Sessions,
         pages: OpensPages,
-        put: Callable[[Event], None],
         guarded: Callable[[asyncio.BaseProtocol], Guarded | None],
         *,
         names: Collection[str],
@@ -70,7 +72,6 @@ class Requests:
         """
         self._sessions = sessions
         self._pages = pages
-        self._put = put
         self._guarded = guarded
         self._names = frozenset(names)
         self._files = page_files()
@@ -147,8 +148,11 @@ class Requests:
         return web.Response(body=self._authority, content_type="application/x-x509-ca-cert")
 
     async def _stop(self, request: web.BaseRequest) -> Answer:
-        self._put(StopAsked(_device(request)))  # its body, if there is one, is not waited for
-        return web.json_response({"asked": True}, status=202)
+        """Ask for it, and confirm it where base does so in time. A body, if there is one, is not waited for."""
+        word = await self._pages.stop(_device(request), str(request.remote))
+        if word is None:
+            return web.json_response({"asked": True}, status=202)
+        return web.json_response({"asked": True, "estop": {name: getattr(word, name) for name in _TOLD_OF_STOP}})
 
     async def _session(self, request: web.BaseRequest) -> Answer:
         try:

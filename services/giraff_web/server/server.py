@@ -17,16 +17,18 @@ import msgspec
 from aiohttp import web
 
 from giraff_node.process.selector import Waker
+from giraff_schemas.messages import EStop
 from giraff_web.config import WebConfig
 from giraff_web.event_box import EventBox
 from giraff_web.limits import Limits
 from giraff_web.messages import Hello, OpenPages, Refused, State
-from giraff_web.pages import Closed, Event, Opened
+from giraff_web.pages import Closed, Event, Opened, StopAsked
 from giraff_web.server.certificates import Certificate
 from giraff_web.server.connection import ENDED, LEAVING, NOT_ALLOWED, SILENT, TOO_MANY, Connection, Shown, bounded
 from giraff_web.server.doorman import Doorman
 from giraff_web.server.host import Answer, Ask, HostSocket, serve
 from giraff_web.server.requests import Requests
+from giraff_web.server.stop_answers import StopAnswers
 from giraff_web.sessions import Sessions
 
 _LOOK: Final = 0.5  # s between looks at what is silent or over
@@ -86,6 +88,7 @@ class Server:
         self._listed: frozenset[int] = frozenset()  # the pages that drivers were told of
         self._driver = 0
         self._box = EventBox()
+        self._stop_answers = StopAnswers(limits.stops)
         self._lock = threading.Lock()
         self._waker = Waker()
         self._woken = False
@@ -133,6 +136,7 @@ class Server:
             if self._woken:
                 self._waker.drain()
                 self._woken = False
+            self._stop_answers.turns += 1
             return self._box.take()
 
     def show(self, state: State) -> None:
@@ -141,6 +145,10 @@ class Server:
         if not self._showing:
             self._showing = True
             self._call(self._spread)
+
+    def confirm(self, word: EStop) -> None:
+        if self._stop_answers.is_waited:
+            self._call(self._stop_answers.give, word, self._stop_answers.turns)
 
     def tell(self, page: int, message: Hello | Refused) -> None:
         self._call(self._tell, page, message)
@@ -182,7 +190,6 @@ class Server:
         self._requests = Requests(
             self._sessions,
             self,
-            self._put,
             doorman.of,
             names=self._site.names,
             authority=self._site.certificate.authority,
@@ -288,6 +295,11 @@ class Server:
             if not connection.socket.closed:
                 guarded.end()
         return connection.socket
+
+    async def stop(self, device: str, address: str) -> EStop | None:
+        """Ask for the emergency stop. Return base's word of it, or None where it does not come in time."""
+        self._put(StopAsked(device))
+        return await self._stop_answers.wait(address)
 
     def _forget(self, connection: Connection) -> None:
         if self._connections.pop(connection.page, None) is not None:

@@ -10,10 +10,13 @@ import select
 import socket
 import ssl
 from pathlib import Path
+from typing import Any
 
 import aiohttp
+import msgspec
 import pytest
 
+from giraff_schemas.messages import EStop
 from giraff_web.limits import Allowance, Limits
 from giraff_web.messages import LARGEST, Refused
 from giraff_web.pages import Closed, Opened, StopAsked
@@ -197,7 +200,7 @@ def test_stop_gets_through_a_crowd_that_costs_little(tmp_path: Path, sent: bytes
     gc.collect()
     gc.disable()  # what has ended must go without it
     try:
-        trying(tmp_path, course)
+        trying(tmp_path, course, limits=Limits()._replace(stops=Limits().stops._replace(patience=0.01)))
     finally:
         gc.enable()
 
@@ -237,6 +240,32 @@ def test_pings_are_answered_and_count_as_what_a_page_says(tmp_path: Path) -> Non
             assert answers[5].data == 4400
 
     trying(tmp_path, course, limits=Limits()._replace(rate=5.0))
+
+
+WORD = EStop(engaged=True, id=7, by="web@desk (iPhone)", reason="STOP on a page", engaged_ns=1 << 60, instance="base")
+
+
+def test_a_request_to_stop_is_answered_with_bases_word(tmp_path: Path) -> None:
+    async def stop(it: Desk, session: aiohttp.ClientSession) -> tuple[int, dict[str, Any]]:
+        async with session.post(f"{it.url}/stop") as answer:
+            return answer.status, await answer.json()
+
+    async def course(it: Desk) -> None:
+        async with browser(it) as session:
+            asking = [asyncio.create_task(stop(it, session)) for _ in range(5)]
+            while len(it.server._box) < 5:
+                await asyncio.sleep(0.005)
+            it.turn()
+            it.server.confirm(msgspec.structs.replace(WORD, id=6))  # in the turn that has the stops: it may be older
+            it.turn()
+            it.server.confirm(WORD)
+            answers = sorted(await asyncio.gather(*asking), key=lambda each: each[0])
+        assert answers[4] == (202, {"asked": True}), "four of one address may wait"
+        for status, answer in answers[:4]:
+            assert (status, answer["asked"]) == (200, True)
+            assert msgspec.convert(answer["estop"], EStop) == WORD
+
+    trying(tmp_path, course, limits=Limits()._replace(stops=Limits().stops._replace(patience=20.0)))
 
 
 async def doorman_of(it: Desk) -> Doorman:

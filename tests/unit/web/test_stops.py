@@ -81,6 +81,25 @@ def test_while_it_is_latched_further_ones_are_answered_by_bases_state() -> None:
     assert not base.stops.asked
 
 
+def test_a_stop_is_confirmed_when_base_says_that_it_stands_and_never_by_an_old_word() -> None:
+    base = Base()
+    base.says(0.0, engaged=False)
+    base.stops.stop("phone", 0.1)
+    base.says(0.2, engaged=True)
+    base.stops.poll(0.2)
+    assert base.stops.confirmed(0.2) is None, "the request has no answer yet"
+    base.asked[0].answer = STOPPED
+    base.stops.poll(0.3)
+    word = base.stops.confirmed(0.3)
+    assert word is not None
+    assert (word.engaged, word.id) == (True, 4)
+    assert base.stops.confirmed(0.4) is None
+    base.says(0.5, engaged=True)
+    assert base.stops.confirmed(0.5) is not None
+    base.says(0.6, engaged=False, base="other")
+    assert base.stops.confirmed(0.6) is None
+
+
 def test_a_stop_that_meets_a_reset_on_its_way_is_asked_for_after_all() -> None:
     base = Base()
     base.says(0.0, engaged=True)
