@@ -99,7 +99,7 @@ def test_the_page_of_a_run_comes_and_goes_with_it_and_is_named_where_it_dies(
         assert "<title>" in got(page, "/", trusted)
         line_of(process, "base not armed")
         assert len(command.pids()) == PROCESSES + 1
-        assert json.loads(got(page, "/stop", trusted, b"")) == {"asked": True}
+        assert json.loads(got(page, "/stop", trusted, b""))["asked"]
         line_of(process, "base EMERGENCY STOP")
         wait(lambda: kept_of(command) == (urlsplit(page).port, fingerprint(page)), PATIENCE)
         process.send_signal(signal.SIGTERM)
