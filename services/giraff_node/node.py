@@ -6,6 +6,7 @@ with Node("guard", GuardConfig) as node:
 
 from __future__ import annotations
 
+import contextlib
 import os
 import socket
 import sys
@@ -338,9 +339,10 @@ class Node(Generic[ConfigT]):
             )
         # Zenoh learns this host's addresses at the start of a process, so a new address takes a new process.
         if self._addresses is not None and self._addresses.due(now):
-            addresses = self._look_at_addresses()
-            if self._addresses.moved(now, addresses):
-                self._process.start_again(f"this host is now found at {', '.join(sorted(addresses))}")
+            with contextlib.suppress(OSError):  # a flood has taken all descriptors
+                addresses = self._look_at_addresses()
+                if self._addresses.moved(now, addresses):
+                    self._process.start_again(f"this host is now found at {', '.join(sorted(addresses))}")
 
     def _on_impostor(self, peer: str) -> None:
         self.fail(

@@ -35,11 +35,12 @@ _NO_LINGER: Final = struct.pack("ii", 0, 0)  # socket(7), struct linger
 
 
 def set_tcp_options() -> None:
-    """Tell it for all TCP connections of this process."""
-    for entry in Path("/proc/self/fd").iterdir():
-        with contextlib.suppress(OSError):  # closed since it was listed, of another kind, or the kernel is an older one
-            if str(entry.readlink()).startswith("socket:"):
-                _tune(os.dup(int(entry.name)))
+    """Tell it for all TCP connections of this process. Where a flood has taken all descriptors, the next call does."""
+    with contextlib.suppress(OSError):  # no descriptor is free to list them
+        for entry in Path("/proc/self/fd").iterdir():
+            with contextlib.suppress(OSError):  # closed since then, of another kind, or the kernel is an older one
+                if str(entry.readlink()).startswith("socket:"):
+                    _tune(os.dup(int(entry.name)))
 
 
 def _tune(descriptor: int) -> None:

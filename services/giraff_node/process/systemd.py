@@ -20,6 +20,8 @@ class Notifier:
         self._address = environment.get("NOTIFY_SOCKET", "")
         if self._address.startswith("@"):  # how an abstract socket's name is written
             self._address = "\0" + self._address[1:]
+        # Made once: a door whose descriptors a flood has taken still has this one, and its watchdog is told.
+        self._out = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM | socket.SOCK_NONBLOCK) if self._address else None
         self._period = _watchdog_period(environment)
         self._next = 0.0
         self._ready = False
@@ -27,7 +29,7 @@ class Notifier:
 
     def turn(self, now: float, status: str) -> None:
         """The loop turns. `now`: monotonic, s; `status`: one line for people."""
-        if not self._address:
+        if self._out is None:
             return
         news = []
         if not self._ready:
@@ -45,14 +47,16 @@ class Notifier:
         """The service ends now, and on purpose."""
         self._send(["STOPPING=1"])
 
+    def __del__(self) -> None:
+        if self._out is not None:
+            self._out.close()
+
     def _send(self, news: list[str]) -> bool:
         """Whether the news was taken."""
-        if not self._address:
+        if self._out is None:
             return False
         try:
-            with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as out:
-                out.setblocking(False)
-                out.sendto("\n".join(news).encode(errors="replace"), self._address)
+            self._out.sendto("\n".join(news).encode(errors="replace"), self._address)
         except BlockingIOError:  # the queue is full for now
             return False
         except (OSError, ValueError) as error:  # or a name that no socket can have

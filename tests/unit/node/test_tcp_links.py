@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import platform
+import resource
 import socket
 import struct
+from pathlib import Path
 
 from giraff_node.network.session import LEASE
 from giraff_node.network.tcp_options import RTO_MIN, set_tcp_options
+from giraff_node.process.systemd import Notifier
+from tests.support.manager import FakeManager
 
 THIN_LINEAR_TIMEOUTS, RTO_MIN_US = 16, 45  # linux/tcp.h
 
@@ -29,3 +34,19 @@ def test_every_connection_ends_with_the_lease_and_repeats_soon() -> None:
             assert one.getsockopt(socket.IPPROTO_TCP, RTO_MIN_US) * 1e-6 < RTO_MIN + 0.01
         one.sendall(b"it is still open")
         assert another.fileno() >= 0
+
+
+def test_a_flood_that_takes_all_descriptors_ends_no_service(tmp_path: Path) -> None:
+    """Nor does systemd, whose watchdog is still told."""
+    manager = FakeManager(str(tmp_path / "notify"))
+    notifier = Notifier(manager.environment)
+    most, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    os.close(next_free := os.dup(0))
+    resource.setrlimit(resource.RLIMIT_NOFILE, (next_free, hard))
+    try:
+        set_tcp_options()
+        notifier.turn(0.0, "well")
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+    assert manager.heard() == ["READY=1", "STATUS=well"]
+    manager.close()
