@@ -156,7 +156,11 @@ def test_a_role_enables_its_services_and_the_target(tree: Tree, role: str) -> No
         "": set[str](),
     }[role]
     assert enabled == {f"giraff@{service}.service" for service in expected}
-    assert tree.installed("/etc/systemd/system/multi-user.target.wants/giraff.target").is_symlink() is bool(role)
+    assert {path.name for path in tree.installed("/etc/systemd/system").glob("multi-user.target.wants/*")} == (
+        {"giraff.target"} if role else set()  # and no rules of a firewall, which are only offered
+    )
+    assert tree.installed("/etc/giraff/giraff.nft").exists() is (role == "robot")
+    assert ("systemctl enable giraff-firewall" in words) is (role == "robot")
 
 
 def test_a_laptop_has_the_command_line_and_so_has_a_robot_that_asks_for_it(tree: Tree) -> None:

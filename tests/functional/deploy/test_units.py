@@ -23,21 +23,23 @@ ROLES = {
 BY_HAND = ("gateway", "localization", "recorder", "router", "sentry", "web")
 """Services that `systemctl enable --now giraff@SERVICE` adds to a machine."""
 DROP_INS = [path.name for path in UNITS.glob("*.service.d")]
+FIREWALL = "giraff-firewall.service"
 MOST_EXPOSED = 20  # tenths of systemd's own scale, which ends at 100; 17 when this was written
 
 
 @pytest.fixture(scope="module")
 def bare(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A directory with systemd's own units and the program that ours start."""
+    """A directory with systemd's own units and the programs that ours start."""
     directory = tmp_path_factory.mktemp("machine")
     own = Path("/usr/lib/systemd/system")
     assert own.is_dir(), "systemd's own units are not here: apt-get install systemd"
     shutil.copytree(own, directory / "usr/lib/systemd/system", symlinks=True)
     (directory / "lib").symlink_to("usr/lib")
-    python = directory / "opt/giraff/bin/python"
-    python.parent.mkdir(parents=True)
-    python.write_text("#!/bin/sh\n")
-    python.chmod(0o755)
+    for name in ("opt/giraff/bin/python", "usr/sbin/nft", "bin/sh"):
+        program = directory / name
+        program.parent.mkdir(parents=True, exist_ok=True)
+        program.write_text("#!/bin/sh\n")
+        program.chmod(0o755)
     return directory
 
 
@@ -48,6 +50,7 @@ def machine(bare: Path) -> Iterator[Path]:
     ours.mkdir(parents=True)
     for name in ("giraff@.service", "giraff.target"):
         shutil.copy(UNITS / name, ours)
+    shutil.copy(ROOT / "deploy" / "firewall" / FIREWALL, ours)
     for drop_in in DROP_INS:
         shutil.copytree(UNITS / drop_in, ours / drop_in)
     yield bare
@@ -69,7 +72,7 @@ def edit(machine: Path, old: str, new: str) -> None:
 
 def test_systemd_finds_nothing_wrong(machine: Path) -> None:
     services = sorted({service for services in ROLES.values() for service in services} | {*BY_HAND})
-    run = analyze(machine, "verify", *(f"giraff@{service}.service" for service in services), "giraff.target")
+    run = analyze(machine, "verify", *(f"giraff@{service}.service" for service in services), "giraff.target", FIREWALL)
     assert (run.returncode, run.stderr) == (0, "")
     assert [name for name in services if not (ROOT / "services" / f"giraff_{name}" / "__main__.py").exists()] == []
 
