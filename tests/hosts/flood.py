@@ -48,7 +48,7 @@ class Sessions(NamedTuple):
 
 KINDS: Final[dict[str, Raw | Sessions]] = {
     "half-open": Raw(held=5000),
-    "garbage": Raw(held=0, rate=30.0, says=b"\xff" * 512),
+    "garbage": Raw(held=0, rate=120.0, says=b"\xff" * 512),
     "slow": Raw(held=1000, says=b"\x20", every=1.0),
     "clients": Sessions("client", held=200, stay=5.0, come_again=True),
     "peers": Sessions("peer", held=20, stay=2.5, come_again=False),

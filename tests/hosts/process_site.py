@@ -22,7 +22,7 @@ from tests.hosts.machine import Machine, kill, run
 from tests.hosts.switch import Switch
 
 NAME: Final = "sim-site"
-NUMBERS: Final = {"robot": 12, "laptop": 11}
+NUMBERS: Final = {"robot": 12, "laptop": 11, "stranger": 13}
 """Host -> the end of its address."""
 INSIDE: Final = ("base", "guard", "ranger", "odometry")
 PYTHON: Final = (sys.executable, "-P")
@@ -121,6 +121,16 @@ class ProcessSite:
     def open(self, host: str) -> None:
         """No firewall any more; none is fine."""
         self._in_network(host, "nft", "--file", "-", given=f"table {_FIREWALL}\ndelete table {_FIREWALL}\n")
+
+    def bound(self, host: str) -> None:
+        """Load the rules against floods, as their unit does."""
+        self._in_network(host, "nft", "--file", str(ROOT / "deploy" / "firewall" / "giraff.nft"))
+        self._in_network(host, "sysctl", "--quiet", "--write", "net.netfilter.nf_conntrack_acct=1")
+
+    def pid(self, name: str) -> int:
+        """Return the number of a running program. It is a child of what was started."""
+        first = self._running[name].pid
+        return int(Path(f"/proc/{first}/task/{first}/children").read_text(encoding="utf-8"))
 
     def ip(self, host: str, *commands: str) -> None:
         """Run commands of ip(8) on a host."""

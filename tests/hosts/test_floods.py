@@ -1,0 +1,136 @@
+"""What a flood of the door does to a robot that drives, and to who wants to stop it. No Docker.
+
+docs/network.md has the figures of more floods than are made here.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import json
+import re
+import resource
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+from giraff_cli.keys.manage import make_authority, make_bundle
+from giraff_core.network import door_ports
+from giraff_sim.board import ROOT
+from tests.hosts.process_site import INSIDE, NUMBERS, PYTHON, ProcessSite
+from tests.hosts.switch import NETWORK
+from tests.support.process_robot import FULL_TILT
+from tests.support.waiting import wait
+
+pytestmark = pytest.mark.timeout(120)
+
+ROBOT: Final = f"{NETWORK}.{NUMBERS['robot']}"
+ALL_PORTS: Final = [address.rpartition(":")[2] for address in door_ports(f"{ROBOT}:7447")]
+ACCESS: Final = '{ robot = ["robot"], operators = { laptop = ["joystick"] } }'
+SERVICES: Final = ("door", *INSIDE)
+[MOST_FILES] = (
+    int(number)
+    for number in re.findall(
+        r"LimitNOFILE=(\d+)", (ROOT / "deploy/systemd/giraff@.service").read_text(encoding="utf-8")
+    )
+)
+_WINDOW: Final = 3.0  # s
+_PATIENCE: Final = 60.0  # s
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Iterator[ProcessSite]:
+    with ProcessSite(tmp_path) as site:
+        yield site
+
+
+@pytest.mark.parametrize(
+    ("kind", "ports", "bounded"),
+    [("half-open", ALL_PORTS[:1], False), ("garbage", ALL_PORTS, True)],
+    ids=["one port", "all ports, with the rules"],
+)
+def test_a_robot_drives_on_and_can_be_stopped(site: ProcessSite, kind: str, ports: list[str], *, bounded: bool) -> None:
+    """Without the rules the second flood keeps every stop out that is not yet linked."""
+    robot, laptop = secured(site)
+    if bounded:
+        site.bound("robot")
+    site.start(robot, *SERVICES)
+    resource.prlimit(site.pid("door"), resource.RLIMIT_NOFILE, (MOST_FILES, MOST_FILES))
+    site.start(laptop, "joystick", host="laptop")
+    turn(site)
+    before = numbers(site)
+    flood(site, kind, *ports)
+    wait(lambda: told(site)["made"] >= (5 if bounded else 5000), _PATIENCE, what=lambda: told(site))
+    wait(lambda: turns_on(site), _PATIENCE, what="driving without a gap")
+    assert "STOPPED" in site.giraff("laptop", laptop, "estop", "engage", "--timeout", "5")
+    wait(lambda: not site.hardware.drives(), _PATIENCE)
+    assert numbers(site) == before
+    assert "starting again" not in site.log("door")
+
+
+def test_peers_that_come_and_go_leave_nothing_behind(site: ProcessSite) -> None:
+    """Base, guard and the others dial each of them."""
+    site.start({}, *SERVICES)
+    site.start({}, "joystick", host="laptop")
+    turn(site)
+    before, pids = descriptors(site), numbers(site)
+    peers = flood(site, "peers", *ALL_PORTS[:1])
+    wait(lambda: min(descriptors(site)) >= min(before) + 20, _PATIENCE, what=lambda: f"{before} {descriptors(site)}")
+    wait(lambda: turns_on(site), _PATIENCE, what="driving without a gap")
+    wait(lambda: peers.poll() is not None, _PATIENCE)
+    wait(lambda: descriptors(site) == before, _PATIENCE, what=lambda: f"{before} before, {descriptors(site)} after")
+    assert numbers(site) == pids
+
+
+def secured(site: ProcessSite) -> tuple[dict[str, str], dict[str, str]]:
+    """Return the network of the robot and that of the laptop."""
+    folder, now = site.directory / "keys", dt.datetime.now(dt.UTC)
+    make_authority(folder, now)
+    for host in ("robot", "laptop"):
+        make_bundle(folder, host, [f"{NETWORK}.{NUMBERS[host]}"], days=60, renew=False, moment=now)
+    common = {"mode": "secured", "access": ACCESS}
+    return (
+        common | {"keys": str(folder / "robot")},
+        common | {"keys": str(folder / "laptop"), "connect": json.dumps([ROBOT])},
+    )
+
+
+def turn(site: ProcessSite) -> None:
+    """Drive, and then turn where it stands, which no wall ends."""
+    site.hardware.drive()
+    site.hardware.simulator.tilt(0.0, FULL_TILT)
+
+
+def turns_on(site: ProcessSite) -> bool:
+    """Whether the motors are given something in each millisecond of a while. A machine that stalls is tried again."""
+    since = site.hardware.simulator.now()
+    site.hardware.run(_WINDOW)
+    record = site.hardware.simulator.record(since)
+    is_driven = record.driven_ms >= (record.until_us - record.since_us) // 1000
+    if not is_driven:
+        turn(site)
+    return is_driven
+
+
+def flood(site: ProcessSite, kind: str, *ports: str) -> subprocess.Popen[bytes]:
+    command = [*PYTHON, str(Path(__file__).with_name("flood.py")), kind, ROBOT, *ports]
+    return site.begin("flood", "stranger", command, {})
+
+
+def told(site: ProcessSite) -> dict[str, int]:
+    """Return what the flood has told last."""
+    lines = site.output("flood").rpartition("\n")[0].splitlines()
+    counts: dict[str, int] = json.loads(lines[-1]) if lines else {"open": 0, "made": 0}
+    return counts
+
+
+def numbers(site: ProcessSite) -> list[int]:
+    return [site.pid(name) for name in SERVICES]
+
+
+def descriptors(site: ProcessSite) -> list[int]:
+    """Return how many each service inside has. Looking at its own takes a service one or two more for a moment."""
+    looks = [[len(list(Path(f"/proc/{site.pid(name)}/fd").iterdir())) for name in INSIDE] for _ in range(20)]
+    return [min(counts) for counts in zip(*looks, strict=True)]
