@@ -30,6 +30,7 @@ from giraff_schemas.topics import (
 )
 
 _ASKS: Final = ("declare_subscriber", "declare_liveliness_subscriber", "liveliness_query")
+_LOOKS: Final = ("declare_liveliness_subscriber", "liveliness_query")
 _TELLS: Final = ("put", "delete", "reply", "declare_queryable", "liveliness_token")
 _ALL: Final = (*_ASKS, *_TELLS, "query")
 _SOCKET: Final = "unixsock-stream"
@@ -77,6 +78,7 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
         _rule("all are told", "egress", _TELLS, everything),
         _rule("all are asked", "egress", (*_ASKS, "query"), everything),
         _rule("all may listen", "ingress", _ASKS, everything),
+        _rule("all may look for robots", "ingress", _LOOKS, alive_key("*")) | {"flows": ["ingress", "egress"]},
         _rule(
             "all may stop",
             "ingress",
@@ -89,7 +91,7 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
     ]
     subjects = [_subject("known", access.hosts), _subject("robot", access.robot)]
     policies = [
-        _policy("known", "all are told", "all are asked", "all may listen", "all may stop"),
+        _policy("known", "all are told", "all are asked", "all may listen", "all may look for robots", "all may stop"),
         _policy("robot", "the robot tells"),
     ]
     operators = access.operators

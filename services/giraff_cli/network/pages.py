@@ -83,13 +83,14 @@ class PageKeeper:
         page = msgspec.structs.replace(page, hosts=page.hosts[:_MOST_HOSTS])
         if page not in self._pages and len(self._pages) < _MOST_PAGES:
             self._pages[page] = None
-            thread = threading.Thread(target=self._keep, args=(robot, tuple(self._pages)), daemon=True)
+            thread = threading.Thread(target=self._keep, args=(robot,), daemon=True)
             self._threads.append(thread)
             thread.start()
 
-    def _keep(self, robot: str, pages: tuple[WebPage, ...]) -> None:
+    def _keep(self, robot: str) -> None:
         # Without a page that is kept, a stop goes over Zenoh alone, as before: nobody need be told.
         with self._lock, contextlib.suppress(OSError):
+            pages = tuple(self._pages)
             if kept_pages(robot) != pages:
                 file = page_file(robot)
                 file.parent.mkdir(parents=True, exist_ok=True)

@@ -191,12 +191,13 @@ def _open_first(config: dict[str, Any], ways: Sequence[str]) -> zenoh.Session:
 
     A port that somebody calls all the time takes nobody else in for seconds.
     """
-    answers: SimpleQueue[zenoh.Session | zenoh.ZError] = SimpleQueue()
+    answers: SimpleQueue[zenoh.Session | BaseException] = SimpleQueue()
     open_ways = 0
-    failed = zenoh.ZError("there is no way")
+    failed: BaseException = zenoh.ZError("there is no way")
     for way in (*ways, ""):
         if way:
-            threading.Thread(target=_try, args=(config, way, answers), name="way in", daemon=True).start()
+            # No daemon: Zenoh aborts a process that ends while a session is being opened.
+            threading.Thread(target=_try, args=(config, way, answers), name="way in").start()
             open_ways += 1
         while open_ways:
             try:
@@ -204,24 +205,26 @@ def _open_first(config: dict[str, Any], ways: Sequence[str]) -> zenoh.Session:
             except Empty:
                 break
             open_ways -= 1
-            if isinstance(answer, zenoh.Session):
+            if not isinstance(answer, BaseException):
                 threading.Thread(target=_close_late, args=(answers, open_ways), daemon=True).start()
                 return answer
             failed = answer
+            if not isinstance(answer, zenoh.ZError):
+                raise answer
     raise failed
 
 
-def _try(config: dict[str, Any], way: str, answers: SimpleQueue[zenoh.Session | zenoh.ZError]) -> None:
+def _try(config: dict[str, Any], way: str, answers: SimpleQueue[zenoh.Session | BaseException]) -> None:
     try:
         answers.put(_open(config | {"connect": config["connect"] | {"endpoints": [way]}}))
-    except zenoh.ZError as error:
+    except BaseException as error:  # noqa: BLE001  whoever waits for the answer raises it
         answers.put(error)
 
 
-def _close_late(answers: SimpleQueue[zenoh.Session | zenoh.ZError], open_ways: int) -> None:
+def _close_late(answers: SimpleQueue[zenoh.Session | BaseException], open_ways: int) -> None:
     """Close what the ways that are still tried come to."""
     for _ in range(open_ways):
-        if isinstance(late := answers.get(), zenoh.Session):
+        if not isinstance(late := answers.get(), BaseException):
             close_session(late)
 
 

@@ -12,6 +12,7 @@ import msgspec
 import pytest
 import zenoh
 
+from giraff_node.network.discovery import RobotMonitor
 from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import (
     CMD_VEL,
@@ -139,6 +140,16 @@ def test_the_robots_own_certificate_does_not_speak_for_its_host(network: Network
     wait(is_heard, 60.0, every=0.1)
     close_session(away)
     assert {key for key, maker in network.heard if maker == "away"} == {"odom"}
+
+
+def test_a_command_that_names_no_robot_finds_it_through_the_door(network: Network) -> None:
+    """A stop of whatever robot is there asks for all of them."""
+    with network.base.liveliness().declare_token(alive_key(ROBOT, "base", "one")):
+        away = msgspec.structs.replace(network.of["desk"], sockets="/proc/nowhere")
+        client = open_marked(away, "client")
+        found = RobotMonitor(client)
+        wait(lambda: found.all_names == [ROBOT], 60.0)
+        close_session(client)
 
 
 def test_a_stranger_gets_no_link(network: Network, keys: Path, tmp_path: Path) -> None:
