@@ -1,8 +1,11 @@
 """Entry point of the `giraff` command: ready for Ctrl-C before anything slow is imported."""
 
+import contextlib
 import io
+import os
 import signal
 import sys
+import threading
 
 
 def main() -> None:
@@ -15,5 +18,12 @@ def main() -> None:
             stream.reconfigure(errors="backslashreplace")
     from giraff_cli.main import app  # noqa: PLC0415
     from giraff_cli.usage import obey  # noqa: PLC0415
+    from giraff_node.network.session import OPENS  # noqa: PLC0415
 
-    sys.exit(obey(app))
+    code = obey(app)
+    if any(thread.name == OPENS for thread in threading.enumerate()):
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(OSError, ValueError):
+                stream.flush()
+        os._exit(code)
+    sys.exit(code)

@@ -22,9 +22,9 @@ class Allowance(NamedTuple):
 class Limits(NamedTuple):
     """As they are; tests have shorter times."""
 
-    bare: Allowance = Allowance(128, 16, 2.0)
+    bare: Allowance = Allowance(128, 32, 2.0)
     """TCP connections that have sent nothing yet. Each costs a socket."""
-    handshakes: Allowance = Allowance(32, 8, 3.0)
+    handshakes: Allowance = Allowance(64, 24, 3.0)
     """TLS handshakes under way. Each costs some 0.3 MB."""
     connections: Allowance = Allowance(240, 60, 5.0)
     """Connections that have agreed on TLS. The patience is from one request to the next; a page has no such end."""

@@ -29,6 +29,7 @@ ENGAGED: Final = 1
 UNKNOWN: Final = 2
 
 _TURN: Final = 0.01  # s
+_SEVERAL: Final = 2  # addresses
 _LEAST: Final = 0.5  # s
 _NEWCOMERS: Final = 1.0  # s after the last one was met; the others of a network are met within some ten ms
 _MOST_TOLD: Final = 20  # robots that did not confirm; on an open network anybody may declare a name
@@ -111,7 +112,11 @@ def engage_all(
         teller = _Teller(tell)
         code = _engage_heard(connection, by, reason, timeout, teller, doubt, other)
         teller.end()
-        for what in silent.result():
+        lost = silent.result()
+        for address in connection.unreached(addresses) if len(addresses) > 1 else ():
+            if not any(what.startswith(f"{address}: ") for what in lost):
+                lost.append(f"{address}: what listens there does not answer as a door")
+        for what in lost:
             tell(
                 Result(UNKNOWN, f"--connect {what}; NOT REACHED: a robot there was NOT STOPPED, use its battery switch")
             )
@@ -151,7 +156,8 @@ def _engage_heard(
                 else:
                     other.end(robot)
                     tell_once(_confirmed(connection, robot, answer))
-        if asking and len(stopped) == len(asking) and now - newest > _NEWCOMERS:
+        is_alone = now - newest > _NEWCOMERS and not connection.is_looking
+        if asking and len(stopped) == len(asking) and is_alone:
             break
         time.sleep(_TURN)
     teller.shutdown()
@@ -165,7 +171,9 @@ def _engage_heard(
             result = _doubtful(connection, robot, doubt)
         tell(result)
         codes.append(result.code)
-    return max(codes) if _are_all(connection, {robot for robot, _ in asking} | elsewhere, tell) else UNKNOWN
+    # A page tells of one robot, and at several addresses there may be several of one name.
+    met = {robot for robot, _ in asking} | (elsewhere if len(connection.network.connect) < _SEVERAL else set())
+    return max(codes) if _are_all(connection, met, tell) else UNKNOWN
 
 
 def _left(connection: RobotConnection, timeout: float) -> float:

@@ -15,6 +15,7 @@ from giraff_cli.network.command import UNUSABLE, UnopenedError, print_error, vis
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.output import discard_stdout
+from giraff_core.network import with_port
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.reach import address_fault
 from giraff_schemas.text import printable_lines
@@ -63,7 +64,8 @@ class _Stop(threading.Thread):
             self._place = place_of(page) if page else None
         except ValueError as error:
             self._page_fault = f"--page is left out: {error}"
-        self._page = PageStop(named or filed, self._place, timeout, plan.doubt)
+        at = [with_port(address).rpartition(":")[0].strip("[]") for address in connect if address not in faults]
+        self._page = PageStop(named or filed, self._place, timeout, plan.doubt, at)
         self._code = UNUSABLE
         self._error: BaseException | None = None
 

@@ -121,14 +121,18 @@ class PageStop(OtherWay):
     An address that swallows packets, and a name that takes long to be found, hold up no other.
     """
 
-    def __init__(self, robot: str, given: Place | None, timeout: float, doubt: str = "") -> None:
+    def __init__(
+        self, robot: str, given: Place | None, timeout: float, doubt: str = "", connect: Collection[str] = ()
+    ) -> None:
         """`robot`: empty: nobody has named one. `given`: asked at once, in the place of the pages that were kept.
 
-        `timeout`: s in which a stop is to be confirmed. `doubt`: why no answer counts; empty: it may.
+        `timeout`: s in which a stop is to be confirmed. `doubt`: why no answer counts; empty: it may. `connect`: hosts
+        at which somebody takes the robot to be: a page of another host may be that of another robot of this name.
         """
         self.robot = robot
         self._given = given
         self._doubt = doubt
+        self._connect = {*connect}
         self._head_start = 0.0 if given else min(_HEAD_START, 0.5 * timeout)
         self._until = time.monotonic() + max(timeout, self._head_start + _ATTEMPT)
         self._lock = threading.Lock()
@@ -174,6 +178,8 @@ class PageStop(OtherWay):
 
     def _start(self) -> None:
         kept = kept_pages(self.robot) if self.robot else ()
+        if not self._given and self._connect and not any(self._connect & {*page.hosts} for page in kept):
+            self._doubt = self._doubt or "it is not at the address of --connect, and may be of another robot"
         known = {page.certificate for page in kept}
         places = [self._given] if self._given else [Place(host, page.port) for page in kept for host in page.hosts]
         if not places:

@@ -12,10 +12,10 @@ from typing import Any, Final, Protocol
 import zenoh
 
 from giraff_cli.network.pages import PageKeeper
-from giraff_core.network import NetworkConfig, addresses
+from giraff_core.network import NetworkConfig, addresses, link_of, with_port
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import NobodyError, close_session, open_clients
+from giraff_node.network.session import OPENS, NobodyError, close_session, open_clients
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
@@ -67,6 +67,8 @@ class RobotConnection:
         self._heard: deque[Report] = deque(maxlen=_MOST_WAITING)
         self._declared: dict[str, Any] = {}  # by key; a subscriber that nobody references ends
         self._others: list[zenoh.Session] = []
+        self._dialled: set[str] = set()  # doors, as Zenoh writes them
+        self._looking: threading.Thread | None = None
         self._is_closed = False
         self._pages = PageKeeper()
         self._complaints: dict[str, tuple[int, str]] = {}
@@ -123,12 +125,23 @@ class RobotConnection:
         It takes seconds where an address is silent, so it is done in a thread, which calls `on_door`.
         """
         if self.waited is None and not self.network.session_file and len(addresses(self.network)) > 1:
-            threading.Thread(target=self._open_other_doors, args=(on_door,), name="doors", daemon=True).start()
+            self._looking = threading.Thread(target=self._open_other_doors, args=(on_door,), name=OPENS, daemon=True)
+            self._looking.start()
+
+    @property
+    def is_looking(self) -> bool:
+        """Whether a door may still answer of which nobody knows."""
+        return self._looking is not None and self._looking.is_alive()
+
+    def unreached(self, given: Iterable[str]) -> list[str]:
+        """Return the addresses at which no door has answered `open_other_doors`."""
+        return [each for each in given if f"{link_of(self.network)}/{with_port(each)}" not in self._dialled]
 
     def _open_other_doors(self, on_door: Callable[[zenoh.Session], object]) -> None:
         known = _doors(self.session)
         with contextlib.suppress(NobodyError, ConfigError):
-            for session in open_clients(self.network, "*"):
+            for door, session in open_clients(self.network, "*"):
+                self._dialled.add(door)
                 if self._is_closed or _doors(session) <= known:
                     close_session(session)
                 else:

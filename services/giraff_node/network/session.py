@@ -32,6 +32,9 @@ from giraff_schemas.topics import alive_key
 _FILES: Final = Path(__file__).parents[1] / "zenoh"
 _CLOSE_TIMEOUT: Final = 1.0  # s
 _ANSWERS_WITHIN: Final = 0.3  # s in which a door tells who is there
+OPENS: Final = "opens a session"
+"""Name of the threads that Zenoh may hold for seconds, and in which it aborts a process that ends."""
+_GIVES_UP: Final = 3.0  # s without an answer at any way; Zenoh goes on trying a process that hangs
 _NEXT_WAY: Final = 0.3  # s until the next port of a door is tried, too
 
 CERTIFICATES: Final = {
@@ -138,8 +141,10 @@ def open_session(
     return _open(config(port=last))
 
 
-def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -> Iterator[zenoh.Session]:
+def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -> Iterator[tuple[str, zenoh.Session]]:
     """Open one link to each door that answers, one after another. Raises ConfigError, and NobodyError at the first.
+
+    Yields where it dialled, as Zenoh writes it, with the session.
 
     Where no address is given, the network is asked by multicast: for any robot where this host has no door, for one
     that is named also after this host's own, which need not hear it.
@@ -150,14 +155,14 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
     is_met = False
     for door in doors:
         with contextlib.suppress(zenoh.ZError):
-            yield _open_first(config, door_ports(door))
+            yield door, _open_first(config, door_ports(door))
             is_met = True
     if is_met and robot == "*":
         return
     if network.mode == "lan" and not network.local and not network.connect:
         met = [door for door in find_doors() if door.startswith(f"{link_of(network)}/")]
         with contextlib.suppress(zenoh.ZError):
-            yield _open_first(config, met or doors)
+            yield "", _open_first(config, met or doors)
             return
     if not is_met:
         raise NobodyError(", ".join(each.partition("/")[2] for each in doors))
@@ -166,7 +171,7 @@ def open_clients(network: NetworkConfig, robot: str, *, records: bool = False) -
 def _open_client(network: NetworkConfig, robot: str, *, records: bool) -> zenoh.Session:
     """Link to the door at which the robot is heard, else to the first that answers."""
     first: zenoh.Session | None = None
-    for session in open_clients(network, robot, records=records):
+    for _, session in open_clients(network, robot, records=records):
         if robot == "*" or _is_heard(session, robot):
             if first is not None:
                 close_session(first)
@@ -193,25 +198,23 @@ def _open_first(config: dict[str, Any], ways: Sequence[str]) -> zenoh.Session:
     """
     answers: SimpleQueue[zenoh.Session | BaseException] = SimpleQueue()
     open_ways = 0
-    failed: BaseException = zenoh.ZError("there is no way")
+    found: zenoh.Session | BaseException = zenoh.ZError("nobody answers")
     for way in (*ways, ""):
         if way:
             # No daemon: Zenoh aborts a process that ends while a session is being opened.
-            threading.Thread(target=_try, args=(config, way, answers), name="way in").start()
+            threading.Thread(target=_try, args=(config, way, answers), name=OPENS).start()
             open_ways += 1
-        while open_ways:
-            try:
-                answer = answers.get(timeout=_NEXT_WAY if way else None)
-            except Empty:
-                break
-            open_ways -= 1
-            if not isinstance(answer, BaseException):
-                threading.Thread(target=_close_late, args=(answers, open_ways), daemon=True).start()
-                return answer
-            failed = answer
-            if not isinstance(answer, zenoh.ZError):
-                raise answer
-    raise failed
+        with contextlib.suppress(Empty):
+            while open_ways and isinstance(found, zenoh.ZError):
+                found = answers.get(timeout=_NEXT_WAY if way else _GIVES_UP)
+                open_ways -= 1
+        if not isinstance(found, zenoh.ZError):
+            break
+    if open_ways:
+        threading.Thread(target=_close_late, args=(answers, open_ways), name=OPENS).start()
+    if isinstance(found, BaseException):
+        raise found
+    return found
 
 
 def _try(config: dict[str, Any], way: str, answers: SimpleQueue[zenoh.Session | BaseException]) -> None:

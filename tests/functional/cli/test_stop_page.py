@@ -153,3 +153,13 @@ def test_a_stop_that_zenoh_confirms_is_one_whatever_the_page_says(
     assert engage.engage_by_plan("anne", (), "", 0.5) == 0
     assert engage.engage_by_plan("anne", (), "", 0.5, "nonsense") == 0
     assert "--page is left out: 'nonsense' is no address of a page" in capsys.readouterr().err
+
+
+def test_a_page_of_another_host_than_the_one_that_was_typed_may_be_another_robots(
+    state: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(engage, "visit", unopened)
+    with page(state, STOPPED) as served:
+        keep(served.place)
+        assert engage.engage_by_plan("anne", ("192.0.2.9",), "", 0.5) == 2
+    assert "NOT CONFIRMED: it is not at the address of --connect" in capsys.readouterr().err

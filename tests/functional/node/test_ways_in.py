@@ -25,7 +25,7 @@ def test_a_client_comes_in_by_another_port_of_the_door(tmp_path: Path) -> None:
             NetworkConfig(mode="fixed", rendezvous=further, sockets=str(tmp_path / "robot")), ROBOT, visits=True
         )
         try:
-            session = next(open_clients(client, ROBOT))
+            _, session = next(open_clients(client, ROBOT))
             assert [str(zid) for zid in session.info.peers_zid()] == [str(door.zid())]
             close_session(session)
         finally:

@@ -181,6 +181,25 @@ def test_a_stop_that_one_of_two_bases_confirms_is_none_until_the_other_has_confi
     assert [(code, text.removeprefix(f"{ROBOT}: ")[: len(why)]) for code, text in told] == [(2, why)] * 3
 
 
+def test_at_several_addresses_each_is_asked_for_itself_whatever_a_page_says(
+    network: Network, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One door answers nothing and takes calls, since its process hangs; the page is the other robot's, of one name."""
+
+    class Page(it.OtherWay):
+        def stopped(self) -> set[str]:
+            return {ROBOT}
+
+    monkeypatch.setattr(it, "find_silent", lambda _: [])
+    given = ("192.0.2.1", "192.0.2.2")
+    network.connection.network = NetworkConfig(connect=given)
+    monkeypatch.setattr(network.connection, "open_other_doors", lambda _: None)
+    told: list[it.Result] = []
+    assert it.engage_all(network.connection, "me", "", 1.0, given, told.append, other=Page()) == 2
+    assert "NOTHING IS STOPPED" in told[0].text
+    assert ["NOT REACHED" in each.text for each in told[1:]] == [True, True]
+
+
 def test_of_a_flood_of_names_the_first_are_told_and_those_that_answer_before_the_others(network: Network) -> None:
     told: list[it.Result] = []
     refused = EStopAnswer(done=False, engaged=False, id=0, reason="no")
