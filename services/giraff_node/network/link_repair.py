@@ -130,10 +130,16 @@ def hosts_of(links: Iterable[Link]) -> dict[str, str]:
 
 
 def impostors(links: Iterable[Link]) -> set[str]:
-    """Peers that are linked at a Unix socket and in another way as well, which is believed like the socket."""
+    """Peers that are linked at a Unix socket and to another host as well, which is believed like the socket.
+
+    A program of this host may have both a socket and a port: any user's, with Zenoh's own settings, does.
+    """
     at_sockets, elsewhere = set[str](), set[str]()
-    for peer, src, _ in links:
-        (at_sockets if src.startswith(PROTOCOL) else elsewhere).add(peer)
+    for peer, src, dst in links:
+        if src.startswith(PROTOCOL):
+            at_sockets.add(peer)
+        elif _host(src) != _host(dst):
+            elsewhere.add(peer)
     return at_sockets & elsewhere
 
 
