@@ -28,8 +28,8 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     rendezvous: str = "127.0.0.1:7447"
     """Where the door of this host listens, on its loopback; at the same port it listens to other hosts."""
     sockets: str = ""
-    """Folder of the Unix sockets at which the processes of this host meet; empty: /run/giraff/network where this user
-    may use it, else a folder of this user's own."""
+    """Folder of the Unix sockets at which the robot's own processes on this host meet; empty: /run/giraff/network where
+    this user may use it, else a folder of this user's own."""
     client: bool = False
     """Hear all through the robot's door, over the one link that this host has dialled: for one that cannot be dialled.
     A hand finds out by itself."""

@@ -29,7 +29,8 @@ ENGAGED: Final = 1
 UNKNOWN: Final = 2
 
 _TURN: Final = 0.01  # s
-_SEVERAL: Final = 2  # addresses
+SEVERAL: Final = 2
+"""Addresses at which there may be several robots of one name."""
 _LEAST: Final = 0.5  # s
 _NEWCOMERS: Final = 1.0  # s after the last one was met; the others of a network are met within some ten ms
 _MOST_TOLD: Final = 20  # robots that did not confirm; on an open network anybody may declare a name
@@ -113,7 +114,7 @@ def engage_all(
         code = _engage_heard(connection, by, reason, timeout, teller, doubt, other)
         teller.end()
         lost = silent.result()
-        for address in connection.unreached(addresses) if len(addresses) > 1 else ():
+        for address in connection.unreached(addresses) if len(addresses) >= SEVERAL else ():
             if not any(what.startswith(f"{address}: ") for what in lost):
                 lost.append(f"{address}: what listens there does not answer as a door")
         for what in lost:
@@ -172,7 +173,7 @@ def _engage_heard(
         tell(result)
         codes.append(result.code)
     # A page tells of one robot, and at several addresses there may be several of one name.
-    met = {robot for robot, _ in asking} | (elsewhere if len(connection.network.connect) < _SEVERAL else set())
+    met = {robot for robot, _ in asking} | (elsewhere if len(connection.network.connect) < SEVERAL else set())
     return max(codes) if _are_all(connection, met, tell) else UNKNOWN
 
 

@@ -21,7 +21,6 @@ from giraff_node.network.reach import address_fault
 from giraff_schemas.text import printable_lines
 
 _LOOK: Final = 0.05  # s
-_SEVERAL: Final = 2  # addresses, at which robots of one name may be
 
 
 def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeout: float, page: str = "") -> int:
@@ -57,7 +56,7 @@ class _Stop(threading.Thread):
         super().__init__(name="stop", daemon=True)
         self._plan, self._connect, self._reason, self._timeout, self._faults = plan, connect, reason, timeout, faults
         named, filed = (plan.target.robot, plan.target.filed) if plan.target else (robot, "")
-        self._is_one = bool(named) and (plan.target is None or len(plan.target.network.connect) < _SEVERAL)
+        self._is_one = bool(named) and (plan.target is None or len(plan.target.network.connect) < client.SEVERAL)
         self._place: Place | None = None
         self._page_fault = ""
         try:

@@ -82,8 +82,7 @@ class LinkRepair:
         """`visits`: the role in which it does; None: it leaves that to others. `on_impostor` takes such a peer's id."""
         self._session, self._network, self._robot, self._visits = session, network, robot, visits
         self._on_impostor = on_impostor
-        # One visit mends the links of all: not all who miss somebody make theirs at the same moment.
-        self._lost_peers = LostPeers(int(str(session.zid())[-2:], 16) / 256 * _LOOK * 2)
+        self._lost_peers = LostPeers(delay_of(str(session.zid())))
         self._under_way: threading.Thread | None = None
         self._next = 0.0
 
@@ -113,6 +112,11 @@ def join_briefly(network: NetworkConfig, robot: str, role: Role) -> None:
         return
     time.sleep(_VISIT)
     close_session(session)
+
+
+def delay_of(zid: str) -> float:
+    """Return the s until the first visit of a session: one mends the links of all, so not all make theirs at once."""
+    return int(zid[:2], 16) / 256 * _LOOK * 2  # the last digits of who is inside are all the same
 
 
 class Link(NamedTuple):

@@ -56,8 +56,8 @@ Role = Literal["inside", "door", "outside", "apart", "client"]
 `apart`: as a door, at a port of its own, too; a recording that is played beside a robot.
 `client`: has one link, to a door, and hears all through it; a command, and a hand whose host cannot be dialled.
 
-Who is inside believes what comes over a Unix socket. Zenoh judges a peer by its first link and would believe a second
-one as well, so nobody is linked in both ways: of peers only those inside have sockets, and among them nothing else.
+Who is inside believes what comes over a Unix socket. Zenoh judges a peer by its first link and then believes a second
+one as well. So no peer may be linked in both ways: those inside meet each other at sockets, and no other peer has one.
 """
 
 INSIDE_ID_ENDS: Final = "ffffffff"

@@ -1,4 +1,4 @@
-"""Unix sockets at which the processes of one host meet. No other host can reach them, so what comes there is its own.
+"""Unix sockets at which the robot's own processes on one host meet. No other host reaches them, so they are believed.
 
 Zenoh makes the sockets. Each process has one of its own, with a name that no other host has: a path that is told to
 another host leads nowhere there. One more, `rendezvous`, belongs to any of them. Another takes it over when that one

@@ -103,14 +103,16 @@ def test_a_page_that_is_known_confirms_while_zenoh_still_shakes_hands(
     assert capsys.readouterr() == (f"anne: STOPPED, told by its page at {served.address}\n", "")
 
 
-def test_a_page_that_is_known_confirms_where_zenoh_cannot_be_opened(
+def test_a_page_that_is_known_confirms_where_zenoh_cannot_be_opened_but_not_at_another_address(
     state: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(engage, "visit", unopened)
-    with page(state, STOPPED) as served:
+    with page(state, STOPPED, STOPPED) as served:
         keep(served.place)
         assert engage.engage_by_plan("anne", (), "", 60.0) == 0
-    assert capsys.readouterr() == (f"anne: STOPPED, told by its page at {served.address}\n", "")
+        assert capsys.readouterr() == (f"anne: STOPPED, told by its page at {served.address}\n", "")
+        assert engage.engage_by_plan("anne", ("192.0.2.9",), "", 0.5) == 2
+    assert "NOT CONFIRMED: it is not at the address of --connect" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -153,13 +155,3 @@ def test_a_stop_that_zenoh_confirms_is_one_whatever_the_page_says(
     assert engage.engage_by_plan("anne", (), "", 0.5) == 0
     assert engage.engage_by_plan("anne", (), "", 0.5, "nonsense") == 0
     assert "--page is left out: 'nonsense' is no address of a page" in capsys.readouterr().err
-
-
-def test_a_page_of_another_host_than_the_one_that_was_typed_may_be_another_robots(
-    state: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(engage, "visit", unopened)
-    with page(state, STOPPED) as served:
-        keep(served.place)
-        assert engage.engage_by_plan("anne", ("192.0.2.9",), "", 0.5) == 2
-    assert "NOT CONFIRMED: it is not at the address of --connect" in capsys.readouterr().err

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from giraff_node.network.link_repair import OWN_HOST, Link, LostPeers, hosts_of, impostors
+from giraff_node.network.link_repair import OWN_HOST, Link, LostPeers, delay_of, hosts_of, impostors
 from giraff_node.network.session import INSIDE_ID_ENDS
 
 ROBOT, LAPTOP = "10.0.0.2", "10.0.0.3"
@@ -65,6 +65,10 @@ LINKS = [
     Link("page", "tcp/10.0.0.3:7448", "tcp/10.0.0.3:41112"),
     Link("ranger", SOCKET, "unixsock-stream/there"),
 ]
+
+
+def test_those_inside_do_not_all_visit_at_once() -> None:
+    assert delay_of("10cafe" + INSIDE_ID_ENDS) < delay_of("f0cafe" + INSIDE_ID_ENDS)
 
 
 def test_the_hosts_of_links() -> None:
