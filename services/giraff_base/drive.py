@@ -18,7 +18,7 @@ class WheelDemand:
     """Asks the wheels for what `wheel_control` says: PWM levels, each of which stands for a speed, or the speeds."""
 
     def __init__(self, robot: RobotConfig, commands: BaseCommands) -> None:
-        self._drive = robot.drive
+        self._drive = robot.kinematics
         self._frame: Callable[[WheelsFrame, int, int], Frame]
         if robot.asks_for_speeds:
             self._per_speed, self._frame, self._least = UM_PER_M, commands.speed, _LEAST_SPEED

@@ -46,7 +46,7 @@ class BasePolicy:
         self._wheels = WheelDemand(robot, self._frames)
         self._demand = _ZERO  # of the newest frame
         # The faster wheel's, where driving and turning start at once. The ramp here may be made gentler live.
-        _, acceleration = robot.drive.wheel_speeds(config.linear_acceleration, config.angular_acceleration)
+        _, acceleration = robot.kinematics.wheel_speeds(config.linear_acceleration, config.angular_acceleration)
         self._board_settings = robot.board_settings(acceleration)
         self._next_configure_ns = 0
         self._reason = _NO_REPORT
@@ -212,7 +212,7 @@ class BasePolicy:
     def _drive_frame(self, report: WheelsFrame, now: RobotTime) -> Frame:
         linear, angular, self._reason = self._authority.wanted(now)
         # Within the wheels first: a ramp up to what is scaled down later would leap where the other part ends.
-        self._ramp.follow(*self._robot.drive.within_limits(linear, angular), now.robot_ns)
+        self._ramp.follow(*self._robot.kinematics.within_limits(linear, angular), now.robot_ns)
         if report.drive_state != DriveState.ACTIVE:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
             self._stand_still(self._reason or f"the base board is in state {word(DriveState, report.drive_state)}")

@@ -125,7 +125,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         check_parts(self.frames, [range_frame(sensor) for sensor in self.sensors])
 
     @property
-    def drive(self) -> DifferentialDrive:
+    def kinematics(self) -> DifferentialDrive:
         """How its wheels move it."""
         return DifferentialDrive(self.track_width * self.calibration.track_scale, self.max_wheel_speed)
 

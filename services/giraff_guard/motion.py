@@ -28,7 +28,7 @@ class Motion:
     def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
         self._config = config
         self._robot = robot
-        self._drive = robot.drive
+        self._drive = robot.kinematics
         self._wheels: Wheels | None = None
         self._moments: deque[_Moment] = deque()
         self._passed: deque[tuple[int, float, float]] = deque()  # (robot_ns, m/s, rad/s), newest last

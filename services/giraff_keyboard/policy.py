@@ -80,7 +80,7 @@ class KeyboardPolicy:
         """m/s and rad/s that a key asks for now."""
         share = self.step / self._config.steps
         robot = self._robot
-        fastest_turn = min(robot.max_angular_speed, robot.drive.fastest_spin)
+        fastest_turn = min(robot.max_angular_speed, robot.kinematics.fastest_spin)
         return share * robot.max_wheel_speed, share * fastest_turn
 
     def on_tick(self, tick: Tick, now: float) -> None:

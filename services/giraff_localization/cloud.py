@@ -63,7 +63,7 @@ class Cloud:
     def __init__(self, space: FreeSpace, robot: RobotConfig, poses: Floats, random: np.random.Generator) -> None:
         """`poses`: x, y, yaw of each."""
         self._space, self._random = space, random
-        self._track, self._wheel_noise = robot.drive.track_width, robot.wheel_noise
+        self._track, self._wheel_noise = robot.kinematics.track_width, robot.wheel_noise
         count = poses.shape[1]
         self.poses = poses
         root = np.array(cholesky(robot.calibration.covariance))

@@ -25,9 +25,9 @@ class Travel:
         self.pose = self.start
         """In `odom`; its yaw counts whole turns from here on."""
         self._path = 0.0
-        self._drive, self._wheel_noise = robot.drive, robot.wheel_noise
+        self._drive, self._wheel_noise = robot.kinematics, robot.wheel_noise
         self._random = Estimate()
-        self._systematic = SystematicError(robot.calibration, robot.drive)
+        self._systematic = SystematicError(robot.calibration, robot.kinematics)
 
     def add(self, odometry: Odometry) -> None:
         """Go on to a later sample of the same origin."""

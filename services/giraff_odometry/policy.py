@@ -51,7 +51,7 @@ class OdometryPolicy:
 
     def __init__(self, config: OdometryConfig, robot: RobotConfig) -> None:
         self._config = config
-        self._robot, self._drive = robot, robot.drive
+        self._robot, self._drive = robot, robot.kinematics
         self._last: Wheels | None = None
         self._systematic = SystematicError(robot.calibration, self._drive)
         self._granted: deque[int] = deque(maxlen=_REMEMBERED)

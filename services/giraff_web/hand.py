@@ -112,9 +112,9 @@ class Hand:
 
     def _by_touch(self, wish: Wish) -> tuple[float, float]:
         robot = self._robot
-        fastest_turn = min(robot.drive.fastest_spin, robot.max_angular_speed)
+        fastest_turn = min(robot.kinematics.fastest_spin, robot.max_angular_speed)
         linear, angular = wish.forward * robot.max_wheel_speed, wish.left * fastest_turn
-        return robot.drive.within_limits(0.0 + self._share * linear, 0.0 + self._share * angular)
+        return robot.kinematics.within_limits(0.0 + self._share * linear, 0.0 + self._share * angular)
 
     def _is_behind(self, tick: RobotTime | None) -> bool:
         """Whether what this stands on is older than what came before it."""

@@ -203,7 +203,7 @@ def test_odometry_is_right_of_a_robot_that_is_as_its_calibration_says(level: Lev
     drive(plant, 3.0, 40, 70)
     left = (plant.left.states - before[0]) / 2.0 / robot.left_ticks_per_metre
     right = (plant.right.states - before[1]) / 2.0 / robot.right_ticks_per_metre
-    way, turn = robot.drive.twist(left, right)
+    way, turn = robot.kinematics.twist(left, right)
     assert turn > 1.0
     assert plant.path_length == pytest.approx(way, abs=1e-3)
     assert plant.pose.yaw == pytest.approx(turn, abs=1e-3)

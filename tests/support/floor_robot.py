@@ -56,7 +56,7 @@ class FloorRobot:
 
     def drive(self, linear_x: float, angular_z: float, seconds: float) -> None:
         """At this speed (m/s, rad/s), as base makes wheels of it."""
-        left, right = self.robot.drive.wheel_speeds(linear_x, angular_z)
+        left, right = self.robot.kinematics.wheel_speeds(linear_x, angular_z)
         for _ in range(round(seconds / STEP)):
             self._step(left, right)
 

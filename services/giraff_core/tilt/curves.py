@@ -28,10 +28,10 @@ class CurveConfig(Protocol):
 def asked(vector: tuple[float, float, float], config: CurveConfig, robot: RobotConfig) -> tuple[float, float]:
     """Speed (m/s) and turn (rad/s) that an acceleration (m/s²) relative to the zero asks for."""
     forward, left = _deflection(vector, config)
-    fastest_turn = robot.drive.fastest_spin
+    fastest_turn = robot.kinematics.fastest_spin
     if config.curve == "angle":
         fastest_turn = min(fastest_turn, robot.max_angular_speed)
-    return robot.drive.within_limits(forward * robot.max_wheel_speed, left * fastest_turn)
+    return robot.kinematics.within_limits(forward * robot.max_wheel_speed, left * fastest_turn)
 
 
 def _deflection(vector: tuple[float, float, float], config: CurveConfig) -> tuple[float, float]:

@@ -70,7 +70,7 @@ def test_a_scale_that_no_robot_has_is_refused(values: dict[str, float]) -> None:
 def test_a_robot_that_nobody_has_calibrated_is_as_built() -> None:
     assert Calibration().scales == Scales(1.0, 1.0, 1.0)
     assert ROBOT.left_ticks_per_metre == ROBOT.right_ticks_per_metre == ROBOT.ticks_per_metre
-    assert ROBOT.drive.track_width == ROBOT.track_width
+    assert ROBOT.kinematics.track_width == ROBOT.track_width
 
 
 def test_a_larger_wheel_counts_less_a_metre_and_the_board_is_told() -> None:
@@ -78,7 +78,7 @@ def test_a_larger_wheel_counts_less_a_metre_and_the_board_is_told() -> None:
     robot = msgspec.structs.replace(ROBOT, calibration=found)
     assert robot.left_ticks_per_metre == pytest.approx(ROBOT.ticks_per_metre / 1.01)
     assert robot.right_ticks_per_metre == pytest.approx(ROBOT.ticks_per_metre / 0.98)
-    assert robot.drive.track_width == pytest.approx(1.05 * ROBOT.track_width)
+    assert robot.kinematics.track_width == pytest.approx(1.05 * ROBOT.track_width)
     settings = robot.board_settings(1.0)
     assert settings.left_counts_per_km == round(robot.left_ticks_per_metre * 1000)
     assert settings.right_counts_per_km == round(robot.right_ticks_per_metre * 1000)

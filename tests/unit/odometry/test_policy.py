@@ -284,7 +284,7 @@ def test_what_is_systematic_is_in_the_covariance_beside_what_is_random() -> None
     doubted = msgspec.structs.replace(ROBOT, calibration=Calibration())
     sure, doubtful = (followed(OdometryPolicy(CONFIG, robot), *DRIVING) for robot in (ROBOT, doubted))
     assert pose(sure) == pose(doubtful)
-    shares = SystematicError(doubted.calibration, ROBOT.drive)
+    shares = SystematicError(doubted.calibration, ROBOT.kinematics)
     for _ in range(50):
         shares.advance(10 / 2000, 14 / 2000)
     both = [one + other for one, other in zip(sure.covariance, shares.covariance(), strict=True)]

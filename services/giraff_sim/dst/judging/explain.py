@@ -43,9 +43,9 @@ class Twist:
 
     def __init__(self, asked: Asked, robot: RobotConfig) -> None:
         self.linear = (asked.left + asked.right) / 2.0
-        self.angular = (asked.right - asked.left) / robot.drive.track_width
+        self.angular = (asked.right - asked.left) / robot.kinematics.track_width
         self.linear_off = asked.off
-        self.angular_off = 2.0 * asked.off / robot.drive.track_width
+        self.angular_off = 2.0 * asked.off / robot.kinematics.track_width
         self.goes = abs(self.linear) > self.linear_off
 
     def is_within(self, linear: float, angular: float) -> bool:

@@ -28,7 +28,7 @@ class Pins:
         self._by_speed = robot.asks_for_speeds
         self._most_counts = robot.speed_control.max_pwm if self._by_speed else robot.max_level
         self._counts_per_speed = robot.max_level / robot.max_wheel_speed
-        turn = config.angular_acceleration * robot.drive.track_width / 2.0
+        turn = config.angular_acceleration * robot.kinematics.track_width / 2.0
         self._speeds_up = (config.linear_acceleration + turn) * robot.speed_control.motor_time
         if self._by_speed:
             # By wheels: where something holds one, the robot turns, and none has risen.
