@@ -8,7 +8,6 @@ from giraff_base.battery import BatteryWatch
 from giraff_base.binding import Binding
 from giraff_base.config import BaseConfig
 from giraff_base.estop import EStopControl
-from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import GuardedCommand, RobotTime
 
 _NO_GUARD = "the guard is not heard; start giraff_guard on this machine"
@@ -17,12 +16,11 @@ _NO_GUARD = "the guard is not heard; start giraff_guard on this machine"
 class Authority:
     """Whose command counts, whether the robot is armed, and what stands against it."""
 
-    def __init__(self, config: BaseConfig, robot: RobotConfig, estop: EStopControl) -> None:
+    def __init__(self, config: BaseConfig, unchecked: str, estop: EStopControl) -> None:
+        """`unchecked`: why nobody knows yet whether the robot moves as it is asked; empty: somebody has checked."""
         self._config = config
         self._estop = estop
-        self._unchecked = (
-            "" if robot.wiring_checked else "the wiring is not checked: lift the wheels and run giraff check wheels"
-        )
+        self._unchecked = unchecked
         self.arming = Arming(config)
         self.binding = Binding(config, self.arming)
         self.battery = BatteryWatch(config)

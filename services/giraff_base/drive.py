@@ -1,74 +1,98 @@
-"""From a twist to what each wheel is asked for: limits, ramp, mixing."""
+"""What base asks of a drive: the dialogue with one firmware, whatever moves the robot.
+
+A kind of drive is a folder below `drives/`. It tells what its board has proved, and asks the board only for what base
+permits. `giraff_base.policy` decides whether the robot may move at all, once for every kind.
+"""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
+from typing import NamedTuple, Protocol
 
-from giraff_core.base_commands import BaseCommands
-from giraff_core.robot import RobotConfig
-from giraff_core.wheel_control import UM_PER_M
-from giraff_schemas.wire import Frame, WheelsFrame
-
-_LEAST_SPEED = 0.005  # m/s: nothing tells a slower wheel from one that stands; nor is the end of a slowing down a drive
-_LONGEST_STEP = 0.02  # s, two reports of the board: a ramp does not jump after a pause
+from giraff_schemas.messages import BoardState, RobotTime, Wheels
+from giraff_schemas.requests import EStopEngage
+from giraff_schemas.wire import Frame
 
 
-class WheelDemand:
-    """Asks the wheels for what `wheel_control` says: PWM levels, each of which stands for a speed, or the speeds."""
+class Report(NamedTuple):
+    """News from the board."""
 
-    def __init__(self, robot: RobotConfig, commands: BaseCommands) -> None:
-        self._drive = robot.kinematics
-        self._frame: Callable[[WheelsFrame, int, int], Frame]
-        if robot.asks_for_speeds:
-            self._per_speed, self._frame, self._least = UM_PER_M, commands.speed, _LEAST_SPEED
-        else:
-            self._per_speed, self._frame, self._least = robot.max_level / robot.max_wheel_speed, commands.drive, 0.0
-
-    def of(self, linear_x: float, angular_z: float) -> tuple[int, int]:
-        """What a twist (m/s, rad/s) takes of the left and the right wheel: levels, or µm/s; forward positive.
-
-        Both are scaled alike so that neither exceeds the largest level or speed: the curvature is kept.
-        """
-        left, right = self._drive.wheel_speeds(*self._drive.within_limits(linear_x, angular_z))
-        if max(abs(left), abs(right)) < self._least:
-            return 0, 0
-        return round(left * self._per_speed), round(right * self._per_speed)
-
-    def frame(self, report: WheelsFrame, demand: tuple[int, int]) -> Frame:
-        """The answer to `report` that asks for it."""
-        return self._frame(report, *demand)
+    disarms: tuple[str, ...]
+    """Why the robot must be armed again, the first cause first: something held it, or the board was reset or taken
+    over since its last report."""
+    latched: EStopEngage | None
+    """The emergency stop that the board has latched by itself; None: none, or base has asked for its release."""
+    samples: tuple[Wheels, ...]
+    """Samples to publish; none before the board works with the settings of this session."""
 
 
-def ramped(now_at: float, target: float, largest_step: float) -> float:
-    """The next value from `now_at` to `target`: away from zero by at most `largest_step`, towards it at once.
+class Answer(NamedTuple):
+    """The reply to the board's newest report."""
 
-    A reversal passes through zero: what is asked in the old direction ends now, the new one starts from rest.
+    frame: Frame | None
+    """None: no frame is due yet."""
+    reason: str | None = None
+    """Why the robot does less than it may; None: the reason stays as it is."""
+    moves: bool = False
+    """Whether the frame asks for motion."""
+
+
+class Drive(Protocol):
+    """The dialogue with one board. Pure: no I/O and no clock.
+
+    Each frame that asks for motion proves to the board that it answers the newest report.
     """
-    if math.copysign(1.0, now_at) != math.copysign(1.0, target):
-        now_at = 0.0
-    return math.copysign(min(abs(target), abs(now_at) + largest_step), target)
 
+    @property
+    def unchecked(self) -> str:
+        """Why nobody knows yet whether the robot moves as it is asked, with the remedy; empty: somebody has checked."""
+        ...
 
-class Ramp:
-    """The twist that is asked of the motors now, on its way to the one that may be driven."""
+    @property
+    def at_rest(self) -> bool:
+        """Whether the robot stands, in its safe state. True before any report."""
+        ...
 
-    def __init__(self, linear_acceleration: float, angular_acceleration: float) -> None:
-        self.limit(linear_acceleration, angular_acceleration)
-        self.linear = self.angular = 0.0
-        self._at_ns = 0
+    @property
+    def voltage(self) -> float | None:
+        """V of the battery; None: not known."""
+        ...
 
-    def limit(self, linear_acceleration: float, angular_acceleration: float) -> None:
-        """m/s², rad/s²; of starts only."""
-        self._linear_acceleration = linear_acceleration
-        self._angular_acceleration = angular_acceleration
+    @property
+    def waits(self) -> str:
+        """Why the board would not move now, whatever base asks for; empty: it would."""
+        ...
 
-    def stop(self) -> None:
-        self.linear = self.angular = 0.0
+    def state(self) -> BoardState:
+        """Return the board's state as its newest report tells it."""
+        ...
 
-    def follow(self, linear: float, angular: float, robot_ns: int) -> None:
-        """Go on to what may be driven at `robot_ns`."""
-        seconds = min(_LONGEST_STEP, max(0.0, (robot_ns - self._at_ns) * 1e-9))
-        self._at_ns = robot_ns
-        self.linear = ramped(self.linear, linear, self._linear_acceleration * seconds)
-        self.angular = ramped(self.angular, angular, self._angular_acceleration * seconds)
+    def open(self, session: int) -> None:
+        """Begin anew: the port was opened, perhaps again. `session`: random, not 0."""
+        ...
+
+    def lose(self) -> None:
+        """Forget the board: there is none now."""
+        ...
+
+    def take(self, frame: Frame, now: RobotTime) -> Report | None:
+        """Return what a frame of the board tells; None: it is nothing for base."""
+        ...
+
+    def release(self) -> None:
+        """Release the board's latch from now on: base's emergency stop was reset."""
+        ...
+
+    def hold(self) -> None:
+        """Release no latch any more: base's emergency stop was engaged."""
+        ...
+
+    def settle(self, now: RobotTime, *, engaged: bool) -> Answer | None:
+        """Return what must be settled before anything moves: latch, session, release; None: nothing.
+
+        Base asks once a report, and for each new command. `engaged`: base's emergency stop is.
+        """
+        ...
+
+    def ask(self, linear: float, angular: float) -> Answer:
+        """Ask for a twist, m/s and rad/s. Zero asks for the safe state."""
+        ...

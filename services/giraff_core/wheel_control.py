@@ -52,7 +52,7 @@ class SpeedControl(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 def by_levels(wiring: Wiring, level_max: int, stall_level: int) -> ConfigureFrame:
     """Settings of a session that takes levels up to `level_max`, of 255, and tells no speeds.
 
-    They name no boot and no session yet: `BaseCommands.configure` does.
+    They name no boot and no session yet: `WheelsCommands.configure` does.
     """
     return ConfigureFrame(
         seq=0,

@@ -124,7 +124,7 @@ class AmnesiacBase(BasePolicy):
 
     def on_link_opened(self, session: int) -> None:
         super().on_link_opened(session)
-        self._releasing = True
+        self._drive.release()
 
 
 class BlindGuard(GuardPolicy):

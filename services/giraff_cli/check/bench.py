@@ -11,8 +11,8 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
+from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_cli.check.wiring import Counted
-from giraff_core.base_commands import BaseCommands
 from giraff_core.counters import signed32
 from giraff_core.estop import RESET_COMMAND
 from giraff_core.wheel_control import by_levels
@@ -56,7 +56,7 @@ class WheelBench:
         self._link = BoardLink(port, BASE_BAUD, BoardKind.BASE)
         self._report: WheelsFrame | None = None
         self._session = 0
-        self._frames = BaseCommands()
+        self._frames = WheelsCommands()
 
     def open(self) -> None:
         """Take the port, and hear the board. BenchError when there is none, or it is latched by somebody."""

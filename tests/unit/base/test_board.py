@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_base.drives.wheels.drive import WheelsDrive
 from giraff_base.estop import RELEASED
 from giraff_base.policy import BasePolicy
 from giraff_schemas.wire import (
@@ -211,7 +212,8 @@ def test_without_a_report_there_is_nothing_to_send() -> None:
 
 def test_sequence_goes_on_across_its_wrap_and_the_board_takes_every_frame() -> None:
     rig = Rig()
-    rig.base._frames._seq = 0xFF80
+    assert isinstance(rig.base._drive, WheelsDrive)
+    rig.base._drive._frames._seq = 0xFF80
     sent = rig.drive(0.3)
     seqs = [each.frame.seq for each in sent]
     assert 0xFFFF in seqs

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_base.drive import Ramp, WheelDemand, ramped
-from giraff_core.base_commands import BaseCommands
+from giraff_base.drives.wheels.commands import WheelsCommands
+from giraff_base.drives.wheels.demand import WheelDemand
+from giraff_base.ramp import Ramp, ramped
 from giraff_core.robot import RobotConfig
 from tests.unit.base.rig import BY_SPEED, ROBOT
 
@@ -20,7 +21,7 @@ HALF_TRACK = ROBOT.track_width / 2
 
 
 def demand(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple[int, int]:
-    return WheelDemand(robot, BaseCommands()).of(linear_x, angular_z)
+    return WheelDemand(robot, WheelsCommands()).of(linear_x, angular_z)
 
 
 @pytest.mark.parametrize(

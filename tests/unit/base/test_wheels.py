@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from giraff_base.wheels import WheelReports
+from giraff_base.drives.wheels.reports import WheelReports
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.wire import WheelsFrame
 

@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 
 from giraff_base.arming import HOW_TO_ARM
-from giraff_base.board import engaged_by
+from giraff_base.drives.wheels.words import engaged_by
 from giraff_cli.drive import operate
 from giraff_cli.drive.picture import COLUMNS, ROWS, DrivePicture
 from giraff_cli.drive.view import DriveView

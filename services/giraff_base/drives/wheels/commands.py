@@ -7,7 +7,7 @@ import msgspec
 from giraff_schemas.wire import ConfigureFrame, DriveFrame, EstopFrame, SpeedFrame, WheelsFrame
 
 
-class BaseCommands:
+class WheelsCommands:
     """Numbers the frames of one host."""
 
     def __init__(self) -> None:

@@ -1,0 +1,15 @@
+"""The drive of each kind that a robot file can name."""
+
+from __future__ import annotations
+
+from giraff_base.config import BaseConfig
+from giraff_base.drive import Drive
+from giraff_base.drives.wheels.drive import WheelsDrive
+from giraff_core.robot import RobotConfig
+
+
+def drive_of(robot: RobotConfig, config: BaseConfig) -> Drive:
+    """Return the drive that the robot file names."""
+    # The faster wheel's, where driving and turning start at once. The ramp of base may be made gentler live.
+    _, acceleration = robot.kinematics.wheel_speeds(config.linear_acceleration, config.angular_acceleration)
+    return WheelsDrive(robot, acceleration)
