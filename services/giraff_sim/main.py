@@ -20,6 +20,7 @@ from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import Board, BoardError, Implementation
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control.control import Control
 from giraff_sim.control.server import ControlServer
@@ -30,7 +31,6 @@ from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.hand import Dropped, Hand, LaidDown, ScriptError, Shaken, StillHand, read_script
 from giraff_sim.world.room import Room, RoomError, read_room
-from giraff_sim.world.world import World
 
 _log = logging.getLogger(__name__)
 
@@ -208,7 +208,7 @@ def main(arguments: list[str] | None = None) -> int:
             room = read_room(options.world)
             hand = make_hand(options.hand, room, options.seed, 0.0)
             truth = draw_truth(options.truth, sim.truth, options.seed, robot.calibration)
-            world = World(room, robot, sim, hand, options.seed, truth=truth)
+            world = world_of(room, robot, sim, hand, options.seed, truth=truth)
             running = stack.enter_context(simulation(world, options.only, options.boards))
             options.ports.mkdir(parents=True, exist_ok=True)
             process = Process(options, running, stack)

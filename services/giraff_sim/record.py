@@ -9,7 +9,7 @@ from typing import Final
 import msgspec
 
 from giraff_schemas.framing import Decoder
-from giraff_schemas.wire import WheelsFrame
+from giraff_sim.world.body import BoardReport
 
 WINDOW_US: Final = 100_000_000  # kept; two minutes after a start the record has stopped growing
 _FORGET_EVERY: Final = 1024  # entries
@@ -59,8 +59,10 @@ class _Told(msgspec.Struct):
 class Record:
     """Keeps the last WINDOW_US."""
 
-    def __init__(self) -> None:
-        self.telemetry: WheelsFrame | None = None
+    def __init__(self, report: type[BoardReport]) -> None:
+        """`report`: the base board's."""
+        self._report = report
+        self.telemetry: BoardReport | None = None
         """The newest frame of the base board."""
         self._drives: list[_Drive] = []
         self._told: list[_Told] = []
@@ -78,7 +80,7 @@ class Record:
     def note_sent(self, now_us: int, data: bytes) -> None:
         """What the base board has sent in the millisecond that ends now."""
         for frame in self._decoder.feed(data):
-            if not isinstance(frame, WheelsFrame):
+            if not isinstance(frame, self._report):
                 continue
             before = self.telemetry
             accepted, refused = frame.accepted, frame.refused

@@ -6,12 +6,10 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
-from giraff_schemas.wire import BoardKind, ResetCause, Wiring
+from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.board import BUILD, Board, Implementation, open_board
 from giraff_sim.record import Record
-from giraff_sim.soldering import RIGHT, Soldering
 from giraff_sim.world.bno055 import Bno055
-from giraff_sim.world.plant import Wheel
 from giraff_sim.world.world import World
 
 
@@ -25,13 +23,10 @@ class Simulation:
     def __init__(self, boards: Mapping[BoardKind, Board], world: World) -> None:
         self.boards = dict(boards)
         self.world = world
-        self.record = Record()
+        self.record = Record(world.body.report)
         self.now_us = 0
         """Simulated us since the power-on of all boards."""
-        self.peak_counts = 0
-        """Largest duty of either motor in the last step, of 255."""
         self._sent = {kind: bytearray() for kind in self.boards}
-        self._soldering = Soldering()
         self._base = self.boards.get(BoardKind.BASE)
         self._joystick = self.boards.get(BoardKind.JOYSTICK)
         self.bno055: Bno055 | None = None
@@ -58,10 +53,9 @@ class Simulation:
                 if board is self._base:
                     self.record.note_sent(self.now_us, sent)
         if self._base is not None:
-            motors = self._base.model.motor
-            self.peak_counts = max(motors[0].drive_peak, motors[1].drive_peak)
-            motors[0].drive_peak = motors[1].drive_peak = 0
-            self.record.note_drive(self.now_us, self.peak_counts, self.world.step_us)
+            body = self.world.body
+            body.look(self._base)
+            self.record.note_drive(self.now_us, body.activity, self.world.step_us)
 
     def run(self, seconds: float) -> None:
         """Advance by simulated seconds."""
@@ -90,47 +84,9 @@ class Simulation:
         """Reset a board's processor."""
         self.boards[kind].reset(cause)
 
-    def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
-        """Cut (or mend) the wires of a wheel's encoder: `soldering.LEFT` or `RIGHT`."""
-        self._need_base().model.motor[self._soldering.encoder_of(wheel)].encoder_cut = int(is_cut)
-
-    def block_wheel(self, wheel: int, *, is_blocked: bool) -> None:
-        """Hold a wheel so that it does not turn whatever its motor gets, or let it go."""
-        self._wheel(wheel).is_blocked = is_blocked
-
-    def brake_wheel(self, wheel: int, brake: float) -> None:
-        """Hold a wheel back by so many m/s² at its rim, as a hand does; 0 lets it go."""
-        self._wheel(wheel).brake = brake
-
-    def _wheel(self, wheel: int) -> Wheel:
-        plant = self.world.plant
-        return plant.right if wheel == RIGHT else plant.left
-
-    def solder(self, wiring: Wiring) -> None:
-        """Solder motors and encoders anew, so that `configure.wiring` must be this for the robot to drive well."""
-        self._need_base()
-        self._soldering.solder(wiring, self._wheel_states)
-
-    @property
-    def _wheel_states(self) -> tuple[float, float]:
-        plant = self.world.plant
-        return plant.left.states, plant.right.states
-
-    def _need_base(self) -> Board:
-        if self._base is None:
-            raise ValueError("there is no base board here")
-        return self._base
-
     def _move_world(self) -> None:
         world = self.world
-        if self._base is None:
-            world.step(0.0, 0.0)
-        else:
-            model = self._base.model
-            motors = model.motor
-            world.step(*self._soldering.duties((motors[0].drive, motors[1].drive)))
-            motors[0].position, motors[1].position = self._soldering.positions(self._wheel_states)
-            model.battery_volts = world.battery_pin_volts
+        world.step(self._base)
         if self._joystick is not None and self.bno055 is not None:
             model = self._joystick.model
             model.twi_address = self.bno055.step(self.now_us, bool(model.slave_reset), world.acceleration)

@@ -10,15 +10,16 @@ from typing import Final
 import msgspec
 
 from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.dst.drill import Begin, Course, Drill
 from giraff_sim.dst.hands import Fingers
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.dst.people import typist
 from giraff_sim.record import Verdict
-from giraff_sim.simulation import Simulation
 from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
 from tests.support.floods import Stranger
+from tests.support.wheels import wheels_of
 
 HAND: Final = 5.0
 """m/s² at its rim, of a hand that holds a wheel back: more than the speed control makes good, too little to stop it."""
@@ -285,27 +286,28 @@ def fail_tilt_sensor(fault: Bno055Fault) -> Begin:
 
 def cut_encoder(wheel: int) -> Begin:
     """Cut the wires of an encoder."""
-    return _on_a_wheel(f"encoder {wheel} is cut", lambda robot, cut: robot.cut_encoder(wheel, is_cut=cut))
+    return _on_a_wheel(f"encoder {wheel} is cut", lambda body, cut: body.cut_encoder(wheel, is_cut=cut))
 
 
 def block_wheel(wheel: int) -> Begin:
     """Hold a wheel so that it does not turn."""
-    return _on_a_wheel(f"wheel {wheel} is blocked", lambda robot, held: robot.block_wheel(wheel, is_blocked=held))
+    return _on_a_wheel(f"wheel {wheel} is blocked", lambda body, held: body.block_wheel(wheel, is_blocked=held))
 
 
 def brake_wheel(wheel: int, brake: float) -> Begin:
     """Hold a wheel back by so many m/s², as a hand does."""
-    return _on_a_wheel(f"wheel {wheel} is held back", lambda robot, held: robot.brake_wheel(wheel, brake * held))
+    return _on_a_wheel(f"wheel {wheel} is held back", lambda body, held: body.brake_wheel(wheel, brake * held))
 
 
-def _on_a_wheel(told: str, do: Callable[[Simulation, bool], None]) -> Begin:
+def _on_a_wheel(told: str, do: Callable[[WheelsBody, bool], None]) -> Begin:
     """Have `do` begin something, and end it: True, then False."""
 
     def course(drill: Drill, chance: Random) -> Course:
         del chance
-        do(drill.loop.simulation, True)
+        body = wheels_of(drill.loop.simulation.world)
+        do(body, True)
         yield told
-        do(drill.loop.simulation, False)
+        do(body, False)
 
     return course
 

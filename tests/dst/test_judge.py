@@ -7,13 +7,13 @@ from collections.abc import Callable
 import pytest
 
 from giraff_schemas.requests import EStopReset
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.freedom import Freedom
 from giraff_sim.dst.judging.pins import Rises
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Stop, Stops
 from giraff_sim.simulation import Simulation
 from giraff_sim.world.hand import LEVEL
-from giraff_sim.world.world import World
 from tests.dst import sabotage
 from tests.dst.courses import (
     cut,
@@ -183,7 +183,7 @@ def test_something_thin_ahead_is_no_free_way() -> None:
 
 
 def test_what_an_obstacle_left_behind_is_waited_for_whatever_else_befalls() -> None:
-    freedom = Freedom(World(hall(), SETTINGS.robot, SimConfig(), level(), 1), SETTINGS)
+    freedom = Freedom(world_of(hall(), SETTINGS.robot, SimConfig(), level(), 1), SETTINGS)
     assert freedom.is_calm(0)
     freedom.disturb()
     freedom.disturb()
@@ -250,7 +250,7 @@ def test_what_stood_without_power_starts_from_rest() -> None:
 
 @pytest.mark.parametrize(("second_at", "is_late"), [(0.0, True), (0.3, False)])
 def test_of_two_faults_the_later_has_its_own_bound(second_at: float, is_late: bool) -> None:
-    world = World(hall(), SETTINGS.robot, SimConfig(), level(), 1)
+    world = world_of(hall(), SETTINGS.robot, SimConfig(), level(), 1)
     stops = Stops(Simulation({}, world))
     stops.begin(Stop("the network is cut", 0, BEYOND_US, "any", lambda: True))
     stops.begin(Stop("base is unplugged", round(second_at * 1e6), ROBOT_US, "any", lambda: True))

@@ -8,6 +8,7 @@ from collections import deque
 import pytest
 
 from giraff_schemas.messages import Range
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.explain import Asked, Twist
 from giraff_sim.dst.judging.ledger import Heard
@@ -15,7 +16,6 @@ from giraff_sim.dst.judging.obstacles import Obstacles
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.sonar import SonarFault
-from giraff_sim.world.world import World
 from tests.dst.stage import SETTINGS
 
 SENSOR = SETTINGS.robot.sensors["front_left"]
@@ -27,7 +27,7 @@ SLOWLY, FAST = 0.257, 0.6
 
 def ahead(room: Room, speed: float, fault: SonarFault = SonarFault.NONE) -> str:
     """What the judge finds in a frame 0.1 s after the left sensor's ping, whatever a service made of that."""
-    world = World(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    world = world_of(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
     obstacles = Obstacles(world, SETTINGS)
     sonar = world.sonars[SENSOR.index]
     sonar.fault = fault
@@ -73,7 +73,7 @@ def test_a_sensor_that_is_deaf_hears_nothing_that_counts() -> None:
 
 
 def test_what_has_come_since_the_ping_was_not_heard() -> None:
-    world = World(hall := room_with_wall(3.0), SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    world = world_of(hall := room_with_wall(3.0), SETTINGS.robot, SimConfig(), StillHand(), seed=1)
     obstacles = Obstacles(world, SETTINGS)
     world.sonars[SENSOR.index].echo_us(world.plant.pose)
     obstacles.note(HEARD_US)
@@ -117,7 +117,7 @@ def touch(
 ) -> str:
     """What the judge finds in a touch at 0.3 m/s of what was heard twice before: from half a metre, and `turned` rad,
     back, where no other place is given."""
-    world = World(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    world = world_of(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
     obstacles = Obstacles(world, SETTINGS)
     sonar = world.sonars[SENSOR.index]
     end = world.plant.pose

@@ -14,6 +14,7 @@ import msgspec
 from giraff_core.timer import Timer
 from giraff_schemas.messages import EStop
 from giraff_sim.board import Implementation
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.hosts.event_queue import EventQueue
@@ -21,7 +22,6 @@ from giraff_sim.hosts.process import Process
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
-from giraff_sim.world.world import World
 from giraff_web.config import WebConfig
 from giraff_web.messages import FromPage, Hello, Input, LetGo, Reading, Refused, Reset, State, ToPage, Wish
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
@@ -291,7 +291,7 @@ class Room:
 @contextmanager
 def room(seed: int = 1) -> Iterator[Room]:
     """`seed`: also of the link between the two machines, which takes up to 20 ms."""
-    world = World(proving_room(), SETTINGS.robot, EXACT, StillHand(), seed, COARSE_STEP_US, truth=Truth())
+    world = world_of(proving_room(), SETTINGS.robot, EXACT, StillHand(), seed, COARSE_STEP_US, truth=Truth())
     agenda = EventQueue()
     network = FaultyNetwork(agenda, Random(seed))
     with simulation(world, implementation=Implementation.HOST) as running:

@@ -10,6 +10,7 @@ import msgspec
 
 from giraff_joystick.config import JoystickConfig
 from giraff_sim.board import Implementation
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
 from giraff_sim.hosts.process import Observer
@@ -18,7 +19,6 @@ from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth, draw_truth
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Room
-from giraff_sim.world.world import World
 from tests.sim.robots import EXACT
 from tests.support.robots import ROBOT
 
@@ -53,7 +53,7 @@ def closed_loop(
     observer: Observer | None = None,
 ) -> Iterator[ClosedLoop]:
     """A robot that is exactly as its file says, unless another `truth` is given."""
-    world = World(room, settings.robot, sim, StillHand(), seed, step_us, truth=truth or Truth())
+    world = world_of(room, settings.robot, sim, StillHand(), seed, step_us, truth=truth or Truth())
     with simulation(world, implementation=implementation) as running:
         yield ClosedLoop(running, settings, services, observer=observer)
 

@@ -40,6 +40,7 @@ from giraff_schemas.topics import (
     Query,
 )
 from giraff_sim.board import Implementation
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.hosts.event_queue import EventQueue
@@ -49,7 +50,6 @@ from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Room
-from giraff_sim.world.world import World
 from tests.loop.loops import COARSE_STEP_US, SETTINGS
 from tests.loop.people import REPEAT, Desk, Stopper
 from tests.sim.robots import EXACT, proving_room
@@ -231,7 +231,7 @@ def stage(
     truth: Truth | None = None,
 ) -> Iterator[Stage]:
     """`seed`: also of the link between the two machines, which takes up to 20 ms."""
-    world = World(
+    world = world_of(
         room or proving_room(), settings.robot, EXACT, StillHand(), seed, COARSE_STEP_US, truth=truth or Truth()
     )
     agenda = EventQueue()

@@ -1,5 +1,6 @@
 """The robots and rooms of these tests."""
 
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
@@ -33,4 +34,4 @@ def room_with_wall(x: float, start: Pose = ORIGIN) -> Room:
 
 def world_in(room: Room, sim: SimConfig = EXACT, seed: int = 1, truth: Truth | None = None) -> World:
     """A robot that is exactly as its file says, unless another truth is given."""
-    return World(room, ROBOT, sim, StillHand(), seed, truth=truth or Truth())
+    return world_of(room, ROBOT, sim, StillHand(), seed, truth=truth or Truth())

@@ -8,12 +8,13 @@ import pytest
 
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import PROTOCOL_HASH as HASH
-from giraff_schemas.wire import BoardKind, DriveState, HelloFrame, Refusal, ResetCause, WheelsFrame, Wiring
+from giraff_schemas.wire import BoardKind, DriveState, HelloFrame, Refusal, ResetCause, WheelsFrame
 from giraff_sim.board import Implementation
-from giraff_sim.simulation import Simulation, simulation
+from giraff_sim.simulation import simulation
 from giraff_sim.world.room import Pose, Room
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room, world_in
+from tests.support.wheels import wheels_of
 
 MS = 1000
 ONLY_BASE = (BoardKind.BASE,)
@@ -57,7 +58,7 @@ def test_positive_levels_take_the_robot_forward_and_count_forward(base: BaseLine
     base.start()
     base.drive(35, 35, 2.0)
     base.drive(0, 0, 1.0)
-    plant = base.simulation.world.plant
+    plant = wheels_of(base.simulation.world).plant
     assert plant.pose.x == pytest.approx(0.6, abs=0.1)
     assert abs(plant.pose.y) < 1e-4
     assert base.wheels.left_ticks == pytest.approx(plant.left.states / 2, abs=1)
@@ -254,7 +255,7 @@ def test_the_battery_is_measured(base: BaseLine) -> None:
     base.boot()
     base.run(0.1)
     assert base.wheels.battery_adc_counts == pytest.approx(24.0 / 0.03, abs=1)
-    base.simulation.world.plant.open_volts = 18.0
+    wheels_of(base.simulation.world).plant.open_volts = 18.0
     base.run(0.1)
     assert base.wheels.battery_adc_counts == pytest.approx(18.0 / 0.03, abs=1)
 
@@ -262,17 +263,17 @@ def test_the_battery_is_measured(base: BaseLine) -> None:
 def test_a_cut_encoder_stands_still_and_a_mended_one_goes_on_counting(base: BaseLine) -> None:
     base.start(stall_level=255)
     base.drive(40, 40, 1.0)
-    base.simulation.cut_encoder(0, is_cut=True)
+    wheels_of(base.simulation.world).cut_encoder(0, is_cut=True)
     base.drive(40, 40, 0.1)
     cut = base.wheels
     base.drive(40, 40, 1.0)
     assert base.wheels.left_ticks == cut.left_ticks
     assert base.wheels.right_ticks > cut.right_ticks + 500
-    base.simulation.cut_encoder(0, is_cut=False)
-    mended_at = base.simulation.world.plant.left.states / 2
+    wheels_of(base.simulation.world).cut_encoder(0, is_cut=False)
+    mended_at = wheels_of(base.simulation.world).plant.left.states / 2
     base.drive(40, 40, 1.0)
     base.drive(0, 0, 1.0)
-    gone = base.simulation.world.plant.left.states / 2 - mended_at
+    gone = wheels_of(base.simulation.world).plant.left.states / 2 - mended_at
     assert base.wheels.left_ticks - cut.left_ticks == pytest.approx(gone, abs=2)
 
 
@@ -284,14 +285,6 @@ def test_encoders_agree_with_the_true_travel_along_a_winding_path(implementation
         for left, right in ((70, 60), (20, 70), (-40, 40), (-70, -50), (10, -10), (70, 70)):
             base.drive(left, right, 1.0)
         base.drive(0, 0, 1.0)
-        plant = running.world.plant
+        plant = wheels_of(running.world).plant
         assert base.wheels.left_ticks == pytest.approx(plant.left.states / 2, abs=1)
         assert base.wheels.right_ticks == pytest.approx(plant.right.states / 2, abs=1)
-
-
-def test_simulation_without_a_base_board_refuses_its_faults() -> None:
-    running = Simulation({}, world_in(empty_room()))
-    with pytest.raises(ValueError, match="no base board"):
-        running.cut_encoder(0, is_cut=True)
-    with pytest.raises(ValueError, match="no base board"):
-        running.solder(Wiring.SWAP_MOTORS)

@@ -7,11 +7,12 @@ import pytest
 
 from giraff_schemas.wire import OPPOSITE_MS, STUCK_MS, BoardKind, DriveState, Latch, Refusal, ResetCause, Wiring
 from giraff_sim.board import Implementation
+from giraff_sim.bodies.wheels.soldering import LEFT, RIGHT
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
-from giraff_sim.soldering import LEFT, RIGHT
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room, world_in
+from tests.support.wheels import wheels_of
 
 MS = 1000
 ONLY_BASE = (BoardKind.BASE,)
@@ -42,14 +43,14 @@ def driven_ms_after(line: BaseLine, fault_us: int) -> float:
 def test_a_blocked_wheel_gets_pwm_for_half_a_second(base: BaseLine, wheel: int, level: int) -> None:
     base.start()
     base.drive(level, level, 0.737)
-    base.simulation.block_wheel(wheel, is_blocked=True)
+    wheels_of(base.simulation.world).block_wheel(wheel, is_blocked=True)
     blocked_us = base.simulation.now_us
     base.drive(level, level, 1.0)
     assert STUCK_MS - 60 <= driven_ms_after(base, blocked_us) <= STUCK_MS + 3
     assert latch(base) is (Latch.LEFT_STUCK if wheel == LEFT else Latch.RIGHT_STUCK)
     assert base.wheels.last_refusal == Refusal.LATCHED
     # Mended and released, it drives again, after a zero.
-    base.simulation.block_wheel(wheel, is_blocked=False)
+    wheels_of(base.simulation.world).block_wheel(wheel, is_blocked=False)
     base.estop(engage=False)
     base.drive(level, level, 0.1)
     assert base.wheels.drive_state == DriveState.AWAITING_ZERO
@@ -63,12 +64,12 @@ def test_a_cut_encoder_stops_the_robot_in_half_a_second_whenever_it_is_cut(base:
     longest = 0.0
     for cut_after in (0.0, 0.013, 0.1, 0.351, 0.604):
         base.drive(40, 40, cut_after)
-        base.simulation.cut_encoder(RIGHT, is_cut=True)
+        wheels_of(base.simulation.world).cut_encoder(RIGHT, is_cut=True)
         cut_us = base.simulation.now_us
         base.drive(40, 40, 0.7)
         longest = max(longest, driven_ms_after(base, cut_us))
         assert latch(base) is Latch.RIGHT_STUCK
-        base.simulation.cut_encoder(RIGHT, is_cut=False)
+        wheels_of(base.simulation.world).cut_encoder(RIGHT, is_cut=False)
         base.estop(engage=False)
         base.drive(0, 0, 0.4)
     assert longest <= STUCK_MS + 10, "but for the time of a drive frame on its line"
@@ -87,7 +88,7 @@ def test_a_cut_encoder_stops_the_robot_in_half_a_second_whenever_it_is_cut(base:
 def test_what_is_soldered_the_other_way_round_stops_the_robot_as_it_starts(
     base: BaseLine, soldered: Wiring, cause: Latch, level: int
 ) -> None:
-    base.simulation.solder(soldered)
+    wheels_of(base.simulation.world).solder(soldered)
     base.start()
     began_us = base.simulation.now_us
     base.drive(level, level, 1.0)
@@ -97,7 +98,7 @@ def test_what_is_soldered_the_other_way_round_stops_the_robot_as_it_starts(
 
 @pytest.mark.parametrize("soldered", [Wiring.SWAP_MOTORS, Wiring.SWAP_ENCODERS])
 def test_what_is_swapped_stops_a_robot_that_turns_on_the_spot(base: BaseLine, soldered: Wiring) -> None:
-    base.simulation.solder(soldered)
+    wheels_of(base.simulation.world).solder(soldered)
     base.start()
     base.drive(35, 35, 1.0)
     assert latch(base) is Latch.NONE, "straight on, both are alike"
@@ -112,7 +113,7 @@ def test_an_encoder_that_turns_round_while_the_robot_drives_stops_it(base: BaseL
     base.start()
     base.drive(35, 35, 0.611)
     before = base.wheels.left_ticks
-    base.simulation.solder(Wiring.INVERT_LEFT_ENCODER)
+    wheels_of(base.simulation.world).solder(Wiring.INVERT_LEFT_ENCODER)
     fault_us = base.simulation.now_us
     base.drive(35, 35, 0.02)
     assert abs(base.wheels.left_ticks - before) < 20, "soldering moves no encoder"
@@ -125,12 +126,12 @@ def test_a_robot_that_is_configured_as_it_is_soldered_drives_straight() -> None:
     for soldered in WIRINGS:
         with simulation(world_in(empty_room()), ONLY_BASE, Implementation.HOST) as running:
             base = BaseLine(running)
-            running.solder(soldered)
+            wheels_of(running.world).solder(soldered)
             base.start(wiring=soldered)
             base.drive(40, 20, 0.8)
             base.drive(-40, 40, 0.8)
             base.drive(0, 0, 0.4)
-            plant = running.world.plant
+            plant = wheels_of(running.world).plant
             assert latch(base) is Latch.NONE, soldered
             assert base.wheels.left_ticks == pytest.approx(plant.left.states / 2, abs=1)
             assert base.wheels.right_ticks == pytest.approx(plant.right.states / 2, abs=1)
@@ -181,7 +182,7 @@ def test_the_latch_outlasts_a_watchdog_reset_and_a_power_cycle(implementation: I
         base = BaseLine(running)
         base.start()
         base.drive(40, 40, 0.3)
-        base.simulation.block_wheel(RIGHT, is_blocked=True)
+        wheels_of(base.simulation.world).block_wheel(RIGHT, is_blocked=True)
         base.drive(40, 40, 0.7)
         assert latch(base) is Latch.RIGHT_STUCK
         running.reset(BoardKind.BASE, ResetCause.WATCHDOG)

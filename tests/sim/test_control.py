@@ -17,6 +17,7 @@ from giraff_sim.truth import TruthRanges, draw_truth
 from giraff_sim.world.hand import Hand, StillHand
 from giraff_sim.world.sonar import SonarFault
 from tests.sim.robots import room_with_wall, world_in
+from tests.support.wheels import wheels_of
 
 
 @pytest.fixture
@@ -37,10 +38,11 @@ def control(simulation: Simulation) -> Control:
 
 
 def test_a_wheel_is_held_back_and_let_go(control: Control, simulation: Simulation) -> None:
+    plant = wheels_of(simulation.world).plant
     assert ask(control, op="brake", wheel="right", brake=2.5).ok
-    assert (simulation.world.plant.left.brake, simulation.world.plant.right.brake) == (0.0, 2.5)
+    assert (plant.left.brake, plant.right.brake) == (0.0, 2.5)
     assert ask(control, op="brake", wheel="right", brake=0.0).ok
-    assert simulation.world.plant.right.brake == 0.0
+    assert plant.right.brake == 0.0
     assert ask(control, op="brake", wheel="left", brake=-1.0).error
 
 
@@ -103,7 +105,8 @@ def test_faults(simulation: Simulation, control: Control) -> None:
     assert simulation.world.sonars[1].fault is SonarFault.WILD_SOME
     assert simulation.world.sonars[1].wild_share == 0.05
     assert ask(control, op="block", wheel="right", blocked=True).ok
-    assert (simulation.world.plant.left.is_blocked, simulation.world.plant.right.is_blocked) == (False, True)
+    plant = wheels_of(simulation.world).plant
+    assert (plant.left.is_blocked, plant.right.is_blocked) == (False, True)
     assert ask(control, op="battery", volts=21.5).ok
     simulation.run(0.001)
     assert simulation.world.plant.volts == 21.5

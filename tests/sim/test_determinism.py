@@ -6,12 +6,12 @@ from pathlib import Path
 
 from giraff_schemas.wire import BoardKind, ResetCause, TickFrame
 from giraff_sim.board import Implementation
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.room import read_room
 from giraff_sim.world.sonar import SonarFault
-from giraff_sim.world.world import World
 from tests.sim.line import BaseLine, Line
 from tests.support.robots import ROBOT
 
@@ -39,7 +39,7 @@ def bytes_of(
 ) -> dict[BoardKind, str]:
     """SHA-256 of what each board sends in a run of 4 s with noise, driving, a fault and a reset."""
     room = read_room(LIVING_ROOM)
-    world = World(room, ROBOT, SimConfig(), DemoHand(room.waypoints, seed), seed)
+    world = world_of(room, ROBOT, SimConfig(), DemoHand(room.waypoints, seed), seed)
     with simulation(world, tuple(kinds), implementation) as running:
         # The host's order is always the same: only the boards' own shall differ.
         lines = {kind: BaseLine(running) if kind is BoardKind.BASE else Line(running, kind) for kind in sorted(kinds)}

@@ -72,7 +72,7 @@ def felt(hand: Hand, seconds: float, *, sim: SimConfig = EXACT, seed: int = 1) -
     world.hand = hand
     vectors = []
     for step in range(round(seconds * 1000)):
-        world.step(0.0, 0.0)
+        world.step(None)
         if step % 8 == 0:
             vectors.append(world.acceleration)
     return vectors

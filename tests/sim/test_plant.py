@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_sim.bodies.wheels.plant import Plant
 from giraff_sim.config import SimConfig
-from giraff_sim.world.plant import Plant
 from giraff_sim.world.room import Pose
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall
 from tests.support.robots import ROBOT

@@ -13,16 +13,17 @@ import pytest
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import BoardKind, DriveState, Latch, SpeedFlag
 from giraff_sim.board import Implementation
+from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.wheels.plant import Plant
+from giraff_sim.bodies.wheels.soldering import LEFT, RIGHT
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import Simulation, simulation
-from giraff_sim.soldering import LEFT, RIGHT
 from giraff_sim.truth import EXACT, TrueWheel, Truth, TruthRanges, draw_truth
 from giraff_sim.world.hand import StillHand
-from giraff_sim.world.plant import Plant
-from giraff_sim.world.world import World
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room
 from tests.support.robots import ROBOT
+from tests.support.wheels import wheels_of
 
 KNOWN = msgspec.structs.replace(ROBOT, wheel_control="speed")
 ROBOTS = {"known voltage": KNOWN, "unknown voltage": msgspec.structs.replace(KNOWN, battery_volts_per_count=0.0)}
@@ -43,7 +44,7 @@ class Driver(BaseLine):
 
     @property
     def plant(self) -> Plant:
-        return self.simulation.world.plant
+        return wheels_of(self.simulation.world).plant
 
     @property
     def is_held(self) -> bool:
@@ -66,7 +67,7 @@ def driver(
     robot: RobotConfig = KNOWN,
 ) -> Iterator[Driver]:
     """A robot whose board is asked for speeds."""
-    world = World(empty_room(), robot, sim, StillHand(), 1, truth=truth)
+    world = world_of(empty_room(), robot, sim, StillHand(), 1, truth=truth)
     with simulation(world, (BoardKind.BASE,), implementation) as running:
         line = Driver(running)
         line.boot()
@@ -199,12 +200,12 @@ def test_a_wheel_that_is_held_stops_both_and_is_latched_the_third_time(implement
     with driver(implementation) as line:
         for time in range(3):
             line.go(0.4, 0.4, 0.8)
-            line.simulation.block_wheel(RIGHT, is_blocked=True)
+            wheels_of(line.simulation.world).block_wheel(RIGHT, is_blocked=True)
             assert ms_until_stopped(line, 0.4, 0.4) <= 100
             line.run(0.02)
             assert line.wheels.drive_state == (DriveState.HELD if time < 2 else DriveState.LATCHED)
             assert line.wheels.speed_flags & SpeedFlag.RIGHT_HELD
-            line.simulation.block_wheel(RIGHT, is_blocked=False)
+            wheels_of(line.simulation.world).block_wheel(RIGHT, is_blocked=False)
             line.go(0.4, 0.4, 0.1)
             assert duties(line) == (0, 0), "not before a zero"
             line.go(0.0, 0.0, 0.1)
@@ -213,7 +214,7 @@ def test_a_wheel_that_is_held_stops_both_and_is_latched_the_third_time(implement
 
 def test_a_wheel_that_never_turned_is_stuck(implementation: Implementation) -> None:
     with driver(implementation) as line:
-        line.simulation.block_wheel(LEFT, is_blocked=True)
+        wheels_of(line.simulation.world).block_wheel(LEFT, is_blocked=True)
         line.go(0.4, 0.4, 0.2)
         assert 0 < duties(line)[0] <= KNOWN.speed_control.stall_pwm + 0.5
         line.go(0.4, 0.4, 0.6)
@@ -223,7 +224,7 @@ def test_a_wheel_that_never_turned_is_stuck(implementation: Implementation) -> N
 def test_an_overdue_edge_takes_the_loop_away(implementation: Implementation) -> None:
     with driver(implementation) as line:
         line.go(0.09, 0.09, 1.0)
-        line.simulation.block_wheel(LEFT, is_blocked=True)
+        wheels_of(line.simulation.world).block_wheel(LEFT, is_blocked=True)
         line.go(0.09, 0.09, 0.1)
         assert line.wheels.speed_flags == SpeedFlag.LEFT_OVERDUE
         given = duties(line)[0]
@@ -238,7 +239,7 @@ def test_a_wheel_without_edges_is_held(implementation: Implementation) -> None:
         line.go(0.11, 0.11, 0.12)
         while line.wheels.left_ticks < 3:
             line.go(0.11, 0.11, 0.02)
-        line.simulation.cut_encoder(LEFT, is_cut=True)
+        wheels_of(line.simulation.world).cut_encoder(LEFT, is_cut=True)
         assert ms_until_stopped(line, 0.11, 0.11) <= 230
         line.run(0.02)
         assert line.wheels.drive_state == DriveState.HELD

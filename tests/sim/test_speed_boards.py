@@ -10,11 +10,11 @@ import pytest
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import BoardKind, DriveState, WheelsFrame
 from giraff_sim.board import Implementation
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.simulation import simulation
 from giraff_sim.truth import TruthRanges, draw_truth
 from giraff_sim.world.hand import StillHand
-from giraff_sim.world.world import World
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room
 from tests.support.robots import ROBOT
@@ -26,7 +26,7 @@ SECONDS = 2.0
 def driven(implementation: Implementation, seed: int) -> list[WheelsFrame]:
     """All telemetry of a session in which a drawn robot is asked for three pairs of speeds, one after the other."""
     chance = random.Random(seed)
-    world = World(
+    world = world_of(
         empty_room(), SPEEDS, SimConfig(), StillHand(), seed, truth=draw_truth("uncalibrated", TruthRanges(), seed)
     )
     with simulation(world, (BoardKind.BASE,), implementation) as running:
@@ -66,7 +66,7 @@ def test_20_000_edges_a_second_are_counted_while_the_loop_drives(
     """It drives all the time: no wheel counts as held, and no frame is missed."""
     fine = msgspec.structs.replace(SPEEDS, ticks_per_metre=40_000.0)
     left, right = (edges / fine.ticks_per_metre for edges in edges_a_second)
-    world = World(empty_room(), fine, SimConfig(), StillHand(), 1)
+    world = world_of(empty_room(), fine, SimConfig(), StillHand(), 1)
     with simulation(world, (BoardKind.BASE,), implementation) as running:
         line = BaseLine(running)
         line.boot()

@@ -9,8 +9,8 @@ import msgspec
 import pytest
 
 from giraff_core.kinematics.calibration import Calibration
+from giraff_sim.bodies.wheels.plant import Plant
 from giraff_sim.truth import Level, TrueWheel, Truth, TruthRanges, draw_truth
-from giraff_sim.world.plant import Plant
 from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import Sonar, SonarFault
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall, world_in

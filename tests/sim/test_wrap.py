@@ -20,6 +20,7 @@ from giraff_sim.simulation import simulation
 from tests.firmware.builds import wrap_soon
 from tests.sim.line import BaseLine, Line
 from tests.sim.robots import room_with_wall, world_in
+from tests.support.wheels import wheels_of
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +56,7 @@ def test_clocks_ticks_and_sequence_wrap_while_the_wheels_turn(base: BaseLine) ->
         assert 9 <= wrapped(later.board_ms, earlier.board_ms, 32) <= 11
         assert 9_000 < wrapped(later.board_us, earlier.board_us, 32) < 11_000
         assert 0 <= wrapped(later.left_ticks, earlier.left_ticks, 32) < 16
-    true_ticks = base.simulation.world.plant.left.states / 2
+    true_ticks = wheels_of(base.simulation.world).plant.left.states / 2
     assert wrapped(told[-1].left_ticks, told[0].left_ticks, 32) == pytest.approx(true_ticks, abs=1)
     assert true_ticks > 1000
 

@@ -12,9 +12,9 @@ from typing import Final
 
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
+from giraff_sim.bodies.wheels.plant import Plant, Wheel
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
-from giraff_sim.world.plant import Plant, Wheel
 from giraff_sim.world.room import Pose, Room
 from tests.support.robots import ROBOT
 

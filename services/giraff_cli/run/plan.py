@@ -24,12 +24,12 @@ from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.main import make_hand
 from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world.hand import ScriptError
 from giraff_sim.world.room import RoomError, read_room
-from giraff_sim.world.world import World
 from giraff_web.config import WebConfig
 
 Boards = Literal["avr", "host"]
@@ -112,7 +112,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     try:
         room = read_room(world)
         drawn = draw_truth(truth, sim.truth, seed, robot.calibration)
-        World(room, robot, sim, make_hand(held_by, room, seed, 0.0), seed, truth=drawn)
+        world_of(room, robot, sim, make_hand(held_by, room, seed, 0.0), seed, truth=drawn)
     except RoomError as error:
         raise PlanError(f"--world: {error}") from error
     except ScriptError as error:

@@ -9,11 +9,13 @@ from typing import Any, Final
 import msgspec
 
 from giraff_schemas.wire import BoardKind, DriveState, Latch, Refusal, ResetCause, WheelsFrame, Wiring
+from giraff_sim.bodies.wheels.body import WheelsBody
+from giraff_sim.bodies.wheels.soldering import LEFT, RIGHT
 from giraff_sim.control import messages
 from giraff_sim.pacing import WallPacer
 from giraff_sim.ptys import SerialPort
 from giraff_sim.simulation import Simulation
-from giraff_sim.soldering import LEFT, RIGHT
+from giraff_sim.world.body import BoardReport
 from giraff_sim.world.hand import Hand, ScriptError, StillHand
 from giraff_sim.world.room import Pose, RoomError
 
@@ -153,18 +155,18 @@ class Control:
         sonars[request.number].wild_share = request.wild_share
 
     def _cut_encoder(self, request: messages.CutEncoder) -> None:
-        self._simulation.cut_encoder(_WHEELS[request.wheel], is_cut=request.cut)
+        self._wired_wheels.cut_encoder(_WHEELS[request.wheel], is_cut=request.cut)
 
     def _block_wheel(self, request: messages.BlockWheel) -> None:
-        self._simulation.block_wheel(_WHEELS[request.wheel], is_blocked=request.blocked)
+        self._wheels.block_wheel(_WHEELS[request.wheel], is_blocked=request.blocked)
 
     def _brake_wheel(self, request: messages.BrakeWheel) -> None:
         if not (math.isfinite(request.brake) and request.brake >= 0.0):
             raise ValueError(f"nothing holds a wheel back by {request.brake} m/s²")
-        self._simulation.brake_wheel(_WHEELS[request.wheel], request.brake)
+        self._wheels.brake_wheel(_WHEELS[request.wheel], request.brake)
 
     def _solder(self, request: messages.Solder) -> None:
-        self._simulation.solder(Wiring(request.wiring))
+        self._wired_wheels.solder(Wiring(request.wiring))
 
     def _battery(self, request: messages.Battery) -> None:
         if not (math.isfinite(request.volts) and request.volts >= 0.0):
@@ -180,6 +182,19 @@ class Control:
     def _reset(self, request: messages.Reset) -> None:
         self._simulation.reset(self._port(request.board).kind, ResetCause[request.cause.upper()])
 
+    @property
+    def _wheels(self) -> WheelsBody:
+        body = self._simulation.world.body
+        if isinstance(body, WheelsBody):
+            return body
+        raise ValueError("this robot has no two wheels with a motor each")
+
+    @property
+    def _wired_wheels(self) -> WheelsBody:
+        if BoardKind.BASE not in self._simulation.boards:
+            raise ValueError("there is no base board here")
+        return self._wheels
+
     def _port(self, name: str) -> SerialPort:
         port = self._ports.get(BoardKind[name.upper()])
         if port is None:
@@ -187,8 +202,8 @@ class Control:
         return port
 
 
-def _base_says(frame: WheelsFrame | None) -> messages.BaseSays | None:
-    if frame is None:
+def _base_says(frame: BoardReport | None) -> messages.BaseSays | None:
+    if not isinstance(frame, WheelsFrame):
         return None
     return messages.BaseSays(
         boot_id=frame.boot_id,

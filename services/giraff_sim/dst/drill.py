@@ -14,6 +14,7 @@ import msgspec
 
 from giraff_node.config.robot_file import load
 from giraff_sim.board import BUILD, ROOT, Implementation
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.dst.judging.judge import Judge, Violation
@@ -30,7 +31,6 @@ from giraff_sim.truth import EXACT, Truth
 from giraff_sim.world.bno055 import Vector
 from giraff_sim.world.hand import Hand
 from giraff_sim.world.room import Room
-from giraff_sim.world.world import World
 
 SECONDS: Final = 20.0
 
@@ -219,7 +219,7 @@ class Drill:
     def _press_joystick(self) -> None:
         simulation = self.loop.simulation
         simulation.world.button = True
-        drives = " while the robot drives" if simulation.peak_counts else ""
+        drives = " while the robot drives" if simulation.world.body.activity else ""
         self.story.log(f"the joystick's button is pressed{drives}")
         self.story.count(f"the joystick's button is pressed{drives}")
 
@@ -272,7 +272,7 @@ def play(
     until_rule: str = "",
 ) -> Outcome:
     """Run a scenario to its end, or until `until_rule` is violated. `build`: where the boards were compiled to."""
-    world = World(scenario.room, settings.robot, SIM, scenario.hand, scenario.seed, _STEP_US, truth=scenario.truth)
+    world = world_of(scenario.room, settings.robot, SIM, scenario.hand, scenario.seed, _STEP_US, scenario.truth)
     with simulation(world, implementation=Implementation.HOST, build=build) as running:
         run = Drill(running, settings, services or Services(), scenario)
         run.run(until_rule)

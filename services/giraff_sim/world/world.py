@@ -5,20 +5,18 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_core.robot import RobotConfig
+from giraff_sim.board import Board
 from giraff_sim.config import SimConfig
-from giraff_sim.truth import EXACT, Truth
+from giraff_sim.truth import Truth
 from giraff_sim.world.bno055 import Vector
+from giraff_sim.world.body import Body
 from giraff_sim.world.hand import LEVEL, Hand, Tremor
-from giraff_sim.world.plant import Plant
 from giraff_sim.world.room import Room, RoomError
 from giraff_sim.world.sonar import SILENT_US, sonars
 
 STEP_US: Final = 1000
 HAND_US: Final = 8000
 """What the hand does acts from a multiple of this on: the accelerometer takes no more samples than one in that time."""
-_ADC_FULL_SCALE: Final = 1023
-_ADC_VOLTS: Final = 5.0
-_UNCALIBRATED_VOLTS_PER_COUNT: Final = 30.0 / _ADC_FULL_SCALE  # a divider that a 24 V battery fits into
 
 
 class World:
@@ -28,11 +26,12 @@ class World:
         self,
         room: Room,
         robot: RobotConfig,
+        body: Body,
         sim: SimConfig,
         hand: Hand,
         seed: int,
-        step_us: int = STEP_US,
-        truth: Truth = EXACT,
+        step_us: int,
+        truth: Truth,
     ) -> None:
         """Set the robot at rest at the room's start.
 
@@ -41,7 +40,8 @@ class World:
         """
         self.room = room
         self.truth = truth
-        self.plant = Plant(robot, sim, room, truth)
+        self.body = body
+        self.plant = body.plant
         if self.plant.clearance < 0.0:
             radius = robot.footprint_radius
             raise RoomError(f"room {room.name!r}: the robot, a disc of {radius:g} m, does not fit at its start")
@@ -55,15 +55,14 @@ class World:
         self.now_us = 0
         self.sim = sim
         self.seed = seed
-        self._volts_per_count = robot.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
         self.step_us = step_us
 
-    def step(self, left_duty: float, right_duty: float) -> None:
-        """Advance by `step_us` with each motor's signed duty, of 255."""
+    def step(self, base: Board | None) -> None:
+        """Advance by `step_us`, with the pins of the base board, where there is one."""
         if self.now_us % HAND_US == 0:
             self._feel(self.now_us * 1e-6)
         self.now_us += self.step_us
-        self.plant.step(self.step_us * 1e-6, left_duty, right_duty)
+        self.body.step(base, self.step_us * 1e-6)
 
     def _feel(self, seconds: float) -> None:
         vector = self.hand.acceleration(seconds, self.plant.pose)
@@ -73,8 +72,3 @@ class World:
         """The echo pulse of the sensor that was just triggered, as board_model.h has it."""
         sonar = self.sonars.get(number)
         return SILENT_US if sonar is None else sonar.echo_us(self.plant.pose)
-
-    @property
-    def battery_pin_volts(self) -> float:
-        """V at the base board's ADC, behind its divider."""
-        return min(_ADC_VOLTS, self.plant.volts / self._volts_per_count * _ADC_VOLTS / _ADC_FULL_SCALE)

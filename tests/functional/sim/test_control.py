@@ -16,6 +16,7 @@ from giraff_sim.simulation import Simulation
 from giraff_sim.world.hand import Hand, StillHand
 from giraff_sim.world.sonar import SonarFault
 from tests.sim.robots import ORIGIN, room_with_wall, world_in
+from tests.support.wheels import wheels_of
 
 
 @pytest.fixture
@@ -82,7 +83,7 @@ def test_a_client_speaks_in_types(socket_path: Path, simulation: Simulation) -> 
         assert client.now() == 0  # and goes on
     assert simulation.world.sonars[1].fault is SonarFault.WILD
     assert simulation.world.sonars[2].wild_share == 0.05
-    assert simulation.world.plant.left.is_blocked
+    assert wheels_of(simulation.world).plant.left.is_blocked
     assert simulation.world.plant.pose == (*ORIGIN[:0], 0.5, 0.0, math.pi)
 
 

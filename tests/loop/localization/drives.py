@@ -25,19 +25,20 @@ from giraff_schemas.messages import Odometry, Range, RobotTime, Wheels
 from giraff_schemas.wire import RangeFault, RangeFrame, RangeState
 from giraff_sim import truth as truth_module
 from giraff_sim.board import BUILD
+from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.wheels import plant as plant_module
+from giraff_sim.bodies.wheels.plant import STATES_PER_TICK
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import draw_truth
-from giraff_sim.world import plant as plant_module
 from giraff_sim.world import room as room_module
 from giraff_sim.world import sonar as sonar_module
 from giraff_sim.world.hand import StillHand
-from giraff_sim.world.plant import STATES_PER_TICK
 from giraff_sim.world.room import Pose
 from giraff_sim.world.sonar import SonarFault
-from giraff_sim.world.world import World
 from tests.loop.localization import floors
 from tests.loop.localization.floors import FILES, Cell, Differences, Floor, Rectangle, floor, start_at
 from tests.support.robots import ROBOT
+from tests.support.wheels import wheels_of
 
 _KEPT: Final = BUILD / "localization"
 STEP_MS: Final = 5
@@ -133,8 +134,8 @@ class _Run:
         start_at(self._floor, self._random.choice(self._cells), self._random.uniform(-math.pi, math.pi))
         sim = SimConfig()
         truth = draw_truth("uncalibrated", sim.truth, seed)
-        self._world = World(self._floor.room, ROBOT, sim, StillHand(), seed, truth=truth)
-        self._plant = self._world.plant
+        self._world = world_of(self._floor.room, ROBOT, sim, StillHand(), seed, truth=truth)
+        self._plant = wheels_of(self._world).plant
         for number, sonar in self._world.sonars.items():
             sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, variation.wild_share
             if variation.deaf and number == seed % len(self._world.sonars):

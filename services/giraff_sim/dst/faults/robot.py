@@ -8,6 +8,7 @@ from random import Random
 from typing import Final
 
 from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.judging.ledger import BASE
 from giraff_sim.dst.judging.sensors import looks_along
@@ -118,11 +119,12 @@ def tilt_sensor(drill: Drill, chance: Random) -> Course:
 @fault(KINDS, weight=1.0, lasts=(0.5, 3.0))
 def encoder(drill: Drill, chance: Random) -> Course:
     wheel = chance.randrange(2)
-    if not drill.claims(f"encoder {wheel}"):
+    body = drill.loop.simulation.world.body
+    if not isinstance(body, WheelsBody) or not drill.claims(f"encoder {wheel}"):
         return
-    drill.loop.simulation.cut_encoder(wheel, is_cut=True)
+    body.cut_encoder(wheel, is_cut=True)
     yield f"the wires of the {('left', 'right')[wheel]} encoder are cut"
-    drill.loop.simulation.cut_encoder(wheel, is_cut=False)
+    body.cut_encoder(wheel, is_cut=False)
     drill.release_later()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_sim.dst.judging.wishes import Way
-from giraff_sim.world.plant import Plant
+from giraff_sim.world.body import Plant
 
 _CONTRARY: Final = 0.05  # m/s of the centre, or of each wheel where it turns
 _UNASKED: Final = 0.12  # the same of a way that nobody asks for: unlike motors turn a robot that drives, and drive one

@@ -113,7 +113,7 @@ class Judge(Ledger):
         self._pins.note(now_us)
         self._look_at_contacts(now_us)
         against = self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us)
-        if self._simulation.peak_counts == 0:
+        if self._world.body.activity == 0:
             if refusal := self.freedom.refused(self._newest, self._state, now_us):
                 self._violated("f", refusal)
             return

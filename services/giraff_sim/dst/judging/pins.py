@@ -60,7 +60,7 @@ class Pins:
         return self._too_much() or self._unasked(left, right, now_us) or self._rises_wrongly
 
     def _too_much(self) -> str:
-        peak, most = self._simulation.peak_counts, self._most_counts
+        peak, most = self._simulation.world.body.activity, self._most_counts
         return f"{peak} counts at a motor, where {most} is the most" if peak > most else ""
 
     def _unasked(self, left: float, right: float, now_us: int) -> str:

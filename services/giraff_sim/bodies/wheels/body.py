@@ -1,0 +1,77 @@
+"""The body on two wheels, between the pins of `firmware/base` and the floor."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_core.robot import RobotConfig
+from giraff_schemas.wire import WheelsFrame, Wiring
+from giraff_sim.board import Board
+from giraff_sim.bodies.wheels.plant import Plant, Wheel
+from giraff_sim.bodies.wheels.soldering import RIGHT, Soldering
+from giraff_sim.config import SimConfig
+from giraff_sim.truth import Truth
+from giraff_sim.world.room import Room
+
+_ADC_FULL_SCALE: Final = 1023
+_ADC_VOLTS: Final = 5.0
+_UNCALIBRATED_VOLTS_PER_COUNT: Final = 30.0 / _ADC_FULL_SCALE  # a divider that a 24 V battery fits into
+
+
+class WheelsBody:
+    """Implements `giraff_sim.world.body.Body`."""
+
+    report: Final = WheelsFrame
+    acts: Final = "power"
+    settles_us: Final = 0
+
+    def __init__(self, robot: RobotConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
+        self.plant = Plant(robot, sim, room, truth)
+        self.activity = 0
+        """Largest duty of either motor in the last step, of 255."""
+        self._soldering = Soldering()
+        self._cut = [0, 0]  # 1: the wires of the encoder of that number are cut
+        self._volts_per_count = robot.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
+
+    def step(self, board: Board | None, duration: float) -> None:
+        if board is None:
+            self.plant.step(duration, 0.0, 0.0)
+            return
+        motors = board.model.motor
+        self.plant.step(duration, *self._soldering.duties((motors[0].drive, motors[1].drive)))
+        motors[0].position, motors[1].position = self._soldering.positions(self._wheel_states)
+        motors[0].encoder_cut, motors[1].encoder_cut = self._cut
+        board.model.battery_volts = self._battery_pin_volts
+
+    def look(self, board: Board) -> None:
+        motors = board.model.motor
+        self.activity = max(motors[0].drive_peak, motors[1].drive_peak)
+        motors[0].drive_peak = motors[1].drive_peak = 0
+
+    def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
+        """Cut (or mend) the wires of a wheel's encoder: `soldering.LEFT` or `RIGHT`."""
+        self._cut[self._soldering.encoder_of(wheel)] = int(is_cut)
+
+    def block_wheel(self, wheel: int, *, is_blocked: bool) -> None:
+        """Hold a wheel so that it does not turn whatever its motor gets, or let it go."""
+        self._wheel(wheel).is_blocked = is_blocked
+
+    def brake_wheel(self, wheel: int, brake: float) -> None:
+        """Hold a wheel back by so many m/s² at its rim, as a hand does; 0 lets it go."""
+        self._wheel(wheel).brake = brake
+
+    def solder(self, wiring: Wiring) -> None:
+        """Solder motors and encoders anew, so that `configure.wiring` must be this for the robot to drive well."""
+        self._soldering.solder(wiring, self._wheel_states)
+
+    def _wheel(self, wheel: int) -> Wheel:
+        return self.plant.right if wheel == RIGHT else self.plant.left
+
+    @property
+    def _wheel_states(self) -> tuple[float, float]:
+        return self.plant.left.states, self.plant.right.states
+
+    @property
+    def _battery_pin_volts(self) -> float:
+        """V at the base board's ADC, behind its divider."""
+        return min(_ADC_VOLTS, self.plant.volts / self._volts_per_count * _ADC_VOLTS / _ADC_FULL_SCALE)
