@@ -2,24 +2,13 @@
 include sources.mk
 
 AVR_SIZE ?= avr-size
-base_MCU := atmega644
-joystick_MCU := atmega328p
-ranger_MCU := atmega2560
-base_HZ := 18432000UL
-joystick_HZ := 16000000UL
-ranger_HZ := 16000000UL
-MCU := $($(BOARD)_MCU)
-
-REGISTERS := clock main processor uart
-base_REGISTERS := base motors_off
-joystick_REGISTERS := joystick twi
-ranger_REGISTERS := ranger
+SHARED := clock main processor uart
 
 OUT := $(BUILD)/firmware/$(BOARD)
 ELF := $(BUILD)/firmware/$(BOARD).elf
-OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/avr/%.o,$(REGISTERS) $($(BOARD)_REGISTERS))
+OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/registers/%.o,$(SHARED) $(REGISTERS))
 
-FLAGS += -mmcu=$(MCU) -DF_CPU=$($(BOARD)_HZ) -Os -g -flto -ffunction-sections -fdata-sections
+FLAGS += -mmcu=$(MCU) -DF_CPU=$(HZ) -Iavr -Os -g -flto -ffunction-sections -fdata-sections
 
 # Each function's stack comes from compiling: at the link, -fstack-usage would leave its files in /tmp.
 COMPILE = @mkdir -p $(@D) && $(AVR_CC) $(FLAGS) -ffat-lto-objects -fstack-usage -c $< -o $@
@@ -32,18 +21,20 @@ $(ELF): $(OBJECTS)
 	@$(AVR_CC) $(FLAGS) -Wl,--gc-sections -Wl,--relax $^ -o $@
 	$(NOTE_SOURCES)
 
-$(OUT)/program/start_values.o: $(START_VALUES) sources.mk avr.mk
+$(OUT)/program/start_values.o: $(START_VALUES) $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/program/%.o: %.c sources.mk avr.mk
+$(OUT)/program/%.o: %.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/avr/%.o: avr/%.c sources.mk avr.mk
+$(OUT)/registers/%.o: boards/$(BOARD)/%.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/avr/%.o: avr/%.S sources.mk avr.mk
+$(OUT)/registers/%.o: avr/%.c $(MAKEFILE_LIST)
+	$(COMPILE)
+$(OUT)/registers/%.o: boards/$(BOARD)/%.S $(MAKEFILE_LIST)
 	$(COMPILE)
 
 .PHONY: check
 check:
-	$(CHECK) --platform=avr8 --library=avr -D__AVR__ -DF_CPU=$($(BOARD)_HZ) common $(BOARD) \
-		$(patsubst %,avr/%.c,$(REGISTERS) $(filter-out motors_off,$($(BOARD)_REGISTERS)))
+	$(CHECK) --platform=avr8 --library=avr -D__AVR__ -DF_CPU=$(HZ) common $(FIRMWARE) boards/$(BOARD) \
+		$(wildcard $(patsubst %,avr/%.c,$(SHARED) $(REGISTERS)))
 
 -include $(OBJECTS:.o=.d)

@@ -7,7 +7,7 @@ HOST_LINK ?=
 
 OUT := $(BUILD)/host/$(BOARD)
 LIBRARY := $(BUILD)/host/$(BOARD).so
-MACHINE := machine processor $(BOARD)_parts
+MACHINE := machine processor $(FIRMWARE)_parts
 OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/machine/%.o,$(MACHINE) $(notdir $(HOST_EXTRA:.c=)))
 
 FLAGS += -O2 -g -fPIC -fvisibility=hidden -Ihost
@@ -25,17 +25,17 @@ $(LIBRARY): $(OBJECTS) host/firmware.ld
 	@$(CC) $(FLAGS) -shared $(OBJECTS) -Wl,-T,host/firmware.ld $(HOST_LINK) -lm -o $@
 	$(NOTE_SOURCES)
 
-$(OUT)/program/start_values.o: $(START_VALUES) sources.mk host.mk
+$(OUT)/program/start_values.o: $(START_VALUES) $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/program/%.o: %.c sources.mk host.mk
+$(OUT)/program/%.o: %.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/machine/%.o: host/%.c sources.mk host.mk
+$(OUT)/machine/%.o: host/%.c $(MAKEFILE_LIST)
 	$(COMPILE)
-$(OUT)/machine/%.o: %.c sources.mk host.mk
+$(OUT)/machine/%.o: %.c $(MAKEFILE_LIST)
 	$(COMPILE)
 
 .PHONY: check
 check:
-	$(CHECK) --platform=unix64 -Ihost $(MACHINE:%=host/%.c)
+	$(CHECK) --platform=unix64 $(MACHINE:%=host/%.c)
 
 -include $(OBJECTS:.o=.d)

@@ -1,4 +1,5 @@
-# What avr.mk and host.mk share: one board's sources and flags.
+# What avr.mk and host.mk share: one board's sources and flags. The board says which firmware it runs, and on what.
+include boards/$(BOARD)/board.mk
 
 # However it is spelled: what the compiler notes of headers names each object by its path.
 override BUILD := $(abspath $(BUILD))
@@ -9,7 +10,7 @@ COMMON := boot clock cobs crc frame hello link uart watchdog
 base_PROGRAM := base drive encoders held latch motors speed speedometer turning
 joystick_PROGRAM := bno055 bus joystick tick
 ranger_PROGRAM := echo ranger sonars tick
-PROGRAM := $(COMMON) $($(BOARD)_PROGRAM) start_values
+PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM) start_values
 
 HASH := $(shell $(PYTHON) generate_codec.py --hash)
 ifeq ($(HASH),)
@@ -17,12 +18,12 @@ $(error generate_codec.py gave no protocol hash)
 endif
 
 FLAGS := -std=gnu11 -Wall -Wextra -Werror -Wstrict-prototypes -Wmissing-prototypes -Wshadow -Wundef \
-	-fno-common -MMD -MP -Icommon -I$(BOARD) -DPROTOCOL_HASH=$(HASH)UL
+	-fno-common -MMD -MP -Icommon -I$(FIRMWARE) -Iboards/$(BOARD) -DPROTOCOL_HASH=$(HASH)UL
 
-CHECK := $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter -I%,$(FLAGS)) -DPROTOCOL_HASH=$(HASH) \
+CHECK = $(CPPCHECK) --quiet --std=c11 --error-exitcode=1 --inline-suppr $(filter -I%,$(FLAGS)) -DPROTOCOL_HASH=$(HASH) \
 	--enable=warning,style,performance,portability --suppress=missingIncludeSystem
 
 # This folder and the sources in it that a program was built from: the simulator refuses one that is older than they are.
 NOTE_SOURCES = @{ realpath --relative-to=$(@D) . && cat $(OBJECTS:.o=.d); } >$(basename $@).sources
 
-vpath %.c common $(BOARD)
+vpath %.c common $(FIRMWARE)

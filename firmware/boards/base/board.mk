@@ -1,0 +1,7 @@
+# A stock Giraff's base board, which is written through its ISP connector.
+FIRMWARE := base
+MCU := atmega644
+HZ := 18432000UL
+REGISTERS := registers motors_off
+PART := m644
+PROGRAMMER ?= -c usbasp
