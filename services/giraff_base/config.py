@@ -6,13 +6,19 @@ from typing import Annotated
 
 import msgspec
 
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.tuning import Tuning
+
+DriveConfig = WheelsConfig
+"""Of each kind of drive: a union, told apart by `type`."""
 
 
 class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     port: Annotated[str, Tuning.READ_ONLY]
     """Serial port of the base board."""
+    drive: Annotated[DriveConfig, Tuning.READ_ONLY]
+    """The table `[base.drive]`: what moves the robot."""
     operator_budget: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.05, 2.0, "s")] = 0.4
     """s; largest age of the operator's tick."""
     guard_budget: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.02, 2.0, "s")] = 0.2
@@ -36,7 +42,7 @@ class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """rad/s², of starts only."""
     battery_low: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.0, 100.0, "V")] = 22.0
     """V; held below it for 5 s the robot warns and drives at half speed. 0: never. 1.1 V for each of 20 NiMH cells.
-    Like the next, only where `battery_volts_per_count` is known."""
+    Like the next, only where the drive measures its battery."""
     battery_cutoff: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.0, 100.0, "V")] = 20.0
     """V; held below it for 5 s the robot stops, and drives again above `battery_low`. 0: never. 1 V a cell."""
 

@@ -9,7 +9,7 @@ from giraff_core.robot import RobotConfig
 
 
 def drive_of(robot: RobotConfig, config: BaseConfig) -> Drive:
-    """Return the drive that the robot file names."""
+    """Return the drive that `[base.drive]` names."""
     # The faster wheel's, where driving and turning start at once. The ramp of base may be made gentler live.
     _, acceleration = robot.kinematics.wheel_speeds(config.linear_acceleration, config.angular_acceleration)
-    return WheelsDrive(robot, acceleration)
+    return WheelsDrive(robot, config.drive, acceleration)

@@ -15,7 +15,7 @@ class States(ABC):
 
     def battery(self) -> Battery:
         """Voltage, V, heard within the last one and a half seconds. Raises SilentError, LostRobotError."""
-        return self._fresh(BATTERY, "check that giraff_base runs, and that [robot] battery_volts_per_count is not 0")
+        return self._fresh(BATTERY, "check that giraff_base runs, and [base.drive] battery_volts_per_count is not 0")
 
     def estop(self) -> EStop:
         """Whether the emergency stop is engaged, by whom and why, heard within the last one and a half seconds.

@@ -31,6 +31,7 @@ from zstandard import ZstdError
 
 from giraff_mcap.raw_sample import Count, LossCounter, start_of
 from giraff_mcap.writing import ABOUT, SUMMARY, below_robot
+from giraff_node.config.moved import modern
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import ROOT, topic_of
@@ -192,9 +193,9 @@ class Recording:
         return topics
 
     def tables(self) -> dict[str, Any]:
-        """The robot file as the recorder had it; empty: it had none."""
+        """The robot file as the recorder had it, with each field where it stands now; empty: it had none."""
         try:
-            return msgspec.json.decode(self.about.get("tables", "{}"), type=dict[str, Any])
+            return modern(msgspec.json.decode(self.about.get("tables", "{}"), type=dict[str, Any])).tables
         except msgspec.MsgspecError as error:
             raise RecordingError(f"{self.path}: the robot file in it is damaged: {error}") from error
 

@@ -10,13 +10,13 @@ from giraff_core.bounds import require_not_negative, require_positive
 from giraff_sim.truth import TruthRanges
 
 KNOWN: Final = {
-    "GIRAFF_ROBOT_SWAP_MOTORS": "false",
-    "GIRAFF_ROBOT_SWAP_ENCODERS": "false",
-    "GIRAFF_ROBOT_INVERT_LEFT_MOTOR": "false",
-    "GIRAFF_ROBOT_INVERT_RIGHT_MOTOR": "false",
-    "GIRAFF_ROBOT_INVERT_LEFT_ENCODER": "false",
-    "GIRAFF_ROBOT_INVERT_RIGHT_ENCODER": "false",
-    "GIRAFF_ROBOT_WHEEL_CONTROL": "speed",
+    "GIRAFF_BASE_DRIVE__SWAP_MOTORS": "false",
+    "GIRAFF_BASE_DRIVE__SWAP_ENCODERS": "false",
+    "GIRAFF_BASE_DRIVE__INVERT_LEFT_MOTOR": "false",
+    "GIRAFF_BASE_DRIVE__INVERT_RIGHT_MOTOR": "false",
+    "GIRAFF_BASE_DRIVE__INVERT_LEFT_ENCODER": "false",
+    "GIRAFF_BASE_DRIVE__INVERT_RIGHT_ENCODER": "false",
+    "GIRAFF_BASE_DRIVE__WHEEL_CONTROL": "speed",
     "GIRAFF_GUARD_DECELERATION": "1.5",
 }
 """What is measured on a real robot before it may drive, and known of the simulated one: for its services'

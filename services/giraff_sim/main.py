@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, get_args
 
+from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.wire import BoardKind
@@ -205,10 +206,11 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with ExitStack() as stack:
             robot, sim = load("robot", RobotConfig), load("sim", SimConfig)
+            drive = load("base", BaseConfig).drive
             room = read_room(options.world)
             hand = make_hand(options.hand, room, options.seed, 0.0)
             truth = draw_truth(options.truth, sim.truth, options.seed, robot.calibration)
-            world = world_of(room, robot, sim, hand, options.seed, truth=truth)
+            world = world_of(room, robot, drive, sim, hand, options.seed, truth=truth)
             running = stack.enter_context(simulation(world, options.only, options.boards))
             options.ports.mkdir(parents=True, exist_ok=True)
             process = Process(options, running, stack)

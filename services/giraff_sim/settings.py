@@ -28,7 +28,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
 
     robot: RobotConfig
     joystick: JoystickConfig = JoystickConfig(port="joystick")
-    base: BaseConfig = BaseConfig(port="base")
+    base: BaseConfig
     ranger: RangerConfig = RangerConfig(port="ranger")
     guard: GuardConfig = GuardConfig(deceleration=1.5)
     odometry: OdometryConfig = OdometryConfig()

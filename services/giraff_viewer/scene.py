@@ -197,10 +197,8 @@ _STOCK: Final = {
     "track_width": 0.470,
     "ticks_per_metre": 2002.0594,
     "max_wheel_speed": 0.6,
-    "max_level": 70,
     "max_angular_speed": 1.57,
     "footprint_radius": 0.30,
-    "battery_volts_per_count": 0.0,
     "sensors": {
         "front_left": {"index": 0, "x": 0.25, "y": 0.15, "yaw": 0.0},
         "front_right": {"index": 1, "x": 0.25, "y": -0.15, "yaw": 0.0},

@@ -183,7 +183,7 @@ def test_something_thin_ahead_is_no_free_way() -> None:
 
 
 def test_what_an_obstacle_left_behind_is_waited_for_whatever_else_befalls() -> None:
-    freedom = Freedom(world_of(hall(), SETTINGS.robot, SimConfig(), level(), 1), SETTINGS)
+    freedom = Freedom(world_of(hall(), SETTINGS.robot, SETTINGS.base.drive, SimConfig(), level(), 1), SETTINGS)
     assert freedom.is_calm(0)
     freedom.disturb()
     freedom.disturb()
@@ -250,7 +250,7 @@ def test_what_stood_without_power_starts_from_rest() -> None:
 
 @pytest.mark.parametrize(("second_at", "is_late"), [(0.0, True), (0.3, False)])
 def test_of_two_faults_the_later_has_its_own_bound(second_at: float, is_late: bool) -> None:
-    world = world_of(hall(), SETTINGS.robot, SimConfig(), level(), 1)
+    world = world_of(hall(), SETTINGS.robot, SETTINGS.base.drive, SimConfig(), level(), 1)
     stops = Stops(Simulation({}, world))
     stops.begin(Stop("the network is cut", 0, BEYOND_US, "any", lambda: True))
     stops.begin(Stop("base is unplugged", round(second_at * 1e6), ROBOT_US, "any", lambda: True))

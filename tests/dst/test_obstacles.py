@@ -27,7 +27,7 @@ SLOWLY, FAST = 0.257, 0.6
 
 def ahead(room: Room, speed: float, fault: SonarFault = SonarFault.NONE) -> str:
     """What the judge finds in a frame 0.1 s after the left sensor's ping, whatever a service made of that."""
-    world = world_of(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    world = world_of(room, SETTINGS.robot, SETTINGS.base.drive, SimConfig(), StillHand(), seed=1)
     obstacles = Obstacles(world, SETTINGS)
     sonar = world.sonars[SENSOR.index]
     sonar.fault = fault
@@ -73,7 +73,7 @@ def test_a_sensor_that_is_deaf_hears_nothing_that_counts() -> None:
 
 
 def test_what_has_come_since_the_ping_was_not_heard() -> None:
-    world = world_of(hall := room_with_wall(3.0), SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    world = world_of(hall := room_with_wall(3.0), SETTINGS.robot, SETTINGS.base.drive, SimConfig(), StillHand(), seed=1)
     obstacles = Obstacles(world, SETTINGS)
     world.sonars[SENSOR.index].echo_us(world.plant.pose)
     obstacles.note(HEARD_US)
@@ -117,7 +117,7 @@ def touch(
 ) -> str:
     """What the judge finds in a touch at 0.3 m/s of what was heard twice before: from half a metre, and `turned` rad,
     back, where no other place is given."""
-    world = world_of(room, SETTINGS.robot, SimConfig(), StillHand(), seed=1)
+    world = world_of(room, SETTINGS.robot, SETTINGS.base.drive, SimConfig(), StillHand(), seed=1)
     obstacles = Obstacles(world, SETTINGS)
     sonar = world.sonars[SENSOR.index]
     end = world.plant.pose

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import msgspec
 
-from giraff_core.wheel_control import by_levels
+from giraff_base.drives.wheels.config import by_levels
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     ECHO_MAX_AGE_MS,
@@ -21,7 +21,7 @@ from giraff_schemas.wire import (
     Wiring,
 )
 from giraff_sim.board import Board
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 
 FrameT = TypeVar("FrameT", bound=Frame)
 CommandT = TypeVar("CommandT", DriveFrame, SpeedFrame)
@@ -150,7 +150,7 @@ class BaseBench(Bench):
         assert self.duties() == (left, right)
 
 
-SPEED_ROBOT = msgspec.structs.replace(ROBOT, wheel_control="speed")
+BY_SPEED = msgspec.structs.replace(DRIVE, wheel_control="speed")
 ACCELERATION = 1.2
 """m/s², at which its wheels may speed up."""
 _MOTOR_MS = 150.0
@@ -168,30 +168,30 @@ class SpeedBench(BaseBench):
         """m/s at which something pulls each wheel beside its motor."""
         self.hands: list[Callable[[int], float] | None] = [None, None]
         """What turns each wheel in the place of its motor: m/s, at a time in ms."""
-        self.volts(SPEED_ROBOT.battery_nominal, board)
+        self.volts(BY_SPEED.battery_nominal, board)
         super().__init__(board)
         self.before_each_ms = self._turn
 
     def volts(self, volts: float, board: Board | None = None) -> None:
         """Give the battery so many."""
-        self._voltage_ratio = volts / SPEED_ROBOT.battery_nominal
-        count = SPEED_ROBOT.battery_volts_per_count
+        self._voltage_ratio = volts / BY_SPEED.battery_nominal
+        count = BY_SPEED.battery_volts_per_count
         (board or self.board).model.battery_volts = (volts / count + 0.5) * 5 / 1024
 
     def _turn(self) -> None:
         for number, motor in enumerate(self.model.motor):
             hand = self.hands[number]
-            full = SPEED_ROBOT.max_wheel_speed / SPEED_ROBOT.max_level * self.strength[number]
+            full = ROBOT.max_wheel_speed / BY_SPEED.max_level * self.strength[number]
             aim = motor.drive * full * self._voltage_ratio + self.pull[number]
             self.speed[number] += (aim - self.speed[number]) / _MOTOR_MS
             if hand is not None:
                 self.speed[number] = hand(self.now_ms)
-            motor.position += self.speed[number] * SPEED_ROBOT.ticks_per_metre * 2 / 1000
+            motor.position += self.speed[number] * ROBOT.ticks_per_metre * 2 / 1000
 
     def configure_frame(self, **changes: int) -> ConfigureFrame:
         wheels = self.wheels()
         good = msgspec.structs.replace(
-            SPEED_ROBOT.board_settings(ACCELERATION), boot_id=wheels.boot_id, board_ms=wheels.board_ms, session=7
+            BY_SPEED.board_settings(ROBOT, ACCELERATION), boot_id=wheels.boot_id, board_ms=wheels.board_ms, session=7
         )
         return msgspec.structs.replace(good, **changes)
 

@@ -20,12 +20,13 @@ from giraff_schemas.wire import (
     Refusal,
     SpeedFlag,
 )
-from tests.firmware.bench import ACCELERATION, SPEED_ROBOT, SpeedBench
+from tests.firmware.bench import ACCELERATION, BY_SPEED, SpeedBench
+from tests.support.robots import ROBOT
 
 TELEMETRY_MS = 17
 PERIOD_MS = 10
 METER_MS = 50  # until the speedometer tells of a new speed
-CONTROL = SPEED_ROBOT.speed_control
+CONTROL = BY_SPEED.speed_control
 LATCH_AT, LATCHED = 4, 0xA0  # in EEPROM, as latch.c has them
 BOTH = ("left", "right")
 
@@ -161,7 +162,7 @@ def test_an_overdue_edge_takes_the_loop_away(robot: SpeedBench, wheel: str) -> N
 @pytest.mark.parametrize("intervals", [OVERDUE_INTERVALS - 0.5, OVERDUE_INTERVALS + 1])
 def test_a_slow_wheels_edge_is_overdue_after_three_intervals(robot: SpeedBench, intervals: float) -> None:
     robot.begin(0.02, 0.02, 2000)
-    interval_ms = 1000 / (0.02 * SPEED_ROBOT.ticks_per_metre)
+    interval_ms = 1000 / (0.02 * ROBOT.ticks_per_metre)
     ticks = robot.wheels().left_ticks
     while robot.wheels().left_ticks == ticks:
         robot.go(0.02, 0.02, 1)

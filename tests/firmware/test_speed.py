@@ -11,12 +11,13 @@ from giraff_schemas.wire import (
     ResetCause,
     SpeedFrame,
 )
-from tests.firmware.bench import SPEED_ROBOT, SpeedBench, out_of_place
+from tests.firmware.bench import BY_SPEED, SpeedBench, out_of_place
+from tests.support.robots import ROBOT
 
 TELEMETRY_MS = 17  # within which telemetry tells of what has happened
 FRAME_MS = 3  # within which a speed frame has come over the line and acted
-CONTROL = SPEED_ROBOT.speed_control
-MAX_UM_S = round(SPEED_ROBOT.max_wheel_speed * 1e6)
+CONTROL = BY_SPEED.speed_control
+MAX_UM_S = round(ROBOT.max_wheel_speed * 1e6)
 LOWEST = -0x80000000
 
 

@@ -14,18 +14,19 @@ from giraff_schemas.wire import (
     WheelsFrame,
     Wiring,
 )
-from tests.firmware.bench import ACCELERATION, SPEED_ROBOT, SpeedBench
+from tests.firmware.bench import ACCELERATION, BY_SPEED, SpeedBench
+from tests.support.robots import ROBOT
 
 TELEMETRY_MS = 17  # within which telemetry tells of what has happened
 FRAME_MS = 3  # within which a speed frame has come over the line and acted
 PERIOD_MS = 10  # of the control
 OVERSHOOT = 0.06  # m/s: a tenth of the largest speed
-CONTROL = SPEED_ROBOT.speed_control
+CONTROL = BY_SPEED.speed_control
 
 
 def feed_forward(speed: float, volts: float = 24.0) -> float:
     """PWM counts that hold a speed, m/s, of a motor as the robot's file expects it."""
-    return SPEED_ROBOT.max_level * abs(speed) / SPEED_ROBOT.max_wheel_speed * SPEED_ROBOT.battery_nominal / volts
+    return BY_SPEED.max_level * abs(speed) / ROBOT.max_wheel_speed * BY_SPEED.battery_nominal / volts
 
 
 @pytest.mark.parametrize("wiring", [Wiring(0), Wiring.SWAP_MOTORS | Wiring.SWAP_ENCODERS, ~Wiring(0)])
@@ -230,7 +231,7 @@ def test_a_wheel_that_stands_never_gets_more_than_stall_pwm(robot: SpeedBench) -
 def test_nor_does_one_that_trembles_on_an_edge(robot: SpeedBench, each: int) -> None:
     """Its edges come and go, and tell of no way."""
     robot.begin()
-    amplitude = 1.5 / SPEED_ROBOT.ticks_per_metre / 2 * 1000
+    amplitude = 1.5 / ROBOT.ticks_per_metre / 2 * 1000
     robot.hands = [lambda ms: (amplitude if ms // each % 2 else -amplitude) / each] * 2
     robot.go(0.6, 0.6, 700)
     assert robot.wheels().latch in (Latch.LEFT_STUCK, Latch.RIGHT_STUCK)
@@ -265,7 +266,7 @@ def test_a_wheel_that_is_let_go_does_not_swing_the_robot_back(robot: SpeedBench)
     robot.go(0.5, 0.5, 500)
     robot.hands[1] = None
     yaws = [0.0]
-    track = SPEED_ROBOT.track_width
+    track = ROBOT.track_width
     robot.go(0.5, 0.5, 600, lambda: yaws.append(yaws[-1] + (robot.speed[1] - robot.speed[0]) / track / 1000))
     assert math.degrees(yaws[-1] - min(yaws)) <= 0.5
 

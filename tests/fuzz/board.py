@@ -14,7 +14,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_core.wheel_control import by_levels
+from giraff_base.drives.wheels.config import by_levels
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     ECHO_MAX_AGE_MS,

@@ -12,7 +12,6 @@ from typing import Final
 
 import msgspec
 
-from giraff_base.config import BaseConfig
 from giraff_base.estop import RELEASED
 from giraff_base.policy import BasePolicy
 from giraff_joystick.config import JoystickConfig
@@ -34,7 +33,7 @@ from giraff_schemas.wire import (
     WheelsFrame,
 )
 from tests.fuzz.growth import Growth
-from tests.support.robots import ROBOT
+from tests.support.robots import BASE, ROBOT
 
 _BAUD: Final = 115200
 _FRAMES: Final[dict[BoardKind, type[Frame]]] = {
@@ -134,7 +133,7 @@ def _thrown(kind: BoardKind, chance: random.Random) -> bytes:
 
 
 def _base() -> Turn:
-    policy = BasePolicy(BaseConfig(port="unused"), ROBOT, RELEASED)
+    policy = BasePolicy(BASE, ROBOT, RELEASED)
     policy.on_link_opened(session=7)
 
     def turn(frames: list[Frame], now: float) -> list[Frame]:

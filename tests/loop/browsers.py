@@ -291,7 +291,9 @@ class Room:
 @contextmanager
 def room(seed: int = 1) -> Iterator[Room]:
     """`seed`: also of the link between the two machines, which takes up to 20 ms."""
-    world = world_of(proving_room(), SETTINGS.robot, EXACT, StillHand(), seed, COARSE_STEP_US, truth=Truth())
+    world = world_of(
+        proving_room(), SETTINGS.robot, SETTINGS.base.drive, EXACT, StillHand(), seed, COARSE_STEP_US, truth=Truth()
+    )
     agenda = EventQueue()
     network = FaultyNetwork(agenda, Random(seed))
     with simulation(world, implementation=Implementation.HOST) as running:

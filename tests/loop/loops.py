@@ -20,10 +20,12 @@ from giraff_sim.truth import Truth, draw_truth
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Room
 from tests.sim.robots import EXACT
-from tests.support.robots import ROBOT
+from tests.support.robots import BASE, DRIVE, ROBOT
 
-SETTINGS = Settings(robot=msgspec.structs.replace(ROBOT, wheel_control="speed"))
-BY_LEVELS = Settings(robot=ROBOT)
+BY_LEVELS = Settings(robot=ROBOT, base=BASE)
+SETTINGS = Settings(
+    robot=ROBOT, base=msgspec.structs.replace(BASE, drive=msgspec.structs.replace(DRIVE, wheel_control="speed"))
+)
 SOURCE_CURVE = msgspec.structs.replace(BY_LEVELS, joystick=JoystickConfig(port="joystick", curve="source"))
 COARSE_STEP_US: Final = 4000
 """As in tests/dst. A step of 1 ms takes half as long again, and only shows what comes within milliseconds."""
@@ -53,7 +55,7 @@ def closed_loop(
     observer: Observer | None = None,
 ) -> Iterator[ClosedLoop]:
     """A robot that is exactly as its file says, unless another `truth` is given."""
-    world = world_of(room, settings.robot, sim, StillHand(), seed, step_us, truth=truth or Truth())
+    world = world_of(room, settings.robot, settings.base.drive, sim, StillHand(), seed, step_us, truth=truth or Truth())
     with simulation(world, implementation=implementation) as running:
         yield ClosedLoop(running, settings, services, observer=observer)
 

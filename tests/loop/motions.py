@@ -232,7 +232,14 @@ def stage(
 ) -> Iterator[Stage]:
     """`seed`: also of the link between the two machines, which takes up to 20 ms."""
     world = world_of(
-        room or proving_room(), settings.robot, EXACT, StillHand(), seed, COARSE_STEP_US, truth=truth or Truth()
+        room or proving_room(),
+        settings.robot,
+        settings.base.drive,
+        EXACT,
+        StillHand(),
+        seed,
+        COARSE_STEP_US,
+        truth=truth or Truth(),
     )
     agenda = EventQueue()
     network = FaultyNetwork(agenda, Random(seed))

@@ -25,13 +25,13 @@ from giraff_sim.world.hand import StillHand
 from tests.loop.loops import closed_loop
 from tests.loop.people import REPEAT, Desk, Stopper
 from tests.sim.robots import proving_room
-from tests.support.robots import ROBOT
+from tests.support.robots import BASE, ROBOT
 
 ServiceT = TypeVar("ServiceT", bound=Service)
 
 LOOK: Final = 0.2
 """s between two looks of `giraff run`."""
-SETTINGS: Final = Settings(robot=ROBOT, joystick=JoystickConfig(port="joystick", operator=DEMONSTRATION))
+SETTINGS: Final = Settings(robot=ROBOT, base=BASE, joystick=JoystickConfig(port="joystick", operator=DEMONSTRATION))
 _WAYPOINTS: Final = [(2.5, 0.0), (0.0, 2.5), (-2.5, 0.0), (0.0, -2.5)]
 
 

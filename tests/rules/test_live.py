@@ -12,7 +12,6 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_base.config import BaseConfig
 from giraff_base.policy import BasePolicy
 from giraff_core.estop import RELEASED
 from giraff_core.parameters.table import ParamError, Parameters
@@ -25,12 +24,12 @@ from giraff_joystick.policy import JoystickPolicy
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from tests.rules.repository import ROOT, services
-from tests.support.robots import ROBOT
+from tests.support.robots import BASE, ROBOT
 
 WITHOUT = {"giraff_router"}
 """Services that are no `Node` of a robot, and answer for no parameters."""
 EXAMPLES: dict[str, msgspec.Struct] = {
-    "base": BaseConfig(port="/dev/giraff-base"),
+    "base": BASE,
     "guard": GuardConfig(deceleration=1.5),
 }
 """Of those that cannot do with the defaults alone, or say more with others."""

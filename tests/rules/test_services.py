@@ -127,7 +127,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
         "web": (MagicMock(), MagicMock()),  # its pages and its log
         "localization": ("there is none",),  # its map
     }
-    given = load(service.table, config, {"GIRAFF_CONFIG": "/dev/null", **needed(service)})
+    given = load(service.table, config, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), **needed(service)})
     made(io, given, ROBOT, *people.get(service.name, ()))
     for method, rows in ((io.publisher, service.publishes), (io.inbox, service.subscribes)):
         assert {topics.topic_of(call.args[0].key) for call in method.call_args_list} == set(rows)

@@ -6,7 +6,7 @@ from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Pose, Room
 from giraff_sim.world.world import World
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 
 EXACT = SimConfig(tilt_noise=0.0, battery_sag_volts=0.0, battery_volts=24.0)
 """Nothing random, and a battery that holds its nominal voltage."""
@@ -34,4 +34,4 @@ def room_with_wall(x: float, start: Pose = ORIGIN) -> Room:
 
 def world_in(room: Room, sim: SimConfig = EXACT, seed: int = 1, truth: Truth | None = None) -> World:
     """A robot that is exactly as its file says, unless another truth is given."""
-    return world_of(room, ROBOT, sim, StillHand(), seed, truth=truth or Truth())
+    return world_of(room, ROBOT, DRIVE, sim, StillHand(), seed, truth=truth or Truth())

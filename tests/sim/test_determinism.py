@@ -13,7 +13,7 @@ from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.room import read_room
 from giraff_sim.world.sonar import SonarFault
 from tests.sim.line import BaseLine, Line
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 
 LIVING_ROOM = Path(__file__).parents[2] / "deploy" / "worlds" / "living_room.toml"
 ALL = (BoardKind.BASE, BoardKind.JOYSTICK, BoardKind.RANGER)
@@ -39,7 +39,7 @@ def bytes_of(
 ) -> dict[BoardKind, str]:
     """SHA-256 of what each board sends in a run of 4 s with noise, driving, a fault and a reset."""
     room = read_room(LIVING_ROOM)
-    world = world_of(room, ROBOT, SimConfig(), DemoHand(room.waypoints, seed), seed)
+    world = world_of(room, ROBOT, DRIVE, SimConfig(), DemoHand(room.waypoints, seed), seed)
     with simulation(world, tuple(kinds), implementation) as running:
         # The host's order is always the same: only the boards' own shall differ.
         lines = {kind: BaseLine(running) if kind is BoardKind.BASE else Line(running, kind) for kind in sorted(kinds)}

@@ -11,13 +11,13 @@ from giraff_sim.bodies.wheels.plant import Plant
 from giraff_sim.config import SimConfig
 from giraff_sim.world.room import Pose
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 
 STEP = 0.001
 
 
 def plant_at_rest(start: Pose = ORIGIN, sim: SimConfig = EXACT) -> Plant:
-    return Plant(ROBOT, sim, empty_room(start))
+    return Plant(ROBOT, DRIVE, sim, empty_room(start))
 
 
 def drive(plant: Plant, seconds: float, left: float, right: float) -> None:
@@ -126,7 +126,7 @@ def test_encoders_count_two_quadrature_states_a_tick() -> None:
 
 
 def test_a_wall_stops_the_body_counts_once_and_lets_it_back_away() -> None:
-    plant = Plant(ROBOT, EXACT, room_with_wall(1.0))
+    plant = Plant(ROBOT, DRIVE, EXACT, room_with_wall(1.0))
     drive(plant, 4.0, 70, 70)
     assert plant.pose.x == pytest.approx(0.7, abs=1e-9)
     assert plant.contacts == 1
@@ -142,7 +142,7 @@ def test_a_wall_stops_the_body_counts_once_and_lets_it_back_away() -> None:
 def test_a_slanting_wall_is_slid_along() -> None:
     room = empty_room()
     room.add_wall("slant", [(0.0, 1.0), (12.0, -1.0)])
-    plant = Plant(ROBOT, EXACT, room)
+    plant = Plant(ROBOT, DRIVE, EXACT, room)
     drive(plant, 10.0, 70, 70)
     assert plant.contacts == 1
     assert plant.pose.y < -0.05
@@ -152,7 +152,7 @@ def test_a_slanting_wall_is_slid_along() -> None:
 def test_a_corner_holds_the_body_on_both_sides() -> None:
     room = empty_room()
     room.add_wall("corner", [(2.0, -2.0), (2.0, 0.5), (-2.0, 0.5)])
-    plant = Plant(ROBOT, EXACT, room)
+    plant = Plant(ROBOT, DRIVE, EXACT, room)
     plant.place(Pose(0.0, 0.0, math.radians(20)))
     drive(plant, 8.0, 70, 70)
     assert plant.pose.x == pytest.approx(1.7, abs=1e-3)
@@ -160,7 +160,7 @@ def test_a_corner_holds_the_body_on_both_sides() -> None:
 
 
 def test_the_closest_approach_is_the_smallest_clearance_there_was() -> None:
-    plant = Plant(ROBOT, EXACT, room_with_wall(2.0))
+    plant = Plant(ROBOT, DRIVE, EXACT, room_with_wall(2.0))
     smallest = plant.clearance
     for level in (70, -70, 40, -20):
         for _ in range(1500):
@@ -171,7 +171,7 @@ def test_the_closest_approach_is_the_smallest_clearance_there_was() -> None:
 
 
 def test_placing_starts_a_new_closest_approach_at_rest() -> None:
-    plant = Plant(ROBOT, EXACT, room_with_wall(1.0))
+    plant = Plant(ROBOT, DRIVE, EXACT, room_with_wall(1.0))
     drive(plant, 4.0, 70, 70)
     plant.place(Pose(-1.0, 0.0, 0.0))
     assert plant.closest == pytest.approx(1.7)
@@ -182,7 +182,7 @@ def test_placing_starts_a_new_closest_approach_at_rest() -> None:
 
 def test_a_wall_put_up_on_the_robot_is_a_contact() -> None:
     room = empty_room()
-    plant = Plant(ROBOT, EXACT, room)
+    plant = Plant(ROBOT, DRIVE, EXACT, room)
     room.add_wall("sudden", [(0.2, -1.0), (0.2, 1.0)])
     drive(plant, 0.002, 0.0, 0.0)
     assert plant.contacts == 1

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import msgspec
 import pytest
 
-from giraff_core.robot import RobotConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_schemas.wire import BoardKind, DriveState, Latch, SpeedFlag
 from giraff_sim.board import Implementation
 from giraff_sim.bodies.kinds import world_of
@@ -22,11 +22,11 @@ from giraff_sim.truth import EXACT, TrueWheel, Truth, TruthRanges, draw_truth
 from giraff_sim.world.hand import StillHand
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 from tests.support.wheels import wheels_of
 
-KNOWN = msgspec.structs.replace(ROBOT, wheel_control="speed")
-ROBOTS = {"known voltage": KNOWN, "unknown voltage": msgspec.structs.replace(KNOWN, battery_volts_per_count=0.0)}
+KNOWN = msgspec.structs.replace(DRIVE, wheel_control="speed")
+DRIVES = {"known voltage": KNOWN, "unknown voltage": msgspec.structs.replace(KNOWN, battery_volts_per_count=0.0)}
 LOW = SimConfig(tilt_noise=0.0, battery_volts=0.85 * 24.0)
 BATTERIES = {"full": SimConfig(tilt_noise=0.0), "low": LOW}
 RAMP = 0.6
@@ -64,27 +64,27 @@ def driver(
     implementation: Implementation = HOST,
     truth: Truth = EXACT,
     sim: SimConfig = BATTERIES["full"],
-    robot: RobotConfig = KNOWN,
+    drive: WheelsConfig = KNOWN,
 ) -> Iterator[Driver]:
     """A robot whose board is asked for speeds."""
-    world = world_of(empty_room(), robot, sim, StillHand(), 1, truth=truth)
+    world = world_of(empty_room(), ROBOT, drive, sim, StillHand(), 1, truth=truth)
     with simulation(world, (BoardKind.BASE,), implementation) as running:
         line = Driver(running)
         line.boot()
-        line.begin_session(robot.board_settings(1.2))
+        line.begin_session(drive.board_settings(ROBOT, 1.2))
         line.go(0.0, 0.0, 0.1)
         yield line
 
 
 CASES = [
-    *((HOST, speed, robot, battery) for speed in (0.05, 0.1, 0.3, 0.5) for robot in ROBOTS for battery in BATTERIES),
+    *((HOST, speed, drive, battery) for speed in (0.05, 0.1, 0.3, 0.5) for drive in DRIVES for battery in BATTERIES),
     (AVR, 0.3, "known voltage", "low"),
 ]
 
 
-@pytest.mark.parametrize(("implementation", "speed", "robot", "battery"), CASES)
-def test_both_wheels_hold_their_speed(implementation: Implementation, speed: float, robot: str, battery: str) -> None:
-    with driver(implementation, UNEVEN, BATTERIES[battery], ROBOTS[robot]) as line:
+@pytest.mark.parametrize(("implementation", "speed", "drive", "battery"), CASES)
+def test_both_wheels_hold_their_speed(implementation: Implementation, speed: float, drive: str, battery: str) -> None:
+    with driver(implementation, UNEVEN, BATTERIES[battery], DRIVES[drive]) as line:
         told: list[tuple[int, int]] = []
         line.towards(speed, speed, speed / RAMP + 0.5)
         began = line.wheels
@@ -105,8 +105,8 @@ def test_both_wheels_hold_their_speed(implementation: Implementation, speed: flo
 @pytest.mark.parametrize("speed", [0.05, 0.1, 0.3, 0.5, -0.5])
 @pytest.mark.parametrize("battery", BATTERIES)
 def test_a_ramp_overshoots_by_a_tenth_at_most(speed: float, battery: str) -> None:
-    for robot in ROBOTS.values():
-        with driver(truth=UNEVEN, sim=BATTERIES[battery], robot=robot) as line:
+    for drive in DRIVES.values():
+        with driver(truth=UNEVEN, sim=BATTERIES[battery], drive=drive) as line:
             fastest = 0.0
             for _ in range(round((abs(speed) / RAMP + 1.0) * 50)):
                 line.towards(speed, speed, 0.02)
@@ -128,16 +128,16 @@ def test_nothing_moves_at_zero(implementation: Implementation) -> None:
 
 
 @pytest.mark.parametrize(
-    ("implementation", "speed", "robot", "battery"),
+    ("implementation", "speed", "drive", "battery"),
     [
-        *((HOST, 0.5, robot, battery) for robot in ROBOTS for battery in BATTERIES),
+        *((HOST, 0.5, drive, battery) for drive in DRIVES for battery in BATTERIES),
         (AVR, 0.5, "known voltage", "full"),
     ],
 )
 def test_unlike_motors_drive_5_m_straight(
-    implementation: Implementation, speed: float, robot: str, battery: str
+    implementation: Implementation, speed: float, drive: str, battery: str
 ) -> None:
-    with driver(implementation, UNEVEN, BATTERIES[battery], ROBOTS[robot]) as line:
+    with driver(implementation, UNEVEN, BATTERIES[battery], DRIVES[drive]) as line:
         while line.plant.path_length < 5.0:
             line.towards(speed, speed, 0.1)
         assert abs(math.degrees(line.plant.pose.yaw)) <= 1.0
@@ -171,8 +171,8 @@ def test_whatever_is_asked_in_turn_no_healthy_robot_is_held(seed: int) -> None:
 def ask_in_turn(seed: int) -> None:
     """Ask a healthy robot for speeds in turn: it is not held. Four seeds have each battery with each robot."""
     chance = random.Random(seed)
-    sim, robot = [*BATTERIES.values()][seed % 2], [*ROBOTS.values()][seed // 2 % 2]
-    with driver(truth=draw_truth("uncalibrated", TruthRanges(), seed), sim=sim, robot=robot) as line:
+    sim, drive = [*BATTERIES.values()][seed % 2], [*DRIVES.values()][seed // 2 % 2]
+    with driver(truth=draw_truth("uncalibrated", TruthRanges(), seed), sim=sim, drive=drive) as line:
         for _ in range(25):
             if chance.random() < 0.5:
                 asked = (chance.uniform(-0.55, 0.55), chance.uniform(-0.55, 0.55))
@@ -248,10 +248,10 @@ def test_a_wheel_without_edges_is_held(implementation: Implementation) -> None:
 
 def test_the_curve_stays_at_the_limit_of_the_weaker_motor() -> None:
     weak = Truth(left=TrueWheel(strength=0.85), right=TrueWheel(strength=1.0))
-    robot = msgspec.structs.replace(
+    drive = msgspec.structs.replace(
         KNOWN, speed_control=msgspec.structs.replace(KNOWN.speed_control, max_pwm=70, motor_time=0.0)
     )
-    with driver(truth=weak, sim=LOW, robot=robot) as line:
+    with driver(truth=weak, sim=LOW, drive=drive) as line:
         line.towards(0.55, 0.44, 4.0)
         assert line.wheels.speed_flags == SpeedFlag.AT_LIMIT
         left, right = line.plant.left.speed, line.plant.right.speed
@@ -269,7 +269,7 @@ def test_motors_that_take_most_of_the_pwm_reach_their_speed(level: int) -> None:
     strong = msgspec.structs.replace(
         KNOWN, max_level=level, speed_control=msgspec.structs.replace(KNOWN.speed_control, max_pwm=255, stall_pwm=100)
     )
-    with driver(robot=strong) as line:
+    with driver(drive=strong) as line:
         line.towards(0.6, 0.6, 3.0)
         assert line.wheels.speed_flags == 0
         assert line.plant.left.speed == pytest.approx(0.6, rel=0.01)

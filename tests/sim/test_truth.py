@@ -14,14 +14,14 @@ from giraff_sim.truth import Level, TrueWheel, Truth, TruthRanges, draw_truth
 from giraff_sim.world.room import Room
 from giraff_sim.world.sonar import Sonar, SonarFault
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall, world_in
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 
 STEP = 0.001
 COUNTS_PER_METRE = ROBOT.ticks_per_metre * 2  # of the encoder's quadrature states
 
 
 def plant_of(truth: Truth, room: Room | None = None) -> Plant:
-    return Plant(ROBOT, EXACT, room or empty_room(), truth)
+    return Plant(ROBOT, DRIVE, EXACT, room or empty_room(), truth)
 
 
 def drive(plant: Plant, seconds: float, left: float, right: float) -> None:
@@ -198,7 +198,7 @@ def measured(truth: Truth) -> Calibration:
 )
 def test_odometry_is_right_of_a_robot_that_is_as_its_calibration_says(level: Level, calibration: Calibration) -> None:
     robot = msgspec.structs.replace(ROBOT, calibration=calibration)
-    plant = Plant(robot, EXACT, empty_room(), draw_truth(level, TruthRanges(), 7, calibration))
+    plant = Plant(robot, DRIVE, EXACT, empty_room(), draw_truth(level, TruthRanges(), 7, calibration))
     before = plant.left.states, plant.right.states
     drive(plant, 3.0, 40, 70)
     left = (plant.left.states - before[0]) / 2.0 / robot.left_ticks_per_metre

@@ -16,7 +16,7 @@ from giraff_sim.bodies.wheels.plant import Plant, Wheel
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
 from giraff_sim.world.room import Pose, Room
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 
 STEP: Final = 0.004  # s
 REPORT: Final = 0.05  # s, of base
@@ -33,7 +33,7 @@ class FloorRobot:
         self.robot = robot
         self._chance = random.Random(f"{seed}/floor")
         self._slip = math.exp(self._chance.uniform(*map(math.log, _SLIPS)))
-        self._plant = Plant(robot, SimConfig(), Room("floor", Pose(0.0, 0.0, 0.0)), truth)
+        self._plant = Plant(robot, DRIVE, SimConfig(), Room("floor", Pose(0.0, 0.0, 0.0)), truth)
         self._sides = (_Side(self._plant.left), _Side(self._plant.right))
         self._time = 0.0
         self.heard: list[Wheels] = [self._report()]
@@ -127,6 +127,6 @@ class _Side:
         if aim == 0.0:
             self.duty = 0.0
             return
-        per_speed = robot.max_level / robot.max_wheel_speed
+        per_speed = DRIVE.max_level / robot.max_wheel_speed
         begun = self.duty or aim * per_speed
         self.duty = begun + _GAIN * (aim - self.wheel.speed) * per_speed * STEP

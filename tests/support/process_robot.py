@@ -100,7 +100,7 @@ class ProcessRobot:
             "GIRAFF_ROBOT_NAME": "sim-test",
             "GIRAFF_NETWORK_RENDEZVOUS": f"127.0.0.1:{free_port()}",
             "GIRAFF_NETWORK_LOCAL": "true",
-            "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
+            "GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT": "0.03",
             "GIRAFF_ROBOT_FRAMES": "{ laser = { x = -0.115, z = 0.226, pitch = 0.1 } }",
             "STATE_DIRECTORY": str(self.state),
             **{f"GIRAFF_{name.upper()}_PORT": str(self.ports / name) for name in ("joystick", "base", "ranger")},

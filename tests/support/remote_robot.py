@@ -120,7 +120,7 @@ class RemoteRobot:
             **OWN_SOCKETS,
             "GIRAFF_CONFIG": str(file),
             "GIRAFF_ROBOT_NAME": self._name,
-            "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
+            "GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT": "0.03",
             "STATE_DIRECTORY": str(self._directory),
             **{f"GIRAFF_{board.upper()}_PORT": str(ports / board) for board in ("joystick", "base", "ranger")},
         }

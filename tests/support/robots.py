@@ -2,6 +2,8 @@
 
 import math
 
+from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig, SensorPose
 
 ROBOT = RobotConfig(
@@ -9,9 +11,17 @@ ROBOT = RobotConfig(
     track_width=0.47,
     ticks_per_metre=2002.0594,
     max_wheel_speed=0.6,
-    max_level=70,
     max_angular_speed=1.57,
     footprint_radius=0.3,
+    sensors={
+        "front_left": SensorPose(index=0, x=0.25, y=0.15, yaw=0.0),
+        "front_right": SensorPose(index=1, x=0.25, y=-0.15, yaw=0.0),
+        "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=math.pi),
+    },
+)
+
+DRIVE = WheelsConfig(
+    max_level=70,
     battery_volts_per_count=0.03,
     swap_motors=False,
     swap_encoders=False,
@@ -19,9 +29,5 @@ ROBOT = RobotConfig(
     invert_right_motor=False,
     invert_left_encoder=False,
     invert_right_encoder=False,
-    sensors={
-        "front_left": SensorPose(index=0, x=0.25, y=0.15, yaw=0.0),
-        "front_right": SensorPose(index=1, x=0.25, y=-0.15, yaw=0.0),
-        "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=math.pi),
-    },
 )
+BASE = BaseConfig(port="unused", drive=DRIVE)

@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator
 from typing import Final, NamedTuple
 
 from giraff_base.drives.wheels.commands import WheelsCommands
+from giraff_base.drives.wheels.config import by_levels
 from giraff_cli.check.wiring import Counted
 from giraff_core.counters import signed32
 from giraff_core.estop import RESET_COMMAND
-from giraff_core.wheel_control import by_levels
 from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.wire import (
     BASE_BAUD,

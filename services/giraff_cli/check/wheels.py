@@ -14,8 +14,8 @@ from giraff_base.config import BaseConfig
 from giraff_cli.check.bench import BenchError, Levels, WheelBench
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
 from giraff_cli.robot_file import RobotFileError, record
-from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_node.config.moved import current_name, table_of_drive
+from giraff_node.config.robot_file import ConfigError, load, parse_toml, robot_file
 from giraff_schemas.wire import Latch, Wiring
 
 AnswerT = TypeVar("AnswerT", bound=str)
@@ -63,8 +63,8 @@ class Terminal:
 def check_wheels(port: str | None) -> int:
     """The whole command; its exit code."""
     try:
-        path, robot = robot_file(), load("robot", RobotConfig)
-        port = port or load("base", BaseConfig).port
+        path, base = robot_file(), load("base", BaseConfig)
+        port = port or base.port
     except ConfigError as error:
         return _complain(str(error), _NOT_BEGUN)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -77,10 +77,10 @@ def check_wheels(port: str | None) -> int:
         bench = WheelBench(port)
         try:
             bench.open()
-            fields = find_wiring(bench, human, robot.stall_level)
+            fields = find_wiring(bench, human, base.drive.stall_level)
         finally:
             bench.close()
-        record(path, "robot", fields)
+        record(path, table_of_drive(parse_toml(path.read_text(encoding="utf-8"))), fields)
     except BenchError as error:
         return _complain(f"{error}. Nothing was written.", _NOT_BEGUN)
     except DoubtError as error:
@@ -170,7 +170,8 @@ def _after(path: Path, fields: Mapping[str, bool], environment: Mapping[str, str
         f"Proved, and written into {path}:",
         *(f"    {name} = {str(is_set).lower()}" for name, is_set in fields.items()),
     ]
-    if overriding := sorted({f"GIRAFF_ROBOT_{name.upper()}" for name in fields} & environment.keys()):
+    names = {f"GIRAFF_BASE_DRIVE__{name.upper()}" for name in fields}
+    if overriding := sorted(name for name in environment if current_name(name) in names):
         lines.append(f"These variables of the environment still override it: {', '.join(overriding)}")
     lines.append("Copy the file to the other machines, and start giraff_base.")
     return "\n".join(lines)

@@ -14,18 +14,19 @@ from typing import Any, Final
 
 import msgspec
 
+from giraff_base.config import BaseConfig
 from giraff_cli.doctor.inspection import Disk, Geometry, Machine, Port
 from giraff_cli.network.interfaces import interfaces
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read_tables
+from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read, read_tables
 from giraff_node.network.discovery import is_simulated_here
 from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
 from giraff_node.network.sockets import live_sockets, socket_folder
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
-from giraff_schemas.services import HANDS, ROBOTS_OWN, SERVICES
+from giraff_schemas.services import BASE, HANDS, ROBOTS_OWN, SERVICES
 from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind
 
 _BAUDS: Final = {
@@ -52,6 +53,7 @@ def look_at_machine(
         services=_services(network),
         disks=(_disk(state_directory(robot or "giraff", environment)), _disk(Path.cwd())),
         settings_problem=_settings_problem(wrong, environment),
+        moved_settings=_moved(environment),
         keys_problem=keys,
         keys_expired=expired,
         unranked_hands=_unranked_hands(environment),
@@ -78,7 +80,7 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
 def wiring_checked(environment: Mapping[str, str] = os.environ) -> bool:
     """Whether this machine's robot file tells how motors and encoders are soldered; True where there is none."""
     with contextlib.suppress(ConfigError):
-        return load("robot", RobotConfig, environment).wiring_checked
+        return load(BASE.table, BaseConfig, environment).drive.wiring_checked
     return True
 
 
@@ -158,9 +160,17 @@ def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
         try:
             load("robot", RobotConfig, environment)
             load("network", NetworkConfig, environment)
+            if BASE.table in _tables(environment):
+                load(BASE.table, BaseConfig, environment)
         except ConfigError as error:
             wrong = str(error)
     return f"{wrong}; correct the robot file, or the variable" if wrong else ""
+
+
+def _moved(environment: Mapping[str, str]) -> tuple[str, ...]:
+    with contextlib.suppress(ConfigError):  # that is told as what is wrong with the settings
+        return read(environment, with_file=expects_robot_file(environment)).moved
+    return ()
 
 
 def _unranked_hands(environment: Mapping[str, str]) -> tuple[str, ...]:

@@ -14,11 +14,13 @@ from typing import Final, Literal
 
 import tomlkit
 
+from giraff_base.config import BaseConfig
 from giraff_cli.network.ports import port_or_any
 from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
+from giraff_node.config.moved import current_name
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.services import DEMONSTRATION
@@ -103,6 +105,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     try:
         environment = _environment(os.environ, hand, local=local, web=web)
         robot = load("robot", RobotConfig, environment)
+        drive = load("base", BaseConfig, environment).drive
         network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
     except ConfigError as error:
@@ -112,7 +115,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     try:
         room = read_room(world)
         drawn = draw_truth(truth, sim.truth, seed, robot.calibration)
-        world_of(room, robot, sim, make_hand(held_by, room, seed, 0.0), seed, truth=drawn)
+        world_of(room, robot, drive, sim, make_hand(held_by, room, seed, 0.0), seed, truth=drawn)
     except RoomError as error:
         raise PlanError(f"--world: {error}") from error
     except ScriptError as error:
@@ -157,7 +160,8 @@ def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
 
 
 def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool) -> dict[str, str]:
-    environment = {**KNOWN, **given}
+    set_already = {current_name(name) for name in given}
+    environment = {name: value for name, value in KNOWN.items() if name not in set_already} | dict(given)
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")
         environment["GIRAFF_CONFIG"] = str(here if here.is_file() else ROOT / "deploy" / "robot.toml")

@@ -71,7 +71,6 @@ class RecordingViewer:
 def _geometry(recording: Recording) -> RobotConfig:
     """As it was when it was recorded, if the recording says so."""
     try:
-        tables = msgspec.json.decode(recording.about["tables"])
-        return msgspec.convert(tables["robot"] | {"name": recording.robot}, RobotConfig, strict=False)
-    except (KeyError, TypeError, msgspec.MsgspecError):
+        return msgspec.convert(recording.tables()["robot"] | {"name": recording.robot}, RobotConfig, strict=False)
+    except (KeyError, TypeError, RecordingError, msgspec.MsgspecError):
         return known_robot(recording.robot)

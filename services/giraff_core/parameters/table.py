@@ -40,6 +40,10 @@ class Parameters(Generic[ConfigT]):
         self._live = live_fields(type(filed))
         # Read from their source now: the turn that answers a question is one that stops motors, too.
         self._documented = {**_described(type(filed)), **_described(type(robot), _SHARED)}
+        self._kinds = {name: value for name in self._live if _is_told_apart(value := getattr(filed, name))}
+        for name, value in self._kinds.items():
+            kind: type[msgspec.Struct] = type(value)
+            self._documented |= _described(kind, f"{name}.")
         self._robot = robot
 
     def restore(self, saved: Mapping[str, Any]) -> list[str]:
@@ -78,7 +82,11 @@ class Parameters(Generic[ConfigT]):
         own = [
             self._described(name, now[name], filed[name], saved=self.saved.get(name, filed[name]) == now[name])
             for name in self._live
+            if name not in self._kinds
         ]
+        for name, kind in self._kinds.items():
+            fields = ((f"{name}.{field}", filed[name][field]) for field in kind.__struct_fields__)
+            own += [self._described(field, value, value, saved=True) for field, value in fields]
         own += [self._described(_SHARED + name, value, value, saved=True) for name, value in shared.items()]
         wanted = set(names)
         return tuple(param for param in own if not wanted or param.name in wanted)
@@ -130,7 +138,8 @@ class Parameters(Generic[ConfigT]):
 
     def _unknown(self, name: str) -> str:
         if name in self._documented:
-            return f"{name} is shared by all services: it takes the robot file and a restart"
+            who = "shared by all services" if name.startswith(_SHARED) else "fixed"
+            return f"{name} is {who}: it takes the robot file and a restart"
         import difflib  # noqa: PLC0415  for what is mistyped, which is seldom
 
         close = difflib.get_close_matches(name, self._live, n=1)
@@ -142,6 +151,11 @@ def _plain(config: msgspec.Struct) -> dict[str, Any]:
     """By field, what JSON has."""
     plain: dict[str, Any] = msgspec.to_builtins(config)
     return plain
+
+
+def _is_told_apart(value: Any) -> bool:
+    """Whether a field holds a table of one of several kinds. Each field of that is a parameter."""
+    return isinstance(value, msgspec.Struct) and value.__struct_config__.tag is not None
 
 
 def _shown(value: Any) -> str:

@@ -1,13 +1,14 @@
 """Strict configuration: the robot file (TOML, one table a service), then the environment.
 
 The file is $GIRAFF_CONFIG, else `deploy/robot.toml` below the working directory; /dev/null is an empty one. A variable
-GIRAFF_<TABLE>_<FIELD> (GIRAFF_BASE_PORT, GIRAFF_ROBOT_NAME) overrides one field. Anything unknown is an error that
-suggests the right word.
+GIRAFF_<TABLE>_<FIELD> (GIRAFF_BASE_PORT, GIRAFF_ROBOT_NAME) overrides one field; two underscores go into a table
+(GIRAFF_BASE_DRIVE__MAX_LEVEL). Anything unknown is an error that suggests the right word.
 """
 
 from __future__ import annotations
 
 import os
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ from typing import Any, Final, NamedTuple, TypeVar, get_type_hints
 import msgspec
 import msgspec.inspect
 
+from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.services import SERVICES
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
@@ -27,6 +29,9 @@ _DEEPEST: Final = 20
 """Tables and lists within each other."""
 _TOO_DEEP: Final = "it is nested too deeply"
 _BITS: Final = 63  # besides the sign
+_PLACE: Final = re.compile(r"at `\$\.([^`]*)`")
+_UNKNOWN: Final = re.compile(r"unknown field `([^`]*)`")
+_NO_DRIVE: Final = "Object missing required field `drive`"
 DEFAULT_FILE = Path("deploy/robot.toml")
 """The robot file below the working directory, where GIRAFF_CONFIG names no other."""
 NO_FILE: Final = os.devnull
@@ -47,6 +52,8 @@ class RawSettings(NamedTuple):
     """What belongs to no table, in the order in which it was met."""
     variables: tuple[str, ...]
     """Those of the environment that have set a field."""
+    moved: tuple[str, ...] = ()
+    """What is written as it was before, each with what to write now. It counts all the same."""
 
     def table(self, name: str, config: type[ConfigT]) -> ConfigT:
         """The checked table as a `config`, whose fields' defaults stand for what is left out. Raises ConfigError."""
@@ -56,11 +63,14 @@ class RawSettings(NamedTuple):
             return msgspec.convert(values, config, strict=False)
         except msgspec.ValidationError as error:
             told = _with_key(str(error), values, config)
+            if (name, told) == ("base", _NO_DRIVE):
+                told = "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"
             raise ConfigError(f"{self.place(name)}: {told}{_hint(values, config, told)}") from error
 
     def place(self, table: str) -> str:
         """Where an error of this table is to be looked for."""
-        given = [name for name in self.variables if name.upper().startswith(f"GIRAFF_{table.upper()}_")]
+        prefix = f"GIRAFF_{table.upper()}_"
+        given = [name for name in self.variables if current_name(name).upper().startswith(prefix)]
         variables = f" (with {', '.join(sorted(given))} of the environment)" if given else ""
         return f"{self.where}: table [{table}]{variables}"
 
@@ -108,33 +118,45 @@ def expects_robot_file(environment: Mapping[str, str] = os.environ) -> bool:
 
 def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> RawSettings:
     """The robot file and the environment's overrides; the latter alone, if so wanted. Raises ConfigError."""
-    tables: dict[str, dict[str, Any]] = {}
-    strange = []
-    where = "environment"
-    if with_file:
-        path = robot_file(environment)
-        where = str(path)
-        for name, table in _parsed(path).items():
-            if name not in TABLES:
-                what = f"{path}: unknown table [{name}]{suggestion(name, TABLES)}"
-                strange.append(UnknownEntry(name.lower(), table, what))
-            elif isinstance(table, dict):
-                tables[name] = table
-            else:
-                what = f"{path}: {name} is a value where the table [{name}] belongs"
-                strange.append(UnknownEntry(name, table, what))
+    filed = _read_file(robot_file(environment)) if with_file else RawSettings("environment", {}, (), ())
+    tables, strange, moved = filed.tables, [*filed.strange], [*filed.moved]
     variables = []
-    for variable, text in environment.items():
+    for variable, text in sorted(environment.items(), key=_depth):
         if not variable.startswith("GIRAFF_") or variable in _NOT_FIELDS:
             continue
+        current = current_name(variable)
         try:
-            table_name, field, value = _override(variable, text)
+            _override(tables, variable, text)
+            if current != variable:
+                name_type(tables)
+                moved.append(f"{variable} has another name now; write {current}")
+                _require_once(variable, current, environment)
         except ConfigError as error:
             strange.append(UnknownEntry(variable.removeprefix("GIRAFF_").lower(), text, str(error), variable))
         else:
             variables.append(variable)
-            tables.setdefault(table_name, {})[field] = value
-    return RawSettings(where, tables, tuple(strange), tuple(variables))
+    return RawSettings(filed.where, tables, tuple(strange), tuple(variables), tuple(moved))
+
+
+def _read_file(path: Path) -> RawSettings:
+    found = modern(_parsed(path))
+    tables = {}
+    strange = [UnknownEntry("drive", None, f"{path}: {found.twice}")] if found.twice else []
+    for name, table in found.tables.items():
+        if name not in TABLES:
+            what = f"{path}: unknown table [{name}]{suggestion(name, TABLES)}"
+            strange.append(UnknownEntry(name.lower(), table, what))
+        elif isinstance(table, dict):
+            tables[name] = table
+        else:
+            what = f"{path}: {name} is a value where the table [{name}] belongs"
+            strange.append(UnknownEntry(name, table, what))
+    return RawSettings(str(path), tables, tuple(strange), (), (f"{path}: {found.moved}",) if found.moved else ())
+
+
+def _depth(item: tuple[str, str]) -> int:
+    """A whole table comes before its fields."""
+    return item[0].count("__")
 
 
 def read_tables(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> dict[str, dict[str, Any]]:
@@ -164,27 +186,61 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path}: cannot be read: {error.strerror}") from error
 
 
-def _override(variable: str, text: str) -> tuple[str, str, Any]:
-    """Table, field and value. Raises ConfigError."""
+def _override(tables: dict[str, dict[str, Any]], variable: str, text: str) -> None:
+    """Set what a variable says. Raises ConfigError."""
     table, _, field = variable.removeprefix("GIRAFF_").lower().partition("_")
     if table not in TABLES or not field:
         tables_there = [f"GIRAFF_{table.upper()}_…" for table in TABLES]
         raise ConfigError(f"{variable}: names no field; there are {', '.join(tables_there)} and GIRAFF_CONFIG")
-    return table, field, _value(variable, text)
+    try:
+        put(tables, path_of(variable), _value(variable, text))
+    except TypeError as error:
+        raise ConfigError(f"{variable}: cannot be set: {error}") from error
+
+
+def _require_once(variable: str, current: str, environment: Mapping[str, str]) -> None:
+    if current in environment:
+        raise ConfigError(f"{variable} and {current} set the same field; remove {variable}")
 
 
 def _hint(values: Mapping[str, Any], config: type[msgspec.Struct], told: str) -> str:
-    """The word that was meant, for one that there is not."""
-    info = msgspec.inspect.type_info(config)
-    assert isinstance(info, msgspec.inspect.StructType)  # noqa: S101  it is one
-    fields = {field.name: field.type for field in info.fields}
-    for name, value in values.items():
-        if name not in fields:
-            return suggestion(name, tuple(fields))
-        kind = fields[name]
-        if isinstance(kind, msgspec.inspect.LiteralType) and value not in kind.values and f"`$.{name}`" in told:
-            return suggestion(str(value), tuple(map(str, kind.values)))
-    return ""
+    """Return the word that was meant, for one that does not exist; `told` says in which table it stands."""
+    found, unknown = _PLACE.search(told), _UNKNOWN.search(told)
+    keys = found[1].split(".") if found else []
+    kind: Any = msgspec.inspect.type_info(config)
+    inner: Any = values
+    for key in keys if unknown else keys[:-1]:
+        kind, inner = _type_of(kind, inner, key), inner.get(key)
+        if not isinstance(inner, dict):
+            return ""
+    structs = _structs(kind, inner)
+    if unknown:
+        return suggestion(unknown[1], [field.name for struct in structs for field in struct.fields])
+    known = _words(kind, inner, keys[-1]) if keys else ()
+    return suggestion(str(inner.get(keys[-1])), known) if known and inner.get(keys[-1]) not in known else ""
+
+
+def _structs(kind: Any, values: Mapping[str, Any]) -> list[msgspec.inspect.StructType]:
+    """Return those of a type; where a tag tells several apart, the one that is meant, else all."""
+    kinds = kind.types if isinstance(kind, msgspec.inspect.UnionType) else (kind,)
+    structs = [each for each in kinds if isinstance(each, msgspec.inspect.StructType)]
+    tagged = [each for each in structs if each.tag_field and values.get(each.tag_field) == each.tag]
+    return tagged or structs
+
+
+def _type_of(kind: Any, values: Mapping[str, Any], key: str) -> Any:
+    """Return the type of what stands under this key; None: there is no such key."""
+    if isinstance(kind, msgspec.inspect.DictType):
+        return kind.value_type
+    fields = (field for struct in _structs(kind, values) for field in struct.fields)
+    return next((field.type for field in fields if field.name == key), None)
+
+
+def _words(kind: Any, values: Mapping[str, Any], key: str) -> Sequence[str]:
+    """Return the words that may stand under this key; none where anything may."""
+    tags = [str(each.tag) for each in _structs(kind, {}) if each.tag_field == key]
+    inner = _type_of(kind, values, key)
+    return tags or (tuple(map(str, inner.values)) if isinstance(inner, msgspec.inspect.LiteralType) else ())
 
 
 def _with_key(told: str, values: Mapping[str, Any], config: type[msgspec.Struct]) -> str:

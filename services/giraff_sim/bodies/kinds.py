@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from giraff_base.config import DriveConfig
 from giraff_core.robot import RobotConfig
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.config import SimConfig
@@ -14,6 +15,7 @@ from giraff_sim.world.world import STEP_US, World
 def world_of(
     room: Room,
     robot: RobotConfig,
+    drive: DriveConfig,
     sim: SimConfig,
     hand: Hand,
     seed: int,
@@ -21,4 +23,4 @@ def world_of(
     truth: Truth = EXACT,
 ) -> World:
     """Set the robot of the file at rest at the room's start."""
-    return World(room, robot, WheelsBody(robot, sim, room, truth), sim, hand, seed, step_us, truth)
+    return World(room, robot, WheelsBody(robot, drive, sim, room, truth), sim, hand, seed, step_us, truth)

@@ -43,7 +43,7 @@ _DRIVES: Final = 0.2  # m of path that count as driving
 SIM: Final = SimConfig()
 _GIVEN: Final = {
     "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
-    "GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT": "0.03",
+    "GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT": "0.03",
     **KNOWN,
 }
 
@@ -272,7 +272,8 @@ def play(
     until_rule: str = "",
 ) -> Outcome:
     """Run a scenario to its end, or until `until_rule` is violated. `build`: where the boards were compiled to."""
-    world = world_of(scenario.room, settings.robot, SIM, scenario.hand, scenario.seed, _STEP_US, scenario.truth)
+    robot, drive = settings.robot, settings.base.drive
+    world = world_of(scenario.room, robot, drive, SIM, scenario.hand, scenario.seed, _STEP_US, scenario.truth)
     with simulation(world, implementation=Implementation.HOST, build=build) as running:
         run = Drill(running, settings, services or Services(), scenario)
         run.run(until_rule)

@@ -48,7 +48,7 @@ def command(
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path_factory.mktemp("r")))  # short, as the path of a socket must be
     (tmp_path / "world.toml").write_text(SMALL_ROOM)
     with command_in(tmp_path) as made:
-        made.environment["GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT"] = "0.03"
+        made.environment["GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT"] = "0.03"
         yield made
 
 

@@ -79,7 +79,7 @@ def test_a_wiring_is_found_proved_and_written(robot: ProcessRobot, robot_file: P
     with check(robot, robot_file) as process:
         out, err = process.communicate(answers(wiring), timeout=PATIENCE)
     assert (process.returncode, err) == (0, ""), out
-    table = tomllib.loads(robot_file.read_text(encoding="utf-8"))["robot"]
+    table = tomllib.loads(robot_file.read_text(encoding="utf-8"))["base"]["drive"]
     found = {bit for bit in Wiring if bit.name is not None and table[bit.name.lower()]}
     assert found == {bit for bit in Wiring if bit in wiring}
     assert not robot.drives()

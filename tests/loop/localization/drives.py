@@ -37,7 +37,7 @@ from giraff_sim.world.room import Pose
 from giraff_sim.world.sonar import SonarFault
 from tests.loop.localization import floors
 from tests.loop.localization.floors import FILES, Cell, Differences, Floor, Rectangle, floor, start_at
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 from tests.support.wheels import wheels_of
 
 _KEPT: Final = BUILD / "localization"
@@ -134,7 +134,7 @@ class _Run:
         start_at(self._floor, self._random.choice(self._cells), self._random.uniform(-math.pi, math.pi))
         sim = SimConfig()
         truth = draw_truth("uncalibrated", sim.truth, seed)
-        self._world = world_of(self._floor.room, ROBOT, sim, StillHand(), seed, truth=truth)
+        self._world = world_of(self._floor.room, ROBOT, DRIVE, sim, StillHand(), seed, truth=truth)
         self._plant = wheels_of(self._world).plant
         for number, sonar in self._world.sonars.items():
             sonar.fault, sonar.wild_share = SonarFault.WILD_SOME, variation.wild_share
@@ -183,7 +183,7 @@ class _Run:
             error = self._speeds[side] - wheel.speed
             self._integrals[side] = min(0.3, max(-0.3, self._integrals[side] + 3.0 * error * CONTROL_MS / 1000.0))
             level = self._speeds[side] + 2.0 * error + self._integrals[side]
-            self._duties[side] = min(255.0, max(-255.0, level * ROBOT.max_level / ROBOT.max_wheel_speed))
+            self._duties[side] = min(255.0, max(-255.0, level * DRIVE.max_level / ROBOT.max_wheel_speed))
 
     def _kidnap(self) -> None:
         away = self._driver.field(self._floor.cell(*self._plant.pose[:2]))

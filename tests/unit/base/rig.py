@@ -5,9 +5,9 @@ from __future__ import annotations
 import msgspec
 
 from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.estop import RELEASED, EStopLatch
 from giraff_base.policy import BasePolicy
-from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import BaseState, GuardedCommand, RobotTime, Source, Wheels
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,
@@ -26,10 +26,11 @@ from giraff_schemas.wire import (
     WheelsFrame,
 )
 from tests.support import robots
+from tests.support.robots import DRIVE
 
 ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
-BY_SPEED = msgspec.structs.replace(ROBOT, wheel_control="speed")
-CONFIG = BaseConfig(port="unused")
+BY_SPEED = msgspec.structs.replace(DRIVE, wheel_control="speed")
+CONFIG = robots.BASE
 EPOCH = 7
 STEP_NS = WHEELS_PERIOD_MS * 1_000_000
 COMMAND_STEPS = 2
@@ -99,7 +100,7 @@ class Board:
             if self._time_left_ms <= 0:
                 self.drive_state, self.levels = DriveState.COMMAND_TIMEOUT, (0, 0)
         for wheel, level in enumerate(self.levels):
-            wanted = level * ROBOT.max_wheel_speed / ROBOT.max_level
+            wanted = level * ROBOT.max_wheel_speed / DRIVE.max_level
             self.speeds[wheel] += (wanted - self.speeds[wheel]) * WHEELS_PERIOD_MS / 1000 / _TIME_CONSTANT
             if abs(self.speeds[wheel]) < _STICTION:
                 self.speeds[wheel] = 0.0
@@ -182,7 +183,7 @@ class Board:
         if not opens and self.drive_state != DriveState.ACTIVE:
             return Refusal.AWAITING_ZERO
         left, right = asked
-        scale = ROBOT.max_level / (ROBOT.max_wheel_speed * 1e6) if by_speed else 1
+        scale = DRIVE.max_level / (ROBOT.max_wheel_speed * 1e6) if by_speed else 1
         self.drive_state, self.levels = DriveState.ACTIVE, (round(left * scale), round(right * scale))
         self._time_left_ms = COMMAND_TIMEOUT_MS
         return Refusal.NONE
@@ -221,8 +222,8 @@ class Sent(msgspec.Struct, frozen=True):
 class Rig:
     """Base, its board, a guard and the hand behind it. The attributes are what the next commands say."""
 
-    def __init__(self, config: BaseConfig = CONFIG, robot: RobotConfig = ROBOT, latch: EStopLatch = RELEASED) -> None:
-        self.base = BasePolicy(config, robot, latch)
+    def __init__(self, config: BaseConfig = CONFIG, drive: WheelsConfig = DRIVE, latch: EStopLatch = RELEASED) -> None:
+        self.base = BasePolicy(msgspec.structs.replace(config, drive=drive), ROBOT, latch)
         self.board = Board(board_us=0xFFFFFFFF - 2_000_000)  # its clock wraps in the course of a test
         self.robot_ns = 1_000_000_000_000
         self.sent: list[Sent] = []

@@ -12,7 +12,8 @@ from giraff_base.estop import EStopLatch
 from giraff_schemas.messages import GuardedCommand, RobotTime
 from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, Latch, SpeedFlag, SpeedFrame
-from tests.unit.base.rig import BY_SPEED, EPOCH, ROBOT, Board, Rig, Sent, demand
+from tests.support.robots import DRIVE
+from tests.unit.base.rig import BY_SPEED, EPOCH, Board, Rig, Sent, demand
 
 NS = 1_000_000_000
 FULL, EMPTY = 800, 600
@@ -113,10 +114,10 @@ class Events:
 
     def __init__(self, checked: bool, by_speed: bool) -> None:
         self.checked = checked
-        robot = BY_SPEED if by_speed else ROBOT
+        drive = BY_SPEED if by_speed else DRIVE
         self.frames: type[Frame] = SpeedFrame if by_speed else DriveFrame
-        self.most = 600_000 if by_speed else ROBOT.max_level
-        self.rig = Rig(robot=robot if checked else msgspec.structs.replace(robot, invert_left_motor=None))
+        self.most = 600_000 if by_speed else DRIVE.max_level
+        self.rig = Rig(drive=drive if checked else msgspec.structs.replace(drive, invert_left_motor=None))
         self.judge = Judge()
         self.session = 99
 

@@ -6,10 +6,10 @@ import msgspec
 import pytest
 
 from giraff_base.battery import BatteryWatch
-from giraff_base.config import BaseConfig
-from tests.unit.base.rig import CONFIG, ROBOT, Rig, moving
+from tests.support.robots import DRIVE
+from tests.unit.base.rig import CONFIG, Rig, moving
 
-VOLTS_PER_COUNT = ROBOT.battery_volts_per_count
+VOLTS_PER_COUNT = DRIVE.battery_volts_per_count
 
 
 def charge(rig: Rig, volts: float) -> None:
@@ -103,7 +103,7 @@ def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:
 
 
 def test_a_battery_whose_divider_is_unknown_says_nothing() -> None:
-    rig = Rig(robot=msgspec.structs.replace(ROBOT, battery_volts_per_count=0.0))
+    rig = Rig(drive=msgspec.structs.replace(DRIVE, battery_volts_per_count=0.0))
     rig.board.battery_adc_counts = 0
     rig.run(10.0)
     assert rig.base.faults["battery"] == ""
@@ -111,14 +111,14 @@ def test_a_battery_whose_divider_is_unknown_says_nothing() -> None:
 
 
 def test_limits_that_are_off_never_apply() -> None:
-    watch = BatteryWatch(BaseConfig(port="unused", battery_low=0.0, battery_cutoff=0.0))
+    watch = BatteryWatch(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=0.0))
     for second in range(100):
         watch.take(0.0, second * 1_000_000_000)
     assert (watch.share, watch.warning, watch.stops) == (1.0, "", "")
 
 
 def test_a_cutoff_alone_needs_half_a_volt_more_to_drive_again() -> None:
-    watch = BatteryWatch(BaseConfig(port="unused", battery_low=0.0, battery_cutoff=20.0))
+    watch = BatteryWatch(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=20.0))
     moment = 0
     for volts, stops in ((19.0, True), (20.4, True), (20.5, False)):
         for _ in range(10):

@@ -10,8 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_base.drives.wheels.drive import WheelsDrive
-from giraff_base.estop import RELEASED
-from giraff_base.policy import BasePolicy
 from giraff_schemas.wire import (
     PROTOCOL_HASH,
     WHEELS_PERIOD_MS,
@@ -23,7 +21,8 @@ from giraff_schemas.wire import (
     Refusal,
     Wiring,
 )
-from tests.unit.base.rig import CONFIG, ROBOT, Board, Rig, moving
+from tests.support.robots import DRIVE
+from tests.unit.base.rig import CONFIG, ROBOT, Rig, moving
 
 
 def frames_until(rig: Rig, seconds: float) -> list[Frame]:
@@ -31,7 +30,7 @@ def frames_until(rig: Rig, seconds: float) -> list[Frame]:
 
 
 def test_a_board_without_our_session_is_configured_until_it_has_it() -> None:
-    rig = Rig(robot=msgspec.structs.replace(ROBOT, swap_motors=True, invert_right_encoder=True, max_level=50))
+    rig = Rig(drive=msgspec.structs.replace(DRIVE, swap_motors=True, invert_right_encoder=True, max_level=50))
     rig.board.ignores_configure = True
     frames = frames_until(rig, 1.0)
     assert all(isinstance(frame, ConfigureFrame) for frame in frames)
@@ -253,14 +252,14 @@ def test_the_one_that_goes_on_does_not_leap_where_the_other_ends(ends: str) -> N
     rig.tilt(0.6, 2.0)
     rig.run(1.5)
     left, right = rig.sent[-1].levels
-    assert max(left, right) == ROBOT.max_level
+    assert max(left, right) == DRIVE.max_level
     if ends == "travel":
         rig.tilt(0.0, 2.0)
         before, step = (right - left) / 2, CONFIG.angular_acceleration * ROBOT.track_width / 2
     else:
         rig.tilt(0.6, 0.0)
         before, step = (right + left) / 2, CONFIG.linear_acceleration
-    step *= WHEELS_PERIOD_MS * 1e-3 * ROBOT.max_level / ROBOT.max_wheel_speed
+    step *= WHEELS_PERIOD_MS * 1e-3 * DRIVE.max_level / ROBOT.max_wheel_speed
     alone = [each.levels[1] for each in rig.run(0.5) if abs(each.levels[0]) == abs(each.levels[1])]
     assert alone[0] <= before + 2 * step + 1, "the guard speaks each second report"
     assert all(after <= now + step + 1 for now, after in pairwise(alone))
@@ -367,10 +366,9 @@ def test_battery_is_published_where_its_divider_is_known() -> None:
     battery = rig.base.battery()
     assert battery is not None
     assert battery.voltage == pytest.approx(24.0)
-    unknown = BasePolicy(CONFIG, msgspec.structs.replace(ROBOT, battery_volts_per_count=0.0), RELEASED)
-    unknown.on_link_opened(session=1)
-    unknown.on_frames([Board().report()], rig.now)
-    assert unknown.battery() is None
+    unknown = Rig(drive=msgspec.structs.replace(DRIVE, battery_volts_per_count=0.0))
+    unknown.run(0.1)
+    assert unknown.base.battery() is None
 
 
 @given(state=st.sampled_from(DriveState), refusal=st.sampled_from(Refusal))

@@ -1,11 +1,11 @@
 """What a robot file that leaves it out says of [base]."""
 
-from giraff_base.config import BaseConfig
+from tests.support.robots import BASE
 
 
 def test_what_a_robot_file_leaves_out_is_what_safety_was_reckoned_with() -> None:
     """Each stands in the figures of docs/safety.md: to change one is to measure them again."""
-    default = BaseConfig(port="unused")
+    default = BASE
     assert (default.operator_budget, default.guard_budget, default.range_budget) == (0.4, 0.2, 0.4)
     assert (default.reset_budget, default.disarm_time, default.guard_silence) == (1.0, 1.0, 0.5)
     assert (default.arm_time, default.neutral_gap) == (0.2, 0.1)

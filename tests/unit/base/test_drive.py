@@ -10,9 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_base.drives.wheels.commands import WheelsCommands
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
 from giraff_base.ramp import Ramp, ramped
 from giraff_core.robot import RobotConfig
+from tests.support.robots import DRIVE
 from tests.unit.base.rig import BY_SPEED, ROBOT
 
 LINEAR = st.floats(-3.0, 3.0)
@@ -20,8 +22,8 @@ ANGULAR = st.floats(-10.0, 10.0)
 HALF_TRACK = ROBOT.track_width / 2
 
 
-def demand(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple[int, int]:
-    return WheelDemand(robot, WheelsCommands()).of(linear_x, angular_z)
+def demand(linear_x: float, angular_z: float, drive: WheelsConfig, robot: RobotConfig = ROBOT) -> tuple[int, int]:
+    return WheelDemand(robot, drive, WheelsCommands()).of(linear_x, angular_z)
 
 
 @pytest.mark.parametrize(
@@ -41,7 +43,7 @@ def demand(linear_x: float, angular_z: float, robot: RobotConfig) -> tuple[int, 
     ],
 )
 def test_table_of_twists(linear_x: float, angular_z: float, levels: tuple[int, int]) -> None:
-    assert demand(linear_x, angular_z, ROBOT) == levels
+    assert demand(linear_x, angular_z, DRIVE) == levels
 
 
 @pytest.mark.parametrize(
@@ -64,31 +66,31 @@ def test_table_of_twists_by_speed(linear_x: float, angular_z: float, um_s: tuple
 def test_no_wheel_is_asked_for_more_than_the_board_grants(
     linear_x: float, angular_z: float, max_wheel_speed: float
 ) -> None:
-    robot = msgspec.structs.replace(BY_SPEED, max_wheel_speed=max_wheel_speed)
-    assert max(map(abs, demand(linear_x, angular_z, robot))) <= robot.board_settings(0.0).speed_max_um_s
+    robot = msgspec.structs.replace(ROBOT, max_wheel_speed=max_wheel_speed)
+    most = BY_SPEED.board_settings(robot, 0.0).speed_max_um_s
+    assert max(map(abs, demand(linear_x, angular_z, BY_SPEED, robot))) <= most
 
 
 @given(linear_x=LINEAR, angular_z=ANGULAR, max_level=st.integers(1, 255))
 def test_no_wheel_gets_more_than_the_largest_level(linear_x: float, angular_z: float, max_level: int) -> None:
-    robot = msgspec.structs.replace(ROBOT, max_level=max_level, stall_level=1)
-    assert max(map(abs, demand(linear_x, angular_z, robot))) <= max_level
+    drive = msgspec.structs.replace(DRIVE, max_level=max_level, stall_level=1)
+    assert max(map(abs, demand(linear_x, angular_z, drive))) <= max_level
 
 
 @given(linear_x=LINEAR, angular_z=ANGULAR)
 def test_scaling_keeps_the_curvature(linear_x: float, angular_z: float) -> None:
-    robot = msgspec.structs.replace(ROBOT, max_level=255)
-    left, right = demand(linear_x, angular_z, robot)
+    left, right = demand(linear_x, angular_z, msgspec.structs.replace(DRIVE, max_level=255))
     wanted = (linear_x - angular_z * HALF_TRACK, linear_x + angular_z * HALF_TRACK)
-    share = min(1.0, robot.max_wheel_speed / max(*map(abs, wanted), robot.max_wheel_speed))
+    share = min(1.0, ROBOT.max_wheel_speed / max(*map(abs, wanted), ROBOT.max_wheel_speed))
     for level, speed in zip((left, right), wanted, strict=True):
-        assert abs(level - speed * share * 255 / robot.max_wheel_speed) <= 0.5 + 1e-9
+        assert abs(level - speed * share * 255 / ROBOT.max_wheel_speed) <= 0.5 + 1e-9
 
 
 @given(linear_x=LINEAR, angular_z=ANGULAR)
 def test_the_mirrored_twist_gives_the_mirrored_levels(linear_x: float, angular_z: float) -> None:
-    left, right = demand(linear_x, angular_z, ROBOT)
-    assert demand(linear_x, -angular_z, ROBOT) == (right, left)
-    assert demand(-linear_x, -angular_z, ROBOT) == (-left, -right)
+    left, right = demand(linear_x, angular_z, DRIVE)
+    assert demand(linear_x, -angular_z, DRIVE) == (right, left)
+    assert demand(-linear_x, -angular_z, DRIVE) == (-left, -right)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from giraff_base.estop import RELEASED, EStopControl, EStopLatch
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.wire import ConfigureFrame, DriveFrame, DriveState, EstopFrame, Latch
-from tests.unit.base.rig import EPOCH, ROBOT, Rig, moving
+from tests.unit.base.rig import EPOCH, Rig, moving
 
 ENGAGED = EStopLatch(engaged=True, id=7, by="keyboard", reason="space bar; to go on: giraff estop reset")
 
@@ -355,6 +355,6 @@ def test_an_engaging_takes_back_a_release_under_way() -> None:
 
 
 def test_a_released_latch_is_what_a_new_robot_needs() -> None:
-    rig = Rig(robot=ROBOT, latch=RELEASED)
+    rig = Rig(latch=RELEASED)
     rig.drive(0.6)
     assert rig.base.latch == RELEASED

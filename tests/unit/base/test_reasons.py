@@ -7,12 +7,13 @@ from collections.abc import Callable
 import msgspec
 import pytest
 
-from giraff_core.robot import RobotConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.wire import DriveState, Latch
-from tests.unit.base.rig import ROBOT, Rig, moving
+from tests.support.robots import DRIVE
+from tests.unit.base.rig import Rig, moving
 
-UNCHECKED = msgspec.structs.replace(ROBOT, swap_encoders=None)
+UNCHECKED = msgspec.structs.replace(DRIVE, swap_encoders=None)
 WIRING = ("swap_motors", "swap_encoders", "invert_left_motor", "invert_right_motor")
 
 
@@ -113,9 +114,9 @@ def test_a_robot_that_is_not_armed_says_so_before_what_the_guard_says() -> None:
     assert rig.base.state().reason == "not armed since base has just started; hold the hand level for 0.2 s"
 
 
-@pytest.mark.parametrize("robot", [msgspec.structs.replace(ROBOT, **{name: None}) for name in WIRING])
-def test_wiring_that_nobody_has_checked_never_arms(robot: RobotConfig) -> None:
-    rig = Rig(robot=robot)
+@pytest.mark.parametrize("drive", [msgspec.structs.replace(DRIVE, **{name: None}) for name in WIRING])
+def test_wiring_that_nobody_has_checked_never_arms(drive: WheelsConfig) -> None:
+    rig = Rig(drive=drive)
     rig.run(2.0)
     assert not rig.base.state().armed
     rig.tilt(0.6)
@@ -125,7 +126,7 @@ def test_wiring_that_nobody_has_checked_never_arms(robot: RobotConfig) -> None:
 
 
 def test_unchecked_wiring_is_named_after_the_link_and_before_the_battery() -> None:
-    rig = Rig(robot=UNCHECKED)
+    rig = Rig(drive=UNCHECKED)
     empty_battery(rig)
     assert "giraff check wheels" in rig.base.state().reason
     lose_link(rig)
@@ -133,7 +134,7 @@ def test_unchecked_wiring_is_named_after_the_link_and_before_the_battery() -> No
 
 
 def test_a_latch_of_the_board_is_named_before_unchecked_wiring() -> None:
-    rig = Rig(robot=UNCHECKED)
+    rig = Rig(drive=UNCHECKED)
     rig.run(0.5)
     rig.board.engage(Latch.LEFT_STUCK)
     rig.run(0.1)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from tests.unit.base.rig import CONFIG, ROBOT, Rig
+from tests.support.robots import DRIVE
+from tests.unit.base.rig import CONFIG, Rig
 
 
 def tightened(rig: Rig, **changes: float) -> None:
@@ -55,7 +56,7 @@ def test_a_guards_command_older_than_the_new_budget_is_not_admitted() -> None:
 def test_a_battery_below_the_new_limits_slows_and_stops() -> None:
     rig = Rig()
     rig.drive(0.6)
-    volts = rig.board.battery_adc_counts * ROBOT.battery_volts_per_count
+    volts = rig.board.battery_adc_counts * DRIVE.battery_volts_per_count
     tightened(rig, battery_low=volts + 1.0)
     assert rig.run(6.0)[-1].levels == (35, 35)
     tightened(rig, battery_low=volts + 1.0, battery_cutoff=volts + 0.5)

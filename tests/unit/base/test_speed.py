@@ -7,8 +7,9 @@ from itertools import pairwise
 import msgspec
 import pytest
 
-from giraff_core.robot import RobotConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, SpeedFlag, SpeedFrame
+from tests.support.robots import DRIVE
 from tests.unit.base.rig import BY_SPEED, CONFIG, ROBOT, Rig, moving
 
 FULL_UM_S = 600_000
@@ -28,7 +29,7 @@ HELD = [
 
 
 def at_speed() -> Rig:
-    rig = Rig(robot=BY_SPEED)
+    rig = Rig(drive=BY_SPEED)
     rig.drive(0.6)
     return rig
 
@@ -38,12 +39,12 @@ def test_the_board_is_told_what_it_needs_to_hold_a_speed() -> None:
     asked = rig.board.configured[0]
     assert (asked.session, asked.boot_id) == (99, 1)
     # 0.6 m/s² and 2.5 rad/s² at half the track, at once.
-    expected = BY_SPEED.board_settings(0.6 + 2.5 * 0.235)
+    expected = BY_SPEED.board_settings(ROBOT, 0.6 + 2.5 * 0.235)
     assert msgspec.structs.replace(asked, seq=0, boot_id=0, board_ms=0, session=0) == expected
 
 
 def test_the_board_lets_a_wheel_start_as_fast_as_base_does() -> None:
-    rig = Rig(robot=BY_SPEED)
+    rig = Rig(drive=BY_SPEED)
     rig.arm()
     rig.tilt(0.6, 1.0)
     steps = [after.um_s[1] - before.um_s[1] for before, after in pairwise(rig.run(0.3))]
@@ -62,9 +63,9 @@ def test_starts_are_ramped_and_stops_are_not() -> None:
     assert rig.run(1.0)[-1].um_s == (-235_000, 235_000)
 
 
-@pytest.mark.parametrize(("robot", "kind"), [(BY_SPEED, SpeedFrame), (ROBOT, DriveFrame)])
-def test_each_robot_gets_frames_of_one_kind(robot: RobotConfig, kind: type[Frame]) -> None:
-    rig = Rig(robot=robot)
+@pytest.mark.parametrize(("drive", "kind"), [(BY_SPEED, SpeedFrame), (DRIVE, DriveFrame)])
+def test_each_robot_gets_frames_of_one_kind(drive: WheelsConfig, kind: type[Frame]) -> None:
+    rig = Rig(drive=drive)
     rig.drive(0.6, 0.5)
     rig.guard_speaks = False
     rig.run(0.5)
@@ -74,7 +75,7 @@ def test_each_robot_gets_frames_of_one_kind(robot: RobotConfig, kind: type[Frame
 
 
 def test_driving_is_that_a_wheel_is_asked_to_turn() -> None:
-    rig = Rig(robot=BY_SPEED)
+    rig = Rig(drive=BY_SPEED)
     rig.arm()
     assert not rig.base.state().driving
     rig.tilt(0.004)  # slower than anything can tell from standing

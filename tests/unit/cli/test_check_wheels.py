@@ -10,9 +10,11 @@ from typing import ClassVar
 
 import pytest
 
+from giraff_base.config import BaseConfig
 from giraff_cli.check import wheels as check_wheels
 from giraff_cli.check.bench import BenchError, Levels
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError
+from giraff_node.config.robot_file import load
 from giraff_schemas.wire import Latch, Wiring
 from giraff_sim.board import ROOT
 
@@ -106,9 +108,19 @@ def test_any_wiring_is_found_proved_and_written(bits: int, path: Path, monkeypat
     monkeypatch.setattr(Bench, "truth", truth)
     answer(monkeypatch, *honest(truth))
     assert check_wheels.check_wheels("port") == 0
-    robot = tomllib.loads(path.read_text(encoding="utf-8"))["robot"]
+    robot = tomllib.loads(path.read_text(encoding="utf-8"))["base"]["drive"]
     assert {name: robot[name] for name in FIELDS} == {name: Wiring[name.upper()] in truth for name in FIELDS}
     assert Bench.made.closed
+
+
+def test_a_robot_file_of_before_gets_them_where_it_has_the_others(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A field in both tables would be refused."""
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace("max_level = 70", "").replace("[robot]", "[robot]\nmax_level = 70"), encoding="utf-8")
+    answer(monkeypatch, *honest(Wiring(0)))
+    assert check_wheels.check_wheels("port") == 0
+    assert load("base", BaseConfig).drive.wiring_checked
+    assert tomllib.loads(path.read_text(encoding="utf-8"))["robot"].keys() >= {"max_level", *FIELDS}
 
 
 TRUTH = Wiring.SWAP_ENCODERS | Wiring.INVERT_RIGHT_MOTOR

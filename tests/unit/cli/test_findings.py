@@ -136,6 +136,7 @@ def test_a_healthy_robot_has_no_findings() -> None:
     ("look", "told"),
     [
         (of_machine(settings_problem="robot.toml: bad; correct it"), "fault robot file: robot.toml: bad -> correct it"),
+        (of_machine(moved_settings=("robot.toml: old; write it",)), "warning robot file: robot.toml: old -> write it"),
         (of_machine(keys_problem="keys of pc: expired; renew", keys_expired=True), "fault certificates: keys of pc"),
         (of_machine(keys_problem="keys of pc: expires soon; renew"), "warning certificates: keys of pc: expires soon"),
         (of_machine(ports=(Port(service="base", problem="silent; look"),)), "fault base's board: silent -> look"),
@@ -268,8 +269,7 @@ def test_this_machines_robot_file_says_nothing_of_another_machines_service() -> 
 
 
 def test_a_geometry_is_taken_out_of_what_a_service_tells() -> None:
-    """Whatever a simulated robot is told by its environment besides."""
-    robot = msgspec.structs.replace(ODOMETRYS, wheel_control="speed", calibration=BUILT.calibration)
+    robot = msgspec.structs.replace(ODOMETRYS, calibration=BUILT.calibration)
     params = Parameters("odometry", OdometryConfig(), robot).describe()
     answer = ParamAnswer(service="odometry", instance="o", host="pc", done=True, reason="", params=params)
     over_the_wire = msgspec.msgpack.decode(msgspec.msgpack.encode(answer), type=ParamAnswer)
@@ -309,6 +309,19 @@ def test_the_robot_files_hands_are_held_against_its_priorities(
 ) -> None:
     (file := tmp_path / "robot.toml").write_text(lines)
     assert look_at_machine("", NetworkConfig(), environment={"GIRAFF_CONFIG": str(file)}).unranked_hands == unranked
+
+
+def test_doctor_reads_what_only_base_reads(tmp_path: Path) -> None:
+    text = (ROOT / "deploy" / "robot.toml").read_text(encoding="utf-8")
+    (file := tmp_path / "robot.toml").write_text(text.replace("max_level = 70", "max_level = 700"), encoding="utf-8")
+    machine = look_at_machine("", NetworkConfig(), environment={"GIRAFF_CONFIG": str(file)})
+    assert "table [base]: max_level is 700: it must be within 1..255" in machine.settings_problem
+    assert machine.moved_settings == ()
+    variable = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), "GIRAFF_ROBOT_MAX_LEVEL": "60"}
+    machine = look_at_machine("", NetworkConfig(), environment=variable)
+    assert machine.settings_problem == ""
+    told = "GIRAFF_ROBOT_MAX_LEVEL has another name now; write GIRAFF_BASE_DRIVE__MAX_LEVEL"
+    assert machine.moved_settings == (told,)
 
 
 @pytest.mark.parametrize("instead", ["run", "play"])

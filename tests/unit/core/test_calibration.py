@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_core.kinematics.calibration import Calibration, Covariance, Scales, cholesky
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 
 entries = st.floats(-0.05, 0.05)  # a variance of three of them is below the largest that is taken
 
@@ -79,6 +79,6 @@ def test_a_larger_wheel_counts_less_a_metre_and_the_board_is_told() -> None:
     assert robot.left_ticks_per_metre == pytest.approx(ROBOT.ticks_per_metre / 1.01)
     assert robot.right_ticks_per_metre == pytest.approx(ROBOT.ticks_per_metre / 0.98)
     assert robot.kinematics.track_width == pytest.approx(1.05 * ROBOT.track_width)
-    settings = robot.board_settings(1.0)
+    settings = DRIVE.board_settings(robot, 1.0)
     assert settings.left_counts_per_km == round(robot.left_ticks_per_metre * 1000)
     assert settings.right_counts_per_km == round(robot.right_ticks_per_metre * 1000)

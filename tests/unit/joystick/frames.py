@@ -13,7 +13,6 @@ ROBOT = msgspec.structs.replace(
     load("robot", RobotConfig, {"GIRAFF_CONFIG": str(Path(__file__).parents[3] / "deploy" / "robot.toml")}),
     track_width=0.47,
     max_wheel_speed=0.6,
-    max_level=70,
     max_angular_speed=1.57,
 )
 ANGLE = JoystickConfig()

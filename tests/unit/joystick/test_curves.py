@@ -10,6 +10,7 @@ from giraff_core.tilt import curves
 from giraff_core.tilt.curves import Curve
 from giraff_joystick.policy import JoystickPolicy, reading
 from giraff_schemas.messages import DriveCommand
+from tests.support.robots import DRIVE
 from tests.unit.joystick.frames import ANGLE, ROBOT, SOURCE, tilt_frame
 
 GRAVITY = 9.80665  # m/s²
@@ -31,7 +32,7 @@ def asked(x: float, y: float, z: float, curve: Curve) -> DriveCommand:
 def levels(command: DriveCommand) -> tuple[float, float]:
     """What the two motors would get, in PWM counts."""
     turn = command.angular_z * ROBOT.track_width / 2.0
-    scale = ROBOT.max_level / ROBOT.max_wheel_speed
+    scale = DRIVE.max_level / ROBOT.max_wheel_speed
     return (command.linear_x - turn) * scale, (command.linear_x + turn) * scale
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from giraff_base.config import BaseConfig
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
-from giraff_core.wheel_control import SpeedControl
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_sim.board import ROOT
@@ -115,15 +115,6 @@ def test_a_table_from_the_environment(tmp_path: Path) -> None:
         load("guard", GuardConfig, environment(tmp_path, "", GIRAFF_GUARD_PRIORITIES="{ joystick = 'high' }"))
 
 
-def test_how_wheels_are_driven_from_the_environment() -> None:
-    given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")}
-    robot = load("robot", RobotConfig, given)
-    assert (robot.wheel_control, robot.speed_control) == ("level", SpeedControl())
-    given |= {"GIRAFF_ROBOT_WHEEL_CONTROL": "speed", "GIRAFF_ROBOT_SPEED_CONTROL": "{ stall_pwm = 30, speed_p = 90 }"}
-    robot = load("robot", RobotConfig, given)
-    assert (robot.wheel_control, robot.speed_control) == ("speed", SpeedControl(stall_pwm=30, speed_p=90.0))
-
-
 def test_a_missing_file_is_named_with_the_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ConfigError, match="unless GIRAFF_CONFIG names another"):
@@ -151,17 +142,17 @@ def test_the_robot_file_of_the_tree_is_sound() -> None:
     [
         ("GIRAFF_ROBOT_TRACK_WIDTH", "-1", "track_width is -1"),
         ("GIRAFF_ROBOT_TRACK_WIDTH", "nan", "track_width is nan"),
-        ("GIRAFF_ROBOT_MAX_LEVEL", "300", "max_level is 300"),
-        ("GIRAFF_ROBOT_MAX_LEVEL", "0", "max_level is 0"),
-        ("GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT", "nan", "battery_volts_per_count is nan"),
-        ("GIRAFF_ROBOT_BATTERY_VOLTS_PER_COUNT", "-0.1", "battery_volts_per_count is -0.1"),
-        ("GIRAFF_ROBOT_SWAP_MOTORS", "perhaps", "swap_motors"),
-        ("GIRAFF_ROBOT_WHEEL_CONTROL", "speeds", "wheel_control"),
-        ("GIRAFF_ROBOT_BATTERY_NOMINAL", "0", "battery_nominal is 0"),
-        ("GIRAFF_ROBOT_SPEED_CONTROL", "{ max_pwm = 256 }", "max_pwm is 256: it must be within 1..255"),
-        ("GIRAFF_ROBOT_SPEED_CONTROL", "{ stall_pwm = 111 }", "stall_pwm is 111: it must be max_pwm at most"),
-        ("GIRAFF_ROBOT_SPEED_CONTROL", "{ stal_pwm = 30 }", "unknown field `stal_pwm`"),
-        ("GIRAFF_ROBOT_SPEED_CONTROL", "{ speed_p = nan }", "speed_p is nan"),
+        ("GIRAFF_BASE_DRIVE__MAX_LEVEL", "300", "max_level is 300"),
+        ("GIRAFF_BASE_DRIVE__MAX_LEVEL", "0", "max_level is 0"),
+        ("GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT", "nan", "battery_volts_per_count is nan"),
+        ("GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT", "-0.1", "battery_volts_per_count is -0.1"),
+        ("GIRAFF_BASE_DRIVE__SWAP_MOTORS", "perhaps", "swap_motors"),
+        ("GIRAFF_BASE_DRIVE__WHEEL_CONTROL", "speeds", "wheel_control"),
+        ("GIRAFF_BASE_DRIVE__BATTERY_NOMINAL", "0", "battery_nominal is 0"),
+        ("GIRAFF_BASE_DRIVE__SPEED_CONTROL", "{ max_pwm = 256 }", "max_pwm is 256: it must be within 1..255"),
+        ("GIRAFF_BASE_DRIVE__SPEED_CONTROL", "{ stall_pwm = 111 }", "stall_pwm is 111: it must be max_pwm at most"),
+        ("GIRAFF_BASE_DRIVE__SPEED_CONTROL", "{ stal_pwm = 30 }", "unknown field `stal_pwm`"),
+        ("GIRAFF_BASE_DRIVE__SPEED_CONTROL", "{ speed_p = nan }", "speed_p is nan"),
         ("GIRAFF_ROBOT_NAME", "a/b", "cannot be part of a key"),
         ("GIRAFF_ROBOT_NAME", "", "cannot be part of a key"),
     ],
@@ -169,7 +160,7 @@ def test_the_robot_file_of_the_tree_is_sound() -> None:
 def test_a_robot_that_cannot_be_is_refused(variable: str, value: str, says: str) -> None:
     given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), variable: value}
     with pytest.raises(ConfigError, match=says):
-        load("robot", RobotConfig, given)
+        load("base", BaseConfig, given) if "BASE" in variable else load("robot", RobotConfig, given)
 
 
 @pytest.mark.parametrize(

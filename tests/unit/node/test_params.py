@@ -7,11 +7,12 @@ from typing import Annotated, Any
 import msgspec
 import pytest
 
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.bounds import require_positive
 from giraff_core.parameters.table import ParamError, Parameters
 from giraff_core.tuning import Tuning
 from giraff_schemas.params import Param
-from tests.support.robots import ROBOT
+from tests.support.robots import BASE, ROBOT
 
 
 class Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -179,3 +180,15 @@ def test_what_would_not_count_after_a_restart_is_not_saved(faded: Parameters[Fad
     )
     faded.saved = faded.to_save(("proof",))
     assert faded.to_save(("fade",)) == {"proof": 5.0, "fade": 8.0}
+
+
+def test_a_drive_is_a_row_a_field_and_fixed() -> None:
+    params = Parameters("base", BASE, ROBOT)
+    rows = {param.name: param for param in params.describe() if param.name.startswith("drive")}
+    assert list(rows) == [f"drive.{field}" for field in WheelsConfig.__struct_fields__]
+    row = rows["drive.max_level"]
+    assert (row.value, row.filed, row.saved, row.kind, row.live) == (70, 70, True, "int", "fixed")
+    assert "of 255" in row.doc
+    for name in ("drive.max_level", "drive"):
+        with pytest.raises(ParamError, match="it takes the robot file and a restart"):
+            params.set(name, 60)

@@ -11,10 +11,10 @@ import msgspec
 import pytest
 
 from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import SpeedControl, WheelsConfig
 from giraff_core.bounds import Bounds, bounds_of
 from giraff_core.kinematics.parts import PartPose
 from giraff_core.robot import RobotConfig, SensorPose
-from giraff_core.wheel_control import SpeedControl
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig
@@ -30,6 +30,7 @@ DEPLOYED = tomllib.loads((ROOT / "deploy" / "robot.toml").read_text())
 TABLES: dict[str, type[msgspec.Struct]] = {
     "robot": RobotConfig,
     "base": BaseConfig,
+    "base.drive": WheelsConfig,
     "guard": GuardConfig,
     "joystick": JoystickConfig,
     "keyboard": KeyboardConfig,
@@ -48,7 +49,10 @@ RANGES = [(table, name, within) for table, config in TABLES.items() for name, wi
 
 
 def convert(table: str, **fields: object) -> msgspec.Struct:
-    return msgspec.convert({**DEPLOYED.get(table, {}), **fields}, TABLES[table], strict=False)
+    values = DEPLOYED
+    for name in table.split("."):
+        values = values.get(name, {})
+    return msgspec.convert({**values, **fields}, TABLES[table], strict=False)
 
 
 @pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, PartPose, SpeedControl, TruthRanges])
@@ -131,7 +135,6 @@ def test_a_slip_is_named_with_its_likely_cause(tmp_path: Path, table: str, was: 
         {"track_width": 1.8, "footprint_radius": 1.6, "max_wheel_speed": 3.0, "max_angular_speed": 0.2},
         {"ticks_per_metre": 196.0},  # a disc of 20 slots on the axle of a wheel of 65 mm
         {"ticks_per_metre": 160_000.0},  # 2 x 2048 counts a turn of a motor, geared 12:1, on a wheel of 100 mm
-        {"battery_volts_per_count": 0.0293},
     ],
 )
 def test_a_sensible_robot_is_not_refused(fields: dict[str, float]) -> None:
@@ -164,6 +167,6 @@ def test_a_truth_that_cannot_be_is_refused(name: str, value: float, told: str) -
 
 
 def test_a_wheel_must_be_able_to_count_as_stuck() -> None:
-    convert("robot", stall_level=70)
+    convert("base.drive", stall_level=70)
     told = "stall_level is 71 and max_level 70: no wheel would ever count as stuck; it must be max_level at most"
-    assert told in refused("robot", stall_level=71)
+    assert told in refused("base.drive", stall_level=71)

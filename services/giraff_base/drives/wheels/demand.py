@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from giraff_base.drives.wheels.commands import WheelsCommands
+from giraff_base.drives.wheels.config import UM_PER_M, WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_core.wheel_control import UM_PER_M
 from giraff_schemas.wire import Frame, WheelsFrame
 
 _LEAST_SPEED = 0.005  # m/s: nothing tells a slower wheel from one that stands; nor is the end of a slowing down a drive
@@ -15,13 +15,13 @@ _LEAST_SPEED = 0.005  # m/s: nothing tells a slower wheel from one that stands; 
 class WheelDemand:
     """Asks the wheels for what `wheel_control` says: PWM levels, each of which stands for a speed, or the speeds."""
 
-    def __init__(self, robot: RobotConfig, commands: WheelsCommands) -> None:
+    def __init__(self, robot: RobotConfig, config: WheelsConfig, commands: WheelsCommands) -> None:
         self._kinematics = robot.kinematics
         self._frame: Callable[[WheelsFrame, int, int], Frame]
-        if robot.asks_for_speeds:
+        if config.asks_for_speeds:
             self._per_speed, self._frame, self._least = UM_PER_M, commands.speed, _LEAST_SPEED
         else:
-            self._per_speed, self._frame, self._least = robot.max_level / robot.max_wheel_speed, commands.drive, 0.0
+            self._per_speed, self._frame, self._least = config.max_level / robot.max_wheel_speed, commands.drive, 0.0
 
     def of(self, linear_x: float, angular_z: float) -> tuple[int, int]:
         """What a twist (m/s, rad/s) takes of the left and the right wheel: levels, or µm/s; forward positive.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from giraff_base.drive import Answer, Report
 from giraff_base.drives.wheels.commands import WheelsCommands
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
 from giraff_base.drives.wheels.reports import WheelReports
 from giraff_base.drives.wheels.words import board_state, engaged_by, held, limit, word
@@ -18,12 +19,12 @@ _ZERO = (0, 0)
 class WheelsDrive:
     """The `giraff_base.drive.Drive` of two wheels."""
 
-    def __init__(self, robot: RobotConfig, acceleration: float) -> None:
+    def __init__(self, robot: RobotConfig, config: WheelsConfig, acceleration: float) -> None:
         """`acceleration`: m/s² of the faster wheel, where driving and turning start at once."""
-        self._robot = robot
+        self._config = config
         self._frames = WheelsCommands()
-        self._demand = WheelDemand(robot, self._frames)
-        self._settings = robot.board_settings(acceleration)
+        self._demand = WheelDemand(robot, config, self._frames)
+        self._settings = config.board_settings(robot, acceleration)
         self._reports = WheelReports()
         self._report: WheelsFrame | None = None
         self._session = 0
@@ -32,7 +33,7 @@ class WheelsDrive:
 
     @property
     def unchecked(self) -> str:
-        is_checked = self._robot.wiring_checked
+        is_checked = self._config.wiring_checked
         return "" if is_checked else "the wiring is not checked: lift the wheels and run giraff check wheels"
 
     @property
@@ -41,9 +42,9 @@ class WheelsDrive:
 
     @property
     def voltage(self) -> float | None:
-        if self._report is None or self._robot.battery_volts_per_count == 0.0:
+        if self._report is None or self._config.battery_volts_per_count == 0.0:
             return None
-        return self._report.battery_adc_counts * self._robot.battery_volts_per_count
+        return self._report.battery_adc_counts * self._config.battery_volts_per_count
 
     @property
     def waits(self) -> str:
@@ -115,7 +116,7 @@ class WheelsDrive:
     def _configure(self, report: WheelsFrame, now: RobotTime) -> Answer:
         reason = "the base board is being configured"
         if report.last_refusal == Refusal.PROTOCOL:
-            reason = "the base board refuses the configuration; check [robot], or reflash the board"
+            reason = "the base board refuses the configuration; check [base.drive], or reflash the board"
         if now.robot_ns < self._next_configure_ns:
             return Answer(None, reason)
         self._next_configure_ns = now.robot_ns + _CONFIGURE_PERIOD_NS

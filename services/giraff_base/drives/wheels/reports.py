@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from giraff_core.wheel_control import UM_PER_M
+from giraff_base.drives.wheels.config import UM_PER_M
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import WheelsFrame
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import WheelsFrame, Wiring
 from giraff_sim.board import Board
@@ -25,13 +26,13 @@ class WheelsBody:
     acts: Final = "power"
     settles_us: Final = 0
 
-    def __init__(self, robot: RobotConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
-        self.plant = Plant(robot, sim, room, truth)
+    def __init__(self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
+        self.plant = Plant(robot, drive, sim, room, truth)
         self.activity = 0
         """Largest duty of either motor in the last step, of 255."""
         self._soldering = Soldering()
         self._cut = [0, 0]  # 1: the wires of the encoder of that number are cut
-        self._volts_per_count = robot.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
+        self._volts_per_count = drive.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
 
     def step(self, board: Board | None, duration: float) -> None:
         if board is None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import EXACT, TrueWheel, Truth
@@ -23,7 +24,7 @@ _SLIPPING: Final = 0.5  # share of its turning that a wheel loses while it slips
 class Wheel:
     """A motor on an H bridge, its wheel and its encoder."""
 
-    def __init__(self, robot: RobotConfig, sim: SimConfig, true: TrueWheel) -> None:
+    def __init__(self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, true: TrueWheel) -> None:
         self.speed = 0.0
         """m/s of its true rim, forward positive."""
         self.travel = 0.0
@@ -36,7 +37,7 @@ class Wheel:
         self._friction = sim.wheel_friction
         self._drag = true.drag
         self._dead_zone = sim.dead_zone_counts
-        self._speed_per_count = robot.max_wheel_speed / robot.max_level * true.strength * true.scale
+        self._speed_per_count = robot.max_wheel_speed / drive.max_level * true.strength * true.scale
         self._states_per_metre = robot.ticks_per_metre * STATES_PER_TICK / true.scale
         self._first_state = true.phase * STATES_PER_TICK
         self._threshold_slip = true.threshold_slip
@@ -88,9 +89,11 @@ class Wheel:
 class Plant:
     """Two driven wheels under a disc that walls and posts stop. The body stops; the wheels then slip."""
 
-    def __init__(self, robot: RobotConfig, sim: SimConfig, room: Room, truth: Truth = EXACT) -> None:
-        self.left = Wheel(robot, sim, truth.left)
-        self.right = Wheel(robot, sim, truth.right)
+    def __init__(
+        self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth = EXACT
+    ) -> None:
+        self.left = Wheel(robot, drive, sim, truth.left)
+        self.right = Wheel(robot, drive, sim, truth.right)
         self.speed = 0.0
         """m/s at which the wheels carry the centre, forward positive; something in the way may hold it all the same."""
         self.turn = 0.0
@@ -107,7 +110,7 @@ class Plant:
         self._track_width = robot.track_width * truth.track_scale
         self._turn_grip = 1.0 - truth.turn_slip
         self._radius = robot.footprint_radius
-        self._nominal_volts = robot.battery_nominal
+        self._nominal_volts = drive.battery_nominal
         self._sag_volts = sim.battery_sag_volts
         self._room = room
         self._touching = False

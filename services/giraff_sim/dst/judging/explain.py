@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Final, NamedTuple, Self
 
 from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import DriveFrame, SpeedFrame
 from giraff_sim.dst.judging.ledger import Ledger, Passed
@@ -23,11 +24,11 @@ class Asked(NamedTuple):
     """By rounding."""
 
     @classmethod
-    def by(cls, frame: DriveFrame | SpeedFrame, robot: RobotConfig) -> Self:
+    def by(cls, frame: DriveFrame | SpeedFrame, robot: RobotConfig, drive: WheelsConfig) -> Self:
         """What a frame stands for."""
         if isinstance(frame, SpeedFrame):
             return cls(frame.left_um_s * 1e-6, frame.right_um_s * 1e-6, _SPEED_OFF)
-        speed_per_level = robot.max_wheel_speed / robot.max_level
+        speed_per_level = robot.max_wheel_speed / drive.max_level
         return cls(frame.left_level * speed_per_level, frame.right_level * speed_per_level, speed_per_level)
 
     def __str__(self) -> str:

@@ -57,7 +57,7 @@ class Judge(Ledger):
     def __init__(self, agenda: EventQueue, simulation: Simulation, settings: Settings, story: Story) -> None:
         super().__init__(agenda, Wishes(settings.joystick, simulation.world.truth.accelerometer_offset))
         self.violations: list[Violation] = []
-        self.stops = Stops(simulation, by_speed=settings.robot.asks_for_speeds)
+        self.stops = Stops(simulation, by_speed=settings.base.drive.asks_for_speeds)
         """The faults that must stop the robot now."""
         self._simulation = simulation
         self._world = simulation.world
@@ -209,7 +209,7 @@ class Judge(Ledger):
 
     def on_drive(self, base: Process, frame: DriveFrame | SpeedFrame) -> None:
         now_us = self._agenda.now_us
-        asked = Asked.by(frame, self._settings.robot)
+        asked = Asked.by(frame, self._settings.robot, self._settings.base.drive)
         self._pins.asked(asked, now_us)
         if asked.is_nothing:
             return

@@ -24,12 +24,12 @@ class Pins:
     def __init__(self, simulation: Simulation, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> None:
         """`outlives_us`: for so long a frame may have effect."""
         self._simulation = simulation
-        self._robot = robot
-        self._by_speed = robot.asks_for_speeds
-        self._most_counts = robot.speed_control.max_pwm if self._by_speed else robot.max_level
-        self._counts_per_speed = robot.max_level / robot.max_wheel_speed
+        self._drive = drive = config.drive
+        self._by_speed = drive.asks_for_speeds
+        self._most_counts = drive.speed_control.max_pwm if self._by_speed else drive.max_level
+        self._counts_per_speed = drive.max_level / robot.max_wheel_speed
         turn = config.angular_acceleration * robot.kinematics.track_width / 2.0
-        self._speeds_up = (config.linear_acceleration + turn) * robot.speed_control.motor_time
+        self._speeds_up = (config.linear_acceleration + turn) * drive.speed_control.motor_time
         if self._by_speed:
             # By wheels: where something holds one, the robot turns, and none has risen.
             wheel = config.linear_acceleration + turn
@@ -75,12 +75,12 @@ class Pins:
         """What a speed is worth; of a wheel that is to hold it, the most that it may take."""
         if not self._by_speed or speed == 0.0:
             return speed * self._counts_per_speed
-        plant, robot = self._simulation.world.plant, self._robot
-        over = PWM_OVER_PERCENT if robot.battery_volts_per_count else PWM_OVER_BLIND_PERCENT
+        plant, drive = self._simulation.world.plant, self._drive
+        over = PWM_OVER_PERCENT if drive.battery_volts_per_count else PWM_OVER_BLIND_PERCENT
         counts = (abs(speed) + self._speeds_up) * self._counts_per_speed
-        if robot.battery_volts_per_count:
-            counts *= robot.battery_nominal / plant.volts
-        return math.copysign((counts + robot.speed_control.dead_pwm) * (1.0 + over / 100.0), speed)
+        if drive.battery_volts_per_count:
+            counts *= drive.battery_nominal / plant.volts
+        return math.copysign((counts + drive.speed_control.dead_pwm) * (1.0 + over / 100.0), speed)
 
 
 class _Extremes:

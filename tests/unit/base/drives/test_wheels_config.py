@@ -5,13 +5,12 @@ from __future__ import annotations
 import msgspec
 import pytest
 
-from giraff_core.robot import RobotConfig
-from giraff_core.wheel_control import SpeedControl, by_levels
+from giraff_base.drives.wheels.config import SpeedControl, WheelsConfig, by_levels
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
-from tests.support.robots import ROBOT
+from tests.support.robots import DRIVE, ROBOT
 
 CONTROL = SpeedControl(max_pwm=120, stall_pwm=41, dead_pwm=6, speed_p=170.4, speed_i=1100.6, turn_p=51.0, turn_i=401.0)
-BY_SPEED = msgspec.structs.replace(ROBOT, wheel_control="speed", swap_motors=True, speed_control=CONTROL)
+BY_SPEED = msgspec.structs.replace(DRIVE, wheel_control="speed", swap_motors=True, speed_control=CONTROL)
 
 
 def test_by_levels_nothing_is_told_of_speeds() -> None:
@@ -26,13 +25,13 @@ def test_by_levels_nothing_is_told_of_speeds() -> None:
 
 
 def test_a_robot_by_levels_is_told_of_its_wheels_so_that_it_measures_their_speeds() -> None:
-    told = ROBOT.board_settings(1.2)
-    by_hand = by_levels(ROBOT.wiring, 70, 25)
+    told = DRIVE.board_settings(ROBOT, 1.2)
+    by_hand = by_levels(DRIVE.wiring, 70, 25)
     assert told == msgspec.structs.replace(by_hand, left_counts_per_km=2_002_059, right_counts_per_km=2_002_059)
 
 
 def test_a_robot_by_speed_is_told_all_that_it_takes() -> None:
-    assert BY_SPEED.board_settings(1.1875) == ConfigureFrame(
+    assert BY_SPEED.board_settings(ROBOT, 1.1875) == ConfigureFrame(
         seq=0,
         protocol_hash=PROTOCOL_HASH,
         boot_id=0,
@@ -60,8 +59,8 @@ def test_a_robot_by_speed_is_told_all_that_it_takes() -> None:
 
 
 def test_a_battery_whose_divider_is_not_known_is_not_told_of() -> None:
-    robot = msgspec.structs.replace(BY_SPEED, battery_volts_per_count=0.0)
-    assert robot.board_settings(1.0).nominal_adc_counts == 0
+    blind = msgspec.structs.replace(BY_SPEED, battery_volts_per_count=0.0)
+    assert blind.board_settings(ROBOT, 1.0).nominal_adc_counts == 0
 
 
 @pytest.mark.parametrize("acceleration", [0.01, 10.0 + 100.0])
@@ -71,23 +70,18 @@ def test_a_battery_whose_divider_is_not_known_is_not_told_of() -> None:
 def test_each_robot_within_the_ranges_fits_into_the_frame(
     acceleration: float, ticks_per_metre: float, max_wheel_speed: float, control: SpeedControl
 ) -> None:
-    robot = msgspec.structs.replace(
-        BY_SPEED,
-        ticks_per_metre=ticks_per_metre,
-        max_wheel_speed=max_wheel_speed,
-        battery_volts_per_count=24.0 / 1023,
-        speed_control=control,
-    )
-    told = robot.board_settings(acceleration)
+    robot = msgspec.structs.replace(ROBOT, ticks_per_metre=ticks_per_metre, max_wheel_speed=max_wheel_speed)
+    drive = msgspec.structs.replace(BY_SPEED, battery_volts_per_count=24.0 / 1023, speed_control=control)
+    told = drive.board_settings(robot, acceleration)
     assert ConfigureFrame.unpack(told.pack()) == told
 
 
 def refused(**fields: object) -> str:
-    """Why such a robot by speed is none. By levels it is one."""
+    """Return why such a drive by speed is refused. By levels it is accepted."""
     values = {**msgspec.to_builtins(BY_SPEED), **fields}
-    msgspec.convert({**values, "wheel_control": "level"}, RobotConfig)
+    msgspec.convert({**values, "wheel_control": "level"}, WheelsConfig)
     with pytest.raises(msgspec.ValidationError) as told:
-        msgspec.convert(values, RobotConfig)
+        msgspec.convert(values, WheelsConfig)
     return str(told.value)
 
 
