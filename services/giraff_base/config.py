@@ -42,7 +42,7 @@ class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """rad/s², of starts only."""
     battery_low: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.0, 100.0, "V")] = 22.0
     """V; held below it for 5 s the robot warns and drives at half speed. 0: never. 1.1 V for each of 20 NiMH cells.
-    Like the next, only where the drive measures its battery."""
+    Like the next, only where `battery_volts_per_count` is known."""
     battery_cutoff: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.0, 100.0, "V")] = 20.0
     """V; held below it for 5 s the robot stops, and drives again above `battery_low`. 0: never. 1 V a cell."""
 

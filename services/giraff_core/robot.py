@@ -69,7 +69,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Encoder counts of the base board (both edges of A) per metre of wheel travel, as built; `calibration` corrects
     it for each wheel."""
     max_wheel_speed: Annotated[float, Bounds(0.02, 5.0, "m/s")]
-    """m/s of one wheel."""
+    """m/s of one wheel at `max_level`."""
     max_angular_speed: Annotated[float, Bounds(0.05, 20.0, "rad/s")]
     """rad/s."""
     footprint_radius: Annotated[float, Bounds(0.03, 2.0, "m")]

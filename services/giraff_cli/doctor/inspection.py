@@ -63,8 +63,8 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     disks: tuple[Disk, ...] = ()
     settings_problem: str = ""
     """Of robot file and environment."""
-    moved_settings: tuple[str, ...] = ()
-    """Fields of robot file and environment that are written as they were before."""
+    moved_settings: tuple[str, ...] | msgspec.UnsetType = msgspec.UNSET
+    """What robot file and environment write as it was before; unset: nothing, and JSON is as it was before, too."""
     keys_problem: str = ""
     keys_expired: bool = False
     wiring_checked: bool = True

@@ -167,10 +167,10 @@ def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
     return f"{wrong}; correct the robot file, or the variable" if wrong else ""
 
 
-def _moved(environment: Mapping[str, str]) -> tuple[str, ...]:
+def _moved(environment: Mapping[str, str]) -> tuple[str, ...] | msgspec.UnsetType:
     with contextlib.suppress(ConfigError):  # that is told as what is wrong with the settings
-        return read(environment, with_file=expects_robot_file(environment)).moved
-    return ()
+        return read(environment, with_file=expects_robot_file(environment)).moved or msgspec.UNSET
+    return msgspec.UNSET
 
 
 def _unranked_hands(environment: Mapping[str, str]) -> tuple[str, ...]:
