@@ -13,7 +13,10 @@ ELSEWHERE = ("campaign", "functional", "hosts", "mutants", "timing")
 
 
 def exists(test: str) -> bool:
-    """Whether there is such a file, with such a test if one is named; `[..]`, the row of a table, is not looked at."""
+    """Return whether there is such a file, with such a test or class of tests if one is named.
+
+    `[..]`, the row of a table, is not looked at.
+    """
     file, _, function = test.partition("::")
     if not re.fullmatch(r"tests/(\w+/)+test_\w+\.py", file) or not (ROOT / file).is_file():
         return False
@@ -29,4 +32,5 @@ def is_simulated(test: str) -> bool:
 @cache
 def _functions(file: str) -> frozenset[str]:
     body = ast.parse((ROOT / file).read_text()).body
-    return frozenset(each.name for each in body if isinstance(each, ast.FunctionDef) and each.name.startswith("test_"))
+    named = [each.name for each in body if isinstance(each, ast.FunctionDef | ast.ClassDef)]
+    return frozenset(name for name in named if name.startswith(("test_", "Test")))

@@ -1,0 +1,33 @@
+"""The contract of two wheels: by levels, and by speeds that the board holds."""
+
+from __future__ import annotations
+
+from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Latch
+from tests.support.robots import DRIVE
+from tests.unit.base.drives.contract import AnyDrive
+from tests.unit.base.rig import BY_SPEED, STEP_NS, Board
+
+
+class WheelsBoard(Board):
+    period_ns = STEP_NS
+
+    def is_safe(self) -> bool:
+        return self.levels == (0, 0)
+
+    def is_latched(self) -> bool:
+        return self.latch != Latch.NONE
+
+    def latch_by_itself(self) -> None:
+        self.engage(Latch.LEFT_STUCK)
+
+
+class TestByLevels(AnyDrive):
+    config = DRIVE
+    command_timeout = COMMAND_TIMEOUT_MS / 1000
+
+    def board(self) -> WheelsBoard:
+        return WheelsBoard()
+
+
+class TestBySpeeds(TestByLevels):
+    config = BY_SPEED
