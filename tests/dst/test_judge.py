@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from random import Random
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
 from giraff_schemas.requests import EStopReset
 from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.wheels.body import WheelsBody
+from giraff_sim.bodies.wheels.pins import Rises
 from giraff_sim.config import SimConfig
+from giraff_sim.dst.drill import Drill
+from giraff_sim.dst.faults.robot import encoder
 from giraff_sim.dst.judging.freedom import Freedom
-from giraff_sim.dst.judging.pins import Rises
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Stop, Stops
-from giraff_sim.simulation import Simulation
 from giraff_sim.world.hand import LEVEL
 from tests.dst import sabotage
 from tests.dst.courses import (
@@ -250,10 +255,19 @@ def test_what_stood_without_power_starts_from_rest() -> None:
 
 @pytest.mark.parametrize(("second_at", "is_late"), [(0.0, True), (0.3, False)])
 def test_of_two_faults_the_later_has_its_own_bound(second_at: float, is_late: bool) -> None:
-    world = world_of(hall(), SETTINGS.robot, SETTINGS.base.drive, SimConfig(), level(), 1)
-    stops = Stops(Simulation({}, world))
+    body = world_of(hall(), SETTINGS.robot, SETTINGS.base.drive, SimConfig(), level(), 1).body
+    stops = Stops(body, lambda _way: True)
     stops.begin(Stop("the network is cut", 0, BEYOND_US, "any", lambda: True))
     stops.begin(Stop("base is unplugged", round(second_at * 1e6), ROBOT_US, "any", lambda: True))
     assert stops.overdue(550_000) == ""
     assert bool(stops.overdue(600_000)) is is_late
     assert stops.overdue(670_000)
+
+
+def test_wheels_are_in_their_safe_state_at_once() -> None:
+    assert WheelsBody.settles_us == 0, "it is added to each bound"
+
+
+def test_a_robot_without_encoders_has_none_cut() -> None:
+    drill = SimpleNamespace(loop=SimpleNamespace(simulation=SimpleNamespace(world=SimpleNamespace(body=None))))
+    assert list(encoder(cast(Drill, drill), Random(1))) == []

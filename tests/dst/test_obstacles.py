@@ -10,7 +10,6 @@ import pytest
 from giraff_schemas.messages import Range
 from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import SimConfig
-from giraff_sim.dst.judging.explain import Asked, Twist
 from giraff_sim.dst.judging.ledger import Heard
 from giraff_sim.dst.judging.obstacles import Obstacles
 from giraff_sim.world.hand import StillHand
@@ -36,7 +35,7 @@ def ahead(room: Room, speed: float, fault: SonarFault = SonarFault.NONE) -> str:
     reading = Range(sensor="front_left", state="clear", range=None, echo_us=1, reason="", tick=None)
     readings = {name: deque[Heard]() for name in SETTINGS.robot.sensors}
     readings["front_left"].append(Heard(reading, HEARD_US, HEARD_US))
-    return obstacles.ahead(Twist(Asked(speed, speed, 0.0), SETTINGS.robot).linear, readings, NOW_US)
+    return obstacles.ahead(speed, readings, NOW_US)
 
 
 def room_with_wall(clearance: float) -> Room:

@@ -1,12 +1,17 @@
-"""The world around a robot of each kind."""
+"""The world around a robot of each kind, and the judge of its body."""
 
 from __future__ import annotations
 
-from giraff_base.config import DriveConfig
+from typing import assert_never
+
+from giraff_base.config import BaseConfig, DriveConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_sim.bodies.wheels.body import WheelsBody
+from giraff_sim.bodies.wheels.judge import WheelsJudge
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import EXACT, Truth
+from giraff_sim.world.body import Body, BodyJudge
 from giraff_sim.world.hand import Hand
 from giraff_sim.world.room import Room
 from giraff_sim.world.world import STEP_US, World
@@ -23,4 +28,17 @@ def world_of(
     truth: Truth = EXACT,
 ) -> World:
     """Set the robot of the file at rest at the room's start."""
-    return World(room, robot, WheelsBody(robot, drive, sim, room, truth), sim, hand, seed, step_us, truth)
+    body: Body
+    match drive:
+        case WheelsConfig() as wheels:
+            body = WheelsBody(robot, wheels, sim, room, truth)
+        case _ as never:
+            assert_never(never)
+    return World(room, robot, body, sim, hand, seed, step_us, truth)
+
+
+def judge_of(body: Body, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> BodyJudge:
+    """Return the judge of a body. `outlives_us`: for so long a frame may have effect."""
+    if isinstance(body, WheelsBody):
+        return WheelsJudge(body, robot, config, outlives_us)
+    raise TypeError(f"nobody judges a {type(body).__name__}")

@@ -18,7 +18,7 @@ from giraff_sim.bodies.kinds import world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.dst.judging.judge import Judge, Violation
-from giraff_sim.dst.judging.stops import Stop, Way
+from giraff_sim.dst.judging.stops import Stop
 from giraff_sim.dst.network import FaultyNetwork, Link
 from giraff_sim.dst.people import Button, Caretaker
 from giraff_sim.dst.story import Story
@@ -29,6 +29,7 @@ from giraff_sim.settings import Services, Settings
 from giraff_sim.simulation import Simulation, simulation
 from giraff_sim.truth import EXACT, Truth
 from giraff_sim.world.bno055 import Vector
+from giraff_sim.world.body import Way
 from giraff_sim.world.hand import Hand
 from giraff_sim.world.room import Room
 

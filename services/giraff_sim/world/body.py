@@ -1,11 +1,15 @@
-"""A robot's body, as the world sees it, whatever moves it."""
+"""A robot's body, as the world and its judges see it, whatever moves it."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Literal, NamedTuple, Protocol
 
+from giraff_schemas.wire import Frame
 from giraff_sim.board import Board
 from giraff_sim.world.room import Pose
+
+Way = Literal["any", "travel", "forward", "backward"]
+"""Motion that a fault must stop. Turning in place is no travel."""
 
 
 class RollingWheel(Protocol):
@@ -69,28 +73,17 @@ class BoardReport(Protocol):
 class Body(Protocol):
     """One kind of robot, between its base board's pins and the floor."""
 
-    @property
-    def report(self) -> type[BoardReport]:
-        """The frame in which its board reports."""
-        ...
-
-    @property
-    def acts(self) -> str:
-        """A word for what it does outside its safe state, in texts."""
-        ...
-
-    @property
-    def settles_us(self) -> int:
-        """us. Time that it needs to reach its safe state, once nothing else is asked of it."""
-        ...
+    report: type[BoardReport]
+    """The frame in which its board reports."""
+    acts: str
+    """A word for what it does outside its safe state, in texts."""
+    settles_us: int
+    """us. Time that it needs to reach its safe state, once nothing else is asked of it. It is added to each bound."""
+    activity: int
+    """0 when it was in its safe state throughout the last step; else a positive number of its own unit."""
 
     @property
     def plant(self) -> Plant: ...
-
-    @property
-    def activity(self) -> int:
-        """0 when it was in its safe state throughout the last step; else a positive number of its own unit."""
-        ...
 
     def step(self, board: Board | None, duration: float) -> None:
         """Move for `duration` s by what the board's pins gave since the last step, and set its sensors' pins."""
@@ -98,4 +91,55 @@ class Body(Protocol):
 
     def look(self, board: Board) -> None:
         """Find `activity`. The board has just run."""
+        ...
+
+
+class Demand(NamedTuple):
+    """The motion that base asks for in one frame."""
+
+    text: str
+    boot_id: int
+    """Boot of the board that the frame is for."""
+    is_nothing: bool
+    """Whether it is the safe state."""
+    linear: float
+    """m/s."""
+    angular: float
+    """rad/s."""
+    linear_off: float
+    """m/s. Largest error by the frame's rounding."""
+    angular_off: float
+    """rad/s."""
+
+    @property
+    def goes(self) -> bool:
+        """Whether it is more than a turn in place."""
+        return abs(self.linear) > self.linear_off
+
+    def is_within(self, linear: float, angular: float) -> bool:
+        """Whether a wish for that twist covers this one: the same way, and no faster."""
+        return _within(self.linear, linear, self.linear_off) and _within(self.angular, angular, self.angular_off)
+
+
+def _within(value: float, wish: float, off: float) -> bool:
+    return -off <= value <= wish + off if wish >= 0.0 else wish - off <= value <= off
+
+
+class BodyJudge(Protocol):
+    """Judges one kind of body by its pins and its motion, never by what it reports."""
+
+    def asked(self, frame: Frame, now_us: int) -> Demand | None:
+        """Remember and return what a sent frame asks for. None: neither for motion nor for the safe state."""
+        ...
+
+    def note(self, now_us: int) -> None:
+        """Look at the body after each step, before `wrong`."""
+        ...
+
+    def wrong(self, now_us: int) -> str:
+        """Say what is wrong with this step, in which the body is not in its safe state; empty when nothing is."""
+        ...
+
+    def goes(self, way: Way) -> bool:
+        """Return whether the body is driven that way in this step, in which it is not in its safe state."""
         ...

@@ -12,6 +12,7 @@ from giraff_sim.bodies.wheels.plant import Plant, Wheel
 from giraff_sim.bodies.wheels.soldering import RIGHT, Soldering
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
+from giraff_sim.world.body import BoardReport
 from giraff_sim.world.room import Room
 
 _ADC_FULL_SCALE: Final = 1023
@@ -22,14 +23,16 @@ _UNCALIBRATED_VOLTS_PER_COUNT: Final = 30.0 / _ADC_FULL_SCALE  # a divider that 
 class WheelsBody:
     """Implements `giraff_sim.world.body.Body`."""
 
-    report: Final = WheelsFrame
-    acts: Final = "power"
-    settles_us: Final = 0
+    report: type[BoardReport] = WheelsFrame
+    acts: str = "power"
+    settles_us: int = 0
 
     def __init__(self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
         self.plant = Plant(robot, drive, sim, room, truth)
         self.activity = 0
         """Largest duty of either motor in the last step, of 255."""
+        self.drives = 0.0, 0.0
+        """Mean signed duty of each motor in the last step, by its number on the board."""
         self._soldering = Soldering()
         self._cut = [0, 0]  # 1: the wires of the encoder of that number are cut
         self._volts_per_count = drive.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
@@ -48,6 +51,7 @@ class WheelsBody:
         motors = board.model.motor
         self.activity = max(motors[0].drive_peak, motors[1].drive_peak)
         motors[0].drive_peak = motors[1].drive_peak = 0
+        self.drives = float(motors[0].drive), float(motors[1].drive)
 
     def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
         """Cut (or mend) the wires of a wheel's encoder: `soldering.LEFT` or `RIGHT`."""

@@ -7,9 +7,10 @@ from typing import Final
 
 from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.hands import Fingers
-from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Way
+from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.dst.people import double, typist
 from giraff_sim.settings import MACHINES
+from giraff_sim.world.body import Way
 
 KINDS: Final[list[Kind]] = []
 

@@ -12,8 +12,9 @@ from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.judging.ledger import BASE
 from giraff_sim.dst.judging.sensors import looks_along
-from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Way
+from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
 from giraff_sim.world.bno055 import Bno055Fault
+from giraff_sim.world.body import Way
 from giraff_sim.world.sonar import SonarFault
 
 KINDS: Final[list[Kind]] = []

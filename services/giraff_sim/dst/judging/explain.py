@@ -3,59 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Final, NamedTuple, Self
 
 from giraff_base.config import BaseConfig
-from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_schemas.wire import DriveFrame, SpeedFrame
 from giraff_sim.dst.judging.ledger import Ledger, Passed
 from giraff_sim.dst.judging.sensors import looks_along
-
-_SPEED_OFF: Final = 2e-6  # m/s: a frame has whole micrometres a second
-
-
-class Asked(NamedTuple):
-    """What base asks of the wheels, m/s."""
-
-    left: float
-    right: float
-    off: float
-    """By rounding."""
-
-    @classmethod
-    def by(cls, frame: DriveFrame | SpeedFrame, robot: RobotConfig, drive: WheelsConfig) -> Self:
-        """What a frame stands for."""
-        if isinstance(frame, SpeedFrame):
-            return cls(frame.left_um_s * 1e-6, frame.right_um_s * 1e-6, _SPEED_OFF)
-        speed_per_level = robot.max_wheel_speed / drive.max_level
-        return cls(frame.left_level * speed_per_level, frame.right_level * speed_per_level, speed_per_level)
-
-    def __str__(self) -> str:
-        return f"{self.left:+.3f}, {self.right:+.3f} m/s"
-
-    @property
-    def is_nothing(self) -> bool:
-        return self.left == self.right == 0.0
-
-
-class Twist:
-    """What the wheels' speeds stand for."""
-
-    def __init__(self, asked: Asked, robot: RobotConfig) -> None:
-        self.linear = (asked.left + asked.right) / 2.0
-        self.angular = (asked.right - asked.left) / robot.kinematics.track_width
-        self.linear_off = asked.off
-        self.angular_off = 2.0 * asked.off / robot.kinematics.track_width
-        self.goes = abs(self.linear) > self.linear_off
-
-    def is_within(self, linear: float, angular: float) -> bool:
-        """Whether a wish for that twist covers this one: the same way, and no faster."""
-        return _within(self.linear, linear, self.linear_off) and _within(self.angular, angular, self.angular_off)
-
-
-def _within(value: float, wish: float, off: float) -> bool:
-    return -off <= value <= wish + off if wish >= 0.0 else wish - off <= value <= off
+from giraff_sim.world.body import Demand
 
 
 class Explainer:
@@ -68,21 +21,21 @@ class Explainer:
         self._guard_us = round(config.guard_budget * 1e6)
         self._range_us = round(config.range_budget * 1e6)
 
-    def why_not(self, twist: Twist, heard: Iterable[Passed], now_us: int) -> tuple[str, Passed | None]:
+    def why_not(self, asked: Demand, heard: Iterable[Passed], now_us: int) -> tuple[str, Passed | None]:
         """What is wrong with the best explanation, after its rule's letter; and the explanation, if it is one."""
         closest = "b: base was handed no command for this"
         rank = 0
         for passed in heard:
-            if not twist.is_within(passed.command.linear_x, passed.command.angular_z):
+            if not asked.is_within(passed.command.linear_x, passed.command.angular_z):
                 continue
-            step, wrong = self._wrong(twist, passed, now_us)
+            step, wrong = self._wrong(asked, passed, now_us)
             if not wrong:
                 return "", passed
             if step > rank:
                 rank, closest = step, wrong
         return closest, None
 
-    def _wrong(self, twist: Twist, passed: Passed, now_us: int) -> tuple[int, str]:
+    def _wrong(self, asked: Demand, passed: Passed, now_us: int) -> tuple[int, str]:
         """How far the explanation holds, and what is wrong with it then; empty when nothing is."""
         command, given = passed.command, passed.given
         old = now_us - passed.at_us
@@ -94,12 +47,12 @@ class Explainer:
             return 3, f"c: {command.operator} did not hold the lease {command.lease_counter}"
         if given.command.source != "hand":
             return 4, f"c: {command.operator} told of a fault: {given.command.reason}"
-        if not twist.is_within(given.command.linear_x, given.command.angular_z):
+        if not asked.is_within(given.command.linear_x, given.command.angular_z):
             return 5, f"c: {command.operator} asks for something else"
         old = now_us - given.born_us
         if old > self._operator_us:
             return 6, f"b: the command of {command.operator} is {old / 1e6:.3f} s old"
-        return 7, self._stale_range(twist, passed, now_us)
+        return 7, self._stale_range(asked, passed, now_us)
 
     def _was_granted(self, passed: Passed) -> bool:
         command, given = passed.command, passed.given
@@ -112,11 +65,11 @@ class Explainer:
             and then.counter == command.lease_counter == given.command.lease_counter
         )
 
-    def _stale_range(self, twist: Twist, passed: Passed, now_us: int) -> str:
-        if not twist.goes:
+    def _stale_range(self, asked: Demand, passed: Passed, now_us: int) -> str:
+        if not asked.goes:
             return ""
         for name, pose in self._robot.sensors.items():
-            if not looks_along(pose, twist.linear):
+            if not looks_along(pose, asked.linear):
                 continue
             if name not in passed.ranges:
                 return f"b: {name} had never been heard"

@@ -19,14 +19,14 @@ from typing import Any, Final, NamedTuple
 from giraff_schemas.messages import BaseState, GuardedCommand, Lease
 from giraff_schemas.params import ParamAnswer, ParamSave
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, DriveFrame, SpeedFrame
+from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, BoardKind, Frame
+from giraff_sim.bodies.kinds import judge_of
 from giraff_sim.dst.judging.contrary import Contrary
-from giraff_sim.dst.judging.explain import Asked, Explainer, Twist
+from giraff_sim.dst.judging.explain import Explainer
 from giraff_sim.dst.judging.freedom import Freedom
 from giraff_sim.dst.judging.latch import LatchWatch
 from giraff_sim.dst.judging.ledger import BASE, Ledger, Passed
 from giraff_sim.dst.judging.obstacles import Obstacles
-from giraff_sim.dst.judging.pins import Pins
 from giraff_sim.dst.judging.sensors import looks_along
 from giraff_sim.dst.judging.stops import ROBOT_US, Stops
 from giraff_sim.dst.judging.wishes import Wishes
@@ -36,6 +36,7 @@ from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Process
 from giraff_sim.settings import Settings
 from giraff_sim.simulation import Simulation
+from giraff_sim.world.body import Demand
 
 _WIRE_US: Final = 10_000  # a frame's way to the board, and the simulation's steps
 _OUTLIVES_US: Final = (ECHO_MAX_AGE_MS + COMMAND_TIMEOUT_MS) * 1000 + _WIRE_US
@@ -55,12 +56,13 @@ class Judge(Ledger):
     """Hears all, and is asked after each step."""
 
     def __init__(self, agenda: EventQueue, simulation: Simulation, settings: Settings, story: Story) -> None:
-        super().__init__(agenda, Wishes(settings.joystick, simulation.world.truth.accelerometer_offset))
-        self.violations: list[Violation] = []
-        self.stops = Stops(simulation, by_speed=settings.base.drive.asks_for_speeds)
-        """The faults that must stop the robot now."""
-        self._simulation = simulation
         self._world = simulation.world
+        self._body = body = self._world.body
+        super().__init__(agenda, Wishes(settings.joystick, self._world.truth.accelerometer_offset), body.report)
+        self.violations: list[Violation] = []
+        self._of_body = judge_of(body, settings.robot, settings.base, _OUTLIVES_US)
+        self.stops = Stops(body, self._of_body.goes)
+        """The faults that must stop the robot now."""
         self._contacts = 0
         self._way = 0.0  # m when it was looked at last
         self.near = 0.0
@@ -68,11 +70,10 @@ class Judge(Ledger):
         self._settings = settings
         self._story = story
         self._explainer = Explainer(self, settings.robot, settings.base)
-        self._obstacles = Obstacles(simulation.world, settings)
-        self._pins = Pins(simulation, settings.robot, settings.base, _OUTLIVES_US)
-        self._contrary = Contrary(simulation.world.plant)
+        self._obstacles = Obstacles(self._world, settings)
+        self._contrary = Contrary(body.plant)
         self._driver = ""  # instance of the operator whom the newest frame that asks for motion explains
-        self.freedom = Freedom(simulation.world, settings)
+        self.freedom = Freedom(self._world, settings)
         self._asked_us = 0  # when base last asked the board as it is now for motion
         # What disarmed last, and whose held neutral has been found since.
         self._disarmed_us, self._disarmed_by = 0, "base has just started"
@@ -83,7 +84,7 @@ class Judge(Ledger):
         self._operator_born_us = 0
         self._engaged_us: int | None = None  # since when base must stand still
         self._engaged_at: Process | None = None  # the base that was asked, while it runs
-        self._latch = LatchWatch()
+        self._latch = LatchWatch(body)
         self._resets: dict[EStopReset, int] = {}
         self._state: BaseState | None = None
 
@@ -110,28 +111,28 @@ class Judge(Ledger):
         self._look_at_latch(disk, now_us)
         self._obstacles.note(now_us)
         self.freedom.note(now_us)
-        self._pins.note(now_us)
+        self._of_body.note(now_us)
         self._look_at_contacts(now_us)
         against = self._contrary.look(self._driver, self.wishes.way(self._driver, now_us), now_us)
-        if self._world.body.activity == 0:
+        if self._body.activity == 0:
             if refusal := self.freedom.refused(self._newest, self._state, now_us):
                 self._violated("f", refusal)
             return
         self.freedom.moved(now_us)
-        if wrong := self._pins.look(now_us):
+        if wrong := self._of_body.wrong(now_us):
             self._violated("g", wrong)
         if against:
             self._violated("c", against)
         if overdue := self.stops.overdue(now_us):
             self._violated("a", overdue)
-        if now_us - self._asked_us > _OUTLIVES_US:
-            self._violated(
-                "b", f"power {(now_us - self._asked_us) / 1e6:.3f} s after the last frame that asked for any"
-            )
+        acts, settles_us = self._body.acts, self._body.settles_us
+        if now_us - self._asked_us > _OUTLIVES_US + settles_us:
+            unasked = f"{acts} {(now_us - self._asked_us) / 1e6:.3f} s after the last frame that asked for any"
+            self._violated("b", unasked)
         if wrong := self._latch.power(now_us):
             self._violated("d", wrong)
-        if self._engaged_us is not None and now_us - self._engaged_us > ROBOT_US:
-            self._violated("d", f"power {(now_us - self._engaged_us) / 1e6:.3f} s after the emergency stop")
+        if self._engaged_us is not None and now_us - self._engaged_us > ROBOT_US + settles_us:
+            self._violated("d", f"{acts} {(now_us - self._engaged_us) / 1e6:.3f} s after the emergency stop")
 
     def pressed_reset(self, reset: EStopReset) -> None:
         """A human has asked for this just now."""
@@ -207,25 +208,23 @@ class Judge(Ledger):
             self._story.log(f"stops: {state.reason or 'the operator wishes so'}")
             self._story.count(f"stop: {kind_of(state.reason) or 'the operator wishes so'}")
 
-    def on_drive(self, base: Process, frame: DriveFrame | SpeedFrame) -> None:
+    def wrote(self, process: Process, frame: Frame) -> None:
         now_us = self._agenda.now_us
-        asked = Asked.by(frame, self._settings.robot, self._settings.base.drive)
-        self._pins.asked(asked, now_us)
-        if asked.is_nothing:
+        asked = self._of_body.asked(frame, now_us)
+        if asked is None or asked.is_nothing:
             return
         if self._engaged_us is not None:
-            self._violated("d", f"{base.instance} asks for {asked} while stopped")
-        if not self.is_of_this_boot(BoardKind.BASE, frame.boot_id):
+            self._violated("d", f"{process.instance} asks for {asked.text} while stopped")
+        if not self.is_of_this_boot(BoardKind.BASE, asked.boot_id):
             return  # base does not know of the board's reset yet, and no motor may have power by this
         self._asked_us = now_us
-        twist = Twist(asked, self._settings.robot)
-        wrong, passed = self._explainer.why_not(twist, self.heard_by_base(base), now_us)
+        wrong, passed = self._explainer.why_not(asked, self.heard_by_base(process), now_us)
         if passed is None:
-            self._violated(wrong[0], f"{asked} at the board: {wrong[3:]}")
+            self._violated(wrong[0], f"{asked.text} at the board: {wrong[3:]}")
         else:
             self._driver = passed.command.operator
-            self._expect_armed(passed.command.operator, twist)
-        if twist.goes and (collision := self._obstacles.ahead(twist.linear, self.readings, now_us)):
+            self._expect_armed(passed.command.operator, asked)
+        if asked.goes and (collision := self._obstacles.ahead(asked.linear, self.readings, now_us)):
             self._violated("e", collision)
 
     def _measure_way(self, now_us: int) -> None:
@@ -260,14 +259,14 @@ class Judge(Ledger):
             self._story.count("an emergency stop was lost with its base")
             self._engaged_us = None
 
-    def _expect_armed(self, operator: str, twist: Twist) -> None:
+    def _expect_armed(self, operator: str, asked: Demand) -> None:
         """A held neutral since the last that disarmed; of travel also since a sensor on its way was missed."""
         if operator != self._armed_for:
             if not self._was_neutral(operator, self._disarmed_us, self._disarmed_by):
                 return
             self._armed_for = operator
         missed = f"{self._missed} was not heard for too long"
-        if self._missed_us > self._disarmed_us and twist.goes and self._was_neutral(operator, self._missed_us, missed):
+        if self._missed_us > self._disarmed_us and asked.goes and self._was_neutral(operator, self._missed_us, missed):
             self._missed_us = 0
 
     def _was_neutral(self, operator: str, since_us: int, since: str) -> bool:

@@ -11,6 +11,7 @@ from giraff_schemas.requests import EStopAnswer
 from giraff_sim.dst.judging.stops import ROBOT_US
 from giraff_sim.hosts.disk import Disk
 from giraff_sim.hosts.process import Process
+from giraff_sim.world.body import Body
 
 _WRITTEN_US: Final = 300_000  # within which a base that runs has an engaged stop on a disk that works
 
@@ -18,7 +19,8 @@ _WRITTEN_US: Final = 300_000  # within which a base that runs has an engaged sto
 class LatchWatch:
     """Of the robot's disk."""
 
-    def __init__(self) -> None:
+    def __init__(self, body: Body) -> None:
+        self._body = body
         self._read = b""
         self._says_engaged = False
         self._engaged_us = 0  # since when the disk says so
@@ -59,8 +61,8 @@ class LatchWatch:
 
     def power(self, now_us: int) -> str:
         """Why no motor may have power by what the disk says; empty where it may."""
-        if self._says_engaged and now_us - self._engaged_us > ROBOT_US:
-            return f"power {(now_us - self._engaged_us) / 1e6:.3f} s after the disk had the emergency stop"
+        if self._says_engaged and now_us - self._engaged_us > ROBOT_US + self._body.settles_us:
+            return f"{self._body.acts} {(now_us - self._engaged_us) / 1e6:.3f} s after the disk had the emergency stop"
         return ""
 
     def answered(self, base: Process, answer: EStopAnswer, now_us: int) -> str:

@@ -11,11 +11,12 @@ from typing import Any, Final, NamedTuple
 
 from giraff_schemas.messages import BaseState, DriveCommand, GuardedCommand, Lease, Range
 from giraff_schemas.requests import EStopEngage, EStopReset
-from giraff_schemas.wire import BoardKind, DriveFrame, Frame, RangeFrame, SpeedFrame, TiltFrame, WheelsFrame
+from giraff_schemas.wire import BoardKind, Frame, RangeFrame, TiltFrame
 from giraff_sim.dst.judging.wishes import Wishes
 from giraff_sim.hosts.event_queue import EventQueue
 from giraff_sim.hosts.process import Observer, Process
 from giraff_sim.world.bno055 import Vector
+from giraff_sim.world.body import BoardReport
 
 _HEARD_US: Final = 1_000_000  # for so long what base was handed explains what it does, or shows what is wrong with it
 _STEADY_US: Final = 100_000  # between two reports of the base board, which come every 10 ms
@@ -87,7 +88,9 @@ class Neutral:
 class Ledger(Observer):
     """Keeps what the judge asks for."""
 
-    def __init__(self, agenda: EventQueue, wishes: Wishes) -> None:
+    def __init__(self, agenda: EventQueue, wishes: Wishes, report: type[BoardReport]) -> None:
+        """`report`: the base board's."""
+        self._report = report
         self._agenda = agenda
         self.wishes = wishes
         """What the operators truly do."""
@@ -135,7 +138,7 @@ class Ledger(Observer):
             self._measured[process] = self._boot_us(BoardKind.JOYSTICK, frame.boot_id) + frame.board_us
         elif isinstance(frame, RangeFrame):
             self._measured[process] = self._boot_us(BoardKind.RANGER, frame.boot_id) + frame.board_us
-        elif isinstance(frame, WheelsFrame):
+        elif isinstance(frame, self._report):
             last_us, self._read_us[process] = self._read_us.get(process), self._agenda.now_us
             if last_us is not None and self._agenda.now_us - last_us <= _STEADY_US:
                 self.reported_us[process] += self._agenda.now_us - last_us
@@ -173,10 +176,6 @@ class Ledger(Observer):
             case EStopReset():
                 self.on_reset_asked(sample)
 
-    def wrote(self, process: Process, frame: Frame) -> None:
-        if isinstance(frame, DriveFrame | SpeedFrame):
-            self.on_drive(process, frame)
-
     def passed(self, command: GuardedCommand) -> Passed:
         """What a guard's command stands on."""
         return self._passed[command.instance, command.seq]
@@ -204,9 +203,6 @@ class Ledger(Observer):
 
     def on_reset_asked(self, asked: EStopReset) -> None:
         """Base is asked to release."""
-
-    def on_drive(self, base: Process, frame: DriveFrame | SpeedFrame) -> None:
-        """Base sends a drive frame."""
 
     def _on_given(self, process: Process, sample: DriveCommand) -> None:
         born_us = self._measured.get(process, self._agenda.now_us)

@@ -8,9 +8,9 @@ from typing import Final, NamedTuple
 
 from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
-from giraff_schemas.wire import PWM_OVER_BLIND_PERCENT, PWM_OVER_PERCENT, BoardKind
-from giraff_sim.dst.judging.explain import Asked
-from giraff_sim.simulation import Simulation
+from giraff_schemas.wire import PWM_OVER_BLIND_PERCENT, PWM_OVER_PERCENT
+from giraff_sim.bodies.wheels.asked import Asked
+from giraff_sim.bodies.wheels.body import WheelsBody
 
 _WINDOW_US: Final = 100_000  # over which a ramp is measured
 _STEPS_US: Final = 12_000  # of the simulation and of the board's reports, at both ends of it
@@ -21,9 +21,9 @@ _OVERSHOOT: Final = 0.06  # m/s: a tenth of the largest speed
 class Pins:
     """Asked after each step. Counts are PWM counts of 255."""
 
-    def __init__(self, simulation: Simulation, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> None:
+    def __init__(self, body: WheelsBody, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> None:
         """`outlives_us`: for so long a frame may have effect."""
-        self._simulation = simulation
+        self._body = body
         self._drive = drive = config.drive
         self._by_speed = drive.asks_for_speeds
         self._most_counts = drive.speed_control.max_pwm if self._by_speed else drive.max_level
@@ -48,19 +48,18 @@ class Pins:
     def note(self, now_us: int) -> None:
         """Remember how the wheels turn, also without power."""
         if self._by_speed:
-            plant = self._simulation.world.plant
+            plant = self._body.plant
             self._rises_wrongly = self._rises.look(plant.left.speed, plant.right.speed, now_us)
 
     def look(self, now_us: int) -> str:
         """What is wrong with the drive of this step, in which a motor has power; empty when nothing is."""
-        motors = self._simulation.boards[BoardKind.BASE].model.motor
-        left, right = float(motors[0].drive), float(motors[1].drive)
+        left, right = self._body.drives
         if not self._by_speed:
             self._rises_wrongly = self._rises.look(left, right, now_us)
         return self._too_much() or self._unasked(left, right, now_us) or self._rises_wrongly
 
     def _too_much(self) -> str:
-        peak, most = self._simulation.world.body.activity, self._most_counts
+        peak, most = self._body.activity, self._most_counts
         return f"{peak} counts at a motor, where {most} is the most" if peak > most else ""
 
     def _unasked(self, left: float, right: float, now_us: int) -> str:
@@ -75,7 +74,7 @@ class Pins:
         """What a speed is worth; of a wheel that is to hold it, the most that it may take."""
         if not self._by_speed or speed == 0.0:
             return speed * self._counts_per_speed
-        plant, drive = self._simulation.world.plant, self._drive
+        plant, drive = self._body.plant, self._drive
         over = PWM_OVER_PERCENT if drive.battery_volts_per_count else PWM_OVER_BLIND_PERCENT
         counts = (abs(speed) + self._speeds_up) * self._counts_per_speed
         if drive.battery_volts_per_count:

@@ -1,0 +1,62 @@
+"""What a judge must know of two wheels: their frames, their motors' pins, and which way these drive the robot."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_base.config import BaseConfig
+from giraff_core.robot import RobotConfig
+from giraff_schemas.wire import DriveFrame, Frame, SpeedFrame
+from giraff_sim.bodies.wheels.asked import Asked
+from giraff_sim.bodies.wheels.body import WheelsBody
+from giraff_sim.bodies.wheels.pins import Pins
+from giraff_sim.world.body import Demand, Way
+
+_CREEPING_COUNTS: Final = 4  # of both motors: less is what rounding leaves of a turn in place
+_CREEPING: Final = 0.02  # m/s
+
+
+class WheelsJudge:
+    """Implements `giraff_sim.world.body.BodyJudge`."""
+
+    def __init__(self, body: WheelsBody, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> None:
+        """`outlives_us`: for so long a frame may have effect."""
+        self._body = body
+        self._robot, self._drive = robot, config.drive
+        self._pins = Pins(body, robot, config, outlives_us)
+
+    def asked(self, frame: Frame, now_us: int) -> Demand | None:
+        if not isinstance(frame, DriveFrame | SpeedFrame):
+            return None
+        asked = Asked.by(frame, self._robot, self._drive)
+        self._pins.asked(asked, now_us)
+        track_width = self._robot.kinematics.track_width
+        return Demand(
+            text=str(asked),
+            boot_id=frame.boot_id,
+            is_nothing=asked.left == asked.right == 0.0,
+            linear=(asked.left + asked.right) / 2.0,
+            angular=(asked.right - asked.left) / track_width,
+            linear_off=asked.off,
+            angular_off=2.0 * asked.off / track_width,
+        )
+
+    def note(self, now_us: int) -> None:
+        self._pins.note(now_us)
+
+    def wrong(self, now_us: int) -> str:
+        return self._pins.look(now_us)
+
+    def goes(self, way: Way) -> bool:
+        if way == "any":
+            return True
+        counts = sum(self._body.drives)
+        speed = self._body.plant.speed
+        # Where the board holds speeds, it gives unlike motors unlike power to turn in place.
+        if self._drive.asks_for_speeds and not (abs(speed) > _CREEPING and counts * speed > 0.0):
+            return False  # no power keeps the middle going: it turns, or what it had is slowed down
+        if way == "forward":
+            return counts > _CREEPING_COUNTS
+        if way == "backward":
+            return counts < -_CREEPING_COUNTS
+        return abs(counts) > _CREEPING_COUNTS

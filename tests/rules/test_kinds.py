@@ -1,0 +1,52 @@
+"""A kind of drive is one word: for its folders, its tag in the robot file, and the test of its contract."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import get_args
+
+import msgspec
+
+from giraff_base.config import DriveConfig
+from tests.rules.repository import ROOT, name, sources
+
+DRIVES = ROOT / "services" / "giraff_base" / "drives"
+BODIES = ROOT / "services" / "giraff_sim" / "bodies"
+CONTRACT = ROOT / "tests" / "unit" / "base" / "drives"
+ONE_FIRMWARE = frozenset(
+    ("WheelsFrame", "DriveFrame", "SpeedFrame", "ConfigureFrame", "EstopFrame", "DriveState", "SpeedFlag")
+)
+"""What the wire calls the frames and states of `firmware/base`."""
+MAY_NAME_IT = re.compile(r"giraff_base/drives/|giraff_sim/bodies/|giraff_sim/control/|giraff_cli/check/|/wire\.py$")
+
+
+def folders(parent: Path) -> set[str]:
+    return {init.parent.name for init in parent.glob("*/__init__.py")}
+
+
+def tags() -> set[str]:
+    kinds: tuple[type[msgspec.Struct], ...] = get_args(DriveConfig) or (DriveConfig,)
+    return {str(kind.__struct_config__.tag) for kind in kinds}
+
+
+def test_each_kind_has_its_folders_its_tag_and_its_contract() -> None:
+    tests = [path for path in CONTRACT.glob("test_*.py") if "(AnyDrive)" in path.read_text(encoding="utf-8")]
+    assert folders(DRIVES) == folders(BODIES) == tags() == {path.stem.removeprefix("test_") for path in tests}
+
+
+def named(path: Path) -> frozenset[str]:
+    """Return what of one firmware a module names."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return ONE_FIRMWARE & {node.name for node in ast.walk(tree) if isinstance(node, ast.alias)}
+
+
+def test_nobody_outside_names_the_wire_of_one_firmware() -> None:
+    outside = [path for path in sources(".py", under=("schemas", "services")) if not MAY_NAME_IT.search(name(path))]
+    assert {name(path): named(path) for path in outside if named(path)} == {}
+
+
+def test_a_planted_import_shows(tmp_path: Path) -> None:
+    (path := tmp_path / "policy.py").write_text("from giraff_schemas.wire import Frame, SpeedFrame as asked")
+    assert named(path) == {"SpeedFrame"}
