@@ -34,6 +34,7 @@ from giraff_node.network.discovery import (
     others,
     require_consent,
     resolve_target,
+    stand_in,
 )
 from giraff_node.network.hand import open_hand
 from giraff_node.network.reach import find_silent
@@ -238,7 +239,7 @@ class Robot(Motions, States, FrameReader):
                 logging.getLogger(__package__).warning("not everything of robot file and environment: %s", way.warning)
             self._session = self._find_door(way)
             self._is_named = bool(way.robot)
-            self.name = way.robot or find_robot(self._session, way.filed, self._patience)
+            self.name = stand_in(self._session, way) or find_robot(self._session, way.filed, self._patience)
             self._session = open_hand(way.network, self.name, self._session)
             self._listen(self._session)
         except (UnknownRobotError, ConfigError) as error:

@@ -54,7 +54,7 @@ def calibrate_odometry(robot: str | None, connect: Sequence[str], *, force: bool
 
     with _signals_interrupt():
         try:
-            return run_with_robot(robot, connect, _PATIENCE, act)
+            return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
         except KeyboardInterrupt:  # before a robot was found
             return _interrupted()
 

@@ -79,5 +79,5 @@ def _tell(
     from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
 
     raise typer.Exit(
-        run_with_robot(robot, connect or (), timeout, lambda connection: tell(act(connection)), moves=moves)
+        run_with_robot(robot, connect or (), timeout, lambda met: tell(act(met)), moves=moves, stands_in=False)
     )

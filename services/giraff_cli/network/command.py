@@ -18,7 +18,7 @@ from giraff_cli.terminal.program import called_here
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
-from giraff_node.network.discovery import CORRECT_IT, Target, find_robot, require_consent, resolve_target
+from giraff_node.network.discovery import CORRECT_IT, Target, find_robot, require_consent, resolve_target, stand_in
 from giraff_node.network.reach import find_silent
 from giraff_node.network.session import NobodyError, Role, open_session
 from giraff_node.process.lifecycle import restart_program
@@ -43,10 +43,12 @@ def run_with_robot(
     act: Callable[[RobotConnection], int],
     *,
     moves: bool = False,
+    stands_in: bool = True,
 ) -> int:
     """The exit code of `act`, or UNUSABLE where there is no robot to act on. `patience`: s, to look for one.
 
-    `moves`: it moves, releases or sets something. One that nobody has named then takes a person's yes.
+    `moves`: it moves, releases or sets something. One that nobody has named then takes a person's yes. `stands_in`: as
+    of `run_on_network`.
     """
 
     def find_and_act(connection: RobotConnection) -> int:
@@ -57,7 +59,7 @@ def run_with_robot(
                 require_consent(connection.session, connection.robot, naming(connection.robot))
         return act(connection)
 
-    return run_on_network(robot, connect, find_and_act, patience=patience)
+    return run_on_network(robot, connect, find_and_act, patience=patience, stands_in=stands_in)
 
 
 def naming(robot: str) -> str:
@@ -75,11 +77,13 @@ def run_on_network(
     records: bool = False,
     role: Role = "client",
     patience: float = 0.0,
+    stands_in: bool = False,
 ) -> int:
     """The exit code of `act` on the network, whose connection has no robot where nobody has named one; or UNUSABLE.
 
     An address of `connect` that does not answer is an error: another robot would be found in its place.
     `records`: it hears what is no sample of ours (`session_config`). `role`: as there; `patience`: as of `visit`.
+    `stands_in`: this host's simulation does for a robot that only a file names and that is not heard (`stand_in`).
     """
     try:
         way = resolve_target(robot, connect)
@@ -91,8 +95,13 @@ def run_on_network(
         return print_error(f"--connect {'; '.join(silent)}; check the address, and that the robot is on")
     if way.warning:
         print_error(not_all_counts(way.warning))
+
+    def meet_and_act(connection: RobotConnection) -> int:
+        connection.robot = stand_in(connection.session, way)
+        return act(connection)
+
     try:
-        return visit(way, act, records=records, role=role, patience=patience)
+        return visit(way, meet_and_act if stands_in else act, records=records, role=role, patience=patience)
     except UnopenedError as error:
         return print_error(str(error))
 

@@ -67,6 +67,7 @@ def record(
             connect,
             lambda connection: _record(connection, stopping, path, wanted, limits, as_json=as_json),
             records=True,
+            stands_in=True,
         )
 
 

@@ -48,7 +48,7 @@ def watch(robot: str | None, connect: Sequence[str], seconds: float | None, *, a
     """Until Ctrl-C, or for `seconds`; the exit code."""
     with StopSignal() as stopping:
         return run_on_network(
-            robot, connect, lambda connection: Watch(connection, stopping, seconds, as_json=as_json).run()
+            robot, connect, lambda met: Watch(met, stopping, seconds, as_json=as_json).run(), stands_in=True
         )
 
 

@@ -31,7 +31,8 @@ def serve(robot: str | None, connect: Sequence[str], port: int | None) -> int:
         config = WebConfig(port=port_or_any(usual.port) if port is None else port)
         return _serve(connection, Settings(config, limits, connection.network))
 
-    return run_with_robot(robot, connect, _PATIENCE, act, moves=True)
+    # A page stays for days. Its stop must not be the simulation's when the robot has come.
+    return run_with_robot(robot, connect, _PATIENCE, act, moves=True, stands_in=False)
 
 
 def _serve(connection: RobotConnection, settings: Settings[WebConfig]) -> int:

@@ -13,7 +13,7 @@ import socket
 import time
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
 import msgspec
@@ -49,6 +49,8 @@ class Target:
     """What of robot file and environment did not count; empty: nothing."""
     filed: str = ""
     """The name in the robot file of the current folder, which nobody has asked for. It counts if it is heard."""
+    named_by: str = ""
+    """Path of the file of GIRAFF_CONFIG where it alone has named `robot`; empty: somebody has typed the name."""
 
 
 def resolve_target(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> Target:
@@ -64,15 +66,21 @@ def resolve_target(robot: str | None, connect: Sequence[str], environment: Mappi
         raise ConfigError(doubt.what)
     network = given.table("network", NetworkConfig)
     name, filed = named(given, robot, environment)
-    return target_of(name, connect, network, "; ".join(strange.what for strange in given.strange), filed)
+    way = target_of(name, connect, network, "; ".join(strange.what for strange in given.strange), filed)
+    return way if not name or _is_typed(robot, given) else replace(way, named_by=given.where)
 
 
 def named(given: RawSettings, robot: str | None, environment: Mapping[str, str]) -> tuple[str, str]:
     """Return `Target.robot` and `Target.filed`. Raises ConfigError."""
     name = robot or name_of(given)
-    if robot or environment.get("GIRAFF_CONFIG") or "GIRAFF_ROBOT_NAME" in map(str.upper, given.variables):
+    if environment.get("GIRAFF_CONFIG") or _is_typed(robot, given):
         return name, ""
     return "", name
+
+
+def _is_typed(robot: str | None, given: RawSettings) -> bool:
+    """Whether the command line or GIRAFF_ROBOT_NAME has named the robot."""
+    return bool(robot) or "GIRAFF_ROBOT_NAME" in map(str.upper, given.variables)
 
 
 def target_of(
@@ -176,6 +184,23 @@ def choose(found: Sequence[str], filed: str) -> Choice:
         return Choice(filed)
     remark = f"{filed}, which {DEFAULT_FILE} names, is not heard" if filed else ""
     return Choice(found[0] if len(found) == 1 else "", remark)
+
+
+def stand_in(session: zenoh.Session, way: Target) -> str:
+    """Return `way.robot`, or this host's simulation where only that is heard and no person has typed a name.
+
+    Never for a stop. On a secured network a session may speak of the named robot alone.
+    """
+    simulated = simulated_name(socket.gethostname())
+    if not way.named_by or way.network.mode == "secured":
+        return way.robot
+    for wait in (_SETTLED, 0.0):
+        found = list_robots(session)
+        if way.robot in found or simulated not in found:
+            return way.robot
+        time.sleep(wait)
+    consent.tell(f"{way.robot}, which {way.named_by} names, is not heard; this is {simulated}")
+    return simulated
 
 
 def find_robot(session: zenoh.Session, filed: str, patience: float, left: float | None = None) -> str:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import socket
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
-from typing import NamedTuple
+from typing import Any, NamedTuple, Never
 
 import pytest
 
+from giraff_client import NoRobotError, Robot
 from giraff_node.network import consent
-from giraff_node.network.discovery import choose, robots_of, simulated_name
+from giraff_node.network.discovery import Target, choose, robots_of, simulated_name
 from giraff_node.network.tokens import Token
 from giraff_schemas.topics import alive_key
 from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.test_refusal import WORDS, with_session
 from tests.unit.cli.typed import typed
 
 OWN = simulated_name(socket.gethostname())
@@ -164,6 +168,57 @@ def test_a_robot_that_is_named_is_meant(
     host.beside(OWN, REAL)
     for verb in (LOOKS, MOVES, STOPS):
         assert host.types(*verb, *words).asked == REAL
+
+
+@pytest.mark.parametrize(
+    ("there", "environment", "robot"),
+    [
+        ((OWN, OTHER), {}, OWN),
+        ((OWN, REAL), {}, REAL),
+        ((OTHER,), {}, REAL),
+        ((OWN,), {"GIRAFF_ROBOT_NAME": REAL}, REAL),
+        ((OWN,), {"GIRAFF_NETWORK_MODE": "secured", "GIRAFF_NETWORK_ACCESS": '{ robot = ["pi"] }'}, REAL),
+    ],
+)
+def test_the_simulation_of_this_host_does_for_a_robot_that_only_a_file_names_and_that_is_not_heard(
+    host: Host, monkeypatch: pytest.MonkeyPatch, there: tuple[str, ...], environment: dict[str, str], robot: str
+) -> None:
+    monkeypatch.setattr("giraff_node.network.session.certificates", lambda _: {})
+    Path("mine.toml").write_text(f'[robot]\nname = "{REAL}"\n', encoding="utf-8")
+    for name, value in {"GIRAFF_CONFIG": "mine.toml", **environment}.items():
+        monkeypatch.setenv(name, value)
+    told = f"giraff: {REAL}, which mine.toml names, is not heard; this is {OWN}\n"
+    assert host.beside(*there).types("param", "list").complaint.count(told) == (robot == OWN)
+    assert told not in host.types("param", "list", "--robot", REAL).complaint
+    with contextlib.suppress(NoRobotError), (script := Robot(patience=0.1)):
+        pass
+    assert script.name == robot
+
+
+@pytest.mark.parametrize("command", sorted({*with_session()} - {"run"}))
+def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_simulation(
+    host: Host, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    """A page stays until the robot is there, a calibration goes into its file, and doctor judges the robot itself."""
+    strict = {"estop engage", "estop reset", "estop status", "web", "calibrate odometry", "doctor", "topic pub", "play"}
+    asked: list[Target] = []
+
+    def stand_in(_: object, way: Target) -> Never:
+        asked.append(way)
+        raise consent.NoRobotError
+
+    def visit(_: Target, act: Callable[[Any], int], **__: object) -> int:
+        with contextlib.suppress(Exception):  # it finds nothing there to act on
+            act(SimpleNamespace(session=None, robot=REAL))
+        return 2
+
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setattr("giraff_cli.network.command.stand_in", stand_in)
+    monkeypatch.setattr("giraff_cli.network.command.visit", visit)
+    for where in ("record.recorder.lower_priority", "drive.operate.in_terminal"):
+        monkeypatch.setattr(f"giraff_cli.{where}", lambda: True)
+    host.beside(OWN).types(*command.split(), *WORDS.get(command, ()))
+    assert bool(asked) == (command not in strict)
 
 
 @pytest.mark.parametrize(
