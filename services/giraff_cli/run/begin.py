@@ -89,11 +89,13 @@ def _with_directory(plan: Plan, network: NetworkConfig, connection: RobotConnect
 
 
 def _invitation(plan: Plan, network: NetworkConfig, connection: RobotConnection) -> Invitation:
+    # Another terminal may have the variable, too, and a stop goes to the robot of that file unless one is named.
+    has_usual_name = is_simulated_here(plan.robot.name) and not os.environ.get("GIRAFF_CONFIG")
     return invite(
         called_anywhere(),
         plan.robot.name,
         network,
         Path(plan.environment["GIRAFF_CONFIG"]),
         interfaces=interfaces(),
-        is_only_here=is_simulated_here(plan.robot.name) and not list_robots(connection.session),
+        is_only_here=has_usual_name and not list_robots(connection.session),
     )

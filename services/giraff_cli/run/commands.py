@@ -13,6 +13,10 @@ _REFUSED = 2  # exit code: nothing was started
 
 
 def run(  # noqa: PLR0913, PLR0917  one argument an option
+    file: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", exists=True, dir_okay=False, help="The robot file, instead of GIRAFF_CONFIG's."),
+    ] = None,
     seconds: Annotated[
         float | None, typer.Option("--for", metavar="SECONDS", help="End after so long; else with Ctrl-C.")
     ] = None,
@@ -57,6 +61,7 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
 
     try:
         plan = make_plan(
+            file=file,
             seconds=seconds,
             world=world,
             seed=seed,

@@ -54,10 +54,11 @@ def invite(
 ) -> Invitation:
     """`network`: of the run, with its rendezvous; `robot_file`: its own; `interfaces`: of this host.
 
-    `is_only_here`: it has the name of this host's simulation, and no other robot is heard.
+    `is_only_here`: it has the name of this host's simulation, no other robot is heard, and no GIRAFF_CONFIG names one.
     """
     is_plain = network.mode == "lan" and not network.session_file
-    is_announced = is_plain and not network.local and any(each.multicast for each in interfaces)
+    # With addresses of its own, a command does not ask by multicast.
+    is_announced = is_plain and not (network.local or network.connect) and any(each.multicast for each in interfaces)
     # A session file leads to the network alone, and a run has a rendezvous of its own, which no other file names.
     connect = "" if is_announced or network.session_file else network.rendezvous
     return Invitation(

@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, Literal, get_type_hints
 
 import tomlkit
 
@@ -21,7 +21,7 @@ from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.moved import current_name
-from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_node.config.robot_file import ConfigError, load, read_known, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import require_chunk
@@ -29,6 +29,7 @@ from giraff_sim.board import BUILD, ROOT
 from giraff_sim.bodies.kinds import world_of
 from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.main import make_hand
+from giraff_sim.settings import Settings
 from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world.hand import ScriptError
 from giraff_sim.world.room import RoomError, read_room
@@ -79,6 +80,7 @@ class Plan:
 
 def make_plan(  # noqa: PLR0913  one argument an option
     *,
+    file: Path | None,
     seconds: float | None,
     world: Path | None,
     seed: int,
@@ -103,11 +105,13 @@ def make_plan(  # noqa: PLR0913  one argument an option
             "--hand none, and `giraff drive` in another"
         )
     try:
-        environment = _environment(os.environ, hand, local=local, web=web)
+        given = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
+        environment = _environment(given, hand, local=local, web=web)
         robot = load("robot", RobotConfig, environment)
         drive = load("base", BaseConfig, environment).drive
         network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
+        _require_sound_services(environment)
     except ConfigError as error:
         raise PlanError(str(error)) from error
     world = (world or ROOT / "deploy" / "worlds" / "living_room.toml").absolute()
@@ -183,6 +187,15 @@ def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool
     if web:
         environment |= _page_settings(environment, local=local)
     return environment
+
+
+def _require_sound_services(environment: Mapping[str, str]) -> None:
+    """Raise ConfigError for what a service would refuse once it is started. Only the simulator knows the ports."""
+    given = read_known(environment)
+    for table, config in get_type_hints(Settings).items():
+        if "port" in config.__struct_fields__:
+            given.tables.setdefault(table, {})["port"] = "simulated"
+        given.table(table, config)
 
 
 def _page_settings(given: Mapping[str, str], *, local: bool) -> dict[str, str]:

@@ -34,6 +34,10 @@ def invited(
         (invited(NetworkConfig(rendezvous=AT)), f"giraff drive --robot sim-here --connect {AT}"),
         (invited(NetworkConfig(rendezvous=AT, local=True), WIRED), f"giraff drive --robot sim-here --connect {AT}"),
         (
+            invited(NetworkConfig(rendezvous=AT, connect=("10.0.0.2",)), WIRED),
+            f"giraff drive --robot sim-here --connect {AT}",
+        ),
+        (
             invited(NetworkConfig(rendezvous=AT, mode="fixed"), WIRED),
             f"'GIRAFF_CONFIG={FILE}' giraff drive --robot sim-here --connect {AT}",
         ),

@@ -40,7 +40,7 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 def plan(**options: Any) -> Plan:
     defaults: dict[str, Any] = dict.fromkeys(("seconds", "world", "tilt_script", "boards", "summary", "picture"))
     defaults |= dict.fromkeys(("local", "web", "localize"), False)
-    return make_plan(**defaults | {"seed": 1, "truth": "calibrated", "hand": "demo"} | options)
+    return make_plan(**defaults | {"file": None, "seed": 1, "truth": "calibrated", "hand": "demo"} | options)
 
 
 def test_the_defaults_make_a_run() -> None:
@@ -93,13 +93,20 @@ def test_the_robot_may_be_named_and_kept_off_the_network(monkeypatch: pytest.Mon
     assert made.environment["GIRAFF_NETWORK_LOCAL"] == "true"
 
 
-def test_the_robot_file_below_the_working_directory_counts(tmp_path: Path) -> None:
+def test_the_robot_file_below_the_working_directory_counts_unless_another_is_given(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     (tmp_path / "deploy").mkdir()
     text = (ROOT / "deploy" / "robot.toml").read_text()
     (tmp_path / "deploy" / "robot.toml").write_text(text.replace("footprint_radius = 0.30", "footprint_radius = 0.25"))
     made = plan()
     assert made.robot.footprint_radius == 0.25
     assert Path(made.environment["GIRAFF_CONFIG"]) == tmp_path / "deploy" / "robot.toml"
+    monkeypatch.setenv("GIRAFF_CONFIG", "deploy/robot.toml")
+    (tmp_path / "mine.toml").write_text(text)
+    made = plan(file=Path("mine.toml"))
+    assert made.environment["GIRAFF_CONFIG"] == str(tmp_path / "mine.toml")
+    assert (made.robot.name, made.robot.footprint_radius) == (simulated_name(socket.gethostname()), 0.30)
 
 
 def test_without_a_page_nothing_of_one_is_settled() -> None:

@@ -12,6 +12,7 @@ from giraff_sim.board import ROOT
 from tests.unit.cli.typed import typed
 
 BAD_SCRIPT = "bad.csv"
+BAD_FILE = "bad.toml"
 
 
 @pytest.mark.parametrize(
@@ -25,6 +26,9 @@ BAD_SCRIPT = "bad.csv"
         (["--summary", "missing/summary.json"], "cannot be written"),
         (["--boards", "wooden"], "'wooden'"),
         (["--hand", "mine"], "'mine'"),
+        (["--file", "nowhere.toml"], "giraff run: invalid value for '--file': File 'nowhere.toml' does not exist"),
+        (["--file", BAD_SCRIPT], f"{BAD_SCRIPT}: not TOML"),
+        (["--file", BAD_FILE], f"{BAD_FILE}: table [ranger]: Object contains unknown field `prot`"),
         (["--fast"], "giraff run: no such option: --fast"),
     ],
 )
@@ -39,9 +43,10 @@ def test_bad_input_is_refused_before_anything_is_started(
         raise AssertionError(f"it begins: {plan}")
 
     monkeypatch.setattr(run, "drive", drive)
-    monkeypatch.setenv("GIRAFF_CONFIG", str(ROOT / "deploy" / "robot.toml"))
+    monkeypatch.setenv("GIRAFF_CONFIG", str(shipped := ROOT / "deploy" / "robot.toml"))
     monkeypatch.chdir(tmp_path)
     Path(BAD_SCRIPT).write_text("0,0,0,9.81\n1,up,0,9.81\n", encoding="utf-8")
+    Path(BAD_FILE).write_text(shipped.read_text().replace("[ranger]\nport", "[ranger]\nprot"), encoding="utf-8")
     code, out, err = typed(monkeypatch, capsys, "run", "--local", *options)
     assert (code, out) == (2, "")
     [line] = err.splitlines()
