@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from random import Random
 from types import SimpleNamespace
-from typing import cast
+from typing import cast, get_args
 
 import pytest
 
 from giraff_schemas.requests import EStopReset
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.kinds import judge_of, world_of
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.pins import Rises
 from giraff_sim.config import SimConfig
@@ -18,6 +18,8 @@ from giraff_sim.dst.drill import Drill
 from giraff_sim.dst.faults.robot import encoder
 from giraff_sim.dst.judging.freedom import Freedom
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US, Stop, Stops
+from giraff_sim.truth import EXACT
+from giraff_sim.world.body import Way
 from giraff_sim.world.hand import LEVEL
 from tests.dst import sabotage
 from tests.dst.courses import (
@@ -266,6 +268,21 @@ def test_of_two_faults_the_later_has_its_own_bound(second_at: float, is_late: bo
 
 def test_wheels_are_in_their_safe_state_at_once() -> None:
     assert WheelsBody.settles_us == 0, "it is added to each bound"
+
+
+@pytest.mark.parametrize(
+    ("drives", "goes"),
+    [
+        ((30.0, 30.0), ["any", "travel", "forward"]),
+        ((-30.0, -30.0), ["any", "travel", "backward"]),
+        ((30.0, -30.0), ["any"]),
+    ],
+)
+def test_a_turn_in_place_is_no_travel(drives: tuple[float, float], goes: list[str]) -> None:
+    body = WheelsBody(SETTINGS.robot, SimConfig(), hall(), EXACT)
+    body.drives, body.plant.speed = drives, sum(drives) * 0.01
+    judge = judge_of(body, SETTINGS.robot, SETTINGS.base, 0)
+    assert [way for way in get_args(Way) if judge.goes(way)] == goes
 
 
 def test_a_robot_without_encoders_has_none_cut() -> None:
