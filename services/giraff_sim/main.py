@@ -16,12 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, get_args
 
-from giraff_base.config import BaseConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import Board, BoardError, Implementation
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.kinds import read_drive, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.control.control import Control
 from giraff_sim.control.server import ControlServer
@@ -206,7 +205,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         with ExitStack() as stack:
             robot, sim = load("robot", RobotConfig), load("sim", SimConfig)
-            drive = load("base", BaseConfig).drive
+            drive = read_drive()
             room = read_room(options.world)
             hand = make_hand(options.hand, room, options.seed, 0.0)
             truth = draw_truth(options.truth, sim.truth, options.seed, robot.calibration)

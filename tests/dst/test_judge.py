@@ -279,7 +279,7 @@ def test_wheels_are_in_their_safe_state_at_once() -> None:
     ],
 )
 def test_a_turn_in_place_is_no_travel(drives: tuple[float, float], goes: list[str]) -> None:
-    body = WheelsBody(SETTINGS.robot, SimConfig(), hall(), EXACT)
+    body = WheelsBody(SETTINGS.robot, SETTINGS.base.drive, SimConfig(), hall(), EXACT)
     body.drives, body.plant.speed = drives, sum(drives) * 0.01
     judge = judge_of(body, SETTINGS.robot, SETTINGS.base, 0)
     assert [way for way in get_args(Way) if judge.goes(way)] == goes

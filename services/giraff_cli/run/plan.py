@@ -14,7 +14,6 @@ from typing import Final, Literal, get_type_hints
 
 import tomlkit
 
-from giraff_base.config import BaseConfig
 from giraff_cli.network.ports import port_or_any
 from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
@@ -26,7 +25,7 @@ from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
-from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.kinds import read_drive, world_of
 from giraff_sim.config import KNOWN, SimConfig
 from giraff_sim.main import make_hand
 from giraff_sim.settings import Settings
@@ -108,7 +107,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
         given = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
         environment = _environment(given, hand, local=local, web=web)
         robot = load("robot", RobotConfig, environment)
-        drive = load("base", BaseConfig, environment).drive
+        drive = read_drive(environment)
         network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
         _require_sound_services(environment)

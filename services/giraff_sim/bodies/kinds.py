@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Mapping
 from typing import assert_never
 
 from giraff_base.config import BaseConfig, DriveConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import read_known
+from giraff_schemas.services import BASE
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
 from giraff_sim.config import SimConfig
@@ -15,6 +19,13 @@ from giraff_sim.world.body import Body, BodyJudge
 from giraff_sim.world.hand import Hand
 from giraff_sim.world.room import Room
 from giraff_sim.world.world import STEP_US, World
+
+
+def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:
+    """Return the drive that the robot file names. A simulated board needs no port of it. Raises ConfigError."""
+    given = read_known(environment)
+    given.tables.setdefault(BASE.table, {}).setdefault("port", "simulated")
+    return given.table(BASE.table, BaseConfig).drive
 
 
 def world_of(
