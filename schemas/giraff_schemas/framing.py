@@ -1,14 +1,13 @@
 """Frames on a serial line: COBS(body + CRC-16/CCITT-FALSE of body, low byte first) + 0x00."""
 
 import binascii
+from collections.abc import Mapping
 from typing import Final
 
 from giraff_schemas.wire import FRAME_CLASSES, Frame
 
 _CRC_SIZE: Final = 2
-_LONGEST_BODY: Final = max(frame.layout.size for frame in FRAME_CLASSES.values())
 _LONGEST_BLOCK: Final = 254  # of a COBS code: longer bodies would need more than one code byte of overhead
-_LONGEST_ENCODED: Final = 1 + _LONGEST_BODY + _CRC_SIZE
 
 
 def crc16(body: bytes) -> int:
@@ -38,7 +37,10 @@ def _decode_cobs(encoded: bytes) -> bytes | None:
 class Decoder:
     """Frames out of a byte stream. Damage costs the frame it hits and is counted; the next 0x00 mends."""
 
-    def __init__(self) -> None:
+    def __init__(self, frames: Mapping[int, type[Frame]] = FRAME_CLASSES) -> None:
+        """`frames`: those of the line, by their type."""
+        self._frames = frames
+        self._longest_encoded = 1 + max(frame.layout.size for frame in frames.values()) + _CRC_SIZE
         self.crc_errors = 0
         self.shape_errors = 0  # not COBS, of no known type, or not of its type's length
         self._unfinished = b""
@@ -47,7 +49,7 @@ class Decoder:
         """The frames that end in data, in their order."""
         *ended, unfinished = (self._unfinished + data).split(b"\0")
         # One byte too many is enough to know a frame for too long.
-        self._unfinished = unfinished[: _LONGEST_ENCODED + 1]
+        self._unfinished = unfinished[: self._longest_encoded + 1]
         return [frame for part in ended if part and (frame := self._decode(part)) is not None]
 
     @property
@@ -58,11 +60,11 @@ class Decoder:
         """
         # No kind is 0, so COBS leaves it as it is: the first code, 2 or more, stands before it.
         code, kind = self._unfinished[:1], self._unfinished[1:2]
-        known = FRAME_CLASSES.get(kind[0]) if kind and code > b"\1" else None
+        known = self._frames.get(kind[0]) if kind and code > b"\1" else None
         return 0 if known is None else max(0, 1 + known.layout.size + _CRC_SIZE + 1 - len(self._unfinished))
 
     def _decode(self, encoded: bytes) -> Frame | None:
-        data = _decode_cobs(encoded) if len(encoded) <= _LONGEST_ENCODED else None
+        data = _decode_cobs(encoded) if len(encoded) <= self._longest_encoded else None
         if data is None or len(data) <= _CRC_SIZE:
             self.shape_errors += 1
             return None
@@ -70,7 +72,7 @@ class Decoder:
         if crc16(body) != int.from_bytes(data[-_CRC_SIZE:], "little"):
             self.crc_errors += 1
             return None
-        kind = FRAME_CLASSES.get(body[0])
+        kind = self._frames.get(body[0])
         if kind is None or len(body) != kind.layout.size:
             self.shape_errors += 1
             return None

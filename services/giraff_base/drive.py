@@ -6,10 +6,11 @@ permits. `giraff_base.policy` decides whether the robot may move at all, once fo
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
-from giraff_schemas.messages import BoardState, RobotTime, Wheels
+from giraff_schemas.messages import BoardState, RobotTime, Sample
 from giraff_schemas.requests import EStopEngage
+from giraff_schemas.topics import Topic
 from giraff_schemas.wire import Frame
 
 
@@ -21,8 +22,8 @@ class Report(NamedTuple):
     over since its last report."""
     latched: EStopEngage | None
     """The emergency stop that the board has latched by itself; None: none, or base has asked for its release."""
-    samples: tuple[Wheels, ...]
-    """Samples to publish; none before the board works with the settings of this session."""
+    samples: tuple[Sample, ...]
+    """Samples of its topics, to publish; none before the board works with the settings of this session."""
 
 
 class Answer(NamedTuple):
@@ -41,6 +42,11 @@ class Drive(Protocol):
 
     Each frame that asks for motion proves to the board that it answers the newest report.
     """
+
+    @property
+    def topics(self) -> tuple[Topic[Any], ...]:
+        """The topics of its samples. Base publishes them."""
+        ...
 
     @property
     def unchecked(self) -> str:

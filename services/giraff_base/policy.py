@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from giraff_base.authority import Authority
 from giraff_base.config import BaseConfig
@@ -11,8 +12,9 @@ from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.kinds import drive_of
 from giraff_base.ramp import Ramp
 from giraff_core.robot import RobotConfig
-from giraff_schemas.messages import BaseState, Battery, EStop, GuardedCommand, RobotTime, Wheels
+from giraff_schemas.messages import BaseState, Battery, EStop, GuardedCommand, RobotTime, Sample
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.topics import Topic
 from giraff_schemas.wire import Frame
 
 _NO_REPORT = "no report from the base board yet"
@@ -46,6 +48,11 @@ class BasePolicy:
         self._ramp.limit(config.linear_acceleration, config.angular_acceleration)
 
     @property
+    def topics(self) -> tuple[Topic[Any], ...]:
+        """The topics of the drive's samples."""
+        return self._drive.topics
+
+    @property
     def latch(self) -> EStopLatch:
         """The emergency stop in force; what belongs on disk."""
         return self._estop.latch
@@ -67,9 +74,9 @@ class BasePolicy:
         self._drive.lose()
         self._lose_board("the serial link was lost")
 
-    def on_frames(self, frames: Iterable[Frame], now: RobotTime) -> list[Wheels]:
+    def on_frames(self, frames: Iterable[Frame], now: RobotTime) -> list[Sample]:
         """Take what the board sent; the samples to publish, once it works with this session's wiring."""
-        samples: list[Wheels] = []
+        samples: list[Sample] = []
         for frame in frames:
             if (report := self._drive.take(frame, now)) is not None:
                 self._hear(report, now)

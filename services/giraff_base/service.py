@@ -10,8 +10,7 @@ from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
-from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK, WHEELS
-from giraff_schemas.wire import BASE_BAUD, BoardKind
+from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
 
 
 class Base:
@@ -26,11 +25,12 @@ class Base:
         self._policy = policy(config, robot, load_latch(io.store, io.token()))
         io.on_reconfigured = self._policy.reconfigure
         self._server = EStopServer(self._policy, LatchSaver(io.store.writer(LATCH_FILE)), io.instance)
-        self.link = io.board(config.port, BASE_BAUD, BoardKind.BASE)
+        self.link = io.board(config.port, config.drive.board)
         self._opened = 0
         self._commands = io.inbox(CMD_VEL)
         self._engages, self._resets = io.requests(ESTOP_ENGAGE), io.requests(ESTOP_RESET)
-        self._ticks, self._wheels = io.publisher(TICK), io.publisher(WHEELS)
+        self._ticks = io.publisher(TICK)
+        self._samples = {topic.schema: io.publisher(topic) for topic in self._policy.topics}
         self._states = _States(io, self._policy)
         self._tick_timer = Timer(TICK.rate_hz)
         self.timers = (self._tick_timer,)
@@ -49,7 +49,7 @@ class Base:
         for command in self._commands.take():
             policy.on_command(command, robot_time)
         for sample in policy.on_frames(frames, robot_time):
-            self._wheels.put(sample)
+            self._samples[type(sample)].put(sample)
         self._server.take(self._engages.take(), self._resets.take(), robot_time)
         if (frame := policy.next_frame(robot_time)) is not None:
             link.send(frame)

@@ -14,10 +14,11 @@ import msgspec
 from giraff_core.inbox import Inbox
 from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
+from giraff_schemas.boards import BoardType
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic
-from giraff_schemas.wire import BoardKind, Frame
+from giraff_schemas.wire import Frame
 
 SampleT_contra = TypeVar("SampleT_contra", bound=Sample, contravariant=True)
 RequestT_co = TypeVar("RequestT_co", bound=msgspec.Struct, covariant=True)
@@ -139,7 +140,7 @@ class IO(Protocol):
         """Tell whoever asks where the frame `child` is; of one that moves, by a call. None: it is not known now."""
         ...
 
-    def board(self, path: str, baud: int, kind: BoardKind) -> Board: ...
+    def board(self, path: str, board: BoardType) -> Board: ...
 
     def monotonic(self) -> float:
         """s; what turns are given."""

@@ -7,8 +7,9 @@ from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer, Timer
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
+from giraff_schemas.boards import JOYSTICK_BOARD
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, TILT
-from giraff_schemas.wire import JOYSTICK_BAUD, BoardKind, TiltFrame
+from giraff_schemas.wire import TiltFrame
 
 
 class Joystick:
@@ -23,7 +24,7 @@ class Joystick:
         self._io = io
         self._policy = policy(config, robot, io.instance)
         io.on_reconfigured = self._policy.reconfigure
-        self.link = io.board(config.port, JOYSTICK_BAUD, BoardKind.JOYSTICK)
+        self.link = io.board(config.port, JOYSTICK_BOARD)
         self._clock, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)
         self._tilts = io.publisher(TILT)
         self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))

@@ -39,6 +39,7 @@ from giraff_node.network.session import NobodyError, Role, open_session
 from giraff_node.process.clock import robot_now_ns
 from giraff_node.process.lifecycle import Process
 from giraff_node.process.state import Folder, state_directory
+from giraff_schemas.boards import BoardType
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Health, WebPage
@@ -58,7 +59,6 @@ from giraff_schemas.topics import (
     health_key,
     key_of,
 )
-from giraff_schemas.wire import BoardKind
 
 _STEADY = (BASE.name, GUARD.name)  # nothing that may hold them up for longer than a turn is done in these
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
@@ -272,8 +272,8 @@ class Node(Generic[ConfigT]):
     ) -> QueryClient[RequestT, AnswerT]:
         return QueryClient(self.session, self.robot.name, query, request, settles)
 
-    def board(self, path: str, baud: int, kind: BoardKind) -> BoardLink:
-        link = BoardLink(path, baud, kind)
+    def board(self, path: str, board: BoardType) -> BoardLink:
+        link = BoardLink(path, board)
         self._boards.append(link)
         return link
 

@@ -6,8 +6,9 @@ from giraff_core.io import IO
 from giraff_core.robot import RobotConfig
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import RangerPolicy
+from giraff_schemas.boards import RANGER_BOARD
 from giraff_schemas.topics import RANGE, TICK
-from giraff_schemas.wire import RANGER_BAUD, BoardKind, RangeFrame
+from giraff_schemas.wire import RangeFrame
 
 
 class Ranger:
@@ -23,7 +24,7 @@ class Ranger:
     ) -> None:
         self._io = io
         self._policy = policy(robot)
-        self.link = io.board(config.port, RANGER_BAUD, BoardKind.RANGER)
+        self.link = io.board(config.port, RANGER_BOARD)
         self._clock = io.inbox(TICK, limit=1)
         for transform in self._policy.transforms():
             io.frame(transform.child, transform)

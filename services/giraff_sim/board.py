@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import cffi
 
+from giraff_schemas.boards import BOARDS
 from giraff_schemas.wire import BoardKind, ResetCause
 
 ROOT: Final = Path(__file__).resolve().parents[2]
@@ -177,9 +178,12 @@ def _open_privately(library: Path) -> Any:
             raise BoardError(f"{library} cannot be loaded: {error}; is libsimavr2 installed?") from error
 
 
-def open_board(kind: BoardKind, implementation: Implementation, build: Path = BUILD) -> Board:
-    """The board as it leaves the build: build/firmware, build/lockstep and build/host."""
-    name = kind.name.lower()
+def open_board(kind: BoardKind, implementation: Implementation, build: Path = BUILD, name: str = "") -> Board:
+    """Open a board as it leaves the build: build/firmware, build/lockstep and build/host.
+
+    `name`: of the image; empty: the one of a stock robot.
+    """
+    name = name or BOARDS[kind].name
     if implementation is Implementation.HOST:
         return Board(kind, build / "host" / f"{name}.so")
     return Board(kind, build / "lockstep" / "lockstep.so", build / "firmware" / f"{name}.elf")

@@ -104,7 +104,8 @@ def simulation(
     boards: dict[BoardKind, Board] = {}
     try:
         for kind in kinds:
-            boards[kind] = open_board(kind, implementation, build)
+            name = world.body.board.name if kind is BoardKind.BASE else ""
+            boards[kind] = open_board(kind, implementation, build, name)
         yield Simulation(boards, world)
     finally:
         for board in boards.values():

@@ -18,8 +18,9 @@ from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_node.boards.board_link import BoardLink
 from giraff_ranger.policy import RangerPolicy
+from giraff_schemas.boards import BOARDS
 from giraff_schemas.framing import encode
-from giraff_schemas.messages import RobotTime
+from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import (
     FRAME_CLASSES,
     PROTOCOL_HASH,
@@ -66,7 +67,7 @@ def fuzz_host_side(board: str, wanted: int, seed: int, growth: Growth | None = N
     turn = {BoardKind.BASE: _base, BoardKind.JOYSTICK: _joystick, BoardKind.RANGER: _ranger}[kind]()
     counted = HostCounted(board=board)
     with _terminal() as (ours, path):
-        link, now = BoardLink(path, _BAUD, kind), 0.0
+        link, now = BoardLink(path, BOARDS[kind]), 0.0
         while counted.bytes < wanted:
             now += _TURN
             data = b""
@@ -139,6 +140,7 @@ def _base() -> Turn:
     def turn(frames: list[Frame], now: float) -> list[Frame]:
         robot_time = RobotTime(epoch=7, robot_ns=round((now + 1000.0) * 1e9))
         for sample in policy.on_frames(frames, robot_time):
+            assert isinstance(sample, Wheels)
             assert math.isfinite(sample.left_velocity + sample.right_velocity), sample
         frame = policy.next_frame(robot_time)
         assert not policy.state().driving

@@ -17,6 +17,7 @@ from giraff_keyboard.status import StatusView
 from giraff_node.config import misplaced
 from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
+from giraff_schemas.boards import BOARDS
 from giraff_schemas.services import CLIENT, DOOR, HANDS, INSTALLED, ROBOTS_OWN, SERVICES, SIMULATED, Service
 from giraff_sim.dst.faults import machine, robot
 from giraff_sim.settings import MACHINES, Services, Settings
@@ -132,8 +133,8 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
     for method, rows in ((io.publisher, service.publishes), (io.inbox, service.subscribes)):
         assert {topics.topic_of(call.args[0].key) for call in method.call_args_list} == set(rows)
     assert {call.args[0] for call in io.requests.call_args_list} == set(service.answers)
-    kinds = [call.args[2] for call in io.board.call_args_list]
-    assert kinds == ([] if service.board is None else [service.board])
+    boards = [call.args[1] for call in io.board.call_args_list]
+    assert boards == ([] if service.board is None else [BOARDS[service.board]])
 
 
 @pytest.mark.parametrize("service", [each for each in IN_PACKAGES if each not in TURNING], ids=lambda each: each.name)

@@ -17,9 +17,8 @@ from giraff_cli.check.wiring import Counted
 from giraff_core.counters import signed32
 from giraff_core.estop import RESET_COMMAND
 from giraff_node.boards.board_link import BoardLink
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.wire import (
-    BASE_BAUD,
-    BoardKind,
     DriveState,
     Latch,
     Refusal,
@@ -53,7 +52,7 @@ class WheelBench:
 
     def __init__(self, port: str) -> None:
         self._port = port
-        self._link = BoardLink(port, BASE_BAUD, BoardKind.BASE)
+        self._link = BoardLink(port, BASE_BOARD)
         self._report: WheelsFrame | None = None
         self._session = 0
         self._frames = WheelsCommands()

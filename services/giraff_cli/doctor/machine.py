@@ -26,14 +26,9 @@ from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWa
 from giraff_node.network.sockets import live_sockets, socket_folder
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
+from giraff_schemas.boards import BOARDS, BoardType
 from giraff_schemas.services import BASE, HANDS, ROBOTS_OWN, SERVICES
-from giraff_schemas.wire import BASE_BAUD, JOYSTICK_BAUD, RANGER_BAUD, BoardKind
 
-_BAUDS: Final = {
-    BoardKind.BASE: BASE_BAUD,
-    BoardKind.RANGER: RANGER_BAUD,
-    BoardKind.JOYSTICK: JOYSTICK_BAUD,
-}
 _HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
 _TURN: Final = 0.01  # s
 
@@ -71,7 +66,7 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
             continue
         path = str(_tables(environment).get(service.table, {}).get("port", ""))
         if path and Path(path).exists():
-            problem = _greet(path, _BAUDS[service.board], service.board)
+            problem = _greet(path, _board_of(service.name, BOARDS[service.board], environment))
             if "in use by another process" not in problem:
                 found.append(Port(service=service.name, problem=problem))
     return tuple(found)
@@ -98,19 +93,27 @@ def geometry_of(robot: str, environment: Mapping[str, str] = os.environ) -> Geom
     return None
 
 
-def _greet(path: str, baud: int, kind: BoardKind) -> str:
-    """Why no board of this kind says hello there, with the way out; empty: one does."""
+def _board_of(service: str, usual: BoardType, environment: Mapping[str, str]) -> BoardType:
+    """Return the board of a service. Of base, its drive names it."""
+    if service == BASE.name:
+        with contextlib.suppress(ConfigError):
+            return load(BASE.table, BaseConfig, environment).drive.board
+    return usual
+
+
+def _greet(path: str, board: BoardType) -> str:
+    """Why no such board says hello there, with the way out; empty: one does."""
     if find_spec("serial") is None:
         return ""  # a desk without boards
     from giraff_node.boards.board_link import BoardLink  # noqa: PLC0415  of the extra `serial`
 
-    link = BoardLink(path, baud, kind)
+    link = BoardLink(path, board)
     try:
         deadline = time.monotonic() + _HELLO_WITHIN
         while link.hello is None and time.monotonic() < deadline:
             link.poll(time.monotonic())
             time.sleep(_TURN)
-        silent = f"{path}: no {kind.name.lower()} board says hello; see its power, its cable, and that it is flashed"
+        silent = f"{path}: no {board.name} board says hello; see its power, its cable, and that it is flashed"
         return "" if link.hello is not None else link.fault if "protocol" in link.fault or link.opened == 0 else silent
     finally:
         link.close()

@@ -1,4 +1,4 @@
-"""A serial link to one of the three boards: frames instead of bytes, and proof that the other side is the right one."""
+"""A serial link to a board: frames instead of bytes, and proof that the other side is the right one."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ from math import inf
 from typing import Final
 
 from giraff_node.boards.serial_link import SerialLink
+from giraff_schemas.boards import BOARDS, BoardType
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, Frame, HelloFrame, HelloRequestFrame
+from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 
 HELLO_PERIOD = 0.25  # s between two requests while none was answered
 SILENCE = 1.0  # s without a frame after which the port is opened again: a stale descriptor outlives a replug
@@ -15,19 +16,19 @@ _BITS: Final = 10  # of a byte on the line, with its start and its stop
 
 
 class BoardLink:
-    """Frames from and to the board of `kind`. None is passed on before a matching `hello`.
+    """Frames from and to one board. None is passed on before a matching `hello`.
 
     Between a frame's first bytes and the moment at which the line can have carried its last one it rests, so that a
     loop is not woken by each byte: it has no descriptor, and `wait` says for how long. A whole frame is late by that
     only behind a torn one, or out of an adapter that held up its start: by less than the longest frame takes.
     """
 
-    def __init__(self, path: str, baud: int, kind: BoardKind, serial: SerialLink | None = None) -> None:
+    def __init__(self, path: str, board: BoardType, serial: SerialLink | None = None) -> None:
         """`serial`: instead of a port of this machine."""
-        self.kind = kind
+        self.board = board
         self.hello: HelloFrame | None = None
-        self._serial = serial or SerialLink(path, baud)
-        self._decoder = Decoder()
+        self._serial = serial or SerialLink(path, board.baud)
+        self._decoder = Decoder(self.board.frames)
         self._received = 0  # bytes
         self._ends_at = 0  # of these bytes, with the last of the frame under way
         self._rests_until = inf  # s, monotonic; inf: does not rest
@@ -58,7 +59,7 @@ class BoardLink:
             return self._serial.fault or self._mismatch
         if self._reporting:
             return ""
-        return self._silence or f"{self._serial.path}: no reports from a {self.kind.name.lower()} board yet"
+        return self._silence or f"{self._serial.path}: no reports from a {self.board.name} board yet"
 
     @property
     def line_errors(self) -> int:
@@ -68,7 +69,7 @@ class BoardLink:
     def poll(self, now: float) -> list[Frame]:
         """Keep the port open and return the frames that have arrived. `now`: monotonic, s."""
         if self._serial.keep_open(now):
-            self._decoder = Decoder()
+            self._decoder = Decoder(self.board.frames)
             self.hello = None
             self._mismatch = ""  # another board may be there now
             self._reporting = False
@@ -121,12 +122,13 @@ class BoardLink:
 
     def _judge(self, hello: HelloFrame) -> str:
         path = self._serial.path
-        if hello.board != self.kind:
-            there = BoardKind(hello.board).name.lower() if hello.board in list(BoardKind) else f"kind {hello.board}"
-            return f"{path}: a {there} board is there, not a {self.kind.name.lower()} board; swap the ports"
-        if hello.protocol_hash != PROTOCOL_HASH:
+        if hello.board != self.board.number:
+            there = next((each.name for each in BOARDS.values() if each.number == hello.board), f"kind {hello.board}")
+            return f"{path}: a {there} board is there, not a {self.board.name} board; swap the ports"
+        ours = self.board.protocol_hash
+        if hello.protocol_hash != ours:
             return (
-                f"{path}: the board speaks protocol {hello.protocol_hash:08x}, this program {PROTOCOL_HASH:08x}; "
-                f"reflash it: make -C firmware flash BOARD={self.kind.name.lower()} PORT={path}"
+                f"{path}: the board speaks protocol {hello.protocol_hash:08x}, this program {ours:08x}; "
+                f"reflash it: make -C firmware flash BOARD={self.board.name} PORT={path}"
             )
         return ""

@@ -17,6 +17,7 @@ from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_core.retry import RetriedRequest
 from giraff_core.robot import RobotConfig
 from giraff_node.boards.board_link import BoardLink
+from giraff_schemas.boards import BoardType
 from giraff_schemas.codec import stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Sample
@@ -30,7 +31,7 @@ from giraff_schemas.topics import (
     SampleT,
     Topic,
 )
-from giraff_schemas.wire import BoardKind, Frame
+from giraff_schemas.wire import Frame
 from giraff_sim.hosts.cable import Cable, CableEnd
 from giraff_sim.hosts.disk import ProcessStore
 from giraff_sim.hosts.event_queue import EventQueue
@@ -129,10 +130,10 @@ class Process:
     def frame(self, child: str, where: Transform | Callable[[], Transform | None]) -> None:
         """Nobody asks for frames here."""
 
-    def board(self, path: str, baud: int, kind: BoardKind) -> Board:
+    def board(self, path: str, board: BoardType) -> Board:
         if path in self._imitated:
             return self._imitated[path]
-        link = BoardLink(path, baud, kind, CableEnd(path, baud, self.loop.cables.get(path), self.wake))
+        link = BoardLink(path, board, CableEnd(path, board.baud, self.loop.cables.get(path), self.wake))
         self._links.append(link)
         return _WatchedBoard(self, link)
 
@@ -345,7 +346,7 @@ class _WatchedBoard:
         before = self._link.opened
         frames = self._link.poll(now)
         if self._link.opened != before:
-            self._observer.opened(self._process, self._link.kind)
+            self._observer.opened(self._process)
         return self._handed_out(frames) if frames else ()
 
     def send(self, frame: Frame) -> None:
@@ -382,5 +383,5 @@ class Observer:
     def wrote(self, process: Process, frame: Frame) -> None:
         """`process` sends `frame` to its board."""
 
-    def opened(self, process: Process, kind: BoardKind) -> None:
-        """`process` has opened the port of its board, of that kind."""
+    def opened(self, process: Process) -> None:
+        """`process` has opened the port of its board."""

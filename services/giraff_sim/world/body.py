@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, Protocol
 
+from giraff_schemas.boards import BoardType
 from giraff_schemas.wire import Frame
 from giraff_sim.board import Board
 from giraff_sim.world.room import Pose
@@ -73,6 +74,8 @@ class BoardReport(Protocol):
 class Body(Protocol):
     """One kind of robot, between its base board's pins and the floor."""
 
+    board: BoardType
+    """Its base board."""
     report: type[BoardReport]
     """The frame in which its board reports."""
     acts: str

@@ -292,7 +292,7 @@ class Rig:
             self.say(self.command())
         if not self.connected:
             return None
-        self.samples += self.base.on_frames([report], self.now)
+        self.samples += [each for each in self.base.on_frames([report], self.now) if isinstance(each, Wheels)]
         frame = self.base.next_frame(self.now)
         if frame is not None:
             self.board.receive(frame)

@@ -7,6 +7,7 @@ from math import ceil, inf
 
 from giraff_node.boards.board_link import BoardLink
 from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import BASE_BAUD, PROTOCOL_HASH, BoardKind, Frame, HelloFrame
 
@@ -77,7 +78,7 @@ class FakeLoop:
     """What was handed out, and when."""
 
     def __post_init__(self) -> None:
-        self.link = BoardLink(self.line.path, self.line.baud, BoardKind.BASE, self.line)
+        self.link = BoardLink(self.line.path, BASE_BOARD, self.line)
         self.link.poll(0.0)
         self.line.coming = [(0.0, encode(HELLO.pack()))]
         assert self.link.poll(0.0) == [HELLO]

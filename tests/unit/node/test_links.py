@@ -15,6 +15,7 @@ import serial
 
 from giraff_node.boards.board_link import SILENCE, BoardLink
 from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
+from giraff_schemas.boards import RANGER_BOARD
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, TickFrame
 from tests.unit.node.ports import FakePort
@@ -221,7 +222,7 @@ def test_a_reader_that_does_not_read_costs_no_time_and_no_frame_is_torn(port: Fa
 
 
 def ranger_link(port: FakePort) -> BoardLink:
-    link = BoardLink(str(port.link), BAUD, BoardKind.RANGER)
+    link = BoardLink(str(port.link), RANGER_BOARD)
     assert link.poll(0.0) == []
     return link
 

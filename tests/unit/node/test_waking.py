@@ -14,9 +14,9 @@ from giraff_core.io import Paced
 from giraff_core.timer import Timer
 from giraff_node import Node
 from giraff_node.process.selector import wait_for
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.messages import Tick
 from giraff_schemas.topics import TICK, Topic
-from giraff_schemas.wire import BASE_BAUD, BoardKind
 
 
 class FakeProcess:
@@ -49,7 +49,7 @@ class FakeNode(Node[Any]):
 
 def test_a_board_that_no_longer_rests_makes_one_due() -> None:
     node = FakeNode()
-    timer, link = Timer(50.0), node.board("board", BASE_BAUD, BoardKind.BASE)
+    timer, link = Timer(50.0), node.board("board", BASE_BOARD)
     assert list(node.turns(timer, link=link)) == []
     assert node.process.paced == [timer, link]
 

@@ -10,6 +10,7 @@ import msgspec
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
+from giraff_schemas.boards import BASE_BOARD, BoardType
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
 WheelControl = Literal["level", "speed"]
@@ -122,6 +123,11 @@ class WheelsConfig(
             )
         if self.asks_for_speeds:
             self._check_speed_control()
+
+    @property
+    def board(self) -> BoardType:
+        """The board that base speaks with, and that the simulator runs."""
+        return BASE_BOARD
 
     @property
     def asks_for_speeds(self) -> bool:

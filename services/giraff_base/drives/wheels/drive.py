@@ -10,6 +10,7 @@ from giraff_base.drives.wheels.reports import WheelReports
 from giraff_base.drives.wheels.words import board_state, engaged_by, held, limit, word
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import BoardState, RobotTime
+from giraff_schemas.topics import WHEELS
 from giraff_schemas.wire import DriveState, Frame, Latch, Refusal, WheelsFrame
 
 _CONFIGURE_PERIOD_NS = 50_000_000
@@ -18,6 +19,8 @@ _ZERO = (0, 0)
 
 class WheelsDrive:
     """The `giraff_base.drive.Drive` of two wheels."""
+
+    topics = (WHEELS,)
 
     def __init__(self, robot: RobotConfig, config: WheelsConfig, acceleration: float) -> None:
         """`acceleration`: m/s² of the faster wheel, where driving and turning start at once."""

@@ -144,8 +144,8 @@ class Judge(Ledger):
             self._disarmed("the base board was reset")
             self._asked_us = self._agenda.now_us - _OUTLIVES_US
 
-    def opened(self, process: Process, kind: BoardKind) -> None:
-        if kind is BoardKind.BASE:
+    def opened(self, process: Process) -> None:
+        if process.name == BASE:
             self._disarmed(f"{process.instance} has opened the base board's port")
 
     def on_grant(self, lease: Lease) -> None:

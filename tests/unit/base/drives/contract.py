@@ -16,7 +16,7 @@ from giraff_base.kinds import drive_of
 from giraff_core.estop import RESET_COMMAND
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime
-from giraff_schemas.wire import Frame
+from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 from tests.support import robots
 
 SESSION = 77
@@ -127,6 +127,17 @@ class AnyDrive:
                 bench.board.receive(settling.frame)
             assert bench.board.is_safe()
         raise AssertionError("it is never settled")
+
+    def test_its_samples_are_of_its_topics(self) -> None:
+        bench = self.settled()
+        samples = bench.hear().samples
+        assert samples
+        assert {type(sample) for sample in samples} <= {topic.schema for topic in bench.drive.topics}
+
+    def test_its_board_knows_what_it_reports_and_what_it_is_sent(self) -> None:
+        bench, frames = self.settled(), self.config.board.frames.values()
+        asked = bench.drive.ask(0.1, 0.0).frame
+        assert {type(bench.board.report()), type(asked), HelloFrame, HelloRequestFrame} <= set(frames)
 
     def test_a_frame_that_was_held_up_moves_nothing(self) -> None:
         bench = self.settled()

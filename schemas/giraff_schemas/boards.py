@@ -1,0 +1,36 @@
+"""The boards that services speak with, each with its firmware's wire."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+from giraff_schemas.wire import (
+    BASE_BAUD,
+    FRAME_CLASSES,
+    JOYSTICK_BAUD,
+    PROTOCOL_HASH,
+    RANGER_BAUD,
+    BoardKind,
+    Frame,
+)
+
+
+class BoardType(NamedTuple):
+    """One board for which one firmware is built."""
+
+    name: str
+    """The folder in `firmware/boards`, and the word of `make flash BOARD=`."""
+    number: int
+    """Tells it from other boards, in its `hello`."""
+    baud: int
+    protocol_hash: int = PROTOCOL_HASH
+    frames: Mapping[int, type[Frame]] = FRAME_CLASSES
+    """Frames on its line, by their type; `hello` and its request are among them."""
+
+
+BASE_BOARD: Final = BoardType("base", BoardKind.BASE, BASE_BAUD)
+JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
+RANGER_BOARD: Final = BoardType("ranger", BoardKind.RANGER, RANGER_BAUD)
+BOARDS: Final = {BoardKind(board.number): board for board in (BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD)}
+"""By the role that a board has for a stock robot. Another drive may name another board for base."""
