@@ -16,11 +16,10 @@ _NO_GUARD = "the guard is not heard; start giraff_guard on this machine"
 class Authority:
     """Whose command counts, whether the robot is armed, and what stands against it."""
 
-    def __init__(self, config: BaseConfig, unchecked: str, estop: EStopControl) -> None:
-        """`unchecked`: why nobody knows yet whether the robot moves as it is asked; empty: somebody has checked."""
+    def __init__(self, config: BaseConfig, estop: EStopControl) -> None:
         self._config = config
         self._estop = estop
-        self._unchecked = unchecked
+        self._unchecked = config.drive.unchecked
         self.arming = Arming(config)
         self.binding = Binding(config, self.arming)
         self.battery = BatteryWatch(config)

@@ -49,11 +49,6 @@ class Drive(Protocol):
         ...
 
     @property
-    def unchecked(self) -> str:
-        """Why nobody knows yet whether the robot moves as it is asked, with the remedy; empty: somebody has checked."""
-        ...
-
-    @property
     def at_rest(self) -> bool:
         """Whether the robot stands, in its safe state. True before any report."""
         ...

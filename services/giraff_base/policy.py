@@ -32,7 +32,7 @@ class BasePolicy:
         self._kinematics = robot.kinematics
         self._drive = drive_of(robot, config)
         self._estop = EStopControl(latch, config.reset_budget)
-        self._authority = Authority(config, self._drive.unchecked, self._estop)
+        self._authority = Authority(config, self._estop)
         self._ramp = Ramp(config.linear_acceleration, config.angular_acceleration)
         self._reported_ns: int | None = None  # None: there is no board
         self._answered = False

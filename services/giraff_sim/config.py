@@ -2,25 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 import msgspec
 
 from giraff_core.bounds import require_not_negative, require_positive
 from giraff_sim.truth import TruthRanges
-
-KNOWN: Final = {
-    "GIRAFF_BASE_DRIVE__SWAP_MOTORS": "false",
-    "GIRAFF_BASE_DRIVE__SWAP_ENCODERS": "false",
-    "GIRAFF_BASE_DRIVE__INVERT_LEFT_MOTOR": "false",
-    "GIRAFF_BASE_DRIVE__INVERT_RIGHT_MOTOR": "false",
-    "GIRAFF_BASE_DRIVE__INVERT_LEFT_ENCODER": "false",
-    "GIRAFF_BASE_DRIVE__INVERT_RIGHT_ENCODER": "false",
-    "GIRAFF_BASE_DRIVE__WHEEL_CONTROL": "speed",
-    "GIRAFF_GUARD_DECELERATION": "1.5",
-}
-"""What is measured on a real robot before it may drive, and known of the simulated one: for its services'
-environment. Its plant brakes at about 2.9 m/s²."""
 
 
 class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

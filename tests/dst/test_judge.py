@@ -39,6 +39,7 @@ from tests.dst.courses import (
 )
 from tests.dst.sabotage import broken
 from tests.dst.stage import BACKWARD, FORWARD, LEFT, SETTINGS, at, driving, hall, level, rules, stage
+from tests.support.robots import BY_SPEED
 
 
 def test_a_sound_robot_violates_nothing_and_drives() -> None:
@@ -279,7 +280,7 @@ def test_wheels_are_in_their_safe_state_at_once() -> None:
     ],
 )
 def test_a_turn_in_place_is_no_travel(drives: tuple[float, float], goes: list[str]) -> None:
-    body = WheelsBody(SETTINGS.robot, SETTINGS.base.drive, SimConfig(), hall(), EXACT)
+    body = WheelsBody(SETTINGS.robot, BY_SPEED, SimConfig(), hall(), EXACT)
     body.drives, body.plant.speed = drives, sum(drives) * 0.01
     judge = judge_of(body, SETTINGS.robot, SETTINGS.base, 0)
     assert [way for way in get_args(Way) if judge.goes(way)] == goes

@@ -21,7 +21,7 @@ from giraff_schemas.wire import (
     Wiring,
 )
 from giraff_sim.board import Board
-from tests.support.robots import DRIVE, ROBOT
+from tests.support.robots import BY_SPEED, ROBOT
 
 FrameT = TypeVar("FrameT", bound=Frame)
 CommandT = TypeVar("CommandT", DriveFrame, SpeedFrame)
@@ -150,7 +150,6 @@ class BaseBench(Bench):
         assert self.duties() == (left, right)
 
 
-BY_SPEED = msgspec.structs.replace(DRIVE, wheel_control="speed")
 ACCELERATION = 1.2
 """m/s², at which its wheels may speed up."""
 _MOTOR_MS = 150.0

@@ -20,8 +20,8 @@ from giraff_schemas.wire import (
     Refusal,
     SpeedFlag,
 )
-from tests.firmware.bench import ACCELERATION, BY_SPEED, SpeedBench
-from tests.support.robots import ROBOT
+from tests.firmware.bench import ACCELERATION, SpeedBench
+from tests.support.robots import BY_SPEED, ROBOT
 
 TELEMETRY_MS = 17
 PERIOD_MS = 10

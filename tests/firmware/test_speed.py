@@ -11,8 +11,8 @@ from giraff_schemas.wire import (
     ResetCause,
     SpeedFrame,
 )
-from tests.firmware.bench import BY_SPEED, SpeedBench, out_of_place
-from tests.support.robots import ROBOT
+from tests.firmware.bench import SpeedBench, out_of_place
+from tests.support.robots import BY_SPEED, ROBOT
 
 TELEMETRY_MS = 17  # within which telemetry tells of what has happened
 FRAME_MS = 3  # within which a speed frame has come over the line and acted

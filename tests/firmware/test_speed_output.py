@@ -14,8 +14,8 @@ from giraff_schemas.wire import (
     WheelsFrame,
     Wiring,
 )
-from tests.firmware.bench import ACCELERATION, BY_SPEED, SpeedBench
-from tests.support.robots import ROBOT
+from tests.firmware.bench import ACCELERATION, SpeedBench
+from tests.support.robots import BY_SPEED, ROBOT
 
 TELEMETRY_MS = 17  # within which telemetry tells of what has happened
 FRAME_MS = 3  # within which a speed frame has come over the line and acted

@@ -15,7 +15,7 @@ import pytest
 from giraff_schemas.wire import SPEED_PERIOD_MS, STAMPS_PER_MS, BoardKind, ConfigureFrame, SpeedFlag
 from giraff_sim.board import BUILD, Board
 from tests.firmware.builds import FIRMWARE, HERE, built, shared_library
-from tests.support.robots import DRIVE, ROBOT
+from tests.support.robots import BY_SPEED, ROBOT
 
 PERIOD: Final = SPEED_PERIOD_MS * STAMPS_PER_MS
 ROWS: Final = 1000
@@ -24,7 +24,7 @@ MILLISECOND_CYCLES: Final = 18_432
 MOST_CYCLES: Final = MILLISECOND_CYCLES // 2
 ROW: Final = struct.Struct("<2i2H2HHH")  # struct speed_input
 ANSWER: Final = struct.Struct("<2i2iBBH")  # struct answer of speed_rows.c
-PLAIN: Final = msgspec.structs.replace(DRIVE, wheel_control="speed").board_settings(ROBOT, 1.2)
+PLAIN: Final = BY_SPEED.board_settings(ROBOT, 1.2)
 
 
 class Answer(NamedTuple):

@@ -20,12 +20,10 @@ from giraff_sim.truth import Truth, draw_truth
 from giraff_sim.world.hand import StillHand
 from giraff_sim.world.room import Room
 from tests.sim.robots import EXACT
-from tests.support.robots import BASE, DRIVE, ROBOT
+from tests.support.robots import BASE, BY_SPEED, ROBOT
 
 BY_LEVELS = Settings(robot=ROBOT, base=BASE)
-SETTINGS = Settings(
-    robot=ROBOT, base=msgspec.structs.replace(BASE, drive=msgspec.structs.replace(DRIVE, wheel_control="speed"))
-)
+SETTINGS = Settings(robot=ROBOT, base=msgspec.structs.replace(BASE, drive=BY_SPEED))
 SOURCE_CURVE = msgspec.structs.replace(BY_LEVELS, joystick=JoystickConfig(port="joystick", curve="source"))
 COARSE_STEP_US: Final = 4000
 """As in tests/dst. A step of 1 ms takes half as long again, and only shows what comes within milliseconds."""

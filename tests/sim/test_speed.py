@@ -22,11 +22,10 @@ from giraff_sim.truth import EXACT, TrueWheel, Truth, TruthRanges, draw_truth
 from giraff_sim.world.hand import StillHand
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room
-from tests.support.robots import DRIVE, ROBOT
+from tests.support.robots import BY_SPEED, ROBOT
 from tests.support.wheels import wheels_of
 
-KNOWN = msgspec.structs.replace(DRIVE, wheel_control="speed")
-DRIVES = {"known voltage": KNOWN, "unknown voltage": msgspec.structs.replace(KNOWN, battery_volts_per_count=0.0)}
+DRIVES = {"known voltage": BY_SPEED, "unknown voltage": msgspec.structs.replace(BY_SPEED, battery_volts_per_count=0.0)}
 LOW = SimConfig(tilt_noise=0.0, battery_volts=0.85 * 24.0)
 BATTERIES = {"full": SimConfig(tilt_noise=0.0), "low": LOW}
 RAMP = 0.6
@@ -64,7 +63,7 @@ def driver(
     implementation: Implementation = HOST,
     truth: Truth = EXACT,
     sim: SimConfig = BATTERIES["full"],
-    drive: WheelsConfig = KNOWN,
+    drive: WheelsConfig = BY_SPEED,
 ) -> Iterator[Driver]:
     """A robot whose board is asked for speeds."""
     world = world_of(empty_room(), ROBOT, drive, sim, StillHand(), 1, truth=truth)
@@ -216,7 +215,7 @@ def test_a_wheel_that_never_turned_is_stuck(implementation: Implementation) -> N
     with driver(implementation) as line:
         wheels_of(line.simulation.world).block_wheel(LEFT, is_blocked=True)
         line.go(0.4, 0.4, 0.2)
-        assert 0 < duties(line)[0] <= KNOWN.speed_control.stall_pwm + 0.5
+        assert 0 < duties(line)[0] <= BY_SPEED.speed_control.stall_pwm + 0.5
         line.go(0.4, 0.4, 0.6)
         assert line.wheels.latch == Latch.LEFT_STUCK
 
@@ -249,7 +248,7 @@ def test_a_wheel_without_edges_is_held(implementation: Implementation) -> None:
 def test_the_curve_stays_at_the_limit_of_the_weaker_motor() -> None:
     weak = Truth(left=TrueWheel(strength=0.85), right=TrueWheel(strength=1.0))
     drive = msgspec.structs.replace(
-        KNOWN, speed_control=msgspec.structs.replace(KNOWN.speed_control, max_pwm=70, motor_time=0.0)
+        BY_SPEED, speed_control=msgspec.structs.replace(BY_SPEED.speed_control, max_pwm=70, motor_time=0.0)
     )
     with driver(truth=weak, sim=LOW, drive=drive) as line:
         line.towards(0.55, 0.44, 4.0)
@@ -267,7 +266,9 @@ def test_the_curve_stays_at_the_limit_of_the_weaker_motor() -> None:
 @pytest.mark.parametrize("level", [130, 200])
 def test_motors_that_take_most_of_the_pwm_reach_their_speed(level: int) -> None:
     strong = msgspec.structs.replace(
-        KNOWN, max_level=level, speed_control=msgspec.structs.replace(KNOWN.speed_control, max_pwm=255, stall_pwm=100)
+        BY_SPEED,
+        max_level=level,
+        speed_control=msgspec.structs.replace(BY_SPEED.speed_control, max_pwm=255, stall_pwm=100),
     )
     with driver(drive=strong) as line:
         line.towards(0.6, 0.6, 3.0)

@@ -17,9 +17,8 @@ from giraff_sim.truth import TruthRanges, draw_truth
 from giraff_sim.world.hand import StillHand
 from tests.sim.line import BaseLine
 from tests.sim.robots import empty_room
-from tests.support.robots import DRIVE, ROBOT
+from tests.support.robots import BY_SPEED, ROBOT
 
-SPEEDS = msgspec.structs.replace(DRIVE, wheel_control="speed")
 SECONDS = 2.0
 
 
@@ -29,7 +28,7 @@ def driven(implementation: Implementation, seed: int) -> list[WheelsFrame]:
     world = world_of(
         empty_room(),
         ROBOT,
-        SPEEDS,
+        BY_SPEED,
         SimConfig(),
         StillHand(),
         seed,
@@ -38,7 +37,7 @@ def driven(implementation: Implementation, seed: int) -> list[WheelsFrame]:
     with simulation(world, (BoardKind.BASE,), implementation) as running:
         line = BaseLine(running)
         line.boot()
-        line.begin_session(SPEEDS.board_settings(ROBOT, 1.2))
+        line.begin_session(BY_SPEED.board_settings(ROBOT, 1.2))
         line.go(0.0, 0.0, 0.1)
         left, right = chance.choice((-1, 1)), chance.choice((-1, 1))
         for _ in range(3):
@@ -72,11 +71,11 @@ def test_20_000_edges_a_second_are_counted_while_the_loop_drives(
     """It drives all the time: no wheel counts as held, and no frame is missed."""
     fine = msgspec.structs.replace(ROBOT, ticks_per_metre=40_000.0)
     left, right = (edges / fine.ticks_per_metre for edges in edges_a_second)
-    world = world_of(empty_room(), fine, SPEEDS, SimConfig(), StillHand(), 1)
+    world = world_of(empty_room(), fine, BY_SPEED, SimConfig(), StillHand(), 1)
     with simulation(world, (BoardKind.BASE,), implementation) as running:
         line = BaseLine(running)
         line.boot()
-        line.begin_session(SPEEDS.board_settings(fine, 1.2))
+        line.begin_session(BY_SPEED.board_settings(fine, 1.2))
         line.go(0.0, 0.0, 0.1)
         began, told, now_us = line.wheels, len(line.all(WheelsFrame)), running.now_us
         board = running.boards[BoardKind.BASE]

@@ -22,7 +22,7 @@ from giraff_node.process.state import write_latch
 from giraff_schemas import services as table
 from giraff_schemas.topics import BASE, GUARD, LEASE
 from giraff_sim.board import ROOT
-from giraff_sim.config import KNOWN
+from giraff_sim.bodies.wheels.known import KNOWN
 from giraff_sim.control.client import SimulatorClient
 from giraff_sim.truth import Level
 from tests.support.cable import Cable

@@ -2,6 +2,8 @@
 
 import math
 
+import msgspec
+
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig, SensorPose
@@ -30,4 +32,5 @@ DRIVE = WheelsConfig(
     invert_left_encoder=False,
     invert_right_encoder=False,
 )
+BY_SPEED = msgspec.structs.replace(DRIVE, wheel_control="speed")
 BASE = BaseConfig(port="unused", drive=DRIVE)

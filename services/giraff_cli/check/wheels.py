@@ -11,6 +11,7 @@ from types import FrameType
 from typing import Final, Protocol, TypeVar
 
 from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.check.bench import BenchError, Levels, WheelBench
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
 from giraff_cli.robot_file import RobotFileError, record
@@ -65,6 +66,9 @@ def check_wheels(port: str | None) -> int:
     try:
         path, base = robot_file(), load("base", BaseConfig)
         port = port or base.port
+        drive: object = base.drive
+        if not isinstance(drive, WheelsConfig):
+            return _complain("[base.drive] of the robot file is no drive of two wheels", _NOT_BEGUN)
     except ConfigError as error:
         return _complain(str(error), _NOT_BEGUN)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -77,7 +81,7 @@ def check_wheels(port: str | None) -> int:
         bench = WheelBench(port)
         try:
             bench.open()
-            fields = find_wiring(bench, human, base.drive.stall_level)
+            fields = find_wiring(bench, human, drive.stall_level)
         finally:
             bench.close()
         record(path, table_of_drive(parse_toml(path.read_text(encoding="utf-8"))), fields)

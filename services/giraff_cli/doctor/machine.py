@@ -73,9 +73,9 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
 
 
 def wiring_checked(environment: Mapping[str, str] = os.environ) -> bool:
-    """Whether this machine's robot file tells how motors and encoders are soldered; True where there is none."""
+    """Return whether somebody has checked that the robot moves as it is asked; True where there is no robot file."""
     with contextlib.suppress(ConfigError):
-        return load(BASE.table, BaseConfig, environment).drive.wiring_checked
+        return load(BASE.table, BaseConfig, environment).drive.unchecked == ""
     return True
 
 

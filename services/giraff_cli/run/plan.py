@@ -25,8 +25,8 @@ from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import require_chunk
 from giraff_sim.board import BUILD, ROOT
-from giraff_sim.bodies.kinds import read_drive, world_of
-from giraff_sim.config import KNOWN, SimConfig
+from giraff_sim.bodies.kinds import known_of, read_drive, world_of
+from giraff_sim.config import SimConfig
 from giraff_sim.main import make_hand
 from giraff_sim.settings import Settings
 from giraff_sim.truth import Level, draw_truth
@@ -163,12 +163,14 @@ def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
 
 
 def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool) -> dict[str, str]:
-    set_already = {current_name(name) for name in given}
-    environment = {name: value for name, value in KNOWN.items() if name not in set_already} | dict(given)
+    environment = dict(given)
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")
         environment["GIRAFF_CONFIG"] = str(here if here.is_file() else ROOT / "deploy" / "robot.toml")
     environment["GIRAFF_CONFIG"] = str(robot_file(environment).absolute())
+    set_already = {current_name(name) for name in given}
+    known = known_of(read_drive(environment))
+    environment |= {name: value for name, value in known.items() if name not in set_already}
     name = environment.setdefault("GIRAFF_ROBOT_NAME", simulated_name(socket.gethostname()))
     try:
         require_chunk(name)

@@ -13,6 +13,7 @@ from giraff_node.config.robot_file import read_known
 from giraff_schemas.services import BASE
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
+from giraff_sim.bodies.wheels.known import KNOWN as WHEELS_KNOWN
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import EXACT, Truth
 from giraff_sim.world.body import Body, BodyJudge
@@ -26,6 +27,15 @@ def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:
     given = read_known(environment)
     given.tables.setdefault(BASE.table, {}).setdefault("port", "simulated")
     return given.table(BASE.table, BaseConfig).drive
+
+
+def known_of(drive: DriveConfig) -> Mapping[str, str]:
+    """Return what is measured on a real robot before it may drive, and known of a simulated one: as variables."""
+    match drive:
+        case WheelsConfig():
+            return WHEELS_KNOWN
+        case _ as never:
+            assert_never(never)
 
 
 def world_of(

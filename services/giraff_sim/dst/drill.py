@@ -15,8 +15,9 @@ import msgspec
 from giraff_node.config.robot_file import load
 from giraff_sim.board import BUILD, ROOT, Implementation
 from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.wheels.known import KNOWN
 from giraff_sim.closed_loop import ClosedLoop
-from giraff_sim.config import KNOWN, SimConfig
+from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.judge import Judge, Violation
 from giraff_sim.dst.judging.stops import Stop
 from giraff_sim.dst.network import FaultyNetwork, Link

@@ -29,7 +29,6 @@ from tests.support import robots
 from tests.support.robots import DRIVE
 
 ROBOT = msgspec.structs.replace(robots.ROBOT, ticks_per_metre=2000.0)
-BY_SPEED = msgspec.structs.replace(DRIVE, wheel_control="speed")
 CONFIG = robots.BASE
 EPOCH = 7
 STEP_NS = WHEELS_PERIOD_MS * 1_000_000

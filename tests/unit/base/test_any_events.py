@@ -12,8 +12,8 @@ from giraff_base.estop import EStopLatch
 from giraff_schemas.messages import GuardedCommand, RobotTime
 from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, Latch, SpeedFlag, SpeedFrame
-from tests.support.robots import DRIVE
-from tests.unit.base.rig import BY_SPEED, EPOCH, Board, Rig, Sent, demand
+from tests.support.robots import BY_SPEED, DRIVE
+from tests.unit.base.rig import EPOCH, Board, Rig, Sent, demand
 
 NS = 1_000_000_000
 FULL, EMPTY = 800, 600

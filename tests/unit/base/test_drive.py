@@ -14,8 +14,8 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
 from giraff_base.ramp import Ramp, ramped
 from giraff_core.robot import RobotConfig
-from tests.support.robots import DRIVE
-from tests.unit.base.rig import BY_SPEED, ROBOT
+from tests.support.robots import BY_SPEED, DRIVE
+from tests.unit.base.rig import ROBOT
 
 LINEAR = st.floats(-3.0, 3.0)
 ANGULAR = st.floats(-10.0, 10.0)

@@ -9,8 +9,8 @@ import pytest
 
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, SpeedFlag, SpeedFrame
-from tests.support.robots import DRIVE
-from tests.unit.base.rig import BY_SPEED, CONFIG, ROBOT, Rig, moving
+from tests.support.robots import BY_SPEED, DRIVE
+from tests.unit.base.rig import CONFIG, ROBOT, Rig, moving
 
 FULL_UM_S = 600_000
 HELD = [

@@ -119,7 +119,7 @@ def test_a_robot_file_of_before_gets_them_where_it_has_the_others(path: Path, mo
     path.write_text(text.replace("max_level = 70", "").replace("[robot]", "[robot]\nmax_level = 70"), encoding="utf-8")
     answer(monkeypatch, *honest(Wiring(0)))
     assert check_wheels.check_wheels("port") == 0
-    assert load("base", BaseConfig).drive.wiring_checked
+    assert not load("base", BaseConfig).drive.unchecked
     assert tomllib.loads(path.read_text(encoding="utf-8"))["robot"].keys() >= {"max_level", *FIELDS}
 
 

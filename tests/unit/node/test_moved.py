@@ -10,6 +10,7 @@ import pytest
 import tomlkit
 
 from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.moved import current_name
 from giraff_node.config.robot_file import ConfigError, load, read
@@ -100,8 +101,9 @@ def test_a_variable_of_before_overrides_files_of_both_kinds(tmp_path: Path, fiel
 def test_two_underscores_go_into_a_table_whether_before_or_now(tmp_path: Path) -> None:
     for prefix in ("GIRAFF_ROBOT_", "GIRAFF_BASE_DRIVE__"):
         given = written(tmp_path, NEW, **{f"{prefix}SPEED_CONTROL__MAX_PWM": "99"})
-        assert load("base", BaseConfig, given).drive.speed_control.max_pwm == 99
-        assert load("base", BaseConfig, given).drive.speed_control.stall_pwm == 41
+        drive = load("base", BaseConfig, given).drive
+        assert isinstance(drive, WheelsConfig)
+        assert (drive.speed_control.max_pwm, drive.speed_control.stall_pwm) == (99, 41)
     given = written(tmp_path, NEW, GIRAFF_BASE_DRIVE__MAX_LEVEL__X="3")
     with pytest.raises(ConfigError, match="GIRAFF_BASE_DRIVE__MAX_LEVEL__X: cannot be set: max_level is no table"):
         meant(given)

@@ -135,10 +135,12 @@ class WheelsConfig(
         return self.wheel_control == "speed"
 
     @property
-    def wiring_checked(self) -> bool:
-        """Whether the robot file says how motors and encoders are soldered."""
+    def unchecked(self) -> str:
+        """Why nobody knows yet whether the robot moves as it is asked, with the remedy; empty: somebody has checked."""
         known = (self.swap_motors, self.swap_encoders, self.invert_left_motor, self.invert_right_motor)
-        return None not in (*known, self.invert_left_encoder, self.invert_right_encoder)
+        if None not in (*known, self.invert_left_encoder, self.invert_right_encoder):
+            return ""
+        return "the wiring is not checked: lift the wheels and run giraff check wheels"
 
     @property
     def wiring(self) -> Wiring:

@@ -35,11 +35,6 @@ class WheelsDrive:
         self._releasing = False  # a reset has not reached the board yet
 
     @property
-    def unchecked(self) -> str:
-        is_checked = self._config.wiring_checked
-        return "" if is_checked else "the wiring is not checked: lift the wheels and run giraff check wheels"
-
-    @property
     def at_rest(self) -> bool:
         return self._reports.at_rest
 

@@ -28,6 +28,7 @@ class WheelsBody:
     settles_us: int = 0
 
     def __init__(self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
+        self.drive = drive
         self.board = drive.board
         self.plant = Plant(robot, drive, sim, room, truth)
         self.activity = 0

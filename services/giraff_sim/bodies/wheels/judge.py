@@ -22,7 +22,7 @@ class WheelsJudge:
     def __init__(self, body: WheelsBody, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> None:
         """`outlives_us`: for so long a frame may have effect."""
         self._body = body
-        self._robot, self._drive = robot, config.drive
+        self._robot, self._drive = robot, body.drive
         self._pins = Pins(body, robot, config, outlives_us)
 
     def asked(self, frame: Frame, now_us: int) -> Demand | None:

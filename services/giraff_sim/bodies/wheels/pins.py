@@ -24,7 +24,7 @@ class Pins:
     def __init__(self, body: WheelsBody, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> None:
         """`outlives_us`: for so long a frame may have effect."""
         self._body = body
-        self._drive = drive = config.drive
+        self._drive = drive = body.drive
         self._by_speed = drive.asks_for_speeds
         self._most_counts = drive.speed_control.max_pwm if self._by_speed else drive.max_level
         self._counts_per_speed = drive.max_level / robot.max_wheel_speed

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Latch
-from tests.support.robots import DRIVE
+from tests.support.robots import BY_SPEED, DRIVE
 from tests.unit.base.drives.contract import AnyDrive
-from tests.unit.base.rig import BY_SPEED, STEP_NS, Board
+from tests.unit.base.rig import STEP_NS, Board
 
 
 class WheelsBoard(Board):
