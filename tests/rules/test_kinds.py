@@ -5,14 +5,20 @@ from __future__ import annotations
 import ast
 import re
 from pathlib import Path
-from typing import get_args
+from typing import get_args, get_type_hints
 
 import msgspec
+import pytest
 
-from giraff_base.config import DriveConfig
+from giraff_base.config import BaseConfig, DriveConfig
+from giraff_core.bounds import bounds_of
+from giraff_core.robot import RobotConfig
+from giraff_core.tuning import Tuning, live_fields
+from giraff_node.config.robot_file import load
 from tests.rules.repository import ROOT, name, sources
 
 DRIVES = ROOT / "services" / "giraff_base" / "drives"
+KINDS: tuple[type[msgspec.Struct], ...] = get_args(DriveConfig) or (DriveConfig,)
 BODIES = ROOT / "services" / "giraff_sim" / "bodies"
 CONTRACT = ROOT / "tests" / "unit" / "base" / "drives"
 ONE_FIRMWARE = frozenset(
@@ -27,13 +33,26 @@ def folders(parent: Path) -> set[str]:
 
 
 def tags() -> set[str]:
-    kinds: tuple[type[msgspec.Struct], ...] = get_args(DriveConfig) or (DriveConfig,)
-    return {str(kind.__struct_config__.tag) for kind in kinds}
+    return {str(kind.__struct_config__.tag) for kind in KINDS}
 
 
 def test_each_kind_has_its_folders_its_tag_and_its_contract() -> None:
     tests = [path for path in CONTRACT.glob("test_*.py") if "(AnyDrive)" in path.read_text(encoding="utf-8")]
     assert folders(DRIVES) == folders(BODIES) == tags() == {path.stem.removeprefix("test_") for path in tests}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_each_is_fixed_while_base_runs_and_has_a_range_for_each_number(kind: type[msgspec.Struct]) -> None:
+    assert set(live_fields(kind).values()) == {Tuning.READ_ONLY}
+    numbers = {name for name, hint in get_type_hints(kind).items() if hint in (int, float)}
+    assert numbers == bounds_of(kind).keys()
+
+
+@pytest.mark.parametrize("path", [ROOT / "deploy" / "robot.toml", *(ROOT / "deploy" / "robots").glob("*.toml")])
+def test_each_robot_file_of_the_tree_is_sound(path: Path) -> None:
+    given = {"GIRAFF_CONFIG": str(path)}
+    assert load("base", BaseConfig, given).drive.board.frames
+    assert load("robot", RobotConfig, given).sensors
 
 
 def named(path: Path) -> frozenset[str]:

@@ -65,10 +65,7 @@ def check_wheels(port: str | None) -> int:
     """The whole command; its exit code."""
     try:
         path, base = robot_file(), load("base", BaseConfig)
-        port = port or base.port
-        drive: object = base.drive
-        if not isinstance(drive, WheelsConfig):
-            return _complain("[base.drive] of the robot file is no drive of two wheels", _NOT_BEGUN)
+        port, drive = port or base.port, _of_wheels(path, base.drive)
     except ConfigError as error:
         return _complain(str(error), _NOT_BEGUN)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -95,6 +92,12 @@ def check_wheels(port: str | None) -> int:
         return _complain("interrupted; the motors are off. Nothing was written.", _INTERRUPTED)
     human.tell(_after(path, fields, os.environ))
     return _DONE
+
+
+def _of_wheels(path: Path, drive: object) -> WheelsConfig:
+    if isinstance(drive, WheelsConfig):
+        return drive
+    raise ConfigError(f"{path}: [base.drive] is not of type wheels, whose wiring this finds")
 
 
 def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:

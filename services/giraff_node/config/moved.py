@@ -42,7 +42,8 @@ def modern(tables: Mapping[str, Any]) -> Modern:
     old = [field for field in _FIELDS if field in _table(tables, _BEFORE)]
     base = tables.get(_NOW[0], {})
     drive = base.get(_NOW[1], {}) if isinstance(base, Mapping) else None
-    if not old or not isinstance(drive, Mapping):  # no table where one belongs is refused elsewhere
+    if not old or not isinstance(drive, Mapping) or drive.get("type", _TYPE) != _TYPE:
+        # A table that is none, or a field of another type's robot, is refused with a message of its own.
         return Modern(dict(tables), "", "")
     before = dict(tables[_BEFORE])
     moved = {field: before.pop(field) for field in old}
@@ -78,11 +79,12 @@ def current_name(variable: str) -> str:
 def put(tables: dict[str, Any], path: tuple[str, ...], value: Any) -> None:
     """Set a value, and make the tables that are missing. Raises TypeError where something else stands there."""
     *above, last = path
+    inner: Any = tables
     for name in above:
-        tables = tables.setdefault(name, {})
-        if not isinstance(tables, dict):
+        inner = inner.setdefault(name, {})
+        if not isinstance(inner, dict):
             raise TypeError(f"{name} is no table")
-    tables[last] = value
+    inner[last] = value
 
 
 def name_type(tables: dict[str, Any]) -> None:

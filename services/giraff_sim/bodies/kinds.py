@@ -60,6 +60,9 @@ def world_of(
 
 def judge_of(body: Body, robot: RobotConfig, config: BaseConfig, outlives_us: int) -> BodyJudge:
     """Return the judge of a body. `outlives_us`: for so long a frame may have effect."""
-    if isinstance(body, WheelsBody):
-        return WheelsJudge(body, robot, config, outlives_us)
-    raise TypeError(f"nobody judges a {type(body).__name__}")
+    match config.drive:
+        case WheelsConfig():
+            assert isinstance(body, WheelsBody), "a body is of its drive's kind"  # noqa: S101
+            return WheelsJudge(body, robot, config, outlives_us)
+        case _ as never:
+            assert_never(never)

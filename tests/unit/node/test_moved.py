@@ -114,6 +114,7 @@ def test_two_underscores_go_into_a_table_whether_before_or_now(tmp_path: Path) -
     [
         (None, "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"),
         ({"type": "whels", **DRIVE}, "did you mean 'wheels'?"),
+        ({"type": 3, **DRIVE}, "Expected `str`, got `int` - at `$.drive.type`"),
         ({"type": "wheels", "max_levl": 70}, "unknown field `max_levl` - at `$.drive`; did you mean 'max_level'?"),
         (
             {"type": "wheels", **DRIVE, "wheel_control": "sped"},

@@ -9,13 +9,14 @@ from __future__ import annotations
 from typing import ClassVar, Protocol
 
 import msgspec
+import pytest
 
 from giraff_base.config import DriveConfig
 from giraff_base.drive import Answer, Drive, Report
 from giraff_base.kinds import drive_of
 from giraff_core.estop import RESET_COMMAND
 from giraff_core.robot import RobotConfig
-from giraff_schemas.messages import RobotTime
+from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 from tests.support import robots
 
@@ -38,6 +39,10 @@ class ModelBoard(Protocol):
 
     def reset(self) -> None:
         """Reset it as its watchdog does."""
+        ...
+
+    def twist(self) -> tuple[float, float]:
+        """Return how the robot truly moves, m/s and rad/s."""
         ...
 
     def is_safe(self) -> bool:
@@ -139,6 +144,13 @@ class AnyDrive:
         asked = bench.drive.ask(0.1, 0.0).frame
         assert {type(bench.board.report()), type(asked), HelloFrame, HelloRequestFrame} <= set(frames)
 
+    def test_it_moves_as_it_is_asked_and_tells_so(self) -> None:
+        bench = self.moving(0.3, 0.4)
+        assert bench.board.twist() == pytest.approx((0.3, 0.4), rel=0.05)
+        [told] = [sample for sample in bench.hear().samples if isinstance(sample, Wheels)]
+        twist = self.robot.kinematics.twist(told.left_velocity, told.right_velocity)
+        assert twist == pytest.approx((0.3, 0.4), rel=0.05)
+
     def test_a_frame_that_was_held_up_moves_nothing(self) -> None:
         bench = self.settled()
         late = bench.drive.ask(0.3, 0.0)
@@ -167,6 +179,19 @@ class AnyDrive:
             bench.step(0.3)
             assert bench.board.is_latched()
             assert bench.board.is_safe()
+
+    def test_an_engaged_stop_waits_for_no_session(self) -> None:
+        bench = self.bench()
+        bench.engaged = True
+        bench.step()
+        assert bench.board.is_latched()
+
+    def test_a_port_that_is_opened_again_is_settled_anew(self) -> None:
+        bench = self.moving()
+        bench.drive.open(SESSION + 1)
+        assert not bench.drive.state().connected
+        bench.hear()
+        assert bench.drive.settle(bench.now, engaged=False) is not None
 
     def test_a_latch_is_released_by_a_release_alone_and_that_moves_nothing(self) -> None:
         bench = self.settled()
@@ -232,7 +257,11 @@ class AnyDrive:
     def test_it_is_at_rest_only_where_it_stands_in_its_safe_state(self) -> None:
         assert self.bench().drive.at_rest, "before any report"
         assert self.settled().drive.at_rest
-        assert not self.moving().drive.at_rest
+        bench = self.moving()
+        assert not bench.drive.at_rest
+        bench.step()
+        bench.hear()
+        assert not bench.drive.at_rest, "in its safe state it still rolls"
 
     def test_a_lost_board_tells_nothing(self) -> None:
         bench = self.settled()

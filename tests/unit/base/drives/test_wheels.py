@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Latch
-from tests.support.robots import BY_SPEED, DRIVE
+from tests.support.robots import BY_SPEED, DRIVE, ROBOT
 from tests.unit.base.drives.contract import AnyDrive
 from tests.unit.base.rig import STEP_NS, Board
 
 
 class WheelsBoard(Board):
     period_ns = STEP_NS
+
+    def twist(self) -> tuple[float, float]:
+        return ROBOT.kinematics.twist(*self.speeds)
 
     def is_safe(self) -> bool:
         return self.levels == (0, 0)
