@@ -18,6 +18,25 @@ from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS
 
 _STEEPEST: Final = math.pi / 4
+WIRING: Final = (
+    "swap_motors",
+    "swap_encoders",
+    "invert_left_motor",
+    "invert_right_motor",
+    "invert_left_encoder",
+    "invert_right_encoder",
+)
+"""How motors and encoders are soldered."""
+MOVED_TO_DRIVE: Final = (
+    "max_level",
+    "stall_level",
+    "wheel_control",
+    "speed_control",
+    "battery_volts_per_count",
+    "battery_nominal",
+    *WIRING,
+)
+"""Fields of two wheels that stood in `[robot]` before `[base.drive]` had them."""
 
 
 class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

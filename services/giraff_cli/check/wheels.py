@@ -15,7 +15,7 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.check.bench import BenchError, Levels, WheelBench
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
 from giraff_cli.robot_file import RobotFileError, record
-from giraff_node.config.moved import current_name, table_of_drive
+from giraff_node.config.moved import current_name, table_of_wiring
 from giraff_node.config.robot_file import ConfigError, load, parse_toml, robot_file
 from giraff_schemas.wire import Latch, Wiring
 
@@ -64,9 +64,11 @@ class Terminal:
 def check_wheels(port: str | None) -> int:
     """The whole command; its exit code."""
     try:
-        path, base = robot_file(), load("base", BaseConfig)
+        path = robot_file()
+        base = load("base", BaseConfig, os.environ, **({"port": port} if port else {}))
+        table = table_of_wiring(parse_toml(path.read_text(encoding="utf-8")))
         port, drive = port or base.port, _of_wheels(path, base.drive)
-    except ConfigError as error:
+    except (ConfigError, OSError, ValueError) as error:
         return _complain(str(error), _NOT_BEGUN)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _interrupt)
@@ -81,7 +83,7 @@ def check_wheels(port: str | None) -> int:
             fields = find_wiring(bench, human, drive.stall_level)
         finally:
             bench.close()
-        record(path, table_of_drive(parse_toml(path.read_text(encoding="utf-8"))), fields)
+        record(path, table, fields)
     except BenchError as error:
         return _complain(f"{error}. Nothing was written.", _NOT_BEGUN)
     except DoubtError as error:

@@ -75,7 +75,7 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
 def wiring_checked(environment: Mapping[str, str] = os.environ) -> bool:
     """Return whether somebody has checked that the robot moves as it is asked; True where there is no robot file."""
     with contextlib.suppress(ConfigError):
-        return load(BASE.table, BaseConfig, environment).drive.unchecked == ""
+        return load(BASE.table, BaseConfig, environment, port="").drive.unchecked == ""
     return True
 
 
@@ -97,7 +97,7 @@ def _board_of(service: str, usual: BoardType, environment: Mapping[str, str]) ->
     """Return the board of a service. Of base, its drive names it."""
     if service == BASE.name:
         with contextlib.suppress(ConfigError):
-            return load(BASE.table, BaseConfig, environment).drive.board
+            return load(BASE.table, BaseConfig, environment, port="").drive.board
     return usual
 
 
@@ -164,7 +164,7 @@ def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
             load("robot", RobotConfig, environment)
             load("network", NetworkConfig, environment)
             if BASE.table in _tables(environment):
-                load(BASE.table, BaseConfig, environment)
+                load(BASE.table, BaseConfig, environment, port="another host's")
         except ConfigError as error:
             wrong = str(error)
     return f"{wrong}; correct the robot file, or the variable" if wrong else ""

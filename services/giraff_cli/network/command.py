@@ -98,6 +98,7 @@ def run_on_network(
 
     def meet_and_act(connection: RobotConnection) -> int:
         connection.robot = stand_in(connection.session, way)
+        connection.stands_in_for = way.robot if connection.robot != way.robot else ""
         return act(connection)
 
     try:

@@ -60,6 +60,8 @@ class RobotConnection:
         self.waited = waited
         """s in which no door was found. The session is then one that waits to be met; None: it hears all."""
         self.robot = robot
+        self.stands_in_for = ""
+        """The robot that a file has named, where this host's simulation stands in for it; empty: it does not."""
         self.filed = filed
         """The name in the robot file of the current folder, where nobody has named one; it counts if it is heard."""
         self.session = session

@@ -11,7 +11,7 @@ import msgspec
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
-from giraff_cli.param.format import Shown, as_objects, differing
+from giraff_cli.param.format import Shown, as_objects, differing, without_moved
 from giraff_cli.terminal.page import print_json
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
@@ -49,7 +49,7 @@ def show(
     def tell(connection: RobotConnection) -> int:
         services = _services(connection, names)
         answers = _ask(connection, PARAM_DESCRIBE, dict.fromkeys(services, ParamDescribe()), _PATIENCE)
-        shown = [Shown(answer.service, answer.host, param) for answer in answers.values() for param in answer.params]
+        shown = [Shown(each.service, each.host, param) for each in answers.values() for param in without_moved(each)]
         wanted = [one for one in shown if not names or any(one.is_meant(name) for name in names)]
         if unknown := [name for name in names if not any(one.is_meant(name) for one in shown)]:
             if missing := services - answers.keys():
@@ -81,7 +81,7 @@ def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, 
             _ask(connection, PARAM_SET, dict.fromkeys(services, request), _PATIENCE), services, as_json=as_json
         )
 
-    return run_with_robot(robot, connect, _PATIENCE, tell, moves=True)
+    return run_with_robot(robot, connect, _PATIENCE, tell, moves=True, stands_in=False)
 
 
 def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *, as_json: bool) -> int:
@@ -97,7 +97,7 @@ def save_some(robot: str | None, connect: Sequence[str], names: Sequence[str], *
         requests = {service: ParamSave(names=few, by=by) for service, few in fields.items()}
         return _told(_ask(connection, PARAM_SAVE, requests, _SAVE_PATIENCE), services, as_json=as_json)
 
-    return run_with_robot(robot, connect, _PATIENCE, tell, moves=True)
+    return run_with_robot(robot, connect, _PATIENCE, tell, moves=True, stands_in=False)
 
 
 def _told(answers: Answers, services: set[str], *, as_json: bool) -> int:

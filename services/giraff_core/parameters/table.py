@@ -12,7 +12,7 @@ from typing import Any, Final, Generic, TypeVar
 
 import msgspec
 
-from giraff_core.robot import RobotConfig
+from giraff_core.robot import MOVED_TO_DRIVE, RobotConfig
 from giraff_core.tuning import Tuning, live_fields, loosens
 from giraff_schemas.fields import fields_of
 from giraff_schemas.params import Param
@@ -40,10 +40,15 @@ class Parameters(Generic[ConfigT]):
         self._live = live_fields(type(filed))
         # Read from their source now: the turn that answers a question is one that stops motors, too.
         self._documented = {**_described(type(filed)), **_described(type(robot), _SHARED)}
+        self._moved: dict[str, str] = {}
         self._kinds = {name: value for name in self._live if _is_told_apart(value := getattr(filed, name))}
         for name, value in self._kinds.items():
             kind: type[msgspec.Struct] = type(value)
-            self._documented |= _described(kind, f"{name}.")
+            of_kind = _described(kind, f"{name}.")
+            self._documented |= of_kind
+            moved = {_SHARED + field: f"{name}.{field}" for field in MOVED_TO_DRIVE}
+            self._moved |= {old: new for old, new in moved.items() if new in of_kind}
+            self._documented |= {old: of_kind[new] for old, new in self._moved.items()}
         self._robot = robot
 
     def restore(self, saved: Mapping[str, Any]) -> list[str]:
@@ -88,6 +93,9 @@ class Parameters(Generic[ConfigT]):
             fields = ((f"{name}.{field}", filed[name][field]) for field in kind.__struct_fields__)
             own += [self._described(field, value, value, saved=True) for field, value in fields]
         own += [self._described(_SHARED + name, value, value, saved=True) for name, value in shared.items()]
+        # An operator of the version before reads there what it asks of a robot.
+        told = {param.name: param for param in own}
+        own += [msgspec.structs.replace(told[new], name=old) for old, new in self._moved.items()]
         wanted = set(names)
         return tuple(param for param in own if not wanted or param.name in wanted)
 

@@ -5,22 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Final, NamedTuple
 
+from giraff_core.robot import MOVED_TO_DRIVE, WIRING
+
 _BEFORE: Final = "robot"
 _NOW: Final = ("base", "drive")
-_FIELDS: Final = (
-    "max_level",
-    "stall_level",
-    "wheel_control",
-    "speed_control",
-    "battery_volts_per_count",
-    "battery_nominal",
-    "swap_motors",
-    "swap_encoders",
-    "invert_left_motor",
-    "invert_right_motor",
-    "invert_left_encoder",
-    "invert_right_encoder",
-)
 _TYPE: Final = "wheels"
 """The only drive that there was before."""
 _IN_TABLE: Final = "__"
@@ -39,7 +27,7 @@ class Modern(NamedTuple):
 
 def modern(tables: Mapping[str, Any]) -> Modern:
     """Return the tables with each field where it stands now."""
-    old = [field for field in _FIELDS if field in _table(tables, _BEFORE)]
+    old = [field for field in MOVED_TO_DRIVE if field in _table(tables, _BEFORE)]
     base = tables.get(_NOW[0], {})
     drive = base.get(_NOW[1], {}) if isinstance(base, Mapping) else None
     if not old or not isinstance(drive, Mapping) or drive.get("type", _TYPE) != _TYPE:
@@ -57,16 +45,21 @@ def modern(tables: Mapping[str, Any]) -> Modern:
     )
 
 
-def table_of_drive(tables: Mapping[str, Any]) -> str:
-    """Return the table in which a file has the drive's fields."""
-    return _BEFORE if any(field in _table(tables, _BEFORE) for field in _FIELDS) else ".".join(_NOW)
+def table_of_wiring(tables: Mapping[str, Any]) -> str:
+    """Return the table in which a file has its wiring, or takes it. Raises ValueError where it has it in both."""
+    drive = _table(_table(tables, _NOW[0]), _NOW[1])
+    before, now = (any(field in table for field in WIRING) for table in (_table(tables, _BEFORE), drive))
+    place = ".".join(_NOW)
+    if before and now:
+        raise ValueError(f"the wiring stands in [{_BEFORE}] and in [{place}]; write all of it into [{place}]")
+    return _BEFORE if before or not drive else place
 
 
 def path_of(variable: str) -> tuple[str, ...]:
     """Return the tables and the field that a variable sets: GIRAFF_BASE_DRIVE__MAX_LEVEL is base, drive, max_level."""
     table, _, field = variable.removeprefix("GIRAFF_").lower().partition("_")
     first, *inner = field.split(_IN_TABLE)
-    return (*(_NOW if table == _BEFORE and first in _FIELDS else (table,)), first, *inner)
+    return (*(_NOW if table == _BEFORE and first in MOVED_TO_DRIVE else (table,)), first, *inner)
 
 
 def current_name(variable: str) -> str:

@@ -156,7 +156,7 @@ def _read_file(path: Path) -> RawSettings:
 
 def _depth(item: tuple[str, str]) -> int:
     """A whole table comes before its fields."""
-    return item[0].count("__")
+    return current_name(item[0]).count("__")
 
 
 def read_tables(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> dict[str, dict[str, Any]]:
@@ -164,9 +164,14 @@ def read_tables(environment: Mapping[str, str] = os.environ, *, with_file: bool 
     return read_known(environment, with_file=with_file).tables
 
 
-def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.environ) -> ConfigT:
-    """The checked table `table` as a `config`. Its fields' defaults stand for what the file leaves out."""
-    return read_known(environment).table(table, config)
+def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.environ, **otherwise: str) -> ConfigT:
+    """The checked table `table` as a `config`. Its fields' defaults stand for what the file leaves out.
+
+    `otherwise`: by field, what stands for one that the caller needs none of.
+    """
+    given = read_known(environment)
+    given.tables[table] = {**otherwise, **given.tables.get(table, {})}
+    return given.table(table, config)
 
 
 def read_known(environment: Mapping[str, str] = os.environ, *, with_file: bool = True) -> RawSettings:
@@ -199,7 +204,7 @@ def _override(tables: dict[str, dict[str, Any]], variable: str, text: str) -> No
 
 
 def _require_once(variable: str, current: str, environment: Mapping[str, str]) -> None:
-    if current in environment:
+    if current in map(str.upper, environment):
         raise ConfigError(f"{variable} and {current} set the same field; remove {variable}")
 
 

@@ -9,7 +9,7 @@ from typing import assert_never
 from giraff_base.config import BaseConfig, DriveConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import read_known
+from giraff_node.config.robot_file import load
 from giraff_schemas.services import BASE
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
@@ -24,9 +24,7 @@ from giraff_sim.world.world import STEP_US, World
 
 def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:
     """Return the drive that the robot file names. A simulated board needs no port of it. Raises ConfigError."""
-    given = read_known(environment)
-    given.tables.setdefault(BASE.table, {}).setdefault("port", "simulated")
-    return given.table(BASE.table, BaseConfig).drive
+    return load(BASE.table, BaseConfig, environment, port="simulated").drive
 
 
 def known_of(drive: DriveConfig) -> Mapping[str, str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import ClassVar
 
 import pytest
+import tomlkit
 
 from giraff_base.config import BaseConfig
 from giraff_cli.check import wheels as check_wheels
@@ -113,14 +114,31 @@ def test_any_wiring_is_found_proved_and_written(bits: int, path: Path, monkeypat
     assert Bench.made.closed
 
 
-def test_a_robot_file_of_before_gets_them_where_it_has_the_others(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    ("robot", "drive", "table"),
+    [
+        ("max_level = 70", "", "robot"),
+        ("battery_nominal = 25", 'type = "wheels"\nmax_level = 70\nswap_motors = true', "base.drive"),
+        ("swap_motors = true", 'type = "wheels"\nmax_level = 70', "robot"),
+        ("swap_motors = true", 'type = "wheels"\nmax_level = 70\nswap_encoders = true', ""),
+    ],
+)
+def test_a_robot_file_of_before_gets_them_where_its_wiring_stands(
+    path: Path, monkeypatch: pytest.MonkeyPatch, robot: str, drive: str, table: str
+) -> None:
     """A field in both tables would be refused."""
-    text = path.read_text(encoding="utf-8")
-    path.write_text(text.replace("max_level = 70", "").replace("[robot]", "[robot]\nmax_level = 70"), encoding="utf-8")
+    tables = tomlkit.parse(path.read_text(encoding="utf-8"))
+    given = [*robot.splitlines(), "battery_volts_per_count = 0.0"]
+    tables["robot"].update(tomllib.loads("\n".join(given)))
+    tables["base"].remove("drive")
+    if drive:
+        tables["base"]["drive"] = tomllib.loads(drive)
+    path.write_text(tomlkit.dumps(tables), encoding="utf-8")
     answer(monkeypatch, *honest(Wiring(0)))
-    assert check_wheels.check_wheels("port") == 0
-    assert not load("base", BaseConfig).drive.unchecked
-    assert tomllib.loads(path.read_text(encoding="utf-8"))["robot"].keys() >= {"max_level", *FIELDS}
+    assert check_wheels.check_wheels("port") == (0 if table else 2)
+    if table:
+        assert not load("base", BaseConfig).drive.unchecked
+        assert f"[{table}]" in path.read_text(encoding="utf-8")
 
 
 TRUTH = Wiring.SWAP_ENCODERS | Wiring.INVERT_RIGHT_MOTOR

@@ -201,6 +201,7 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
 ) -> None:
     """A page stays until the robot is there, a calibration goes into its file, and doctor judges the robot itself."""
     strict = {"estop engage", "estop reset", "estop status", "web", "calibrate odometry", "doctor", "topic pub", "play"}
+    strict |= {"param set", "param save"}
     asked: list[Target] = []
 
     def stand_in(_: object, way: Target) -> Never:

@@ -190,6 +190,7 @@ class AnyDrive:
         bench = self.moving()
         bench.drive.open(SESSION + 1)
         assert not bench.drive.state().connected
+        assert bench.drive.at_rest, "of the new port there is no report"
         bench.hear()
         assert bench.drive.settle(bench.now, engaged=False) is not None
 
