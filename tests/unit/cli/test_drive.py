@@ -7,6 +7,7 @@ import io
 import os
 import re
 from typing import Any
+from unittest.mock import MagicMock
 
 import msgspec
 import pytest
@@ -25,6 +26,7 @@ from giraff_guard.authority import _HOW_TO_ASK, _HOW_TO_TAKE
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import Key
 from giraff_node.network.consent import NoRobotError
+from giraff_node.network.tokens import Token
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Battery, EStop, GuardState, Lease, Sample, Verdict
 from giraff_schemas.params import ParamAnswer
@@ -316,3 +318,25 @@ def test_the_picture_of_the_page_is_this_screen() -> None:
     if os.environ.get("GIRAFF_WRITE_DOCS"):
         PICTURE.write_text(svg)
     assert PICTURE.read_text() == svg, "drawn by another screen: GIRAFF_WRITE_DOCS=1"
+
+
+@pytest.mark.parametrize(("service", "leaves"), [("base", True), ("watch", False)])
+def test_a_simulation_that_stands_in_is_left_when_the_named_robot_is_heard(
+    service: str, leaves: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The screen has a stop on it."""
+    node, heard = MagicMock(), []
+    monkeypatch.setattr(operate, "Node", lambda *_, **__: node)
+    monkeypatch.setattr(operate, "open_hand", MagicMock())
+    screen = MagicMock()
+    screen.return_value.__enter__.return_value.is_stuck = False
+    monkeypatch.setattr(operate, "DriveTerminal", screen)
+    monkeypatch.setattr(operate, "watch_tokens", lambda _, robot, on_token: heard.append((robot, on_token)))
+    monkeypatch.setattr(operate, "run_keyboard", lambda *_: heard[0][1](Token("giraff", service, "1"), True))
+    monkeypatch.setattr(operate, "go_on_asking", lambda _: "")
+    settings = MagicMock(robot=ROBOT)
+    code = operate._drive(MagicMock(robot="sim-vm", stands_in_for="giraff"), settings)
+    assert heard[0][0] == "giraff"
+    assert node.leave.called == leaves
+    assert code == int(leaves)
+    assert ("drive: giraff is heard now, and this was sim-vm" in capsys.readouterr().err) == leaves
