@@ -80,7 +80,7 @@ def test_a_terminal_without_other_characters_gets_ascii(monkeypatch: pytest.Monk
 
 def test_it_is_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
-    monkeypatch.setattr(shutil, "get_terminal_size", lambda _: os.terminal_size((41, 50)))
+    monkeypatch.setattr(shutil, "get_terminal_size", lambda *_, **__: os.terminal_size((41, 50)))
     assert giraff_cli.map.show.show(FLAT, None) == 0
     _, *lines = capsys.readouterr().out.splitlines()
     assert max(map(len, lines)) == 40
