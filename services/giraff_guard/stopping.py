@@ -15,4 +15,5 @@ def fastest(room: float, reaction_time: float, deceleration: float) -> float:
     if room <= 0.0:
         return 0.0
     lag = deceleration * reaction_time
-    return math.sqrt(lag * lag + 2.0 * deceleration * room) - lag
+    # The square of a tiny lag is 0, and the root then less than the lag.
+    return max(0.0, math.sqrt(lag * lag + 2.0 * deceleration * room) - lag)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from giraff_guard.stopping import fastest, stopping_distance
@@ -43,6 +43,7 @@ def test_closed_form_is_the_sum_of_small_steps(speed: float, reaction_time: floa
     )
 
 
+@example(room=5e-324, reaction_time=3e-207, deceleration=0.25)
 @given(room=ROOMS, reaction_time=TIMES, deceleration=DECELERATIONS)
 def test_the_fastest_speed_uses_up_the_room(room: float, reaction_time: float, deceleration: float) -> None:
     speed = fastest(room, reaction_time, deceleration)
