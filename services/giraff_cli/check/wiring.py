@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final, Literal, NamedTuple
 
+from giraff_core.robot import WIRING
+
 Side = Literal["left", "right"]
 Turned = Literal["left", "right", "both", "none"]
 
@@ -63,12 +65,7 @@ def wiring_of(first: Seen, second: Seen) -> dict[str, bool]:
         counted = seen.counted.left if encoder == "left" else seen.counted.right
         fields[f"invert_{seen.wheel}_motor"] = not seen.forward
         fields[f"invert_{seen.wheel}_encoder"] = (counted > 0) != seen.forward
-    order = (
-        "swap_motors",
-        "swap_encoders",
-        *(f"invert_{side}_{part}" for part in ("motor", "encoder") for side in SIDES),
-    )
-    return {name: fields[name] for name in order}
+    return {name: fields[name] for name in WIRING}
 
 
 def require_right(side: Side, counted: Counted) -> None:

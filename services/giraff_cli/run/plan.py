@@ -20,7 +20,7 @@ from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.moved import current_name
-from giraff_node.config.robot_file import ConfigError, load, read_known, robot_file
+from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
 from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import require_chunk
@@ -191,12 +191,10 @@ def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool
 
 
 def _require_sound_services(environment: Mapping[str, str]) -> None:
-    """Raise ConfigError for what a service would refuse once it is started. Only the simulator knows the ports."""
-    given = read_known(environment)
+    """Raise ConfigError for what a service would refuse once it is started. The simulator gives the ports."""
     for table, config in get_type_hints(Settings).items():
-        if "port" in config.__struct_fields__:
-            given.tables.setdefault(table, {})["port"] = "simulated"
-        given.table(table, config)
+        ports = {"port": "simulated"} if "port" in config.__struct_fields__ else {}
+        load(table, config, environment, **ports)
 
 
 def _page_settings(given: Mapping[str, str], *, local: bool) -> dict[str, str]:

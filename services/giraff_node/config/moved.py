@@ -31,7 +31,7 @@ def modern(tables: Mapping[str, Any]) -> Modern:
     base = tables.get(_NOW[0], {})
     drive = base.get(_NOW[1], {}) if isinstance(base, Mapping) else None
     if not old or not isinstance(drive, Mapping) or drive.get("type", _TYPE) != _TYPE:
-        # A table that is none, or a field of another type's robot, is refused with a message of its own.
+        # Other code refuses a value where a table belongs, and these fields beside a drive of another type.
         return Modern(dict(tables), "", "")
     before = dict(tables[_BEFORE])
     moved = {field: before.pop(field) for field in old}

@@ -167,7 +167,7 @@ def read_tables(environment: Mapping[str, str] = os.environ, *, with_file: bool 
 def load(table: str, config: type[ConfigT], environment: Mapping[str, str] = os.environ, **otherwise: str) -> ConfigT:
     """The checked table `table` as a `config`. Its fields' defaults stand for what the file leaves out.
 
-    `otherwise`: by field, what stands for one that the caller needs none of.
+    `otherwise`: values of fields that this caller does not need, for a file that leaves them out.
     """
     given = read_known(environment)
     given.tables[table] = {**otherwise, **given.tables.get(table, {})}

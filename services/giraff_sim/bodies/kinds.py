@@ -28,7 +28,7 @@ def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:
 
 
 def known_of(drive: DriveConfig) -> Mapping[str, str]:
-    """Return what is measured on a real robot before it may drive, and known of a simulated one: as variables."""
+    """Return the variables that `giraff run` gives the services of this kind of robot."""
     match drive:
         case WheelsConfig():
             return WHEELS_KNOWN

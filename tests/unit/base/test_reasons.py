@@ -8,13 +8,13 @@ import msgspec
 import pytest
 
 from giraff_base.drives.wheels.config import WheelsConfig
+from giraff_core.robot import WIRING
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.wire import DriveState, Latch
 from tests.support.robots import DRIVE
 from tests.unit.base.rig import Rig, moving
 
 UNCHECKED = msgspec.structs.replace(DRIVE, swap_encoders=None)
-WIRING = ("swap_motors", "swap_encoders", "invert_left_motor", "invert_right_motor")
 
 
 def engage(rig: Rig) -> None:

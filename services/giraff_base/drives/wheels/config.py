@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Final, Literal
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
-from giraff_core.robot import RobotConfig
+from giraff_core.robot import WIRING, RobotConfig
 from giraff_core.tuning import Tuning
 from giraff_schemas.boards import BASE_BOARD, BoardType
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
@@ -137,26 +137,17 @@ class WheelsConfig(
     @property
     def unchecked(self) -> str:
         """Why nobody knows yet whether the robot moves as it is asked, with the remedy; empty: somebody has checked."""
-        known = (self.swap_motors, self.swap_encoders, self.invert_left_motor, self.invert_right_motor)
-        if None not in (*known, self.invert_left_encoder, self.invert_right_encoder):
+        if all(getattr(self, name) is not None for name in WIRING):
             return ""
         return "the wiring is not checked: lift the wheels and run giraff check wheels"
 
     @property
     def wiring(self) -> Wiring:
         """The bits that the base board's `configure` frame carries; what is not checked counts as not set."""
-        bits = (
-            (self.swap_motors, Wiring.SWAP_MOTORS),
-            (self.swap_encoders, Wiring.SWAP_ENCODERS),
-            (self.invert_left_motor, Wiring.INVERT_LEFT_MOTOR),
-            (self.invert_right_motor, Wiring.INVERT_RIGHT_MOTOR),
-            (self.invert_left_encoder, Wiring.INVERT_LEFT_ENCODER),
-            (self.invert_right_encoder, Wiring.INVERT_RIGHT_ENCODER),
-        )
         result = Wiring(0)
-        for is_set, bit in bits:
-            if is_set:
-                result |= bit
+        for name in WIRING:
+            if getattr(self, name):
+                result |= Wiring[name.upper()]
         return result
 
     def board_settings(self, robot: RobotConfig, acceleration: float) -> ConfigureFrame:
