@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from giraff_schemas.frames import Transform
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.topics import MOTION_QUERIES, PARAM_QUERIES, QUERIES, TOPICS, SampleT, Topic
 
 

@@ -70,6 +70,8 @@ class MapPose(Sample, frozen=True, kw_only=True):
     """Why it is not localized, with the way out; else empty."""
     tick: RobotTime | None
     """Of the newest odometry in it; None: there was none yet."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.x, self.y, self.yaw, self.explained, self.way, *self.covariance)
@@ -144,3 +146,5 @@ class LocalizationAnswer(msgspec.Struct, frozen=True, kw_only=True):
     done: bool
     reason: str
     """Why not, with the way out; empty when done."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""

@@ -96,6 +96,8 @@ class DriveCommand(Sample, frozen=True, kw_only=True):
     """Of a fault: what is wrong and the way out. Else empty."""
     tick: RobotTime | None
     """Of the measurement or human event, never renewed. None: the operator has not heard the robot yet."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.linear_x, self.angular_z)
@@ -128,6 +130,8 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """The operator's own command is a hand's and neutral: what arms the robot when held."""
     reason: str
     """Why this is less than the operator asked for; empty when it is not."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.linear_x, self.angular_z)
@@ -150,6 +154,8 @@ class Lease(Sample, frozen=True, kw_only=True):
     """Why the newest grant, refusal or end, and what an operator who wants to drive does now."""
     unranked: tuple[str, ...] = ()
     """Operators that have asked to drive, and whose names no table ranks: persons take the robot from them."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
 
 class EStop(Sample, frozen=True, kw_only=True):
@@ -163,6 +169,8 @@ class EStop(Sample, frozen=True, kw_only=True):
     reason: str
     engaged_ns: int = 0
     """Robot time of the newest request to stop, also of one that finds it engaged; 0: none since base began."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
 
 class SerialLine(Sample, frozen=True, kw_only=True):
@@ -201,6 +209,8 @@ class Range(Sample, frozen=True, kw_only=True):
     """Of a fault: what is wrong and the way out. Else empty."""
     tick: RobotTime | None
     """Newest moment the board held when it triggered the ping."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         if (self.range is not None) != (self.state == "echo"):
@@ -305,6 +315,8 @@ class BaseState(Sample, frozen=True, kw_only=True):
     budget_left: float | None
     """s until the first of the ticks in use is too old; negative: it is."""
     board: BoardState
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.round_trip or 0.0, self.budget_left or 0.0)
@@ -350,46 +362,7 @@ class GuardState(Sample, frozen=True, kw_only=True):
     """Why the newest command was cut; empty when it was not."""
     sensors: dict[str, str]
     """By sensor: why it is not trusted; empty when it is."""
-
-
-class WebPage(msgspec.Struct, frozen=True, kw_only=True):
-    """Where giraff_web serves its page over HTTPS."""
-
-    port: int
-    hosts: tuple[str, ...]
-    """Names and addresses at which other hosts reach it."""
-    certificate: str
-    """SHA-256 of its certificate in DER, in hexadecimal digits."""
-
-
-class Health(msgspec.Struct, frozen=True, kw_only=True):
-    """Answer of a service's health query. It judges the service: not its links, nor who drives."""
-
-    service: str
-    instance: str
-    host: str
-    pid: int
-    uptime: float
-    ok: bool
-    """Nothing is wrong with the service itself: its process, its board, its disk."""
-    faults: tuple[str, ...]
-    """What is wrong with it now, each with its way out."""
-    notices: tuple[str, ...] = ()
-    """What it waits for or finds wrong elsewhere, each with its way out."""
-    # What follows is for looking at a robot and comparing machines. An older service leaves it out.
-    publishes: tuple[str, ...] = ()
-    """Keys of the topics table on which it speaks, whether or not it has said anything."""
-    subscribes: tuple[str, ...] = ()
-    """Keys that it listens to."""
-    answers: tuple[str, ...] = ()
-    """Keys of the queries that it answers."""
-    cpu_time: float = 0.0
-    """s that a processor has worked for it."""
-    rss_bytes: int = 0
-    """Memory that it has in use; 0: unknown."""
-    version: str = ""
-    """Of the program: its number, and a digest of what all services share."""
-    stamp_ns: int = 0
-    """Wall clock of its host when it answered, ns since 1970."""
-    page: WebPage | None = None
-    """Of giraff_web; None for every other service."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
+    sensor_remedies: dict[str, str] = {}
+    """By sensor, the same of `sensors`."""

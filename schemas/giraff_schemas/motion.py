@@ -141,6 +141,8 @@ class MotionAnswer(msgspec.Struct, frozen=True, kw_only=True):
     accepted: bool
     reason: str
     """Why not, with the way out; empty when accepted."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
 
 class MotionHold(Sample, frozen=True, kw_only=True):
@@ -209,6 +211,8 @@ class MotionState(Sample, frozen=True, kw_only=True):
     """Of the guard's, which blocks the way; empty: none does."""
     reason: str
     """Why it does not move now, or why it has ended, with the way out; empty when it moves, or has arrived."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
     def __post_init__(self) -> None:
         require_finite(self, *self.covariance, self.elapsed, self.time_limit)

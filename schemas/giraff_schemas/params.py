@@ -59,3 +59,5 @@ class ParamAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """Why not, with the way out; empty when done."""
     params: tuple[Param, ...]
     """Those it is about, as they are now."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""

@@ -40,6 +40,8 @@ class EStopAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """Why not, with the way out; empty when done."""
     instance: str = ""
     """Of the base that answers. Its `estop` samples carry it, too: without them an answer proves no stop."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
 
 
 class OdomReset(msgspec.Struct, frozen=True, kw_only=True):
@@ -79,3 +81,5 @@ class OdomAnswer(msgspec.Struct, frozen=True, kw_only=True):
     """`Odometry.jumps` of the samples from now on."""
     reason: str
     """Why not, with the way out; empty when done."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""

@@ -18,6 +18,7 @@ from giraff_schemas.boards import BoardType
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import AnswerT, Query, RequestT, SampleT, Topic
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import Frame
 
 SampleT_contra = TypeVar("SampleT_contra", bound=Sample, contravariant=True)
@@ -154,12 +155,12 @@ class IO(Protocol):
         """A random number of 32 bits, not 0."""
         ...
 
-    def set_fault(self, name: str, message: str) -> None:
-        """State what is wrong with `name` of this service itself, or with "" that nothing is."""
+    def set_fault(self, name: str, trouble: Trouble | str) -> None:
+        """State what is wrong with `name` of this service itself, or with WELL that nothing is."""
         ...
 
-    def set_notice(self, name: str, message: str) -> None:
-        """State what is wrong elsewhere, or awaited, or with "" that nothing is: this service is well all the same."""
+    def set_notice(self, name: str, trouble: Trouble | str) -> None:
+        """State what is wrong elsewhere or awaited, or with WELL that nothing is: this service is well all the same."""
         ...
 
     def leave(self) -> None:

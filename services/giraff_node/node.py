@@ -42,7 +42,7 @@ from giraff_node.process.state import Folder, state_directory
 from giraff_schemas.boards import BoardType
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
-from giraff_schemas.messages import Health, WebPage
+from giraff_schemas.health import Health, WebPage
 from giraff_schemas.services import BASE, DOOR, GUARD, SERVICES
 from giraff_schemas.topics import (
     PARAM_DESCRIBE,
@@ -59,6 +59,7 @@ from giraff_schemas.topics import (
     health_key,
     key_of,
 )
+from giraff_schemas.trouble import Trouble
 
 _STEADY = (BASE.name, GUARD.name)  # nothing that may hold them up for longer than a turn is done in these
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
@@ -304,16 +305,16 @@ class Node(Generic[ConfigT]):
         """
         return self._process.turns(*timers, *self._boards, link=link, look=self._look)
 
-    def set_fault(self, name: str, message: str) -> None:
-        """State what is wrong with `name` of this service itself, or with "" that nothing is.
+    def set_fault(self, name: str, trouble: Trouble | str) -> None:
+        """State what is wrong with `name` of this service itself, or with WELL that nothing is.
 
         Logged on a change, told by health, which is then not `ok`.
         """
-        self._process.condition.set_fault(name, message)
+        self._process.condition.set_fault(name, trouble)
 
-    def set_notice(self, name: str, message: str) -> None:
-        """State what is wrong elsewhere, or awaited, or with "" that nothing is: this service is well all the same."""
-        self._process.condition.set_notice(name, message)
+    def set_notice(self, name: str, trouble: Trouble | str) -> None:
+        """State what is wrong elsewhere or awaited, or with WELL that nothing is: this service is well all the same."""
+        self._process.condition.set_notice(name, trouble)
 
     def set_page(self, page: WebPage) -> None:
         """State where this service serves its page; health tells it."""

@@ -22,7 +22,7 @@ from giraff_node.process.state import state_directory
 from giraff_recorder.config import RecorderConfig
 from giraff_recorder.policy import Incident, IncidentDetector, Memory, surplus
 from giraff_schemas.codec import DecodeError, decode
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.topics import BASE, ESTOP, health_key, key_below, key_of
 
 _LOOK_HZ: Final = 5.0

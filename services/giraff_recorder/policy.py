@@ -8,7 +8,8 @@ from typing import Final, NamedTuple
 
 from giraff_mcap.raw_sample import RawSample
 from giraff_recorder.config import RecorderConfig
-from giraff_schemas.messages import BaseState, EStop, Health
+from giraff_schemas.health import Health
+from giraff_schemas.messages import BaseState, EStop
 from giraff_schemas.services import WATCHED
 
 _OVERHEAD: Final = 300

@@ -16,7 +16,7 @@ from giraff_node import Node
 from giraff_node.network.host_addresses import host_addresses
 from giraff_node.process.state import state_directory
 from giraff_node.process.unix_socket import listen_at
-from giraff_schemas.messages import WebPage
+from giraff_schemas.health import WebPage
 from giraff_web.config import WebConfig
 from giraff_web.messages import Room
 from giraff_web.server.host import RIGHTS, HostSocket, own_socket

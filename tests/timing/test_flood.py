@@ -13,7 +13,8 @@ import msgspec
 
 from giraff_core.lease import ASK
 from giraff_schemas.codec import encode, encoding_of, stamped
-from giraff_schemas.messages import DriveCommand, Health, Tick
+from giraff_schemas.health import Health
+from giraff_schemas.messages import DriveCommand, Tick
 from giraff_schemas.topics import OPERATOR_CMD_VEL, TICK, health_key, key_of
 from tests.support.process_robot import ARENA, PATIENCE, ProcessRobot, process_robot
 from tests.timing.stalled import by_the_wall

@@ -8,7 +8,8 @@ import msgspec
 
 from giraff_cli.network.interfaces import Interface
 from giraff_core.kinematics.calibration import Calibration
-from giraff_schemas.messages import BaseState, EStop, Health
+from giraff_schemas.health import Health
+from giraff_schemas.messages import BaseState, EStop
 
 Outcome = Literal["answers", "refused", "silent", "no way", "untrusted"]
 """Of a call to an address. `silent`: nothing came back; `no way`: it cannot be sent there; `untrusted`: the

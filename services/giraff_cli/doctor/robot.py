@@ -16,7 +16,8 @@ from giraff_cli.telemetry.collector import Telemetry
 from giraff_node import robot_now_ns
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import encode, encoding_of
-from giraff_schemas.messages import Health, Sample
+from giraff_schemas.health import Health
+from giraff_schemas.messages import Sample
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import BATTERY, OPERATOR_CMD_VEL, PARAM_DESCRIBE, Topic, health_key, key_of

@@ -12,7 +12,7 @@ import msgspec
 import zenoh
 
 from giraff_node.process.state import state_directory, write_file_durably
-from giraff_schemas.messages import Health, WebPage
+from giraff_schemas.health import Health, WebPage
 from giraff_schemas.services import WEB
 from giraff_schemas.topics import health_key
 

@@ -18,7 +18,8 @@ from giraff_cli.network.topic_keys import intersects
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
-from giraff_schemas.messages import Health, Sample
+from giraff_schemas.health import Health
+from giraff_schemas.messages import Sample
 from giraff_schemas.topics import TOPICS, Topic, health_key, topic_of
 
 FIRST_WITHIN: Final = 3.0  # s until the first word of a robot that is there

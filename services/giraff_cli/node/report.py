@@ -14,7 +14,7 @@ from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
 from giraff_cli.terminal.page import Page, print_json, print_table
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import duration
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.text import printable
 
 _PATIENCE: Final = 3.0  # s, to find the only robot

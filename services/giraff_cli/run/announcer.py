@@ -11,7 +11,8 @@ import zenoh
 from giraff_node.node import Publisher
 from giraff_node.process.health import HealthState
 from giraff_schemas.codec import encode, encoding_of
-from giraff_schemas.messages import Health, TruePose
+from giraff_schemas.health import Health
+from giraff_schemas.messages import TruePose
 from giraff_schemas.services import RUN
 from giraff_schemas.topics import TRUE_POSE, alive_key, health_key
 

@@ -14,7 +14,7 @@ from giraff_cli.network.robot_graph import RobotGraph
 from giraff_cli.network.statistics import PublisherStatistics, TopicStatistics
 from giraff_cli.terminal.page import shown, table_of
 from giraff_cli.terminal.text import json_line
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.text import printable
 from giraff_schemas.topics import topic_of
 

@@ -20,7 +20,7 @@ from giraff_cli.why.diagnosis import Diagnosis, diagnose
 from giraff_cli.why.observation import Observation
 from giraff_node import robot_now_ns
 from giraff_node.network.discovery import list_robots, not_found_text
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.topics import health_key
 
 _DRIVES: Final = 0

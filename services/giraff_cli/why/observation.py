@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Final, Generic
 
-from giraff_schemas.messages import Health, RobotTime, Sample
+from giraff_schemas.health import Health
+from giraff_schemas.messages import RobotTime, Sample
 from giraff_schemas.topics import TICK, SampleT, Topic
 
 _LEAST: Final = 0.5  # s of silence that a busy machine or a short dropout does not explain

@@ -26,7 +26,7 @@ from giraff_node.network import consent
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.replies import gather_replies
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.services import BASE, PLAY, ROBOTS_OWN
 from giraff_schemas.topics import alive_key, health_key, require_chunk
 

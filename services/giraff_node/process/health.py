@@ -9,7 +9,8 @@ import time
 from pathlib import Path
 
 from giraff_node.process.version import version
-from giraff_schemas.messages import Health, WebPage
+from giraff_schemas.health import Health, WebPage
+from giraff_schemas.trouble import WELL, Trouble
 
 
 class HealthState:
@@ -20,24 +21,24 @@ class HealthState:
         self._instance = instance
         self._log = log
         self._started = time.monotonic()
-        self._faults: dict[str, str] = {}
-        self._notices: dict[str, str] = {}
+        self._faults: dict[str, Trouble] = {}
+        self._notices: dict[str, Trouble] = {}
         self.publishes: list[str] = []
         """Keys of the topics table; the same one may be told twice."""
         self.subscribes: list[str] = []
         self.answers: list[str] = []
         self.page: WebPage | None = None
 
-    def set_fault(self, name: str, message: str) -> None:
-        """State what is wrong with `name` of this service itself, or with "" that nothing is."""
-        self._set(self._faults, name, message)
+    def set_fault(self, name: str, trouble: Trouble | str) -> None:
+        """State what is wrong with `name` of this service itself, or with WELL that nothing is."""
+        self._set(self._faults, name, trouble)
 
-    def set_notice(self, name: str, message: str) -> None:
-        """State what keeps the service from being of use and is not its own doing, or with "" that nothing does."""
-        self._set(self._notices, name, message)
+    def set_notice(self, name: str, trouble: Trouble | str) -> None:
+        """State what keeps the service from being of use and is not its own doing, or with WELL that nothing does."""
+        self._set(self._notices, name, trouble)
 
     def health(self) -> Health:
-        faults = tuple(self._faults.values())
+        faults, notices = tuple(self._faults.values()), tuple(self._notices.values())
         return Health(
             service=self._service,
             instance=self._instance,
@@ -45,8 +46,10 @@ class HealthState:
             pid=os.getpid(),
             uptime=time.monotonic() - self._started,
             ok=not faults,
-            faults=faults,
-            notices=tuple(self._notices.values()),
+            faults=tuple(map(str, faults)),
+            fault_remedies=tuple(fault.remedy for fault in faults),
+            notices=tuple(map(str, notices)),
+            notice_remedies=tuple(notice.remedy for notice in notices),
             publishes=tuple(dict.fromkeys(self.publishes)),
             subscribes=tuple(dict.fromkeys(self.subscribes)),
             answers=tuple(dict.fromkeys(self.answers)),
@@ -60,20 +63,27 @@ class HealthState:
     @property
     def summary(self) -> str:
         """One line for people."""
-        return "; ".join((*self._faults.values(), *self._notices.values())) or "well"
+        return "; ".join(map(str, (*self._faults.values(), *self._notices.values()))) or "well"
 
-    def _set(self, told: dict[str, str], name: str, message: str) -> None:
-        if told.get(name, "") == message:
+    def _set(self, told: dict[str, Trouble], name: str, trouble: Trouble | str) -> None:
+        if isinstance(trouble, str):
+            trouble = Trouble(trouble)
+        if told.get(name, WELL) == trouble:
             return
-        message = message.encode(errors="replace").decode()  # a port's path may be no text, and JSON is
-        if told.get(name, "") == message:
+        trouble = Trouble(_text(trouble.what), _text(trouble.remedy))
+        if told.get(name, WELL) == trouble:
             return
-        if message:
-            told[name] = message
-            self._log.warning("%s", message)
+        if trouble:
+            told[name] = trouble
+            self._log.warning("%s", trouble)
         else:
             told.pop(name, None)  # another subscriber's thread may have done so just now
             self._log.info("recovered: %s", name)
+
+
+def _text(text: str) -> str:
+    """A port's path may be no text, and JSON is."""
+    return text.encode(errors="replace").decode()
 
 
 def _resident() -> int:

@@ -17,7 +17,7 @@ import msgspec
 
 from giraff_health.ask import socket_path
 from giraff_node.process.unix_socket import listen_at
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 
 RETRY: Final = 1.0  # s between two attempts to become the one who answers
 _MOST: Final = 8  # clients answered in one turn of the loop, whose own work must not wait for a crowd

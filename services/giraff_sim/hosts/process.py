@@ -31,6 +31,7 @@ from giraff_schemas.topics import (
     SampleT,
     Topic,
 )
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import Frame
 from giraff_sim.hosts.cable import Cable, CableEnd
 from giraff_sim.hosts.disk import ProcessStore
@@ -146,11 +147,11 @@ class Process:
     def token(self) -> int:
         return self._random.randrange(1, 1 << 32)
 
-    def set_fault(self, name: str, message: str) -> None:
-        self.told[name] = message
+    def set_fault(self, name: str, trouble: Trouble | str) -> None:
+        self.told[name] = str(trouble)
 
-    def set_notice(self, name: str, message: str) -> None:
-        self.told[name] = message
+    def set_notice(self, name: str, trouble: Trouble | str) -> None:
+        self.told[name] = str(trouble)
 
     def leave(self) -> None:
         self._leaves = True

@@ -19,7 +19,7 @@ import pytest
 from giraff_cli.estop import engage
 from giraff_cli.network.command import UnopenedError
 from giraff_cli.network.pages import page_file
-from giraff_schemas.messages import WebPage
+from giraff_schemas.health import WebPage
 from giraff_web.server.certificates import made_certificate, own_names
 from tests.support.waiting import wait
 

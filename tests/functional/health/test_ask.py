@@ -12,7 +12,7 @@ import msgspec
 import pytest
 
 from giraff_health.ask import WELL, socket_path
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from tests.functional.health.answering import PROGRAM, answering, check
 
 

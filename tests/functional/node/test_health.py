@@ -13,7 +13,7 @@ import pytest
 
 from giraff_health.ask import ask
 from giraff_schemas.codec import encode
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import ESTOP_ENGAGE, key_of
 from tests.functional.health.answering import check

@@ -14,7 +14,7 @@ import zenoh
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import load
 from giraff_node.network.session import close_session, session_config
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.topics import GUARD, TICK, health_key, key_below, key_of
 from tests.support.process_robot import ARENA, PATIENCE, ProcessRobot, process_robot
 

@@ -19,7 +19,8 @@ from giraff_core.network import NetworkConfig
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.session import close_session, open_session
 from giraff_node.process.state import Folder, write_latch
-from giraff_schemas.messages import EStop, Health, RobotTime, Sample, Tick
+from giraff_schemas.health import Health
+from giraff_schemas.messages import EStop, RobotTime, Sample, Tick
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
     ESTOP,

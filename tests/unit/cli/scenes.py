@@ -11,7 +11,8 @@ from giraff_cli.why.diagnosis import Diagnosis, diagnose
 from giraff_cli.why.observation import Observation
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
-from giraff_schemas.messages import DriveCommand, GuardState, Health, Tick, Tilt, Verdict
+from giraff_schemas.health import Health
+from giraff_schemas.messages import DriveCommand, GuardState, Tick, Tilt, Verdict
 from giraff_schemas.topics import Topic
 from tests.unit.cli.samples import (
     EPOCH,

@@ -36,7 +36,7 @@ from giraff_core.parameters.table import Parameters
 from giraff_node.network.discovery import simulated_name
 from giraff_node.network.sockets import live_sockets, own_socket, socket_folder
 from giraff_odometry.config import OdometryConfig
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 from giraff_schemas.params import ParamAnswer
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT as ODOMETRYS

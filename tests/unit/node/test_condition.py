@@ -6,7 +6,7 @@ import msgspec
 
 from giraff_node.process.health import HealthState
 from giraff_node.process.logs import service_logger
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 
 
 def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from giraff_health.ask import ask
 from giraff_node.process.health_socket import RETRY, HealthSocket
-from giraff_schemas.messages import Health
+from giraff_schemas.health import Health
 
 HEALTH = Health(service="base", instance="1", host="h", pid=7, uptime=1.0, ok=False, faults=("x",), notices=("y",))
 

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from giraff_mcap.raw_sample import RawSample
 from giraff_recorder.config import RecorderConfig
 from giraff_recorder.policy import Incident, IncidentDetector, Memory, surplus
-from giraff_schemas.messages import BaseState, BoardState, EStop, Health
+from giraff_schemas.health import Health
+from giraff_schemas.messages import BaseState, BoardState, EStop
 
 CONFIG = RecorderConfig()
 BOARD = BoardState(

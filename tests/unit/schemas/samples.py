@@ -88,6 +88,7 @@ _BOARD = {
 }
 _PLACE = {"x": 1.0, "y": 2.0, "yaw": 0.5}
 _DISPLACEMENT = {"path": 1.0, "x": 1.0, "y": 0.1, "yaw": 0.2}
+_SAYS = {"reason": "it is dark; light a fire", "remedy": "light a fire"}
 _TWIST = {"linear_x": 0.3, "angular_z": -0.2}
 
 _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
@@ -95,11 +96,11 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     m.Tilt: _START | {"x": 0.0, "y": 0.0, "z": 9.8, "status": "running", "tick": _TIME},
     m.DriveCommand: _START
     | _TWIST
-    | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": "", "tick": _TIME},
+    | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": "", "remedy": "", "tick": _TIME},
     m.SerialLine: _START | {"name": "arduino", "text": "23.5 °C", "goes_on": False, "replaced": 0},
     m.SerialWrite: _START | {"name": "arduino", "text": "led on"},
-    m.Lease: _START | {"holder": "b2", "operator": "joystick", "counter": 9, "reason": "", "unranked": ["gamepad"]},
-    m.EStop: _START | {"engaged": True, "id": 5, "by": "operator", "reason": "space bar", "engaged_ns": 7},
+    m.Lease: _START | {"holder": "b2", "operator": "joystick", "counter": 9, "unranked": ["gamepad"]} | _SAYS,
+    m.EStop: _START | {"engaged": True, "id": 5, "by": "operator", "engaged_ns": 7} | _SAYS,
     m.GuardedCommand: _START
     | _TWIST
     | {
@@ -112,8 +113,9 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "faults": 0,
         "hand_neutral": False,
         "reason": "",
+        "remedy": "",
     },
-    m.Range: _START | {"sensor": "rear", "state": "echo", "range": 1.25, "echo_us": 7250, "reason": "", "tick": _TIME},
+    m.Range: _START | {"sensor": "rear", "state": "echo", "range": 1.25, "echo_us": 7250, "tick": _TIME} | _SAYS,
     m.Wheels: _START
     | {
         "left_ticks": -5,
@@ -146,6 +148,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "armed": True,
         "driving": False,
         "reason": "",
+        "remedy": "",
         "guard": "c3",
         "round_trip": 0.03,
         "budget_left": 0.17,
@@ -160,7 +163,9 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "turn_right": _VERDICT,
         "operator": "b2",
         "reason": "",
+        "remedy": "",
         "sensors": {"rear": ""},
+        "sensor_remedies": {"rear": ""},
     },
     lo.MapPose: _START
     | {
@@ -176,6 +181,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "particles": 1000,
         "map": "hall",
         "reason": "2 places fit",
+        "remedy": "",
         "tick": _TIME,
     },
     lo.Particles: _START | {"x": [1.0, 2.0], "y": [0.0, 1.0], "yaw": [0.5, -0.5]},
@@ -196,5 +202,6 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "outcome": "",
         "sensor": "",
         "reason": "",
+        "remedy": "",
     },
 }

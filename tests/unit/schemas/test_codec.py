@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from giraff_schemas import messages as m
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
+from giraff_schemas.health import Health
 from giraff_schemas.motion import MotionHold
 from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, OPERATOR_CMD_VEL, RANGE, TICK, TILT, TOPICS, Topic
 from tests.unit.schemas.samples import an_example, messages
@@ -59,9 +60,9 @@ def test_what_is_encoded_is_decoded_and_a_plain_map_to_a_reader_without_the_sche
     assert list(plain)[:3] == ["seq", "stamp_ns", "instance"]
 
 
-@given(health=messages(m.Health))
-def test_health_comes_back_too(health: m.Health) -> None:
-    assert msgspec.msgpack.decode(encode(health), type=m.Health) == health
+@given(health=messages(Health))
+def test_health_comes_back_too(health: Health) -> None:
+    assert msgspec.msgpack.decode(encode(health), type=Health) == health
 
 
 @every_topic

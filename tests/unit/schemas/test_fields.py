@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from giraff_schemas.fields import Field, fields_of
-from giraff_schemas.messages import Battery, Health
+from giraff_schemas.health import Health
+from giraff_schemas.messages import Battery
 from giraff_schemas.topics import TOPICS, Topic
 
 

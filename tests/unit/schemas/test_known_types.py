@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec, module_from_spec
 
-from giraff_schemas import frames, messages, topics
+from giraff_schemas import frames, health, topics
 
 
 def test_every_type_of_the_wire_is_known_from_the_import_on() -> None:
@@ -15,7 +15,7 @@ def test_every_type_of_the_wire_is_known_from_the_import_on() -> None:
     spec.loader.exec_module(codec)
     known = codec._decoder.cache_info().misses
     queries = (*topics.QUERIES, *topics.MOTION_QUERIES, *topics.PARAM_QUERIES)
-    types = {topic.schema for topic in topics.TOPICS} | {messages.Health, frames.Transform}
+    types = {topic.schema for topic in topics.TOPICS} | {health.Health, frames.Transform}
     types |= {query.request for query in queries} | {query.answer for query in queries}
     assert len(types) > 20
     for each in types:

@@ -1,0 +1,66 @@
+"""What a service answers about itself."""
+
+from __future__ import annotations
+
+from itertools import starmap, zip_longest
+
+import msgspec
+
+from giraff_schemas.trouble import Trouble, read_trouble
+
+
+class WebPage(msgspec.Struct, frozen=True, kw_only=True):
+    """Where giraff_web serves its page over HTTPS."""
+
+    port: int
+    hosts: tuple[str, ...]
+    """Names and addresses at which other hosts reach it."""
+    certificate: str
+    """SHA-256 of its certificate in DER, in hexadecimal digits."""
+
+
+class Health(msgspec.Struct, frozen=True, kw_only=True):
+    """Answer of a service's health query. It judges the service: not its links, nor who drives."""
+
+    service: str
+    instance: str
+    host: str
+    pid: int
+    uptime: float
+    ok: bool
+    """Nothing is wrong with the service itself: its process, its board, its disk."""
+    faults: tuple[str, ...]
+    """What is wrong with it now, each with its way out."""
+    notices: tuple[str, ...] = ()
+    """What it waits for or finds wrong elsewhere, each with its way out."""
+    # What follows is for looking at a robot and comparing machines. An older service leaves it out.
+    publishes: tuple[str, ...] = ()
+    """Keys of the topics table on which it speaks, whether or not it has said anything."""
+    subscribes: tuple[str, ...] = ()
+    """Keys that it listens to."""
+    answers: tuple[str, ...] = ()
+    """Keys of the queries that it answers."""
+    cpu_time: float = 0.0
+    """s that a processor has worked for it."""
+    rss_bytes: int = 0
+    """Memory that it has in use; 0: unknown."""
+    version: str = ""
+    """Of the program: its number, and a digest of what all services share."""
+    stamp_ns: int = 0
+    """Wall clock of its host when it answered, ns since 1970."""
+    page: WebPage | None = None
+    """Of giraff_web; None for every other service."""
+    fault_remedies: tuple[str, ...] = ()
+    """Of each of `faults` its tail that says what to do."""
+    notice_remedies: tuple[str, ...] = ()
+    """The same of `notices`."""
+
+    @property
+    def troubles(self) -> tuple[Trouble, ...]:
+        """What is wrong with the service itself: `faults`, each with its remedy where its version tells it."""
+        return tuple(starmap(read_trouble, zip_longest(self.faults, self.fault_remedies, fillvalue="")))
+
+    @property
+    def noticed(self) -> tuple[Trouble, ...]:
+        """The same of `notices`."""
+        return tuple(starmap(read_trouble, zip_longest(self.notices, self.notice_remedies, fillvalue="")))

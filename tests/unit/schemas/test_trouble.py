@@ -1,0 +1,23 @@
+from __future__ import annotations
+
+import socket
+
+import pytest
+
+from giraff_schemas.health import Health
+from giraff_schemas.trouble import WELL, Trouble, read_trouble
+
+
+@pytest.mark.parametrize("trouble", [WELL, Trouble("it is dark"), Trouble("it is dark; and cold", "light a fire")])
+def test_a_line_and_its_remedy_are_read_as_they_were_made(trouble: Trouble) -> None:
+    assert read_trouble(str(trouble), trouble.remedy) == trouble
+
+
+def test_a_remedy_that_is_not_in_the_line_is_not_believed() -> None:
+    assert read_trouble("it is dark", "light a fire") == Trouble("it is dark")
+
+
+def test_an_earlier_version_tells_no_remedies() -> None:
+    told = {"service": "base", "instance": "a", "host": socket.gethostname(), "pid": 1, "uptime": 1.0, "ok": False}
+    health = Health(**told, faults=("it is dark; light a fire", "cold"))  # type: ignore[arg-type]  # as named above
+    assert health.troubles == (Trouble("it is dark; light a fire"), Trouble("cold"))
