@@ -13,14 +13,12 @@ from giraff_client.errors import (
     RobotError,
     TakenError,
 )
-from giraff_core.operator import ASKING, LEVEL, Operator
+from giraff_core.operator import ASKING, LEVEL, Operator, Wish
 from giraff_schemas.messages import BaseState, DriveCommand, EStop, Lease, Sample, Tick
 from giraff_schemas.services import MOTION
 
 _ANSWERS_WITHIN: Final = 0.5
 """s in which the guard answers who asks for the lease: it tells who drives ten times a second."""
-
-_END: Final = "the script has ended; start it again"
 
 
 class OperatorPolicy:
@@ -67,7 +65,7 @@ class OperatorPolicy:
             taken = self._operator.holder not in ("", MOTION.name)
             if taken and self._asked_at is not None and now - self._asked_at > _ANSWERS_WITHIN:
                 raise self._refused()
-            return self._made(ASKING, wishes=True)
+            return self._made(ASKING, takes=True)
         if self._neutral_since is None:
             self._neutral_since = now
         state, heard = self._base
@@ -95,16 +93,16 @@ class OperatorPolicy:
 
     def final_command(self) -> DriveCommand:
         """The last command of a script: base disarms at once, and a second of silence frees the lease."""
-        return self._operator.fault(_END, tick=self._operator.tick)
+        return self._operator.last_words(self._operator.tick)
 
     def lost(self, now: float) -> LostRobotError | None:
         """Why nothing of the robot is to be heard; None: its clock is."""
         fault = self._operator.link_fault(now)
-        return LostRobotError(fault) if fault else None
+        return LostRobotError(str(fault)) if fault else None
 
     def _refused(self, way_out: str = "") -> RefusedError:
         holder = self._operator.holder
-        return (TakenError if holder else RefusedError)(holder, self._operator.refusal + way_out)
+        return (TakenError if holder else RefusedError)(holder, f"{self._operator.refusal}{way_out}")
 
     def _raise_if_stopped(self, now: float) -> None:
         if lost := self.lost(now):
@@ -112,5 +110,5 @@ class OperatorPolicy:
         if self._estop is not None and self._estop.engaged:
             raise EmergencyStopError(self._estop)
 
-    def _made(self, twist: tuple[float, float], *, wishes: bool = False) -> DriveCommand:
-        return self._operator.command(*twist, tick=self._operator.tick, wishes=wishes)
+    def _made(self, twist: tuple[float, float], *, takes: bool = False) -> DriveCommand:
+        return self._operator.say(Wish(*twist, self._operator.tick, takes))

@@ -7,23 +7,26 @@ import re
 from typing import Final
 
 from giraff_schemas.messages import Lease
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 ASK: Final = 0
 """The counter of a command that asks for the lease."""
 _LATE: Final = 50
 """Samples, 5 s, by which a word may be late. One that is further behind shows that the newest was none of the guard's:
 a single false one must not make this operator deaf for good."""
-_RENEWED: Final = "another hand takes over here: a new lease is asked for, and the robot must be armed again"
+_RENEWED: Final = Trouble("another hand takes over here: a new lease is asked for, and the robot must be armed again")
+_NO_GUARD: Final = Trouble("the guard is not heard", "check that giraff_guard runs and that both share a network")
 
 _BARE_KEY: Final = re.compile(r"[A-Za-z0-9_-]+")
 
 
-def unranked_notice(operator: str) -> str:
+def unranked_notice(operator: str) -> Trouble:
     """Return what to tell of an operator whose name no table ranks, with the line that the robot file needs."""
     key = operator if _BARE_KEY.fullmatch(operator) else json.dumps(operator)
-    return (
-        f"operator {operator} has no priority, so any person's hand takes the robot from it; if a person drives by it, "
-        f"write `{key} = 0` under [guard.priorities] in the robot file of the guard's machine, else `{key} = -1`"
+    return Trouble(
+        f"operator {operator} has no priority, so any person's hand takes the robot from it",
+        f"if a person drives by it, write `{key} = 0` under [guard.priorities] in the robot file of the guard's "
+        f"machine, else `{key} = -1`",
     )
 
 
@@ -39,8 +42,8 @@ class LeaseClient:
         self._lease: Lease | None = None
         self._held = ASK
         self._given_up: tuple[str, int] | None = None  # a guard's instance, and the counter of its lease
-        self.refusal = "the guard is not heard; check that giraff_guard runs and that both share a network"
-        """Why this operator does not drive, who does, and the way out; empty when it holds the lease."""
+        self.refusal = _NO_GUARD
+        """Why this operator does not drive, and who does; WELL when it holds the lease."""
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says. Late words of the same guard are not taken."""
@@ -50,7 +53,7 @@ class LeaseClient:
         self._lease = lease
         if self.holds:
             self._held = lease.counter
-        self.refusal = "" if self.holds else _RENEWED if self._is_mine(lease) else lease.reason
+        self.refusal = WELL if self.holds else _RENEWED if self._is_mine(lease) else trouble_of(lease)
 
     @property
     def holds(self) -> bool:

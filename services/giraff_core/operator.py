@@ -1,19 +1,31 @@
-"""What every operator is: it hears the robot's clock and who holds the lease, and makes commands that carry both."""
+"""What every operator is: a hand, the robot's clock, who holds the lease, and commands that carry all three.
+
+An operator's device is a `Hand`: it says what is asked now, and what was measured or pressed when. All else is done
+here, once: hearing the robot, asking for the lease, publishing, telling why the robot does not obey, the last words.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Final
+from abc import ABC, abstractmethod
+from typing import Final, NamedTuple, Protocol
 
 from giraff_core.freshness import TickFilter
+from giraff_core.inbox import Inbox
+from giraff_core.io import Publisher, Selectable
 from giraff_core.lease import LeaseClient, unranked_notice
-from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Lease, RobotTime, Source, Tick
+from giraff_core.timer import PromptTimer, Timer
+from giraff_schemas.messages import BaseState, DriveCommand, GuardState, Lease, RobotTime, Tick
+from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, SampleT, Topic
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 LINK_SILENCE: Final = 0.5
 """s without a new tick of the robot after which it counts as lost."""
-_LINK_LOST: Final = (
-    f"no tick of the robot for {LINK_SILENCE:g} s; check that base runs and that both machines share a network"
+_LINK_LOST: Final = Trouble(
+    f"no tick of the robot for {LINK_SILENCE:g} s", "check that base runs and that both machines share a network"
 )
+_NO_GUARD: Final = Trouble("the guard is not heard", "check that giraff_guard runs on base's machine")
+_NO_BASE: Final = Trouble("base is not heard", "check that giraff_base runs")
 LEVEL: Final = 0.3
 """s of neutral commands after which base speaks of this lease and no earlier one: 0.2 s of them arm."""
 ASKING: Final = (0.0, 0.1)
@@ -22,23 +34,46 @@ ASKS_NOTHING: Final = -1
 """Counter of a command that neither asks for the lease nor is given under one: real ones are never negative."""
 
 
+class Wish(NamedTuple):
+    """What a hand asks. Standing still is a wish, too: it is what arms the robot."""
+
+    linear_x: float
+    """m/s."""
+    angular_z: float
+    """rad/s."""
+    tick: RobotTime | None
+    """Of the moment at which it was measured or pressed, never a newer one; None: the robot was not heard yet."""
+    takes: bool = False
+    """Somebody asks to drive now, which also asks for a lease that was lost."""
+
+
+class Fault(NamedTuple):
+    """The operator's side has lost the hand: the robot stops, and need not wait for silence."""
+
+    trouble: Trouble
+    tick: RobotTime | None
+    is_told: bool = False
+    """The service tells it as a fault of its own already."""
+
+
 class RobotLink:
     """The robot's clock as it is heard elsewhere. Times are seconds of any one monotonic clock."""
 
     def __init__(self) -> None:
         self._clock = TickFilter()
-        self._heard = -math.inf
+        self.heard = -math.inf
+        """When the newest tick came."""
         self.tick: RobotTime | None = None
         """The newest that was heard."""
 
     def on_tick(self, tick: Tick, now: float) -> None:
         """Take the robot's clock as it arrives."""
         if self._clock.is_newer(tick, now):
-            self.tick, self._heard = tick.time, now
+            self.tick, self.heard = tick.time, now
 
-    def link_fault(self, now: float) -> str:
-        """Why the robot counts as lost, with the way out; empty: it is heard."""
-        return _LINK_LOST if now - self._heard > LINK_SILENCE else ""
+    def link_fault(self, now: float) -> Trouble:
+        """Why the robot counts as lost; WELL: it is heard."""
+        return _LINK_LOST if now - self.heard > LINK_SILENCE else WELL
 
 
 class Operator(RobotLink):
@@ -47,7 +82,9 @@ class Operator(RobotLink):
     def __init__(self, name: str, instance: str, *, asks_from_start: bool = True) -> None:
         """`name`: as in `cmd_vel/<name>`; `asks_from_start`: for the lease, not only once a human wishes to drive."""
         super().__init__()
-        self._name = name
+        self.name = name
+        self.has_asked = asks_from_start
+        """For the lease, at any time."""
         self._asks_from_start = asks_from_start
         self._lease = LeaseClient(instance)
         self.holder = ""
@@ -59,14 +96,14 @@ class Operator(RobotLink):
         return self._lease.holds
 
     @property
-    def refusal(self) -> str:
-        """Why the robot does not obey this process, who drives, and the way out; empty when it holds the lease."""
+    def refusal(self) -> Trouble:
+        """Why the robot does not obey this process, and who drives; WELL when it holds the lease."""
         return self._lease.refusal
 
     @property
-    def rank_notice(self) -> str:
-        """Why persons take the robot from this operator, with the line to write; empty where its name is ranked."""
-        return unranked_notice(self._name) if self._name in self._lease.unranked else ""
+    def rank_notice(self) -> Trouble:
+        """Why persons take the robot from this operator, with the line to write; WELL where its name is ranked."""
+        return unranked_notice(self.name) if self.name in self._lease.unranked else WELL
 
     def on_lease(self, lease: Lease) -> None:
         """Take what the guard says of who drives."""
@@ -77,50 +114,151 @@ class Operator(RobotLink):
         """Drive under this lease no more: another hand takes over here, and the robot must be armed anew by it."""
         self._lease.give_up()
 
-    def command(
-        self,
-        linear_x: float,
-        angular_z: float,
-        *,
-        tick: RobotTime | None,
-        wishes: bool,
-        source: Source = "hand",
-        reason: str = "",
-    ) -> DriveCommand:
-        """A command (m/s, rad/s) under the lease as it is known now.
-
-        `tick`: of what the wish was measured at, never a newer one; `wishes`: a human asks to drive now, which also
-        asks for a lease that was lost. A fault never does.
-        """
+    def say(self, asked: Wish | Fault) -> DriveCommand:
+        """The command that says so, under the lease as it is known now."""
+        if isinstance(asked, Fault):
+            trouble, tick, _ = asked
+            return DriveCommand(
+                operator=self.name,
+                lease_counter=self._counter(takes=False),
+                linear_x=0.0,
+                angular_z=0.0,
+                source="fault",
+                reason=str(trouble),
+                remedy=trouble.remedy,
+                tick=tick,
+            )
         return DriveCommand(
-            operator=self._name,
-            lease_counter=self._counter(wishes=wishes and source == "hand"),
-            linear_x=linear_x,
-            angular_z=angular_z,
-            source=source,
-            reason=reason,
-            tick=tick,
+            operator=self.name,
+            lease_counter=self._counter(takes=asked.takes),
+            linear_x=asked.linear_x,
+            angular_z=asked.angular_z,
+            source="hand",
+            reason="",
+            tick=asked.tick,
         )
 
-    def fault(self, reason: str, *, tick: RobotTime | None) -> DriveCommand:
-        """Stop: the operator's side has lost the hand, or ends. The robot need not wait for silence."""
-        return self.command(0.0, 0.0, tick=tick, wishes=False, source="fault", reason=reason)
+    def last_words(self, tick: RobotTime | None) -> DriveCommand:
+        """The command of a program that ends. `tick`: of what it has said last."""
+        return self.say(Fault(Trouble(f"the program of {self.name} has ended", "start it again"), tick))
 
-    def _counter(self, *, wishes: bool) -> int:
-        if not (self._asks_from_start or wishes or self.holds):
+    def _counter(self, *, takes: bool) -> int:
+        if not (self._asks_from_start or takes or self.holds):
             return ASKS_NOTHING
-        return self._lease.counter(wishes=wishes)
+        self.has_asked = True
+        return self._lease.counter(wishes=takes)
 
 
-def what_stops(own: str, base: BaseState | None, guard: GuardState | None) -> str:
-    """The first link of the chain that stops the robot, with the way out; empty: none does.
+class Hand(ABC):
+    """An operator's device, or what stands for one."""
+
+    link: Selectable | None = None
+    """What its device is read from: bytes there wake the service. None: its pace is enough."""
+
+    def __init__(self, operator: Operator) -> None:
+        self.operator = operator
+        """Its process: the newest tick, and who drives."""
+
+    def read(self, now: float) -> bool:
+        """Take what the device has said since the last call; whether a command is due at once for it. Never waits."""
+        del now
+        return False
+
+    @abstractmethod
+    def poll(self, now: float) -> Wish | Fault | None:
+        """What it asks at `now`, s of any one monotonic clock; None: it has nothing to say.
+
+        It is asked whenever a command is due, and by the screen of a person's device: there, asking changes nothing.
+        """
+
+    def trouble(self, now: float) -> Trouble:
+        """Why the robot does not obey this hand, as far as its own side can tell; WELL: nothing is known."""
+        asked = self.poll(now)
+        return asked.trouble if isinstance(asked, Fault) else self.operator.refusal
+
+
+class OperatorIO(Protocol):
+    """What an operator needs of its `IO`."""
+
+    def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]: ...
+    def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]: ...
+    def set_notice(self, name: str, trouble: Trouble) -> None: ...
+
+
+class OperatorService:
+    """Runs a hand: a command for each of its readings, and at the pace of operators while there are none."""
+
+    link: Selectable | None = None
+
+    def __init__(self, io: OperatorIO, hand: Hand, *, wakes: bool = True) -> None:
+        """`wakes`: what is heard of the robot makes a turn due."""
+        self._health = io
+        self._hand, self._operator = hand, hand.operator
+        self.link = hand.link
+        self._ticks, self._leases = io.inbox(TICK, limit=1, wakes=wakes), io.inbox(LEASE, limit=10, wakes=wakes)
+        self._commands = io.publisher(OPERATOR_CMD_VEL.at(hand.operator.name))
+        self.timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz)
+        self.timers: tuple[Timer, ...] = (self.timer,)
+        self._last: RobotTime | None = None
+        self._speaks = False
+
+    def turn(self, now: float) -> None:
+        if self._hand.read(now):  # before the ticks: what was pressed is of one that was heard before
+            self.timer.hurry("hand", now)
+        self.hear(now)
+        self.say(now)
+
+    def hear(self, now: float) -> None:
+        """The robot's clock, and who drives."""
+        for tick in self._ticks.take():
+            self.on_tick(tick, now)
+        for lease in self._leases.take():
+            self.on_lease(lease, now)
+
+    def on_tick(self, tick: Tick, now: float) -> None:
+        """Take the robot's clock."""
+        self._operator.on_tick(tick, now)
+
+    def on_lease(self, lease: Lease, now: float) -> None:
+        """Take what the guard says of who drives."""
+        del now
+        self._operator.on_lease(lease)
+
+    def say(self, now: float) -> None:
+        """What the hand asks, when it is time."""
+        if not self.timer.due(now):
+            return
+        asked = self._hand.poll(now)
+        self._speaks = asked is not None
+        if asked is None:
+            return
+        self._last = asked.tick
+        self._commands.put(self._operator.say(asked))
+        self.on_said(asked, now)
+
+    def on_said(self, asked: Wish | Fault, now: float) -> None:
+        """A command was given: tell by the service's health why the robot may not obey it."""
+        del now
+        operator = self._operator
+        self._health.set_notice("hand", asked.trouble if isinstance(asked, Fault) and not asked.is_told else WELL)
+        self._health.set_notice("lease", operator.refusal if operator.has_asked else WELL)
+        self._health.set_notice("rank", operator.rank_notice)
+
+    def end(self) -> None:
+        """Let go of the robot."""
+        if self._speaks:
+            self._commands.put(self._operator.last_words(self._last))
+
+
+def what_stops(own: Trouble, base: BaseState | None, guard: GuardState | None) -> Trouble:
+    """The first link of the chain that stops the robot; WELL: none does.
 
     `own`: what the operator itself says. None: that one is not heard.
     """
     if own:
         return own
     if guard is None:
-        return "the guard is not heard; check that giraff_guard runs on base's machine"
+        return _NO_GUARD
     if base is None:
-        return "base is not heard; check that giraff_base runs"
-    return guard.reason or base.reason
+        return _NO_BASE
+    return trouble_of(guard) or trouble_of(base)

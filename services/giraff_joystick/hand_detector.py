@@ -15,6 +15,7 @@ from collections import deque
 from typing import Final
 
 from giraff_core.tilt.disturbance import SHAKE_STEPS, Disturbance, falling, shaken
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS
 
 Counts = tuple[int, int, int]
@@ -29,9 +30,9 @@ LAID_DOWN_READINGS: Final = 50
 
 FALLING: Final = falling("joystick")
 SHAKEN: Final = shaken("joystick")
-FROZEN: Final = "the tilt sensor repeats one reading; reset the joystick board, or unplug it for a second"
-LAID_DOWN: Final = (
-    "the joystick lies tilted and nobody holds it; take it in the hand and hold it level, or lay it down level"
+FROZEN: Final = Trouble("the tilt sensor repeats one reading", "reset the joystick board, or unplug it for a second")
+LAID_DOWN: Final = Trouble(
+    "the joystick lies tilted and nobody holds it", "take it in the hand and hold it level, or lay it down level"
 )
 
 
@@ -58,12 +59,12 @@ class HandDetector:
         self._window = _Window()
         self._lies = False
 
-    def alarm(self, counts: Counts) -> str:
-        """Return why no hand's attitude can be read now, with the remedy; empty when it can."""
+    def alarm(self, counts: Counts) -> Trouble:
+        """Return why no hand's attitude can be read now; WELL when it can."""
         self._readings += 1
         self._repeats = self._repeats + 1 if counts == self._before else 0
         self._before = counts
-        frozen = FROZEN if self._repeats >= FROZEN_READINGS - 1 else ""
+        frozen = FROZEN if self._repeats >= FROZEN_READINGS - 1 else WELL
         x, y, z = (count / TILT_LSB_PER_M_S2 for count in counts)
         return self._disturbance.judge((x, y, z), self._readings * TILT_PERIOD_MS / 1000, also=frozen)
 
@@ -72,15 +73,15 @@ class HandDetector:
         """Whether too many readings in a row are equal for a new zero to rest on them."""
         return self._repeats >= DOUBTED_READINGS - 1
 
-    def laid_down(self, counts: Counts, *, deflected: bool) -> str:
-        """Return why a joystick that is read well is in no hand, with the remedy; empty when it is in one.
+    def laid_down(self, counts: Counts, *, deflected: bool) -> Trouble:
+        """Return why a joystick that is read well is in no hand; WELL when it is in one.
 
         `deflected`: the reading would drive. Once it lies it does so until it is level: nothing less would arm the
         robot anyway.
         """
         self._window.take(counts)
         self._lies = deflected and (self._lies or self._window.spread < self._still_counts)
-        return LAID_DOWN if self._lies else ""
+        return LAID_DOWN if self._lies else WELL
 
 
 class _Window:

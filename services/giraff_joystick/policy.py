@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Final
 
-from giraff_core.operator import LINK_SILENCE, Operator
+from giraff_core.operator import LINK_SILENCE, Fault, Hand, Operator, Wish
 from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_core.tilt.clutch import Clutch, Words
 from giraff_core.tilt.curves import asked
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.hand_detector import HandDetector
-from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Source, Tick, Tilt, TiltStatus
+from giraff_schemas.messages import RobotTime, Tick, Tilt, TiltStatus
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, TickFrame, TiltFrame
 from giraff_schemas.wire import TiltStatus as WireStatus
 
@@ -28,20 +29,20 @@ _STATUSES: Final[dict[int, TiltStatus]] = {
     WireStatus.SYSTEM_ERROR: "system_error",
 }
 
-_REASONS: Final[dict[TiltStatus, str]] = {
-    "starting": "the tilt sensor is starting; wait a second",
-    "bus_fault": (
-        "the tilt sensor gives no reading, or one without gravity; press its shield firmly onto the joystick board "
-        "and reset the board"
+_TROUBLES: Final[dict[TiltStatus, Trouble]] = {
+    "starting": Trouble("the tilt sensor is starting", "wait a second"),
+    "bus_fault": Trouble(
+        "the tilt sensor gives no reading, or one without gravity",
+        "press its shield firmly onto the joystick board and reset the board",
     ),
-    "wrong_chip": "the chip that answers is not a BNO055; put the 9-axes shield on the joystick board",
-    "self_test_failed": (
-        "the tilt sensor fails its self-test; hold it still and unplug the joystick board for a second, "
-        "or replace the shield"
+    "wrong_chip": Trouble("the chip that answers is not a BNO055", "put the 9-axes shield on the joystick board"),
+    "self_test_failed": Trouble(
+        "the tilt sensor fails its self-test",
+        "hold it still and unplug the joystick board for a second, or replace the shield",
     ),
-    "system_error": (
-        "the tilt sensor reports an error (SYS_STATUS {frame.sys_status}, SYS_ERR {frame.sys_error}); "
-        "unplug the joystick board for a second"
+    "system_error": Trouble(
+        "the tilt sensor reports an error (SYS_STATUS {frame.sys_status}, SYS_ERR {frame.sys_error})",
+        "unplug the joystick board for a second",
     ),
 }
 
@@ -51,52 +52,34 @@ _CLUTCH: Final = Words(
     "joystick",
     "the old zero stays; hold the joystick level, or press the button, hold still and let it go",
 )
-_NO_TICK: Final = "the joystick has not heard the robot yet; check that base runs and that both share a network"
-_OLD_TICK: Final = (
-    f"no tick of the robot has reached the joystick board for {LINK_SILENCE:g} s; "
-    "check that base runs, the network, and the board's cable"
+_NO_TICK: Final = Trouble(
+    "the joystick has not heard the robot yet", "check that base runs and that both share a network"
+)
+_OLD_TICK: Final = Trouble(
+    f"no tick of the robot has reached the joystick board for {LINK_SILENCE:g} s",
+    "check that base runs, the network, and the board's cable",
 )
 
 
-class _Asks(NamedTuple):
-    """What a reading asks for."""
-
-    linear: float
-    """m/s."""
-    angular: float
-    """rad/s."""
-    source: Source = "hand"
-    reason: str = ""
-
-    @property
-    def moves(self) -> bool:
-        return self.linear != 0.0 or self.angular != 0.0
-
-
-def _fault(reason: str) -> _Asks:
-    """Stop, because the operator's side has lost the hand."""
-    return _Asks(0.0, 0.0, "fault", reason)
-
-
-class JoystickPolicy:
+class JoystickPolicy(Hand):
     """Turns the board's frames into samples. Times are seconds of any one monotonic clock."""
 
     def __init__(self, config: JoystickConfig, robot: RobotConfig, instance: str) -> None:
         self._config = config
         self._robot = robot
-        self._operator = Operator(config.operator, instance, asks_from_start=config.asks_from_start)
+        super().__init__(Operator(config.operator, instance, asks_from_start=config.asks_from_start))
         self._hand = HandDetector(config.stillness)
         self._clutch = Clutch(_CLUTCH)
         self._readings = 0
-        self.sensor_fault = ""
-        """What is wrong with the tilt sensor, by the newest frame, and the way out."""
+        self.sensor_fault = WELL
+        """What is wrong with the tilt sensor, by the newest frame."""
         self._heard = -math.inf
         self._tick: RobotTime | None = None
         self._tick_came = -math.inf
-        self._silence = (
-            f"no frame from the joystick board on {config.port} for {BOARD_SILENCE:g} s; check its cable and power"
+        self._silence = Trouble(
+            f"no frame from the joystick board on {config.port} for {BOARD_SILENCE:g} s", "check its cable and power"
         )
-        self._asks = _fault(self._silence)
+        self._asks: Wish | Fault = Fault(self._silence, None)
         self._tick_down = TickRelay()
 
     def reconfigure(self, config: JoystickConfig) -> None:
@@ -104,26 +87,12 @@ class JoystickPolicy:
         self._config = config
         self._hand.require(config.stillness)
 
-    @property
-    def refusal(self) -> str:
-        """Why the robot does not obey this joystick; empty when it does."""
-        return self._operator.refusal
-
-    @property
-    def rank_notice(self) -> str:
-        """Why persons take the robot from this joystick, with the line to write; empty: its name is ranked."""
-        return self._operator.rank_notice
-
     def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock as it goes down to the board, which puts the last one into each frame."""
         return self._tick_down.frame(tick, now)
 
-    def on_lease(self, lease: Lease) -> None:
-        """Take what the guard says of who drives."""
-        self._operator.on_lease(lease)
-
     def on_frame(self, frame: TiltFrame, now: float) -> Tilt:
-        """The reading in `frame`. It is what `command` stands on until the next one."""
+        """The reading in `frame`. It is what `poll` stands on until the next one."""
         tilt = reading(frame)
         if self._silent(now) or tilt.status != "running":
             self._hand.forget()
@@ -131,34 +100,22 @@ class JoystickPolicy:
         if tilt.tick != self._tick:
             self._tick_came = now
         self._heard, self._tick = now, tilt.tick
-        self.sensor_fault = "" if tilt.status == "running" else _REASONS[tilt.status].format(frame=frame)
+        self.sensor_fault = WELL if tilt.status == "running" else _trouble(tilt.status, frame)
         if self.sensor_fault:
-            self._asks = _fault(self.sensor_fault)
+            self._asks = Fault(self.sensor_fault, self._tick, is_told=True)
         else:
             self._asks = self._wish(tilt, frame, now)
         return tilt
 
-    def command(self, now: float) -> DriveCommand:
+    def poll(self, now: float) -> Wish | Fault:
         """What the newest frame asks, with that frame's tick however often it is repeated."""
-        asks = _fault(self._silence) if self._silent(now) else self._asks
-        return self._operator.command(
-            asks.linear,
-            asks.angular,
-            tick=self._tick,
-            wishes=self._clutch.engaged or asks.moves,
-            source=asks.source,
-            reason=asks.reason,
-        )
+        return Fault(self._silence, self._tick, is_told=bool(self.sensor_fault)) if self._silent(now) else self._asks
 
     def lost(self, now: float) -> Tilt | None:
         """What stands for a reading while the board is silent; None while it is not."""
         return Tilt(x=0.0, y=0.0, z=0.0, status="no_board", tick=self._tick) if self._silent(now) else None
 
-    def final_command(self) -> DriveCommand:
-        """The last command of a service that ends: the robot need not wait for silence to stop."""
-        return self._operator.fault("the joystick service has ended; start it again", tick=self._tick)
-
-    def _wish(self, tilt: Tilt, frame: TiltFrame, now: float) -> _Asks:
+    def _wish(self, tilt: Tilt, frame: TiltFrame, now: float) -> Wish | Fault:
         """What a reading of a running sensor asks for, if a hand is behind it."""
         vector = (tilt.x, tilt.y, tilt.z)
         counts = frame.x, frame.y, frame.z
@@ -173,18 +130,25 @@ class JoystickPolicy:
         deflected = linear != 0.0 or angular != 0.0
         if not deflected:
             self._clutch.dismiss_refusal()
-        reason = (
+        trouble = (
             alarm or self._hand.laid_down(counts, deflected=deflected) or self._link_fault(now) or self._clutch.refusal
         )
-        return _fault(reason) if reason else _Asks(linear, angular)
+        if trouble:
+            return Fault(trouble, self._tick)
+        return Wish(linear, angular, self._tick, takes=self._clutch.engaged or deflected)
 
-    def _link_fault(self, now: float) -> str:
+    def _link_fault(self, now: float) -> Trouble:
         if self._tick is None:
             return _NO_TICK
-        return _OLD_TICK if now - self._tick_came > LINK_SILENCE else ""
+        return _OLD_TICK if now - self._tick_came > LINK_SILENCE else WELL
 
     def _silent(self, now: float) -> bool:
         return now - self._heard > BOARD_SILENCE
+
+
+def _trouble(status: TiltStatus, frame: TiltFrame) -> Trouble:
+    told = _TROUBLES[status]
+    return Trouble(told.what.format(frame=frame), told.remedy)
 
 
 def reading(frame: TiltFrame) -> Tilt:

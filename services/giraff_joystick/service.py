@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from giraff_core.io import IO
+from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import PromptTimer, Timer
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_schemas.boards import JOYSTICK_BOARD
-from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK, TILT
+from giraff_schemas.messages import Tick
+from giraff_schemas.topics import TILT
 from giraff_schemas.wire import TiltFrame
 
 
-class Joystick:
+class Joystick(OperatorService):
     """Reads the joystick board, `lease`, and `tick`, which it hands down to the board; writes `tilt` and commands.
 
     It gives a command at once on each reading, and at its rate while there are none.
@@ -24,35 +25,26 @@ class Joystick:
         self._io = io
         self._policy = policy(config, robot, io.instance)
         io.on_reconfigured = self._policy.reconfigure
-        self.link = io.board(config.port, JOYSTICK_BOARD)
-        self._clock, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)
+        self._board = io.board(config.port, JOYSTICK_BOARD)
+        super().__init__(io, self._policy)
+        self.link = self._board
         self._tilts = io.publisher(TILT)
-        self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
-        self._timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz)
-        self.timers: tuple[Timer, ...] = (self._timer,)
 
     def turn(self, now: float) -> None:
-        policy, link = self._policy, self.link
-        for frame in link.poll(now):
+        for frame in self._board.poll(now):
             if isinstance(frame, TiltFrame):
-                self._tilts.put(policy.on_frame(frame, now))
-                self._timer.hurry("tilt", now)
-        for lease in self._leases.take():
-            policy.on_lease(lease)
-        for tick in self._clock.take():
-            if (down := policy.on_tick(tick, now)) is not None:
-                link.send(down)
-        if self._timer.due(now):
-            command = policy.command(now)
-            self._commands.put(command)
-            if (lost := policy.lost(now)) is not None:
-                self._tilts.put(lost)
-            self._io.set_fault("board", link.fault)
-            self._io.set_fault("sensor", policy.sensor_fault)
-            self._io.set_notice("hand", "" if policy.sensor_fault else command.reason)
-            self._io.set_notice("lease", policy.refusal)
-            self._io.set_notice("rank", policy.rank_notice)
+                self._tilts.put(self._policy.on_frame(frame, now))
+                self.timer.hurry("tilt", now)
+        super().turn(now)
 
-    def end(self) -> None:
-        """Let go of the robot."""
-        self._commands.put(self._policy.final_command())
+    def on_tick(self, tick: Tick, now: float) -> None:
+        super().on_tick(tick, now)
+        if (down := self._policy.on_tick(tick, now)) is not None:
+            self._board.send(down)
+
+    def on_said(self, asked: Wish | Fault, now: float) -> None:
+        if (lost := self._policy.lost(now)) is not None:
+            self._tilts.put(lost)
+        self._io.set_fault("board", self._board.fault)
+        self._io.set_fault("sensor", self._policy.sensor_fault)
+        super().on_said(asked, now)

@@ -7,10 +7,11 @@ from enum import Enum, auto
 from typing import Final
 
 from giraff_core.freshness import age
-from giraff_core.operator import Operator
+from giraff_core.operator import Fault, Hand, Operator, Wish
 from giraff_core.robot import RobotConfig
 from giraff_keyboard.config import KeyboardConfig
-from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick
+from giraff_schemas.messages import RobotTime
+from giraff_schemas.trouble import Trouble
 
 
 class Key(Enum):
@@ -36,19 +37,19 @@ KEY_LASTS: Final = 0.4
 
 _DIRECTIONS: Final = {Key.FORWARD: (1.0, 0.0), Key.BACKWARD: (-1.0, 0.0), Key.LEFT: (0.0, 1.0), Key.RIGHT: (0.0, -1.0)}
 
-_STOPPING: Final = "the space bar was pressed, and base has not yet confirmed the emergency stop"
+_STOPPING: Final = Trouble("the space bar was pressed, and base has not yet confirmed the emergency stop")
 
 
-class KeyboardPolicy:
+class KeyboardPolicy(Hand):
     """Turns presses into commands. Times are seconds of any one monotonic clock."""
 
     def __init__(self, config: KeyboardConfig, robot: RobotConfig, instance: str) -> None:
+        # Nobody takes the robot by starting a program: without the lease it is asked for by a press alone.
+        super().__init__(Operator(config.operator, instance, asks_from_start=False))
         self.step = config.first_step
         """Of `config.steps`."""
         self._config = config
         self._robot = robot
-        # Nobody takes the robot by starting a program: without the lease it is asked for by a press alone.
-        self._operator = Operator(config.operator, instance, asks_from_start=False)
         self._stopping = False
         # The press in force: what it asks, since when, and the robot's time at that moment, never renewed.
         self._asks = (0.0, 0.0)
@@ -61,35 +62,12 @@ class KeyboardPolicy:
         return self._config.steps
 
     @property
-    def driver(self) -> str:
-        """Name of the operator that holds the lease; empty: none."""
-        return self._operator.holder
-
-    @property
-    def refusal(self) -> str:
-        """Why the robot does not obey this keyboard; empty when it does."""
-        return self._operator.refusal
-
-    @property
-    def rank_notice(self) -> str:
-        """Why persons take the robot from this keyboard, with the line to write; empty: its name is ranked."""
-        return self._operator.rank_notice
-
-    @property
     def speed(self) -> tuple[float, float]:
         """m/s and rad/s that a key asks for now."""
         share = self.step / self._config.steps
         robot = self._robot
         fastest_turn = min(robot.max_angular_speed, robot.kinematics.fastest_spin)
         return share * robot.max_wheel_speed, share * fastest_turn
-
-    def on_tick(self, tick: Tick, now: float) -> None:
-        """Take the robot's clock as it arrives."""
-        self._operator.on_tick(tick, now)
-
-    def on_lease(self, lease: Lease) -> None:
-        """Take what the guard says of who drives."""
-        self._operator.on_lease(lease)
 
     def on_key(self, key: Key, now: float) -> None:
         """Take a press at its moment. Whatever it is, the one before it no longer counts."""
@@ -105,36 +83,28 @@ class KeyboardPolicy:
             forward, left = _DIRECTIONS.get(key, (0.0, 0.0))
             linear, angular = self.speed
             self._asks = (0.0 + forward * linear, 0.0 + left * angular)  # 0.0 + makes a plain zero of a negative one
-            self._pressed, self._pressed_tick = now, self._operator.tick
+            self._pressed, self._pressed_tick = now, self.operator.tick
 
     def moment(self, now: float) -> RobotTime | None:
         """The robot's time, of what a person asks for now; None while the robot is lost."""
-        return None if self._operator.link_fault(now) else self._operator.tick
+        return None if self.operator.link_fault(now) else self.operator.tick
 
     def on_stopped(self) -> None:
         """Base has confirmed the emergency stop: from here on its latch holds."""
         self._stopping = False
 
-    def command(self, now: float) -> DriveCommand:
+    def poll(self, now: float) -> Wish | Fault:
         """What the keys ask now: after KEY_LASTS without a press nothing, which is a hand's neutral."""
-        operator = self._operator
-        if fault := self._fault(now):
-            return operator.fault(fault, tick=operator.tick)
+        newest = self.operator.tick
+        if fault := _STOPPING if self._stopping else self.operator.link_fault(now):
+            return Fault(fault, newest)
         if not self._wishes(now):
-            return operator.command(0.0, 0.0, tick=operator.tick, wishes=False)
-        tick = operator.tick if self._asks == (0.0, 0.0) else self._pressed_tick
-        return operator.command(*self._asks, tick=tick, wishes=True)
-
-    def final_command(self) -> DriveCommand:
-        """The last command of a service that ends: the robot need not wait for silence to stop."""
-        return self._operator.fault("the keyboard service has ended; start it again", tick=self._operator.tick)
-
-    def _fault(self, now: float) -> str:
-        return _STOPPING if self._stopping else self._operator.link_fault(now)
+            return Wish(0.0, 0.0, newest)
+        return Wish(*self._asks, newest if self._asks == (0.0, 0.0) else self._pressed_tick, takes=True)
 
     def _wishes(self, now: float) -> bool:
         """A press is in force, by this machine's clock and by the robot's."""
-        newest = self._operator.tick
+        newest = self.operator.tick
         if now - self._pressed > KEY_LASTS or newest is None:
             return False
         return age(self._pressed_tick, newest) <= KEY_LASTS

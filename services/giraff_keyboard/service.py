@@ -8,8 +8,9 @@ from typing import Any, Final, Generic, Protocol, TypeVar
 from giraff_core.estop_request import EStopRequest, Request
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO, Selectable
+from giraff_core.operator import OperatorService
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import PromptTimer, Timer
+from giraff_core.timer import Timer
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
@@ -19,9 +20,6 @@ from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
-    LEASE,
-    OPERATOR_CMD_VEL,
-    TICK,
     Topic,
 )
 
@@ -55,7 +53,7 @@ class View(Protocol[PictureT_co]):
     def draw(self, policy: KeyboardPolicy, stop: str, now: float) -> PictureT_co: ...
 
 
-class Keyboard(Generic[PictureT]):
+class Keyboard(OperatorService, Generic[PictureT]):
     """Reads the terminal, `tick` and `lease`; writes `cmd_vel/<operator>`, asks `estop/engage` and `estop/reset`.
 
     Shows what `view` makes of the robot to the person who drives.
@@ -64,11 +62,9 @@ class Keyboard(Generic[PictureT]):
     def __init__(
         self, io: IO, config: KeyboardConfig, robot: RobotConfig, screen: Screen[PictureT], view: View[PictureT]
     ) -> None:
-        self._io = io
-        self.link = screen
-        self._screen = screen
+        self._io, self._screen, self._view = io, screen, view
         self._policy = KeyboardPolicy(config, robot, io.instance)
-        self._keys, self._view = KeyReader(), view
+        self._keys = KeyReader()
         by = f"{config.operator}@{io.hostname}"
         engage = EStopEngage(by=by, reason="space bar")
         self.stopping = EStopRequest(lambda settles: io.ask(ESTOP_ENGAGE, engage, settles), "press r to release it")
@@ -78,11 +74,10 @@ class Keyboard(Generic[PictureT]):
             return io.ask(ESTOP_RESET, asked, lambda _: True)
 
         self._resetting = ResetRequest(reset)
-        self._ticks, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=10)
+        super().__init__(io, self._policy)
+        self.link = screen
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST) for topic in view.topics]
-        self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
-        self._timer, self._status_timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz), Timer(_STATUS_HZ)
-        self.timers = (self._timer,)
+        self._status_timer = Timer(_STATUS_HZ)
 
     def turn(self, now: float) -> None:
         policy = self._policy
@@ -93,14 +88,11 @@ class Keyboard(Generic[PictureT]):
             return
         for key in pressed:
             policy.on_key(key, now)
-            self._timer.hurry("key", now)
+            self.timer.hurry("key", now)
             if key is Key.STOP:
                 self.stopping.engage()
             self._resetting.on_key(key, policy.moment(now), now, stopping=self.stopping.asked)
-        for tick in self._ticks.take():
-            policy.on_tick(tick, now)
-        for lease in self._leases.take():
-            policy.on_lease(lease)
+        self.hear(now)
         for sample in (sample for inbox in self._told for sample in inbox.take()):
             self._view.take(sample, now)
             self.stopping.on_sample(sample)
@@ -108,12 +100,7 @@ class Keyboard(Generic[PictureT]):
         self._resetting.poll(now)
         if self.stopping.poll(now):
             policy.on_stopped()
-        if self._timer.due(now):
-            command = policy.command(now)
-            self._commands.put(command)
-            self._io.set_notice("keys", command.reason)
-            self._io.set_notice("lease", policy.refusal)
-            self._io.set_notice("rank", policy.rank_notice)
+        self.say(now)
         if self._status_timer.due(now) or pressed:
             self._screen.show(self._view.draw(policy, self._stop_text, now))
 
@@ -127,7 +114,3 @@ class Keyboard(Generic[PictureT]):
     def _stop_text(self) -> str:
         """What became of the stop that was asked for, or of its release."""
         return self.stopping.text if self.stopping.asked else self._resetting.text or self.stopping.text
-
-    def end(self) -> None:
-        """Let go of the robot."""
-        self._commands.put(self._policy.final_command())

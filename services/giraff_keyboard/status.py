@@ -46,9 +46,9 @@ class StatusView:
             first.append(f"round trip {base.round_trip * 1000:.0f} ms")
         if battery is not None:
             first.append(f"battery {battery.voltage:.1f} V")
-        why = what_stops(policy.command(now).reason or policy.refusal, base, guard)
+        why = what_stops(policy.trouble(now), base, guard)
         lines = ["   ".join(first), _verdicts(guard), f"why not: {why}" if why else "the robot obeys"]
-        lines += [told for told in (policy.rank_notice, stop) if told]
+        lines += [str(told) for told in (policy.operator.rank_notice, stop) if told]
         if estop is not None and estop.engaged:
             lines.append(f"EMERGENCY STOP, engaged by {estop.by}: {estop.reason}")
         return [*lines, HELP]
@@ -60,7 +60,8 @@ def _fresh(heard: tuple[SampleT | None, float], now: float) -> SampleT | None:
 
 
 def _driver(policy: KeyboardPolicy) -> str:
-    return f"{policy.driver} drives" if policy.driver else "nobody drives"
+    driver = policy.operator.holder
+    return f"{driver} drives" if driver else "nobody drives"
 
 
 def _armed(base: BaseState | None) -> str:

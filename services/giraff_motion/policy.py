@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from giraff_core.operator import LEVEL, Operator
+from giraff_core.operator import LEVEL, Fault, Hand, Operator, Wish
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
 from giraff_motion.driver import STANDS
@@ -17,7 +17,7 @@ from giraff_motion.goal import Goal
 from giraff_motion.localized import Localized, is_in_map
 from giraff_motion.pilot import Pilot
 from giraff_schemas.localization import MapPose
-from giraff_schemas.messages import BaseState, DriveCommand, EStop, GuardState, Lease, Odometry, RobotTime, Tick
+from giraff_schemas.messages import BaseState, EStop, GuardState, Lease, Odometry, RobotTime
 from giraff_schemas.motion import (
     IDLE,
     MotionAnswer,
@@ -29,6 +29,7 @@ from giraff_schemas.motion import (
     steps_of,
 )
 from giraff_schemas.services import MOTION
+from giraff_schemas.trouble import Trouble
 
 _WISH_COUNTS: Final = 1.0
 """s after which a request is too old to begin anything."""
@@ -57,11 +58,11 @@ _NO_REQUESTER: Final = (
 )
 
 
-class MotionPolicy:
+class MotionPolicy(Hand):
     """One motion at a time. Times are seconds of any one monotonic clock."""
 
     def __init__(self, config: MotionConfig, robot: RobotConfig, instance: str) -> None:
-        self._operator = Operator(MOTION.name, instance, asks_from_start=False)
+        super().__init__(Operator(MOTION.name, instance, asks_from_start=False))
         self._localized = Localized()
         self._pilot = Pilot(config, robot, self._localized)
         self._answers: dict[int, MotionAnswer] = {}
@@ -78,13 +79,9 @@ class MotionPolicy:
         """Use a new configuration from the next motion on."""
         self._pilot.reconfigure(config)
 
-    def on_tick(self, tick: Tick, now: float) -> None:
-        """Take the robot's clock."""
-        self._operator.on_tick(tick, now)
-
     def on_lease(self, lease: Lease, now: float) -> None:
         """Take what the guard says of who drives."""
-        self._operator.on_lease(lease)
+        self.operator.on_lease(lease)
         self._told_who_drives = now
 
     def on_base(self, base: BaseState, now: float) -> None:
@@ -139,8 +136,8 @@ class MotionPolicy:
         motion.end("cancelled", f"cancelled by {request.by}", now)
         return MotionAnswer(accepted=True, reason="")
 
-    def command(self, now: float) -> DriveCommand | None:
-        """The next one, fifty times a second; None: this operator has nothing to say."""
+    def poll(self, now: float) -> Wish | Fault | None:
+        """What to say next, fifty times a second; None: this operator has nothing to say."""
         motion = self._motion
         if motion is None:
             return None
@@ -151,16 +148,11 @@ class MotionPolicy:
         if motion.tick is None or (not motion.goes_on and now - motion.ended_at > _LAST_WORDS):
             return None
         if not motion.goes_on:
-            return self._operator.fault(f"its motion has ended: {motion.outcome}; ask for the next", tick=motion.tick)
+            return Fault(Trouble(f"its motion has ended: {motion.outcome}", "ask for the next"), motion.tick)
         linear_x, angular_z = self._twist(motion, now)
         # Who merely waits takes the robot from nobody: it asks while nobody has it, and with a command that is neutral.
-        wishes = motion.stage == "arming" and not self._operator.holder
-        return self._operator.command(linear_x, angular_z, tick=motion.tick, wishes=wishes)
-
-    def final_command(self) -> DriveCommand | None:
-        """The last word of this process; None: it drives nothing."""
-        motion = self._going_on
-        return None if motion is None else self._operator.fault("giraff_motion has ended; start it", tick=motion.tick)
+        wishes = motion.stage == "arming" and not self.operator.holder
+        return Wish(linear_x, angular_z, motion.tick, takes=wishes)
 
     def has_news(self) -> bool:
         """Whether the state has become another than the one that was told."""
@@ -187,8 +179,8 @@ class MotionPolicy:
             return reason
         if (other := self._motion) is not None and other.stage != "ended":
             return f"a motion of {other.by} goes on; wait for its end, or cancel it"
-        if self._operator.holder and not self._operator.holds:
-            return f"{self._operator.holder} drives: {self._operator.refusal}"
+        if self.operator.holder and not self.operator.holds:
+            return f"{self.operator.holder} drives: {self.operator.refusal}"
         if (odometry := self._odometry) is None or not self._knows_where:
             return _NO_ODOMETRY
         try:
@@ -214,8 +206,8 @@ class MotionPolicy:
 
     def _unfit(self, now: float) -> str:
         """What is missing of the robot, with the way out; empty: nothing."""
-        if fault := self._operator.link_fault(now):
-            return fault
+        if fault := self.operator.link_fault(now):
+            return str(fault)
         if now - min(self._guard[1], self._told_who_drives) > _STATES_COUNT:
             return _NO_GUARD
         base, heard = self._base
@@ -253,9 +245,9 @@ class MotionPolicy:
 
     def _lease_fault(self, motion: Goal) -> tuple[Outcome, str] | None:
         """While it is free one that is not armed yet may ask for it."""
-        if not self._operator.holds:
-            lost = motion.stage == "moving" or self._operator.holder
-            return ("lost_lease", self._operator.refusal) if lost else None
+        if not self.operator.holds:
+            lost = motion.stage == "moving" or self.operator.holder
+            return ("lost_lease", str(self.operator.refusal)) if lost else None
         base, _ = self._base
         if motion.stage == "moving" and base is not None and not base.armed:
             return "disarmed", base.reason
@@ -269,15 +261,15 @@ class MotionPolicy:
 
     def _arm(self, motion: Goal, now: float) -> None:
         base, heard = self._base
-        if not self._operator.holds:
+        if not self.operator.holds:
             motion.lose_level()
-        is_armed = self._operator.holds and motion.is_level(LEVEL, heard, now) and base is not None and base.armed
+        is_armed = self.operator.holds and motion.is_level(LEVEL, heard, now) and base is not None and base.armed
         if is_armed and self._knows_where:
             motion.move()
         elif now - motion.began > _ARMS_WITHIN and is_armed:
             motion.end("lost_odometry", _NO_ODOMETRY, now)
         elif now - motion.began > _ARMS_WITHIN:
-            reason = base.reason if base is not None and self._operator.holds else self._operator.refusal
+            reason = base.reason if base is not None and self.operator.holds else str(self.operator.refusal)
             motion.end("disarmed", reason, now)
 
     def _twist(self, motion: Goal, now: float) -> tuple[float, float]:
@@ -293,7 +285,7 @@ class MotionPolicy:
 
     def _age(self, tick: RobotTime | None) -> float:
         """s before the newest tick that was heard, negative when it is newer; infinite: of another clock."""
-        newest = self._operator.tick
+        newest = self.operator.tick
         if tick is None or newest is None or tick.epoch != newest.epoch:
             return math.inf
         return (newest.robot_ns - tick.robot_ns) * 1e-9

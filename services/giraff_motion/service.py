@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_core.io import IO
+from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer
 from giraff_motion.config import MotionConfig
 from giraff_motion.policy import MotionPolicy
-from giraff_schemas.services import MOTION as MOTION_ROW
+from giraff_schemas.messages import Lease
 from giraff_schemas.topics import (
     BASE,
     ESTOP,
     GUARD,
-    LEASE,
     MOTION,
     MOTION_ARC,
     MOTION_CANCEL,
@@ -23,19 +23,15 @@ from giraff_schemas.topics import (
     MOTION_MOVE,
     MOTION_TURN,
     ODOM,
-    OPERATOR_CMD_VEL,
     POSE,
-    TICK,
 )
 
 _LATE: Final = 50
 """Samples between two turns of which none is left out: half a second of odometry."""
 
 
-class Motion:
+class Motion(OperatorService):
     """Answers `motion/move`, `turn`, `arc`, `go` and `cancel`; goes by `motion/hold` of whoever has asked."""
-
-    link = None
 
     def __init__(
         self, io: IO, config: MotionConfig, robot: RobotConfig, policy: type[MotionPolicy] = MotionPolicy
@@ -43,8 +39,8 @@ class Motion:
         self._io = io
         self._policy = policy(config, robot, io.instance)
         io.on_reconfigured = self._policy.reconfigure
-        # None of them wakes: its own pace is as fast as any of them may count.
-        self._ticks, self._leases = io.inbox(TICK, limit=1, wakes=False), io.inbox(LEASE, limit=10, wakes=False)
+        # Nothing heard wakes it: its own pace is as fast as any of it may count.
+        super().__init__(io, self._policy, wakes=False)
         self._odometry = io.inbox(ODOM, limit=_LATE, wakes=False)
         self._bases, self._guards = io.inbox(BASE, limit=1, wakes=False), io.inbox(GUARD, limit=1, wakes=False)
         self._poses = io.inbox(POSE, limit=10, wakes=False)
@@ -57,28 +53,22 @@ class Motion:
             io.requests(MOTION_GO),
         )
         self._cancels = io.requests(MOTION_CANCEL)
-        self._commands = io.publisher(OPERATOR_CMD_VEL.at(MOTION_ROW.name))
         self._states = io.publisher(MOTION)
-        self._timer, self._state_timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz), PromptTimer(MOTION.rate_hz)
-        self.timers = (self._timer,)
+        self._state_timer = PromptTimer(MOTION.rate_hz)
 
     def turn(self, now: float) -> None:
         policy = self._policy
-        self._hear(now)
+        self.hear(now)
         self._answer(now)
-        if self._timer.due(now) and (command := policy.command(now)) is not None:
-            self._commands.put(command)
+        self.say(now)
         if policy.has_news():
             self._state_timer.hurry("news", now)
         if self._state_timer.due(now):
             self._states.put(policy.state(now))
 
-    def _hear(self, now: float) -> None:
+    def hear(self, now: float) -> None:
+        super().hear(now)
         policy = self._policy
-        for tick in self._ticks.take():
-            policy.on_tick(tick, now)
-        for lease in self._leases.take():
-            policy.on_lease(lease, now)
         for hold in self._holds.take():
             policy.on_hold(hold)
         for odometry in self._odometry.take():
@@ -99,9 +89,10 @@ class Motion:
                 asked.answer(policy.on_request(asked.request, now))
         for cancel in self._cancels.take():
             cancel.answer(policy.on_cancel(cancel.request, now))
-            self._timer.hurry("cancel", now)
+            self.timer.hurry("cancel", now)
 
-    def end(self) -> None:
-        """Let go of the robot."""
-        if (command := self._policy.final_command()) is not None:
-            self._commands.put(command)
+    def on_lease(self, lease: Lease, now: float) -> None:
+        self._policy.on_lease(lease, now)
+
+    def on_said(self, asked: Wish | Fault, now: float) -> None:
+        """Whoever has asked for the motion is told why it does not go on: it is no news of the service."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from itertools import count
 from typing import Final
 
-from giraff_web.messages import Wish
+from giraff_web.messages import PageWish
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 
 WISHES_KEPT: Final = 32
@@ -63,7 +63,7 @@ class EventBox:
     def _say(self, event: Said) -> None:
         of_page = self._of(event.page)
         kept, most = (
-            (of_page.wishes, WISHES_KEPT) if isinstance(event.message, Wish) else (of_page.others, _OTHERS_KEPT)
+            (of_page.wishes, WISHES_KEPT) if isinstance(event.message, PageWish) else (of_page.others, _OTHERS_KEPT)
         )
         kept.append(self._add(event))
         if len(kept) > most:

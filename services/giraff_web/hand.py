@@ -8,8 +8,9 @@ from typing import Final
 from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.config import WebConfig
-from giraff_web.messages import LetGo, Moment, Wish, robot_time
+from giraff_web.messages import LetGo, Moment, PageWish, robot_time
 from giraff_web.phone import PhoneTilt
 
 SILENCE: Final = 0.3
@@ -20,6 +21,9 @@ WISH_LASTS: Final = 0.4
 """s, by the robot's own ticks, after which a wish says nothing of now; as a key of the keyboard."""
 
 _AGAIN: Final = "lift the finger, or the key, and put it down again"
+_CHECK_LINK: Final = f"check the wireless network, and {_AGAIN}"
+_TOO_OLD: Final = Trouble("what the page says is too old", _CHECK_LINK)
+_SILENT: Final = Trouble(f"nothing was heard of the page for {SILENCE:g} s", _CHECK_LINK)
 _LOST: Final = {
     "cancelled": "the browser took the touch for itself",
     "hidden": "the page was hidden",
@@ -31,7 +35,7 @@ _LOST: Final = {
 }
 
 
-class Hand:
+class PageHand:
     """Feed it the page's messages in their order. Times are seconds of any one monotonic clock."""
 
     def __init__(self, config: WebConfig, robot: RobotConfig) -> None:
@@ -41,8 +45,8 @@ class Hand:
         """m/s and rad/s."""
         self.tick: RobotTime | None = None
         """Of the newest wish that counts, as the page gave it back: never a newer one."""
-        self.lost = ""
-        """Why the page has lost the hand, with the way out, until nothing is held any more; empty: it has not."""
+        self.lost = WELL
+        """Why the page has lost the hand, until nothing is held any more; WELL: it has not."""
         self._share = min(1.0, config.slow_speed / robot.max_wheel_speed)
         self._robot = robot
         self._phone = PhoneTilt(config, robot)
@@ -51,7 +55,7 @@ class Hand:
         self._input = ""
         self._heard = -math.inf
 
-    def on_wish(self, wish: Wish, newest: RobotTime | None, now: float) -> None:
+    def on_wish(self, wish: PageWish, newest: RobotTime | None, now: float) -> None:
         """`newest`: of the robot, as it is known here."""
         if wish.n <= self._n:
             return  # said before: a recorded one comes again
@@ -59,12 +63,12 @@ class Hand:
         self.look(now)  # it may be this host that stood still
         tick = time_of(wish.tick)
         if newest is None or age(tick, newest) > WISH_LASTS or self._is_behind(tick):
-            self.lose(f"what the page says is too old; check the wireless network, and {_AGAIN}")
+            self.lose(_TOO_OLD)
             return
         self.tick, self._heard = tick, now
         by_phone = self._phone.take(wish, now) if wish.input == "tilt" else None
         if not wish.hold:
-            self._end("")
+            self._end(WELL)
             return
         asks = self._by_touch(wish) if by_phone is None else by_phone
         if wish.hold > self._hold:
@@ -72,7 +76,7 @@ class Hand:
         if not self.holds or wish.hold != self._hold:
             return
         if wish.input != self._input:
-            self.lose(f"another input was chosen; {_AGAIN}")
+            self.lose(Trouble("another input was chosen", _AGAIN))
         elif by_phone is not None and (fault := self._phone.fault(now)):
             self.lose(fault)
         else:
@@ -84,9 +88,9 @@ class Hand:
             return
         self._n = message.n
         why = _LOST.get(message.why, "")
-        self._end(f"{why}; {_AGAIN}" if why and self.holds else "")
+        self._end(Trouble(why, _AGAIN) if why and self.holds else WELL)
 
-    def lose(self, why: str) -> None:
+    def lose(self, why: Trouble) -> None:
         """Whatever is held now does not count any more."""
         if self.holds:
             self._end(why)
@@ -98,19 +102,19 @@ class Hand:
     def look(self, now: float) -> None:
         """Find out whether it has gone silent."""
         if now - self._heard > SILENCE:
-            self.lose(f"nothing was heard of the page for {SILENCE:g} s; check the wireless network, and {_AGAIN}")
+            self.lose(_SILENT)
 
-    def _begin(self, wish: Wish, asks: tuple[float, float]) -> None:
+    def _begin(self, wish: PageWish, asks: tuple[float, float]) -> None:
         self._hold, self._input = wish.hold, wish.input
         if asks == (0.0, 0.0):
-            self.holds, self.lost = True, ""
+            self.holds, self.lost = True, WELL
         else:
-            self._end(f"it moved before it was put down; {_AGAIN}")
+            self._end(Trouble("it moved before it was put down", _AGAIN))
 
-    def _end(self, why: str) -> None:
+    def _end(self, why: Trouble) -> None:
         self.holds, self.asks, self.lost = False, (0.0, 0.0), why
 
-    def _by_touch(self, wish: Wish) -> tuple[float, float]:
+    def _by_touch(self, wish: PageWish) -> tuple[float, float]:
         robot = self._robot
         fastest_turn = min(robot.kinematics.fastest_spin, robot.max_angular_speed)
         linear, angular = wish.forward * robot.max_wheel_speed, wish.left * fastest_turn

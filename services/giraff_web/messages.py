@@ -40,7 +40,7 @@ class _FromPage(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """What a page says."""
 
 
-class Wish(_FromPage, frozen=True, kw_only=True, tag="wish"):
+class PageWish(_FromPage, frozen=True, kw_only=True, tag="wish"):
     """What the hand asks, made in one animation frame of a page that is visible and has the focus."""
 
     n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 53)]
@@ -100,7 +100,7 @@ class End(_FromPage, frozen=True, kw_only=True, tag="end"):
     """Its number."""
 
 
-FromPage = Wish | LetGo | Stop | Reset | Seen | End
+FromPage = PageWish | LetGo | Stop | Reset | Seen | End
 
 
 class _ToPage(msgspec.Struct, frozen=True, kw_only=True, tag_field="type"):

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 from giraff_core.io import Selectable
 from giraff_schemas.messages import EStop
-from giraff_web.messages import Hello, LetGo, Refused, Reset, State, Wish
+from giraff_web.messages import Hello, LetGo, PageWish, Refused, Reset, State
 
 
 class Opened(NamedTuple):
@@ -30,7 +30,7 @@ class Said(NamedTuple):
     """A page has said what is its hand's."""
 
     page: int
-    message: Wish | LetGo | Reset
+    message: PageWish | LetGo | Reset
 
 
 class StopAsked(NamedTuple):

@@ -14,7 +14,8 @@ from giraff_core.robot import RobotConfig
 from giraff_core.tilt.clutch import BOUNCE, Clutch, Vector, Words
 from giraff_core.tilt.curves import CurveConfig, asked
 from giraff_core.tilt.disturbance import Disturbance
-from giraff_web.messages import Reading, Wish
+from giraff_schemas.trouble import WELL, Trouble
+from giraff_web.messages import PageWish, Reading
 
 SILENCE: Final = 0.3
 """s without a reading, after which the phone's attitude is not known; three of a slow phone's."""
@@ -27,11 +28,13 @@ _WORDS: Final = Words(
     "phone",
     "lift the finger, hold the phone level and still, and put the finger down again",
 )
-_SILENT: Final = (
-    f"the phone's motion sensor has said nothing for {SILENCE:g} s; lift the finger and put it down again, or choose "
-    "the touch pad"
+_SILENT: Final = Trouble(
+    f"the phone's motion sensor has said nothing for {SILENCE:g} s",
+    "lift the finger and put it down again, or choose the touch pad",
 )
-_TOO_SOON: Final = "the finger was lifted for too short a time; lift it, hold the phone level, and put it down again"
+_TOO_SOON: Final = Trouble(
+    "the finger was lifted for too short a time", "lift it, hold the phone level, and put it down again"
+)
 
 
 class PhoneTilt:
@@ -50,10 +53,10 @@ class PhoneTilt:
         self._heard = -math.inf
         self._lifted: float | None = None
         self._asks = (0.0, 0.0)
-        self._reason = ""
+        self._trouble = WELL
         self._forget()
 
-    def take(self, wish: Wish, now: float) -> tuple[float, float]:
+    def take(self, wish: PageWish, now: float) -> tuple[float, float]:
         """m/s and rad/s that are asked for by what this wish brings. `fault` says whether they count."""
         if wish.angle != self._angle:
             self._angle = wish.angle
@@ -64,13 +67,13 @@ class PhoneTilt:
             self._read(reading, now)
         return (0.0, 0.0) if self._clutch.engaged else self._asks
 
-    def fault(self, now: float) -> str:
-        """Why the hand is lost, with the way out; empty: it is not."""
-        return self._reason or (_SILENT if now - self._heard > SILENCE else "")
+    def fault(self, now: float) -> Trouble:
+        """Why the hand is lost; WELL: it is not."""
+        return self._trouble or (_SILENT if now - self._heard > SILENCE else WELL)
 
     def _begin(self, hold: int) -> None:
         self._hold, self._asks = hold, (0.0, 0.0)
-        self._reason = "" if not hold or self._is_lifted else _TOO_SOON
+        self._trouble = WELL if not hold or self._is_lifted else _TOO_SOON
         self._lifted = None
 
     @property
@@ -89,8 +92,8 @@ class PhoneTilt:
         vector = self._in_screen(axes[0], axes[1], axes[2])
         self._clutch.take(vector, at, pressed=not self._hold)
         self._asks = asked(self._clutch.relative(vector), self._config, self._robot)
-        if reason := self._disturbance.judge(vector, at) or self._clutch.refusal:
-            self._reason = reason if self._hold else ""
+        if trouble := self._disturbance.judge(vector, at) or self._clutch.refusal:
+            self._trouble = trouble if self._hold else WELL
 
     def _in_screen(self, x: float, y: float, z: float) -> Vector:
         """Forward, left and up of the screen as it is read, as the joystick's axes: forward grows when it dips there.
@@ -112,4 +115,4 @@ class PhoneTilt:
         self._lifted = None
         self._asks = (0.0, 0.0)
         if self._hold:
-            self._reason = _SILENT
+            self._trouble = _SILENT

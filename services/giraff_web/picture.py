@@ -6,8 +6,7 @@ import math
 from collections import deque
 from typing import Final
 
-from giraff_core.estop import RESET_COMMAND
-from giraff_core.operator import what_stops
+from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import (
     BaseState,
@@ -20,6 +19,7 @@ from giraff_schemas.messages import (
     Verdict,
 )
 from giraff_schemas.topics import BATTERY, RANGE, SampleT
+from giraff_schemas.trouble import WELL, trouble_of
 from giraff_web.messages import Direction, Echo, Latch, Part, State, moment
 from giraff_web.policy import WebPolicy
 
@@ -73,24 +73,26 @@ class Picture:
             case Range() if sample.sensor in self._robot.sensors:
                 self._ranges[sample.sensor] = sample, now
 
-    def state(self, policy: WebPolicy, stop_text: str, age: float, now: float) -> State:
-        """The next state. `age`: s since the newest tick was heard; `stop_text`: of what was asked for here."""
+    def state(self, policy: WebPolicy, stop_text: str, now: float) -> State:
+        """The next state. `stop_text`: of what was asked for here."""
         self._n += 1
         base, guard = _fresh(self._base, now), _fresh(self._guard, now)
         odom, battery = _fresh(self._odom, now), _fresh(self._battery, now, 3.0 / BATTERY.rate_hz)
         estop = _fresh(self._estop, now)
-        driver = policy.driver if policy.holds else None
-        reason = policy.command(now).reason or (policy.refusal if policy.holder else "")
-        nobody_asks = base and guard and not (reason or policy.holder)
+        operator, asked = policy.operator, policy.poll(now)
+        age = now - operator.heard
+        driver = policy.driver if operator.holds else None
+        own = asked.trouble if isinstance(asked, Fault) else operator.refusal if operator.holder else WELL
+        nobody_asks = base and guard and not (own or operator.holder)
         return State(
             n=self._n,
-            tick=moment(None if policy.link_fault(now) else policy.newest),
+            tick=moment(None if operator.link_fault(now) else operator.tick),
             age=round(age, 3) if math.isfinite(age) else None,
-            operator=policy.holder,
+            operator=operator.holder,
             device=driver.device if driver else "",
             page=driver.page if driver else 0,
             armed=base.armed if base else None,
-            why="" if nobody_asks else what_stops(reason, base, guard),
+            why="" if nobody_asks else str(what_stops(own, base, guard)),
             stop=_latch(estop) if estop else None,
             stop_text=stop_text,
             directions=_directions(guard) if guard else None,
@@ -130,7 +132,7 @@ def _latch(state: EStop) -> Latch:
     return Latch(
         engaged=state.engaged,
         by=state.by,
-        reason=state.reason.removesuffix(f"; to go on: {RESET_COMMAND}"),
+        reason=trouble_of(state).what,
         id=str(state.id),
         engaged_ns=str(state.engaged_ns),
     )

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, Final
 
 from giraff_core.estop_request import Request
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
+from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.robot import RobotConfig
-from giraff_core.timer import PromptTimer, Timer
+from giraff_core.timer import Timer
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
@@ -20,16 +20,14 @@ from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
     GUARD,
-    LEASE,
     ODOM,
-    OPERATOR_CMD_VEL,
     RANGE,
-    TICK,
 )
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.config import WebConfig
 from giraff_web.hand import time_of
 from giraff_web.limited_log import LimitedLog
-from giraff_web.messages import Hello, LetGo, Refused, Reset, Room, Wish
+from giraff_web.messages import Hello, LetGo, PageWish, Refused, Reset, Room
 from giraff_web.pages import Closed, Event, Opened, Pages, Said, StopAsked
 from giraff_web.picture import Picture
 from giraff_web.policy import NOBODY, WebPolicy
@@ -41,7 +39,7 @@ _LAST: Final = 10
 """Samples of a topic between two turns of which none is left out."""
 
 
-class Web:
+class Web(OperatorService):
     """Serves all pages with one stream of the robot. Reads and writes as the table of services says."""
 
     def __init__(
@@ -54,22 +52,20 @@ class Web:
         room: Room | None = None,
     ) -> None:
         """`log`: takes a line for people: who drove, stopped, reset. `room`: that is shown around the robot."""
-        self._io, self._config, self._robot = io, config, robot
-        self.link = self._pages = pages
+        self._io, self._config, self._robot, self._pages = io, config, robot, pages
         self._log, self._room = LimitedLog(log), room
         self._policy = WebPolicy(config, robot, io.instance)
         self._picture = Picture(robot)
         self._by = f"{config.operator}@{io.hostname}"
         self._stops = Stops(self._engage, self._reset, self._log)
-        self._ticks, self._leases = io.inbox(TICK, limit=1), io.inbox(LEASE, limit=_LAST)
+        super().__init__(io, self._policy)
+        self.link = pages
         told = (BASE, GUARD, ESTOP, BATTERY, RANGE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
         self._told.append(io.inbox(ODOM, limit=1, wakes=False))
-        self._commands = io.publisher(OPERATOR_CMD_VEL.at(config.operator))
-        self._timer, self._show_timer = PromptTimer(OPERATOR_CMD_VEL.rate_hz), Timer(SHOWN_HZ)
-        self.timers: tuple[Timer, ...] = (self._timer, self._show_timer)
-        self._tick_heard = -math.inf
-        self._lost: dict[int, str] = {}
+        self._show_timer = Timer(SHOWN_HZ)
+        self.timers = (self.timer, self._show_timer)
+        self._lost: dict[int, Trouble] = {}
         self._driver = NOBODY
 
     def turn(self, now: float) -> None:
@@ -77,11 +73,7 @@ class Web:
         # Before the ticks: a wish is of one that its page held already.
         for event in self._pages.poll():
             self._take(event, now)
-        for tick in self._ticks.take():
-            policy.on_tick(tick, now)
-            self._tick_heard = now
-        for lease in self._leases.take():
-            policy.on_lease(lease)
+        self.hear(now)
         for sample in (sample for inbox in self._told for sample in inbox.take()):
             self._picture.take(sample, now)
             if isinstance(sample, EStop):
@@ -90,19 +82,13 @@ class Web:
         if (word := self._stops.confirmed(now)) is not None:
             self._pages.confirm(word)
         policy.stopping = self._stops.asked
-        if self._timer.due(now):
-            command = policy.command(now)
-            self._commands.put(command)
-            self._tell_pages(now)
-            self._io.set_notice("page", command.reason)
-            self._io.set_notice("lease", policy.refusal if policy.driver.page else "")
-            self._io.set_notice("rank", policy.rank_notice)
+        self.say(now)
         if self._show_timer.due(now):
-            self._pages.show(self._picture.state(policy, self._stops.text, now - self._tick_heard, now))
+            self._pages.show(self._picture.state(policy, self._stops.text, now))
 
-    def end(self) -> None:
-        """Let go of the robot."""
-        self._commands.put(self._policy.final_command())
+    def on_said(self, asked: Wish | Fault, now: float) -> None:
+        super().on_said(asked, now)
+        self._tell_pages(now)
 
     def _take(self, event: Event, now: float) -> None:
         policy = self._policy
@@ -116,14 +102,14 @@ class Web:
             case StopAsked():
                 policy.on_stop(event.device)
                 self._stops.stop(event.device, now)
-            case Said(page, Wish() as wish):
+            case Said(page, PageWish() as wish):
                 policy.on_wish(page, wish, now)
             case Said(page, LetGo() as message):
                 policy.on_let_go(page, message)
             case Said(page, Reset() as reset):
                 self._take_reset(page, reset, now)
         if isinstance(event, Said):
-            self._timer.hurry("page", now)
+            self.timer.hurry("page", now)
 
     def _take_reset(self, page: int, reset: Reset, now: float) -> None:
         if not self._policy.may_drive(page):
@@ -151,10 +137,10 @@ class Web:
             self._driver = driver
             self._log.say("driver", f"{driver.device} drives" if driver.page else "nobody's page drives any more", now)
         for page, why in lost.items():
-            if why != self._lost.get(page, ""):
-                self._pages.tell(page, Refused(why=why))
+            if why != self._lost.get(page, WELL):
+                self._pages.tell(page, Refused(why=str(why)))
                 if why:
-                    self._log.say("lost", f"{self._policy.device(page)}: {why}", now)
+                    self._log.say("lost", str(why.of(self._policy.device(page))), now)
         self._lost = lost
 
     def _hello(self, page: Opened) -> Hello:

@@ -13,13 +13,14 @@ import msgspec
 from giraff_base.policy import BasePolicy
 from giraff_base.service import Base
 from giraff_core.io import IO
+from giraff_core.operator import Fault, Wish
 from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
 from giraff_joystick.service import Joystick
 from giraff_ranger.policy import RangerPolicy
 from giraff_ranger.service import Ranger
-from giraff_schemas.messages import DriveCommand, Range, RobotTime
+from giraff_schemas.messages import Range, RobotTime
 from giraff_schemas.wire import Frame, RangeFrame, SpeedFrame
 from giraff_sim.board import BUILD
 from giraff_sim.settings import Services
@@ -28,40 +29,44 @@ from tests.firmware.builds import with_fault
 _LATE: Final = 0.4  # s
 
 
+def _moves(asked: Wish | Fault) -> bool:
+    return isinstance(asked, Wish) and (asked.linear_x, asked.angular_z) != (0.0, 0.0)
+
+
 class LateJoystick(JoystickPolicy):
     """Tells the first 0.4 s of a tilt as neutral."""
 
     _level_at = 0.0
 
-    def command(self, now: float) -> DriveCommand:
-        command = super().command(now)
-        if command.neutral:
+    def poll(self, now: float) -> Wish | Fault:
+        asked = super().poll(now)
+        if not _moves(asked):
             self._level_at = now
-        is_late = command.source == "hand" and now - self._level_at < _LATE
-        return msgspec.structs.replace(command, linear_x=0.0, angular_z=0.0) if is_late else command
+        if isinstance(asked, Fault) or now - self._level_at >= _LATE:
+            return asked
+        return asked._replace(linear_x=0.0, angular_z=0.0)
 
 
 class LingeringJoystick(JoystickPolicy):
     """Goes on with a tilt for a second after the hand is level."""
 
-    _tilted: tuple[float, DriveCommand] | None = None
+    _tilted: tuple[float, Wish] | None = None
 
-    def command(self, now: float) -> DriveCommand:
-        command = super().command(now)
-        if not command.neutral:
-            self._tilted = now, command
-        elif self._tilted is not None and command.source == "hand" and now - self._tilted[0] < 1.0:
-            before = self._tilted[1]
-            return msgspec.structs.replace(command, linear_x=before.linear_x, angular_z=before.angular_z)
-        return command
+    def poll(self, now: float) -> Wish | Fault:
+        asked = super().poll(now)
+        if isinstance(asked, Wish) and _moves(asked):
+            self._tilted = now, asked
+        elif self._tilted is not None and isinstance(asked, Wish) and now - self._tilted[0] < 1.0:
+            return self._tilted[1]._replace(tick=asked.tick)
+        return asked
 
 
 class InvertedJoystick(JoystickPolicy):
     """Drives backward where the hand points forward."""
 
-    def command(self, now: float) -> DriveCommand:
-        command = super().command(now)
-        return msgspec.structs.replace(command, linear_x=-command.linear_x)
+    def poll(self, now: float) -> Wish | Fault:
+        asked = super().poll(now)
+        return asked._replace(linear_x=-asked.linear_x) if isinstance(asked, Wish) else asked
 
 
 class LongRanger(RangerPolicy):

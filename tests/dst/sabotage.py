@@ -10,6 +10,7 @@ import msgspec
 from giraff_base.policy import BasePolicy
 from giraff_base.service import Base
 from giraff_core.estop import RELEASED
+from giraff_core.operator import Fault, Wish
 from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
@@ -59,10 +60,10 @@ class RenewingJoystick(JoystickPolicy):
         self._newest = tick
         return super().on_tick(tick, now)
 
-    def command(self, now: float) -> DriveCommand:
+    def poll(self, now: float) -> Wish | Fault:
         self._heard = now  # and does not mind that its board is silent
-        command = super().command(now)
-        return msgspec.structs.replace(command, tick=self._newest.time) if self._newest else command
+        asked = super().poll(now)
+        return asked._replace(tick=self._newest.time) if self._newest else asked
 
 
 class NumbJoystick(JoystickPolicy):

@@ -34,6 +34,7 @@ from giraff_schemas.wire import (
     WheelsFrame,
 )
 from tests.fuzz.growth import Growth
+from tests.support.operators import said
 from tests.support.robots import BASE, ROBOT
 
 _BAUD: Final = 115200
@@ -157,7 +158,7 @@ def _joystick() -> Turn:
         for frame in frames:
             if isinstance(frame, TiltFrame):
                 policy.on_frame(frame, now)
-        command = policy.command(now)
+        command = said(policy, now)
         # Without a lease nobody obeys it, and what it asks is never more than the robot can.
         assert abs(command.linear_x) <= ROBOT.max_wheel_speed, command
         assert abs(command.angular_z) <= ROBOT.max_angular_speed, command

@@ -42,6 +42,7 @@ from tests.fuzz.growth import Growth
 from tests.fuzz.payloads import payload
 from tests.loop.loops import FULL_TILT, arm, closed_loop, hold
 from tests.sim.robots import proving_room
+from tests.support.operators import said as command
 from tests.support.robots import ROBOT
 from tests.unit.schemas.samples import an_example
 
@@ -117,7 +118,7 @@ def fuzz_key_of(
         said = [encode(EStopReset(by="somebody", id=loop.newest["estop"].id, tick=old))]
 
     def turn() -> None:
-        assert keyboard.command(loop.simulation.now_us * 1e-6).neutral
+        assert command(keyboard, loop.simulation.now_us * 1e-6).neutral
 
     counted = throw(loop, said, partial(_deliver, loop, keyboard, row), turn, wanted, chance, growth)
     if row is ESTOP_RESET:
@@ -249,7 +250,7 @@ def _deliver(loop: ClosedLoop, keyboard: KeyboardPolicy, row: Topic[Any] | Query
         return False
     deliver(loop, key, message)
     if isinstance(message, Tick):
-        keyboard.on_tick(message, loop.simulation.now_us * 1e-6)
+        keyboard.operator.on_tick(message, loop.simulation.now_us * 1e-6)
     elif isinstance(message, Lease):
-        keyboard.on_lease(message)
+        keyboard.operator.on_lease(message)
     return True

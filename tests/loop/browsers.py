@@ -23,7 +23,7 @@ from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
 from giraff_web.config import WebConfig
-from giraff_web.messages import FromPage, Hello, Input, LetGo, Reading, Refused, Reset, State, ToPage, Wish
+from giraff_web.messages import FromPage, Hello, Input, LetGo, PageWish, Reading, Refused, Reset, State, ToPage
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 from giraff_web.service import Web
 from tests.loop.loops import COARSE_STEP_US, GRAVITY, SETTINGS
@@ -79,9 +79,9 @@ class Browser:
         self._n += 1
         self.say(LetGo(n=self._n, why=why))
 
-    def say(self, message: Wish | LetGo | Reset) -> None:
+    def say(self, message: PageWish | LetGo | Reset) -> None:
         decoded = _decoder.decode(msgspec.json.encode(message))
-        assert isinstance(decoded, Wish | LetGo | Reset)
+        assert isinstance(decoded, PageWish | LetGo | Reset)
         self.said.append(Said(self.number, decoded))
         self._events.append(self.said[-1])
 
@@ -110,7 +110,7 @@ class Browser:
         self._frames += 1
         forward, left = self.asks if self.hold else (0.0, 0.0)
         self.say(
-            Wish(
+            PageWish(
                 n=self._n,
                 tick=self.state.tick,
                 hold=self.hold,

@@ -109,6 +109,6 @@ def test_a_hand_with_a_name_that_no_table_ranks_is_told_so_by_the_guard(operator
     named = msgspec.structs.replace(SETTINGS, joystick=JoystickConfig(port="joystick", operator=operator))
     with closed_loop(proving_room(), named) as loop:
         loop.run(0.5)
-        told = {unranked_notice("gamepad")} if operator == "gamepad" else set()
+        told = {str(unranked_notice("gamepad"))} if operator == "gamepad" else set()
         for process in ("guard", "joystick"):
             assert {text for text in loop.processes[process].told.values() if "no priority" in text} == told

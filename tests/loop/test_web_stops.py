@@ -96,7 +96,7 @@ def test_what_was_recorded_and_comes_again_moves_nothing() -> None:
         it.drive(browser)
         browser.let_go()
         it.run(0.5)
-        recorded = [said for said in browser.said if said.message.__class__.__name__ == "Wish"]
+        recorded = [said for said in browser.said if said.message.__class__.__name__ == "PageWish"]
         since = it.now
         for said in recorded[-60:]:
             browser.push(said)

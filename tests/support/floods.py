@@ -8,10 +8,11 @@ import msgspec
 
 from giraff_core.io import IO
 from giraff_core.lease import ASK
-from giraff_core.operator import Operator
+from giraff_core.operator import Operator, Wish
 from giraff_core.timer import Timer
 from giraff_joystick.service import Joystick
 from giraff_schemas.topics import LEASE, OPERATOR_CMD_VEL, TICK
+from tests.support.operators import said
 
 RATE: Final = 10_000
 _BURSTS_HZ: Final = 250.0  # a step of the simulation
@@ -30,7 +31,7 @@ class FloodingJoystick(Joystick):
         super().turn(now)
         if self._bursts.due(now):
             for _ in range(_BURST):
-                self._commands.put(self._policy.command(now))
+                self._commands.put(said(self._policy, now))
 
 
 class Stranger:
@@ -52,7 +53,7 @@ class Stranger:
         for lease in self._leases.take():
             self._counter = lease.counter
         if self._bursts.due(now):
-            asks = self._operator.command(-0.6, 0.0, tick=self._operator.tick, wishes=True)
+            asks = self._operator.say(Wish(-0.6, 0.0, self._operator.tick, takes=True))
             forged = msgspec.structs.replace(asks, lease_counter=self._counter)
             for _ in range(_BURST // 2):
                 self._commands.put(asks)

@@ -143,7 +143,7 @@ class MotionRequester:
         if self._asked_at > now:
             return None
         if now - self._woke > LINK_SILENCE and (fault := self._link.link_fault(now)):
-            return result_of(state, "lost_robot", fault, begun=self._begun)
+            return result_of(state, "lost_robot", str(fault), begun=self._begun)
         if not self._begun:
             late = now - self._asked_at > ANSWERS_WITHIN
             why = f"{self._fault}; {_CHECK}" if self._fault else _NO_ANSWER
@@ -156,5 +156,5 @@ class MotionRequester:
         if not self._begun:
             return result_of(None, "cancelled", "cancelled before giraff_motion had accepted it", begun=False)
         _, why = self._lost or ("", "")
-        why = why or self._link.link_fault(now) or f"its end was not heard within {ENDS_WITHIN:g} s of the cancel"
+        why = why or str(self._link.link_fault(now)) or f"its end was not heard within {ENDS_WITHIN:g} s of the cancel"
         return result_of(self.state, "unheard", why, begun=True)

@@ -6,6 +6,8 @@ import math
 from collections import deque
 from typing import Final, NamedTuple
 
+from giraff_schemas.trouble import WELL, Trouble
+
 Vector = tuple[float, float, float]
 
 FLAT: Final[Vector] = (0.0, 0.0, 1.0)
@@ -28,7 +30,7 @@ class Words(NamedTuple):
     act: str
     """What lets it go, as in `the clutch was let go`."""
     thing: str
-    way_out: str
+    remedy: str
 
 
 class _Held(NamedTuple):
@@ -44,8 +46,8 @@ class Clutch:
         """Direction of gravity, as a unit vector, at which nothing is asked."""
         self.engaged = False
         """It is pressed: the hand moves freely."""
-        self.refusal = ""
-        """Why the last attitude did not become the zero, with the way out; empty when it did."""
+        self.refusal = WELL
+        """Why the last attitude did not become the zero; WELL when it did."""
         self._words = words
         self._pressed = (0.0, 0.0)  # the first and the last reading of it
         self._released: float | None = None
@@ -74,7 +76,7 @@ class Clutch:
 
     def dismiss_refusal(self) -> None:
         """The hand has found the old zero again."""
-        self.refusal = ""
+        self.refusal = WELL
 
     def relative(self, vector: Vector) -> Vector:
         """`vector` as if the zero were flat: turned by the smallest turn that makes it so."""
@@ -84,18 +86,18 @@ class Clutch:
         return x * zz - zx * z + zy * along, y * zz - zy * z - zx * along, z * zz + zx * x + zy * y
 
     def _let_go(self) -> None:
-        self.refusal = ""
-        act, thing, way_out = self._words
+        self.refusal = WELL
+        act, thing, remedy = self._words
         recent = [held.vector for held in self._recent]
         if self._recent[-1].at - self._recent[0].at < HELD - _EXACT:
-            self.refusal = f"{act} before the sensor had been read for 0.2 s; {way_out}"
+            self.refusal = Trouble(f"{act} before the sensor had been read for 0.2 s", remedy)
             return
         x, y, z = (sum(axis) / len(recent) for axis in zip(*recent, strict=True))
         length = math.hypot(x, y, z)
         still = all(math.dist(vector, (x, y, z)) <= _HELD_STILL for vector in recent)
         if not still or abs(length - _GRAVITY) > _GRAVITY_WITHIN:
-            self.refusal = f"{act} while the {thing} moved; {way_out}"
+            self.refusal = Trouble(f"{act} while the {thing} moved", remedy)
         elif z < length * math.cos(math.radians(LARGEST_ZERO_DEG)):
-            self.refusal = f"{act} more than {LARGEST_ZERO_DEG:g} degrees from flat; {way_out}"
+            self.refusal = Trouble(f"{act} more than {LARGEST_ZERO_DEG:g} degrees from flat", remedy)
         else:
             self.zero = (x / length, y / length, z / length)

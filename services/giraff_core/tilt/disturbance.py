@@ -14,6 +14,7 @@ from collections import deque
 from typing import Final
 
 from giraff_core.tilt.clutch import Vector
+from giraff_schemas.trouble import WELL, Trouble
 
 FREE_FALL: Final = 3.0
 """m/s². Whatever is shorter is no gravity, and its direction no tilt."""
@@ -32,14 +33,14 @@ _QUIET: Final = 4.0  # m/s² from gravity, beyond which a reading is no sign tha
 _EXACT: Final = 1e-6  # s; sums of periods are a little off
 
 
-def falling(thing: str) -> str:
+def falling(thing: str) -> Trouble:
     """The reason, of a thing by this name."""
-    return f"the {thing} is falling; take it in the hand and hold it level"
+    return Trouble(f"the {thing} is falling", "take it in the hand and hold it level")
 
 
-def shaken(thing: str) -> str:
+def shaken(thing: str) -> Trouble:
     """The reason, of a thing by this name."""
-    return f"the {thing} is being shaken; hold it still and level"
+    return Trouble(f"the {thing} is being shaken", "hold it still and level")
 
 
 class Disturbance:
@@ -53,11 +54,11 @@ class Disturbance:
         """Readings were missing: what came before says nothing about what comes now."""
         self._compared: tuple[Vector, float] | None = None
         self._jolts: deque[bool] = deque(maxlen=SHAKE_STEPS)
-        self._alarm = ""
+        self._alarm = WELL
         self._unsound = -math.inf
 
-    def judge(self, vector: Vector, at: float, also: str = "") -> str:
-        """Why this reading (m/s², at s of any one clock) is no hand's; empty: it may be one.
+    def judge(self, vector: Vector, at: float, also: Trouble = WELL) -> Trouble:
+        """Why this reading (m/s², at s of any one clock) is no hand's; WELL: it may be one.
 
         `also`: another cause that lasts as these do.
         """
@@ -68,7 +69,7 @@ class Disturbance:
         elif jolted or abs(length - _GRAVITY) > _QUIET:
             self._unsound = at
         elif at - self._unsound >= SOUND - _EXACT:
-            self._alarm = ""
+            self._alarm = WELL
         return self._alarm
 
     def _step(self, vector: Vector, at: float) -> bool:
@@ -82,7 +83,7 @@ class Disturbance:
         self._jolts.append(math.dist(vector, before) > JOLT * (at - then))
         return self._jolts[-1]
 
-    def _found(self, length: float) -> str:
+    def _found(self, length: float) -> Trouble:
         if length < FREE_FALL:
             return falling(self._thing)
-        return shaken(self._thing) if sum(self._jolts) >= JOLTS else ""
+        return shaken(self._thing) if sum(self._jolts) >= JOLTS else WELL

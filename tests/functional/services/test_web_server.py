@@ -10,7 +10,7 @@ from pathlib import Path
 import aiohttp
 import pytest
 
-from giraff_web.messages import LetGo, Reset, Wish
+from giraff_web.messages import LetGo, PageWish, Reset
 from giraff_web.pages import Closed, Opened, Said, StopAsked
 from giraff_web.server.host import Ask, ask, sockets
 from tests.support.web_pages import HOST, IPHONE, STOP, Desk, browser, closed, page, sign_in, told, trying, wish
@@ -54,7 +54,7 @@ def test_a_token_opens_a_session_once_and_another_is_announced(tmp_path: Path) -
                 await socket.send_str('{"type": "reset", "id": "1", "engaged_ns": "2", "tick": null}')
                 await socket.send_str('{"type": "let_go", "n": 2, "why": "finger"}')
                 await it.until(lambda: len(it.of(Said)) == 3)
-                assert [type(said.message) for said in it.of(Said)] == [Wish, Reset, LetGo]
+                assert [type(said.message) for said in it.of(Said)] == [PageWish, Reset, LetGo]
         async with browser(it, agent="X11; Linux Firefox/132.0") as other:
             status, answer = await sign_in(it, other, token)
             assert status == 403

@@ -68,7 +68,7 @@ class Desk:
 
     def holds(self, holder: str, operator: str, reason: str = "") -> Desk:
         lease = Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason=reason, instance="g", seq=1)
-        self.person.policy.on_lease(lease)
+        self.person.policy.operator.on_lease(lease)
         return self
 
     def mine(self) -> Desk:

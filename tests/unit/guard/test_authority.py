@@ -313,8 +313,8 @@ def test_the_names_of_askers_that_no_table_ranks_are_kept_and_told_once_with_the
     for name in ("joystick", "carer", "script", "gamepad", "motion", "pad.2", "gamepad"):
         room.say("A", 0, name=name)
     assert room.authority.unranked == ("gamepad", "pad.2")
-    assert "write `gamepad = 0` under [guard.priorities] in the robot file" in unranked_notice("gamepad")
-    assert '`"pad.2" = 0`' in unranked_notice("pad.2")
+    assert "write `gamepad = 0` under [guard.priorities] in the robot file" in unranked_notice("gamepad").remedy
+    assert '`"pad.2" = 0`' in unranked_notice("pad.2").remedy
     for number in range(100):
         room.say("A", 0, name=f"flood{number}")
     assert len(room.authority.unranked) == 8

@@ -10,6 +10,7 @@ from giraff_core.tilt.clutch import FLAT, Clutch, Vector, Words
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_schemas.messages import DriveCommand, Lease
+from tests.support.operators import said
 from tests.unit.joystick.frames import ANGLE, ROBOT, SOURCE, tilt_frame
 from tests.unit.joystick.hands import MODAL_TREMOR, readings, tilted
 
@@ -28,7 +29,7 @@ class Held:
             self.now += 0.02
             frame = tilt_frame(x / 100, y / 100, z / 100, button=int(button), robot_ns=round(self.now * 1e9))
             self.policy.on_frame(frame, self.now)
-            commands.append(self.policy.command(self.now))
+            commands.append(said(self.policy, self.now))
         return commands
 
 
@@ -107,7 +108,7 @@ def test_a_frozen_sensor_sets_no_zero(equal: int) -> None:
         hand.now += 0.02
         button = int(count < equal - 3)
         hand.policy.on_frame(tilt_frame(5.0, 0.0, 8.4, button=button, robot_ns=round(hand.now * 1e9)), hand.now)
-    assert hand.policy.command(hand.now).source == "fault"
+    assert said(hand.policy, hand.now).source == "fault"
     assert_refused(hand.hold(1.0, 30.0)[25:], "0.2 s")
 
 
@@ -141,16 +142,20 @@ def test_a_fault_counts_whatever_the_button_says() -> None:
     hand = Held()
     hand.hold(0.5, 0.0, button=True)
     hand.policy.on_frame(tilt_frame(0.1, 0.0, 0.1, button=1), hand.now)
-    assert hand.policy.command(hand.now).source == "fault"
+    assert said(hand.policy, hand.now).source == "fault"
 
 
 def test_pressing_asks_for_a_lost_lease() -> None:
     hand = Held()
-    hand.policy.on_lease(Lease(seq=1, instance="guard", holder="me", operator="joystick", counter=7, reason=""))
+    hand.policy.operator.on_lease(
+        Lease(seq=1, instance="guard", holder="me", operator="joystick", counter=7, reason="")
+    )
     assert hand.hold(0.1, 0.0)[-1].lease_counter == 7
-    hand.policy.on_lease(Lease(seq=2, instance="guard", holder="other", operator="keyboard", counter=8, reason="held"))
+    hand.policy.operator.on_lease(
+        Lease(seq=2, instance="guard", holder="other", operator="keyboard", counter=8, reason="held")
+    )
     assert hand.hold(0.1, 0.0)[-1].lease_counter == 7
-    assert hand.policy.refusal
+    assert hand.policy.operator.refusal
     assert hand.hold(0.1, 0.0, button=True)[-1].lease_counter == 0
 
 

@@ -10,6 +10,7 @@ from giraff_core.tilt import curves
 from giraff_core.tilt.curves import Curve
 from giraff_joystick.policy import JoystickPolicy, reading
 from giraff_schemas.messages import DriveCommand
+from tests.support.operators import said
 from tests.support.robots import DRIVE
 from tests.unit.joystick.frames import ANGLE, ROBOT, SOURCE, tilt_frame
 
@@ -139,5 +140,5 @@ def test_the_policy_asks_exactly_what_the_curve_does(curve: Curve, x: int, y: in
     """With the zero flat, to the last bit, dead bands included."""
     joystick = JoystickPolicy(CONFIGS[curve], ROBOT, "me")
     joystick.on_frame(tilt_frame(x / 100, y / 100, z / 100), 0.0)
-    command, expected = joystick.command(0.0), asked(x / 100, y / 100, z / 100, curve)
+    command, expected = said(joystick, 0.0), asked(x / 100, y / 100, z / 100, curve)
     assert (command.linear_x, command.angular_z) == (expected.linear_x, expected.angular_z)

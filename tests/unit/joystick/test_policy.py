@@ -11,8 +11,10 @@ from hypothesis import strategies as st
 from giraff_core.tilt.clutch import BOUNCE
 from giraff_joystick.policy import BOARD_SILENCE, JoystickPolicy
 from giraff_schemas.framing import Decoder, encode
-from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick, Tilt
+from giraff_schemas.messages import DriveCommand, RobotTime, Tick, Tilt
+from giraff_schemas.trouble import WELL
 from giraff_schemas.wire import FrameType, TickFrame, TiltFrame, TiltStatus
+from tests.support.operators import said
 from tests.unit.joystick.frames import ANGLE, EPOCH, ROBOT, SOURCE, tilt_frame
 
 
@@ -22,7 +24,7 @@ def policy() -> JoystickPolicy:
 
 def after(frame: TiltFrame) -> tuple[Tilt, DriveCommand]:
     joystick = policy()
-    return joystick.on_frame(frame, 10.0), joystick.command(10.0)
+    return joystick.on_frame(frame, 10.0), said(joystick, 10.0)
 
 
 def assert_fault(command: DriveCommand, *words: str) -> None:
@@ -69,12 +71,12 @@ def test_a_sensor_that_is_not_running_is_a_fault_with_cause_and_way_out(
 def test_the_sensor_is_the_services_own_fault_and_the_robot_or_the_hand_is_not() -> None:
     joystick = policy()
     joystick.on_frame(tilt_frame(9.5, status=TiltStatus.BUS_FAULT), 10.0)
-    assert joystick.sensor_fault == joystick.command(10.0).reason
+    assert str(joystick.sensor_fault) == said(joystick, 10.0).reason
     joystick.on_frame(tilt_frame(7.0, 0.0, 6.87), 10.1)
-    assert joystick.sensor_fault == ""
+    assert joystick.sensor_fault == WELL
     joystick.on_frame(tilt_frame(epoch=0), 10.2)
-    assert_fault(joystick.command(10.2), "robot")
-    assert joystick.sensor_fault == ""
+    assert_fault(said(joystick, 10.2), "robot")
+    assert joystick.sensor_fault == WELL
 
 
 def test_every_status_of_the_wire_has_its_name() -> None:
@@ -101,7 +103,7 @@ def test_a_value_that_is_no_number_is_a_bus_fault(axis: str, value: float) -> No
 def test_what_is_too_weak_for_gravity_has_no_direction() -> None:
     joystick = JoystickPolicy(ANGLE, ROBOT, "me")
     joystick.on_frame(tilt_frame(0.5, 0.0, 0.1), 0.0)
-    assert_fault(joystick.command(0.0), "falling", "hold")
+    assert_fault(said(joystick, 0.0), "falling", "hold")
 
 
 def test_a_board_that_has_not_heard_the_robot_is_a_fault_without_a_tick() -> None:
@@ -118,48 +120,41 @@ def test_a_board_whose_ticks_have_ended_has_lost_the_robot() -> None:
     for step in range(27):
         now = step * 0.02
         joystick.on_frame(tilt_frame(9.5 + step % 2 / 10, robot_ns=7), now)
-        sources.append(joystick.command(now).source)
+        sources.append(said(joystick, now).source)
     assert sources == ["hand"] * 26 + ["fault"]  # 0.5 s after the first frame with that tick
-    assert_fault(joystick.command(0.52), "no tick", "base", "network", "cable")
+    assert_fault(said(joystick, 0.52), "no tick", "base", "network", "cable")
     joystick.on_frame(tilt_frame(9.5, robot_ns=8), 0.54)
-    assert joystick.command(0.54).source == "hand"
+    assert said(joystick, 0.54).source == "hand"
 
 
 def test_before_the_first_frame_there_is_no_board_and_no_tick() -> None:
     joystick = policy()
-    assert_fault(joystick.command(0.0), SOURCE.port, "cable")
-    assert joystick.command(0.0).tick is None
+    assert_fault(said(joystick, 0.0), SOURCE.port, "cable")
+    assert said(joystick, 0.0).tick is None
     assert joystick.lost(0.0) == Tilt(x=0.0, y=0.0, z=0.0, status="no_board", tick=None)
 
 
 def test_a_silent_board_is_a_fault_with_its_last_tick() -> None:
     joystick = policy()
     tilt = joystick.on_frame(tilt_frame(9.5), 10.0)
-    assert joystick.command(10.0 + BOARD_SILENCE - 0.001).source == "hand"
+    assert said(joystick, 10.0 + BOARD_SILENCE - 0.001).source == "hand"
     assert joystick.lost(10.0 + BOARD_SILENCE - 0.001) is None
     for late in (0.001, 1.0, 100.0):
-        command, lost = joystick.command(10.0 + BOARD_SILENCE + late), joystick.lost(10.0 + BOARD_SILENCE + late)
+        command, lost = said(joystick, 10.0 + BOARD_SILENCE + late), joystick.lost(10.0 + BOARD_SILENCE + late)
         assert_fault(command, "no frame", SOURCE.port, "cable")
         assert lost is not None
         assert lost.status == "no_board"
         assert command.tick == lost.tick == tilt.tick
     joystick.on_frame(tilt_frame(9.5, robot_ns=2_000), 200.0)
-    assert joystick.command(200.0).source == "hand"
+    assert said(joystick, 200.0).source == "hand"
 
 
 def test_a_repeated_command_keeps_the_tick_of_its_frame() -> None:
     joystick = policy()
     joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
     joystick.on_tick(Tick(epoch=EPOCH, robot_ns=99), 0.0)
-    assert joystick.command(0.0) == joystick.command(0.1)
-    assert joystick.command(0.1).tick == RobotTime(epoch=EPOCH, robot_ns=1)
-
-
-def test_a_service_that_ends_says_stop_with_its_last_tick() -> None:
-    joystick = policy()
-    joystick.on_frame(tilt_frame(9.5, robot_ns=1), 0.0)
-    assert_fault(joystick.final_command(), "ended", "start it again")
-    assert joystick.final_command().tick == RobotTime(epoch=EPOCH, robot_ns=1)
+    assert said(joystick, 0.0) == said(joystick, 0.1)
+    assert said(joystick, 0.1).tick == RobotTime(epoch=EPOCH, robot_ns=1)
 
 
 NOISY = [(500 + n % 3, n % 2, 840 - n % 2) for n in range(60)]
@@ -193,7 +188,7 @@ def test_after_missing_readings_only_what_comes_now_tells_a_hand(before: str, af
         x, y, z = (value / 100 for value in counts)
         for each in by:
             each.on_frame(tilt_frame(x, y, z, robot_ns=round(now * 1e9)), now)
-        return [each.command(now) for each in by]
+        return [said(each, now) for each in by]
 
     for counts in BEFORE[before]:
         read(counts, joystick)
@@ -220,14 +215,7 @@ def test_after_missing_readings_no_attitude_of_before_becomes_the_zero(gap: str)
     for step in range(round(BOUNCE / 0.02) + 1):
         now += 0.02
         joystick.on_frame(tilt_frame(5.0 + step % 2 / 100, 0.0, 8.4, robot_ns=100 + step), now)
-    assert_fault(joystick.command(now), "before the sensor had been read for 0.2 s", "old zero stays")
-
-
-def test_the_last_command_of_whoever_holds_the_lease_counts() -> None:
-    joystick = policy()
-    lease = Lease(seq=1, instance="guard", holder="me", operator="joystick", counter=7, reason="")
-    joystick.on_lease(lease)
-    assert joystick.final_command().lease_counter == 7
+    assert_fault(said(joystick, now), "before the sensor had been read for 0.2 s", "old zero stays")
 
 
 def test_a_board_reset_passes_through_its_faults_and_drives_again() -> None:
@@ -240,7 +228,7 @@ def test_a_board_reset_passes_through_its_faults_and_drives_again() -> None:
         tilt_frame(7.0, seq=2, boot_id=2),
     ):
         joystick.on_frame(frame, 0.0)
-        sources.append(joystick.command(0.0).source)
+        sources.append(said(joystick, 0.0).source)
     assert sources == ["hand", "fault", "fault", "hand"]
 
 
@@ -248,7 +236,7 @@ def test_frames_across_the_wrap_of_their_sequence_all_count() -> None:
     joystick = policy()
     for step, seq in enumerate((65534, 65535, 0, 1)):
         joystick.on_frame(tilt_frame(4.5 + step, seq=seq), 0.02 * step)
-        assert joystick.command(0.02 * step).linear_x == pytest.approx(0.6 * step / 5)
+        assert said(joystick, 0.02 * step).linear_x == pytest.approx(0.6 * step / 5)
 
 
 def test_ticks_go_down_as_they_are_and_their_sequence_wraps() -> None:
@@ -270,7 +258,7 @@ def test_whatever_the_board_sends_the_command_is_sane(payloads: list[bytes]) -> 
     for payload in payloads:
         (frame,) = decoder.feed(encode(bytes((FrameType.TILT,)) + payload))
         tilt = joystick.on_frame(cast(TiltFrame, frame), 0.0)
-        command = joystick.command(0.0)
+        command = said(joystick, 0.0)
         fastest_wheel = abs(command.linear_x) + abs(command.angular_z) * ROBOT.track_width / 2
         assert fastest_wheel <= ROBOT.max_wheel_speed + 1e-9
         assert (command.source == "fault") == bool(command.reason)

@@ -6,6 +6,7 @@ import msgspec
 
 from giraff_joystick.policy import JoystickPolicy
 from giraff_schemas.messages import DriveCommand
+from tests.support.operators import said
 from tests.unit.joystick.frames import ANGLE, ROBOT, tilt_frame
 from tests.unit.joystick.hands import MODAL_TREMOR, readings, tilted
 
@@ -16,7 +17,7 @@ def held(joystick: JoystickPolicy, begin: float, seconds: float, degrees: float)
     for x, y, z in readings(lambda _: tilted(degrees), seconds, tremor=MODAL_TREMOR):
         now += 0.02
         joystick.on_frame(tilt_frame(x / 100, y / 100, z / 100, robot_ns=round(now * 1e9)), now)
-    return joystick.command(now)
+    return said(joystick, now)
 
 
 def test_a_wider_dead_zone() -> None:

@@ -3,6 +3,7 @@
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_schemas.messages import DriveCommand, Lease, RobotTime, Tick
+from tests.support.operators import said
 from tests.support.robots import ROBOT
 
 EPOCH = 77
@@ -19,7 +20,7 @@ class Person:
         self.robot_ns = 5_000_000_000
 
     def tick(self) -> None:
-        self.policy.on_tick(Tick(epoch=EPOCH, robot_ns=self.robot_ns), self.now)
+        self.policy.operator.on_tick(Tick(epoch=EPOCH, robot_ns=self.robot_ns), self.now)
 
     def wait(self, seconds: float, *, ticks: bool = True) -> list[DriveCommand]:
         """Let time pass in steps of 20 ms; the command of each."""
@@ -29,16 +30,16 @@ class Person:
             self.robot_ns += 20_000_000
             if ticks:
                 self.tick()
-            commands.append(self.policy.command(self.now))
+            commands.append(said(self.policy, self.now))
         return commands
 
     def press(self, key: Key) -> DriveCommand:
         self.policy.on_key(key, self.now)
-        return self.policy.command(self.now)
+        return said(self.policy, self.now)
 
     def hear(self, holder: str, counter: int, seq: int = 1, reason: str = "held") -> None:
         lease = Lease(seq=seq, instance="guard", holder=holder, operator=holder, counter=counter, reason=reason)
-        self.policy.on_lease(lease)
+        self.policy.operator.on_lease(lease)
 
     @property
     def tick_now(self) -> RobotTime:

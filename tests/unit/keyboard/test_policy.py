@@ -8,6 +8,8 @@ from giraff_core.operator import ASKS_NOTHING, LINK_SILENCE
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.policy import KEY_LASTS, Key
 from giraff_schemas.messages import DriveCommand, RobotTime, Tick
+from giraff_schemas.trouble import WELL
+from tests.support.operators import said
 from tests.support.robots import ROBOT
 from tests.unit.keyboard.keyboards import EPOCH, Person, person
 
@@ -42,7 +44,7 @@ def test_without_a_press_a_hand_asks_for_nothing_with_the_newest_moment() -> Non
     for command in someone.wait(1.0):
         assert command.neutral
         assert (command.source, command.reason) == ("hand", "")
-    assert someone.policy.command(someone.now).tick == someone.tick_now
+    assert said(someone.policy, someone.now).tick == someone.tick_now
 
 
 def test_a_press_lasts_0_4_s_with_the_tick_of_its_moment() -> None:
@@ -69,7 +71,7 @@ def test_a_press_expires_by_the_robots_clock_where_this_one_stood_still() -> Non
     someone.press(Key.FORWARD)
     someone.robot_ns += round((KEY_LASTS + 0.01) * 1e9)
     someone.tick()
-    assert someone.policy.command(someone.now).neutral
+    assert said(someone.policy, someone.now).neutral
 
 
 def test_a_press_expires_by_this_machines_clock_where_the_robots_is_not_heard() -> None:
@@ -101,7 +103,7 @@ def test_before_the_first_tick_the_robot_is_lost() -> None:
     someone = Person()
     assert_fault(someone.press(Key.FORWARD), "no tick", "base", "network")
     someone.wait(0.02)
-    assert someone.policy.command(someone.now).neutral  # nobody knows how old that press was
+    assert said(someone.policy, someone.now).neutral  # nobody knows how old that press was
 
 
 def test_without_ticks_for_half_a_second_the_robot_is_lost() -> None:
@@ -119,10 +121,10 @@ def test_old_ticks_that_come_again_are_no_sign_of_the_robot() -> None:
     last = someone.tick_now
     for _ in range(9):
         someone.wait(0.02, ticks=False)
-        someone.policy.on_tick(Tick(epoch=EPOCH, robot_ns=last.robot_ns - 2_000_000_000), someone.now)
-    assert someone.policy.command(someone.now).tick == last
+        someone.policy.operator.on_tick(Tick(epoch=EPOCH, robot_ns=last.robot_ns - 2_000_000_000), someone.now)
+    assert said(someone.policy, someone.now).tick == last
     someone.wait(LINK_SILENCE - 0.16, ticks=False)
-    assert_fault(someone.policy.command(someone.now), "no tick")
+    assert_fault(said(someone.policy, someone.now), "no tick")
 
 
 def test_nobody_takes_the_robot_by_starting_a_program() -> None:
@@ -156,10 +158,10 @@ def test_no_other_key_asks_for_it(key: Key) -> None:
 def test_who_drives_is_known() -> None:
     someone = person()
     someone.hear("joystick", 3, reason="held by joystick")
-    assert someone.policy.driver == "joystick"
-    assert "joystick" in someone.policy.refusal
+    assert someone.policy.operator.holder == "joystick"
+    assert "joystick" in str(someone.policy.operator.refusal)
     someone.hear("me", 4, seq=2)
-    assert someone.policy.refusal == ""
+    assert someone.policy.operator.refusal == WELL
 
 
 def test_the_space_bar_stops_at_once_and_until_base_has_confirmed() -> None:
@@ -171,12 +173,6 @@ def test_the_space_bar_stops_at_once_and_until_base_has_confirmed() -> None:
     someone.wait(0.5)
     someone.policy.on_stopped()
     assert {(command.neutral, command.source) for command in someone.wait(0.5)} == {(True, "hand")}
-
-
-def test_a_service_that_ends_says_stop() -> None:
-    someone = person()
-    someone.press(Key.FORWARD)
-    assert_fault(someone.policy.final_command(), "ended", "start it again")
 
 
 steps = st.one_of(st.sampled_from(Key), st.floats(0.0, 0.7), st.none())
@@ -195,7 +191,7 @@ def test_it_never_moves_on_anything_but_a_press_of_the_last_0_4_s(events: list[K
             moment = someone.tick_now
         else:
             someone.wait(0.3 if event is None else event, ticks=event is not None)
-        command = someone.policy.command(someone.now)
+        command = said(someone.policy, someone.now)
         if not command.neutral:
             assert someone.now - pressed <= KEY_LASTS + 1e-9
             assert command.tick is not None

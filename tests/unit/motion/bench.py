@@ -164,14 +164,15 @@ class Bench:
         self.now += PERIOD
         self._seq += 1
         self._tell()
-        command = self.policy.command(self.now)
+        asked = self.policy.poll(self.now)
+        command = None if asked is None else self.policy.operator.say(asked)
         self._obey(command)
         if command is not None:
             self.said.append(command)
 
     def _tell(self) -> None:
         policy, now = self.policy, self.now
-        policy.on_tick(self._said(Tick(epoch=self.epoch, robot_ns=self.tick.robot_ns), "base-1"), now)
+        policy.operator.on_tick(self._said(Tick(epoch=self.epoch, robot_ns=self.tick.robot_ns), "base-1"), now)
         reason = "" if self.holder else "nobody drives"
         lease = Lease(holder=self.holder, operator=self.holder.partition("-")[0], counter=1, reason=reason)
         if self.lease_is_told:

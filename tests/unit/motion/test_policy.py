@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from giraff_core.lease import ASK
-from giraff_schemas.messages import DriveCommand, RobotTime
+from giraff_schemas.messages import RobotTime
 from giraff_schemas.motion import (
     MotionArc,
     MotionGo,
@@ -340,15 +340,6 @@ def test_a_pose_that_is_set_meanwhile_ends_it() -> None:
     bench.odometry.on_reset(OdomReset(by="somebody", id=1))
     bench.step()
     assert ended(bench).outcome == "lost_odometry"
-
-
-def test_the_last_word_of_a_process_that_ends() -> None:
-    bench = Bench()
-    assert bench.policy.final_command() is None
-    moving(bench)
-    command = bench.policy.final_command()
-    assert isinstance(command, DriveCommand)
-    assert (command.source, command.neutral) == ("fault", True)
 
 
 def test_it_says_nothing_before_the_first_request() -> None:

@@ -6,6 +6,7 @@ import pytest
 
 from giraff_core.lease import ASK, LeaseClient
 from giraff_schemas.messages import Lease
+from giraff_schemas.trouble import WELL, Trouble
 
 
 def lease(holder: str, counter: int = 0, seq: int = 0, guard: str = "guard-1", reason: str = "as it is") -> Lease:
@@ -28,22 +29,22 @@ def lost(seeker: LeaseClient) -> LeaseClient:
 @pytest.mark.parametrize("wishes", [False, True])
 def test_it_asks_from_its_start_until_it_is_given_the_lease(seeker: LeaseClient, wishes: bool) -> None:
     assert seeker.counter(wishes=wishes) == ASK
-    assert "check that giraff_guard runs" in seeker.refusal
+    assert "check that giraff_guard runs" in str(seeker.refusal)
     seeker.on_lease(lease("other", 4, seq=1, reason="held by keyboard"))
     assert seeker.counter(wishes=wishes) == ASK
-    assert seeker.refusal == "held by keyboard"
+    assert seeker.refusal == Trouble("held by keyboard")
     seeker.on_lease(lease("me", 5, seq=2))
     assert seeker.counter(wishes=wishes) == 5
-    assert (seeker.holds, seeker.refusal) == (True, "")
+    assert (seeker.holds, seeker.refusal) == (True, WELL)
 
 
 def test_a_lost_lease_is_asked_for_by_each_wish_and_by_nothing_else(lost: LeaseClient) -> None:
-    assert lost.refusal == "nobody drives"
+    assert lost.refusal == Trouble("nobody drives")
     for _ in range(3):
         assert lost.counter(wishes=False) == 5
         assert lost.counter(wishes=True) == ASK
         lost.on_lease(lease("other", 6, seq=3, reason="held by keyboard"))
-        assert lost.refusal == "held by keyboard"
+        assert lost.refusal == Trouble("held by keyboard")
     lost.on_lease(lease("", 0, seq=4))
     assert lost.counter(wishes=False) == 5  # an old wish does not ask for what has become free
 
@@ -56,7 +57,7 @@ def test_a_new_lease_of_ones_own_is_taken_up(lost: LeaseClient) -> None:
 def test_a_late_word_of_the_guard_changes_nothing(lost: LeaseClient) -> None:
     lost.on_lease(lease("me", 5, seq=1))
     assert not lost.holds
-    assert lost.refusal == "nobody drives"
+    assert lost.refusal == Trouble("nobody drives")
 
 
 def test_a_false_word_from_the_future_does_not_make_deaf_for_good(seeker: LeaseClient) -> None:

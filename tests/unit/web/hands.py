@@ -8,8 +8,8 @@ from typing import Any
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime
 from giraff_web.config import WebConfig
-from giraff_web.hand import Hand
-from giraff_web.messages import LetGo, Reading, Wish, moment
+from giraff_web.hand import PageHand
+from giraff_web.messages import LetGo, PageWish, Reading, moment
 from tests.support.robots import ROBOT
 
 EPOCH = 7
@@ -20,7 +20,7 @@ class Person:
     """Times are seconds; the robot's clock begins at 1 s."""
 
     def __init__(self, config: WebConfig | None = None, robot: RobotConfig = ROBOT) -> None:
-        self.hand = Hand(config or WebConfig(), robot)
+        self.hand = PageHand(config or WebConfig(), robot)
         self.now = 0.0
         self.n = 0
         self.holds = 0
@@ -44,7 +44,7 @@ class Person:
         self.n += 1
         tick = RobotTime(epoch=EPOCH, robot_ns=self.tick.robot_ns - round(tick_age * 1e9))
         given: dict[str, Any] = {"n": self.n, "tick": moment(tick), "hold": self.hold, "input": "pad"} | fields
-        self.hand.on_wish(Wish(**given), self.tick, self.now)
+        self.hand.on_wish(PageWish(**given), self.tick, self.now)
 
     def touch(self, **fields: Any) -> None:
         """A finger comes down."""

@@ -2,9 +2,10 @@
 
 import pytest
 
+from giraff_schemas.trouble import WELL
 from giraff_web.config import WebConfig
 from giraff_web.hand import SILENCE, WISH_LASTS
-from giraff_web.messages import Wish, moment
+from giraff_web.messages import PageWish, moment
 from tests.support.robots import ROBOT
 from tests.unit.web.hands import Person
 
@@ -48,12 +49,12 @@ def test_silence_ends_it_until_it_is_put_down_again() -> None:
     assert person.is_holding()
     person.wait(0.01)
     assert (person.is_holding(), person.hand.asks) == (False, (0.0, 0.0))
-    assert "lift" in person.hand.lost
+    assert "lift" in str(person.hand.lost)
     person.wish(forward=1.0)
     assert (person.is_holding(), person.hand.asks) == (False, (0.0, 0.0))
     person.let_go()
     person.wish()
-    assert person.hand.lost == ""
+    assert person.hand.lost == WELL
     person.touch()
     assert person.is_holding()
 
@@ -72,7 +73,7 @@ def test_a_wish_of_old_ticks_ends_it() -> None:
         assert person.is_holding()
     person.wish(0.01, tick_age=WISH_LASTS + 0.01, forward=1.0)
     assert not person.is_holding()
-    assert "too old" in person.hand.lost
+    assert "too old" in str(person.hand.lost)
 
 
 def test_a_tick_behind_the_last_one_ends_it() -> None:
@@ -90,17 +91,17 @@ def test_a_tick_of_another_epoch_or_of_nobody_or_ahead_ends_it() -> None:
 
 def test_what_was_said_comes_again_and_says_nothing() -> None:
     person = holding()
-    said = Wish(n=person.n, tick=moment(person.tick), hold=person.hold, input="pad", forward=1.0)
+    said = PageWish(n=person.n, tick=moment(person.tick), hold=person.hold, input="pad", forward=1.0)
     person.let_go()
     person.hand.on_wish(said, person.tick, person.now)
     assert (person.is_holding(), person.hand.asks) == (False, (0.0, 0.0))
-    person.hand.on_wish(Wish(n=person.n + 1, tick=said.tick, hold=said.hold, input="pad"), person.tick, person.now)
+    person.hand.on_wish(PageWish(n=person.n + 1, tick=said.tick, hold=said.hold, input="pad"), person.tick, person.now)
     assert not person.is_holding(), "a hold that has ended"
 
 
 def test_what_was_said_in_this_hold_comes_again_and_says_nothing() -> None:
     person = holding()
-    said = Wish(n=person.n, tick=moment(person.hand.tick), hold=person.hold, input="pad", forward=1.0)
+    said = PageWish(n=person.n, tick=moment(person.hand.tick), hold=person.hold, input="pad", forward=1.0)
     person.wish(tick=said.tick)
     person.hand.on_wish(said, person.tick, person.now)
     assert (person.is_holding(), person.hand.asks) == (True, (0.0, 0.0))
@@ -125,7 +126,7 @@ def test_another_input_within_a_hold_ends_it() -> None:
 def test_a_finger_that_is_lifted_has_lost_nothing() -> None:
     person = holding()
     person.let_go()
-    assert (person.is_holding(), person.hand.asks, person.hand.lost) == (False, (0.0, 0.0), "")
+    assert (person.is_holding(), person.hand.asks, person.hand.lost) == (False, (0.0, 0.0), WELL)
 
 
 @pytest.mark.parametrize("why", ["cancelled", "hidden", "focus", "turned", "idle", "stalled", "left"])
@@ -133,7 +134,7 @@ def test_what_the_page_has_lost_is_told(why: str) -> None:
     person = holding()
     person.let_go(why)
     assert not person.is_holding()
-    assert person.hand.lost.endswith("lift the finger, or the key, and put it down again")
+    assert person.hand.lost.remedy == "lift the finger, or the key, and put it down again"
 
 
 def test_an_end_that_comes_late_or_again_ends_nothing_new() -> None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from giraff_web.event_box import EventBox
 from giraff_web.limits import Credit, Rate
-from giraff_web.messages import LetGo, Reset, Wish
+from giraff_web.messages import LetGo, PageWish, Reset
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 
 
 def wish(n: int, page: int = 1) -> Said:
-    return Said(page, Wish(n=n, tick=None, hold=0, input="pad"))
+    return Said(page, PageWish(n=n, tick=None, hold=0, input="pad"))
 
 
 def let_go(n: int, page: int = 1) -> Said:

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_web.config import WebConfig
-from giraff_web.hand import Hand
-from giraff_web.messages import FromPage, LetGo, Wish
+from giraff_web.hand import PageHand
+from giraff_web.messages import FromPage, LetGo, PageWish
 from tests.support.robots import ROBOT
 from tests.unit.web.hands import Person
 
@@ -59,7 +59,7 @@ _ACCELERATIONS = st.floats(-1e4, 1e4)
 _NUMBERS = st.integers(0, 30)
 _READINGS = st.tuples(st.floats(0.0, 10.0), _ACCELERATIONS, _ACCELERATIONS, _ACCELERATIONS)
 _WISHES = st.builds(
-    Wish,
+    PageWish,
     n=_NUMBERS,
     tick=st.one_of(st.none(), st.tuples(_DIGITS, _DIGITS), st.just(("7", "1000000000"))),
     hold=st.integers(0, 4),
@@ -73,11 +73,11 @@ _ENDS = st.builds(LetGo, n=_NUMBERS, why=st.sampled_from(["finger", "hidden", "l
 
 
 @given(st.lists(st.tuples(st.one_of(_WISHES, _ENDS), st.floats(0.0, 0.5)), max_size=30))
-def test_whatever_a_page_says_the_hand_asks_for_what_the_wheels_can(said: list[tuple[Wish | LetGo, float]]) -> None:
-    hand, now, newest = Hand(WebConfig(), ROBOT), 0.0, Person().tick
+def test_whatever_a_page_says_the_hand_asks_for_what_the_wheels_can(said: list[tuple[PageWish | LetGo, float]]) -> None:
+    hand, now, newest = PageHand(WebConfig(), ROBOT), 0.0, Person().tick
     for message, after in said:
         now += after
-        if isinstance(message, Wish):
+        if isinstance(message, PageWish):
             hand.on_wish(message, newest, now)
         else:
             hand.on_let_go(message)

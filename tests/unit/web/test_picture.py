@@ -20,10 +20,10 @@ class Shown:
     def __init__(self) -> None:
         self.picture = Picture(ROBOT)
         self.policy = WebPolicy(WebConfig(), ROBOT, "me")
-        self.policy.on_tick(Tick(instance="base", epoch=7, robot_ns=1 << 62), 0.0)
+        self.policy.operator.on_tick(Tick(instance="base", epoch=7, robot_ns=1 << 62), 0.0)
 
     def at(self, now: float) -> State:
-        state = self.picture.state(self.policy, "", 0.0, now)
+        state = self.picture.state(self.policy, "", now)
         decoded = msgspec.json.decode(msgspec.json.encode(state), type=ToPage)
         assert isinstance(decoded, State)
         return decoded
@@ -105,7 +105,9 @@ def test_numbers_that_a_page_cannot_hold_are_texts() -> None:
 
 def test_who_drives_is_named() -> None:
     shown = Shown()
-    shown.policy.on_lease(Lease(instance="g", holder="x", operator="joystick", counter=1, reason="joystick drives"))
+    shown.policy.operator.on_lease(
+        Lease(instance="g", holder="x", operator="joystick", counter=1, reason="joystick drives")
+    )
     state = shown.at(0.1)
     assert (state.operator, state.device, state.page) == ("joystick", "", 0)
     assert state.why == "joystick drives"
