@@ -8,6 +8,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Range, RangeState, Tick
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
 from giraff_schemas.wire import RangeState as WireState
 
@@ -16,11 +17,11 @@ LONGEST_ECHO_US: Final = 38_000
 
 _STATES: Final[dict[int, RangeState]] = {WireState.ECHO: "echo", WireState.CLEAR: "clear"}
 
-_FAULTS: Final[dict[int, str]] = {
-    RangeFault.NO_ECHO_PULSE: "does not answer; check its power, its cable and its trigger and echo pins",
-    RangeFault.STUCK_HIGH: "holds its echo line high; check the echo wire, then replace the sensor",
-    RangeFault.TOO_SHORT: (
-        "sends pulses too short for any distance; look for something on its face, then for a loose echo wire"
+_FAULTS: Final[dict[int, Trouble]] = {
+    RangeFault.NO_ECHO_PULSE: Trouble("does not answer", "check its power, its cable and its trigger and echo pins"),
+    RangeFault.STUCK_HIGH: Trouble("holds its echo line high", "check the echo wire, then replace the sensor"),
+    RangeFault.TOO_SHORT: Trouble(
+        "sends pulses too short for any distance", "look for something on its face, then for a loose echo wire"
     ),
 }
 
@@ -32,8 +33,8 @@ class RangerPolicy:
         self._sensors = robot.sensors
         self._names = {pose.index: name for name, pose in robot.sensors.items()}
         self._tick_down = TickRelay()
-        self.faults: dict[str, str] = {}
-        """What the newest frame of each sensor complains of; empty when it does not."""
+        self.faults: dict[str, Trouble] = {}
+        """What the newest frame of each sensor complains of; WELL when it does not."""
 
     def transforms(self) -> list[Transform]:
         """Where the sensors are on the robot."""
@@ -48,36 +49,39 @@ class RangerPolicy:
         name = self._names.get(frame.sensor)
         if name is None:
             known = ", ".join(f"{index} = {known}" for index, known in sorted(self._names.items())) or "none"
-            self.faults[f"sensor {frame.sensor}"] = (
-                f"the ranger board has a sensor {frame.sensor}, the robot file only {known}; "
-                "add it to [robot.sensors] with its pose"
+            self.faults[f"sensor {frame.sensor}"] = Trouble(
+                f"the ranger board has a sensor {frame.sensor}, the robot file only {known}",
+                "add it to [robot.sensors] with its pose",
             )
             return None
         sample = reading(name, frame)
-        self.faults[f"sensor {name}"] = sample.reason
+        self.faults[f"sensor {name}"] = trouble_of(sample)
         return sample
 
 
 def reading(name: str, frame: RangeFrame) -> Range:
     """A frame of the sensor `name` in SI units. An echo of impossible length is a fault, never a distance."""
-    reason = _fault(name, frame)
-    state = "fault" if reason else _STATES[frame.state]
+    fault = _fault(name, frame)
+    state = "fault" if fault else _STATES[frame.state]
     return Range(
         sensor=name,
         state=state,
         range=frame.echo_us / ECHO_US_PER_M if state == "echo" else None,
         echo_us=frame.echo_us,
-        reason=reason,
+        reason=str(fault),
         tick=tick_of(frame),
+        remedy=fault.remedy,
     )
 
 
-def _fault(name: str, frame: RangeFrame) -> str:
-    """What is wrong with this reading, with the way out; empty when nothing is."""
-    if frame.state == WireState.FAULT and frame.fault in _FAULTS:
-        return f"{name} {_FAULTS[frame.fault]}"
+def _fault(name: str, frame: RangeFrame) -> Trouble:
+    """What is wrong with this reading."""
+    if frame.state == WireState.FAULT and (fault := _FAULTS.get(frame.fault)):
+        return Trouble(f"{name} {fault.what}", fault.remedy)
     if frame.state not in _STATES:
-        return f"{name} reports state {frame.state} with fault {frame.fault}, unknown here; reflash the board"
+        return Trouble(
+            f"{name} reports state {frame.state} with fault {frame.fault}, unknown here", "reflash the board"
+        )
     if frame.state == WireState.ECHO and not 0 < frame.echo_us <= LONGEST_ECHO_US:
-        return f"{name} reports an echo of {frame.echo_us} us, which no distance gives; reflash the board"
-    return ""
+        return Trouble(f"{name} reports an echo of {frame.echo_us} us, which no distance gives", "reflash the board")
+    return WELL

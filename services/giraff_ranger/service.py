@@ -38,8 +38,9 @@ class Ranger:
         for tick in self._clock.take():
             if (down := policy.on_tick(tick, now)) is not None:
                 link.send(down)
-        for name, message in (("board", link.fault), *policy.faults.items()):
-            self._io.set_fault(name, message)
+        self._io.set_fault("board", link.fault)
+        for name, fault in policy.faults.items():
+            self._io.set_fault(name, fault)
 
     def end(self) -> None:
         """Nothing is left to say: silence is what the guard judges."""

@@ -15,6 +15,7 @@ from giraff_ranger.policy import LONGEST_ECHO_US, RangerPolicy
 from giraff_schemas import frames
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import Range, RobotTime, Tick
+from giraff_schemas.trouble import trouble_of
 from giraff_schemas.wire import FrameType, RangeFault, RangeFrame, RangeState, TickFrame
 
 ROBOT = msgspec.structs.replace(
@@ -74,7 +75,7 @@ def test_nothing_in_reach_is_clear_and_no_distance(echo_us: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("frame", "words"),
+    ("frame", "told"),
     [
         (range_frame(state=RangeState.FAULT, fault=RangeFault.NO_ECHO_PULSE), ("does not answer", "check its power")),
         (range_frame(state=RangeState.FAULT, fault=RangeFault.STUCK_HIGH), ("holds its echo line high", "check")),
@@ -86,14 +87,14 @@ def test_nothing_in_reach_is_clear_and_no_distance(echo_us: int) -> None:
         (range_frame(echo_us=LONGEST_ECHO_US + 1), ("echo of 38001 us", "reflash")),
     ],
 )
-def test_a_fault_names_the_sensor_the_cause_and_the_way_out(frame: RangeFrame, words: tuple[str, ...]) -> None:
+def test_a_fault_names_the_sensor_the_cause_and_the_way_out(frame: RangeFrame, told: tuple[str, str]) -> None:
     ranger = RangerPolicy(ROBOT)
     sample = ranger.on_frame(frame)
     assert sample is not None
     assert (sample.state, sample.range) == ("fault", None)
-    assert ranger.faults == {"sensor front_left": sample.reason}
-    for word in ("front_left", *words):
-        assert word in sample.reason
+    assert ranger.faults == {"sensor front_left": trouble_of(sample)}
+    assert sample.reason.startswith("front_left ")
+    assert (told[0] in sample.reason, told[1] in sample.remedy) == (True, True)
 
 
 def test_a_fault_lasts_until_the_next_sound_reading_of_that_sensor() -> None:
@@ -108,7 +109,7 @@ def test_a_fault_lasts_until_the_next_sound_reading_of_that_sensor() -> None:
 def test_a_sensor_that_the_robot_file_does_not_know_is_named() -> None:
     ranger = RangerPolicy(ROBOT)
     assert ranger.on_frame(range_frame(1)) is None
-    (message,) = ranger.faults.values()
+    (message,) = map(str, ranger.faults.values())
     for words in ("sensor 1", "0 = front_left, 2 = rear", "[robot.sensors]"):
         assert words in message
 
