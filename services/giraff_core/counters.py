@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_schemas.messages import Wheels
+from giraff_schemas.trouble import WELL, Trouble
 
 SLACK_TICKS: Final = 4
 """Added to what a wheel may travel between two samples: counts come whole, and the board's time is not exact."""
@@ -13,9 +14,9 @@ _WRAP: Final = 1 << 32
 _HALF_WRAP: Final = 1 << 31
 
 # Without numbers: a fault that repeats with each sample is then one fault, told once.
-_NEW_BOOT: Final = "the base board has started again; if nobody reset it, check its supply"
-_NEW_BASE: Final = "wheels come from another base process; if it was not restarted, end the second one"
-_LONG_GAP: Final = "no wheels for so long that the board's time may have wrapped; check base and the network"
+_NEW_BOOT: Final = Trouble("the base board has started again", "if nobody reset it, check its supply")
+_NEW_BASE: Final = Trouble("wheels come from another base process", "if it was not restarted, end the second one")
+_LONG_GAP: Final = Trouble("no wheels for so long that the board's time may have wrapped", "check base and the network")
 
 
 def signed32(difference: int) -> int:
@@ -29,8 +30,8 @@ def elapsed_us(last: Wheels, wheels: Wheels) -> int:
     return elapsed if elapsed < _HALF_WRAP else 0
 
 
-def restart(last: Wheels, wheels: Wheels) -> str:
-    """Why the counters of `wheels` do not go on from those of `last`, and the way out; empty when they do."""
+def restart(last: Wheels, wheels: Wheels) -> Trouble:
+    """Why the counters of `wheels` do not go on from those of `last`."""
     if wheels.boot_id != last.boot_id:
         return _NEW_BOOT
     if wheels.instance != last.instance:
@@ -38,4 +39,4 @@ def restart(last: Wheels, wheels: Wheels) -> str:
     # The board's own time says "newer" for half its range only; the robot's clock does not wrap.
     if wheels.tick.robot_ns - last.tick.robot_ns >= _HALF_WRAP * 1000:
         return _LONG_GAP
-    return ""
+    return WELL

@@ -23,6 +23,7 @@ from giraff_odometry.config import OdometryConfig
 from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
 from giraff_schemas.messages import Odometry, Wheels
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
+from giraff_schemas.trouble import WELL, Trouble
 
 __all__ = ["Estimate", "OdometryPolicy", "advance"]
 
@@ -38,12 +39,14 @@ _SETTABLE: Final = {
 """What a pose may be set to: far more than a robot needs, and what is squared and summed stays exact and finite."""
 
 # Without numbers: a fault that repeats with each sample is then one fault, told once.
-_LEAP: Final = (
-    "a wheel leapt farther than max_wheel_speed allows, which was not believed; check the encoders' cables, "
-    "and ticks_per_metre in the robot file"
+_LEAP: Final = Trouble(
+    "a wheel leapt farther than max_wheel_speed allows, which was not believed",
+    "check the encoders' cables, and ticks_per_metre in the robot file",
 )
-_GAP: Final = "wheels came after a gap; check the network between base and odometry"
-_TOO_FAST: Final = "a wheel's speed is above max_wheel_speed: its travel is gone by; check the encoders' cables"
+_GAP: Final = Trouble("wheels came after a gap", "check the network between base and odometry")
+_TOO_FAST: Final = Trouble(
+    "a wheel's speed is above max_wheel_speed: its travel is gone by", "check the encoders' cables"
+)
 
 
 class OdometryPolicy:
@@ -60,8 +63,8 @@ class OdometryPolicy:
         """How often the pose was set from outside."""
         self.breaks = 0
         """How often the counters could not be followed, or only over a gap."""
-        self.notice = ""
-        """What was wrong with the newest sample, and what to do; empty when nothing was."""
+        self.notice = WELL
+        """What was wrong with the newest sample."""
 
     def transform(self) -> Transform:
         """Where the robot is now; safe to ask from any thread."""
@@ -79,7 +82,7 @@ class OdometryPolicy:
 
     def on_wheels(self, wheels: Wheels) -> Odometry | None:
         """Where the robot is at this sample; None when it repeats one already taken, or is older."""
-        self.notice = ""
+        self.notice = WELL
         last = self._last
         if last is None:
             self._last = wheels
@@ -126,12 +129,12 @@ class OdometryPolicy:
             self._systematic.begin(Pose(estimate.x, estimate.y, estimate.yaw))
         return OdomAnswer(done=True, jumps=self.jumps, reason="")
 
-    def _rebase(self, wheels: Wheels, notice: str) -> Odometry:
+    def _rebase(self, wheels: Wheels, notice: Trouble) -> Odometry:
         self._last = wheels
         self._lose_certainty(self._config.lost_position, self._config.lost_yaw, notice)
         return self._odometry(wheels, 0.0, 0.0)
 
-    def _lose_certainty(self, position: float, yaw: float, notice: str) -> None:
+    def _lose_certainty(self, position: float, yaw: float, notice: Trouble) -> None:
         self.estimate = less_sure(self.estimate, position, yaw)
         self.breaks += 1
         self.notice = notice

@@ -10,11 +10,13 @@ from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.frames import BASE_FRAME
 from giraff_schemas.topics import ODOM, ODOM_RESET, ODOM_SET_POSE, WHEELS
+from giraff_schemas.trouble import WELL, Trouble
 
 SILENCE: Final = 1.0
 """s without a sample that is worth a word."""
 SETTLED: Final = 1.0
 """s without a notice after which it is over: one that flickers is told once."""
+_NO_WHEELS: Final = Trouble("no wheels from base", "check that base runs and sees its board")
 
 
 class Odometry:
@@ -53,11 +55,9 @@ class Odometry:
         for pose in self._poses.take():
             pose.answer(policy.on_set_pose(pose.request))
         if now - self._noticed > SETTLED:
-            self._io.set_notice("counters", "")
+            self._io.set_notice("counters", WELL)
         is_silent = now - self._heard > SILENCE
-        self._io.set_notice(
-            "wheels", "no wheels from base; check that base runs and sees its board" if is_silent else ""
-        )
+        self._io.set_notice("wheels", _NO_WHEELS if is_silent else WELL)
 
     def end(self) -> None:
         """Nothing is left to say."""

@@ -58,7 +58,7 @@ class WheelListener:
             self._last = wheels
             return
         if fault := restart(last, wheels):
-            self._spoil(wheels, fault)
+            self._spoil(wheels, str(fault))
             return
         elapsed = elapsed_us(last, wheels) / 1e6
         if not elapsed:
