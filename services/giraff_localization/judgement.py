@@ -14,6 +14,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_localization.clusters import APART, Cluster
 from giraff_localization.way import Stride
 from giraff_schemas.localization import Candidate, LocalizationState
+from giraff_schemas.trouble import WELL, Trouble
 
 _MASS: Final = 0.95
 _SPREAD: Final = 0.35
@@ -49,15 +50,15 @@ _BELIEVABLE: Final = 0.60
 _UNHEARD: Final = 3.0
 """m without a reading that says anything, after which nothing is known any more."""
 
-_LOOKS: Final = "not found yet; drive on, along walls and round corners, and turn now and then"
-_CHECKS: Final = "it was told where it is, and that is checked; drive on two metres or three"
-_DOUBTS: Final = "what the sensors hear fits this place no more: carried away, or things stand about; drive on"
-_HEARS_NOTHING: Final = (
-    "no sensor has told anything for some metres; check that giraff_ranger runs, and the sensors of the robot file, or "
-    "drive to where walls are within 4 m"
+_LOOKS: Final = Trouble("not found yet", "drive on, along walls and round corners, and turn now and then")
+_CHECKS: Final = Trouble("it was told where it is, and that is checked", "drive on two metres or three")
+_DOUBTS: Final = Trouble(
+    "what the sensors hear fits this place no more: carried away, or things stand about", "drive on"
 )
-_ALIKE: Final = "{count} places fit; drive to where they differ"
-_NO_MAP_OF_THIS: Final = "driven {way:.0f} m, and no place fits well: this may not be the map; check it, and its scale"
+_HEARS_NOTHING: Final = Trouble(
+    "no sensor has told anything for some metres",
+    "check that giraff_ranger runs, and the sensors of the robot file, or drive to where walls are within 4 m",
+)
 
 
 class Fits(NamedTuple):
@@ -130,16 +131,17 @@ class Judgement:
         self._list(found, rivals, twins, fits)
 
     @property
-    def reason(self) -> str:
-        """Why it is not known, with the way out; empty when it is."""
+    def reason(self) -> Trouble:
+        """Why it is not known."""
         if self.state == "localized":
-            return ""
+            return WELL
         if self._is_deaf:
             return _HEARS_NOTHING
         if self.way > _WRONG_MAP and self._long_fit < _EXPLAINS:
-            return _NO_MAP_OF_THIS.format(way=self.way)
+            driven = f"driven {self.way:.0f} m, and no place fits well: this may not be the map"
+            return Trouble(driven, "check it, and its scale")
         if self.state == "ambiguous":
-            return _ALIKE.format(count=len(self.candidates))
+            return Trouble(f"{len(self.candidates)} places fit", "drive to where they differ")
         if self._was_told:
             return _CHECKS
         return _DOUBTS if self._was_known else _LOOKS

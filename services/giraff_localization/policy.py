@@ -34,6 +34,7 @@ from giraff_schemas.localization import (
     PlanarPose,
 )
 from giraff_schemas.messages import Odometry, Range
+from giraff_schemas.trouble import WELL, Trouble
 
 _STEP: Final = 0.1
 """m from one update to the next: a robot that stands learns nothing."""
@@ -49,19 +50,22 @@ _SETTABLE: Final = {
 }
 _ORIGIN: Final = Pose(0.0, 0.0, 0.0)
 _NOWHERE: Final[Covariance] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-_SILENT: Final = "no odometry is heard; check that giraff_odometry and giraff_base run, and the network to them"
-_READS: Final = "the map is being read: {share:.0%}; wait"
+_SILENT: Final = Trouble(
+    "no odometry is heard", "check that giraff_odometry and giraff_base run, and the network to them"
+)
 
 
 class LocalizationPolicy:
     """Looks for one robot on one floor plan."""
 
     def __init__(
-        self, config: LocalizationConfig, robot: RobotConfig, plan: FloorPlan | Floor | str, seed: int = 0
+        self, config: LocalizationConfig, robot: RobotConfig, plan: FloorPlan | Floor | Trouble, seed: int = 0
     ) -> None:
         """`plan`: the map, or what was made of it already, or why there is none."""
         self._config, self._robot, self._seed = config, robot, seed
-        self._floor, self._no_map = _floor(plan, config, robot)
+        floor = _floor(plan, config, robot)
+        self._floor = floor if isinstance(floor, Floor) else None
+        self._no_map = _read_so_far(0.0) if isinstance(floor, Floor) else floor
         self._building = None if self._floor is None else self._floor.build()
         self._filter: Filter | None = None
         self._updating: Iterator[None] | None = None
@@ -102,9 +106,9 @@ class LocalizationPolicy:
         self._is_silent, self._transform = True, None
 
     @property
-    def no_map(self) -> str:
-        """Why there is no map, with the way out; empty: there is one, though it may still be read."""
-        return self._no_map if self._floor is None else ""
+    def no_map(self) -> Trouble:
+        """Why there is no map; WELL also while it is still read."""
+        return self._no_map if self._floor is None else WELL
 
     def work(self) -> bool:
         """Do a part of what is to be computed, in some hundredths of a second; whether more may be left."""
@@ -130,7 +134,7 @@ class LocalizationPolicy:
         """Where it is now, by the last update and odometry since."""
         search, name = self._filter, "" if self._floor is None else self._floor.plan.name
         here, odom = self._here, self._odom_in_map
-        last = self._way.last
+        last, reason = self._way.last, self._reason
         judgement = None if search is None else search.judgement
         return MapPose(
             state=self._state,
@@ -144,8 +148,9 @@ class LocalizationPolicy:
             way=0.0 if judgement is None else judgement.way,
             particles=0 if search is None else search.cloud.count,
             map=name,
-            reason=self._reason,
+            reason=str(reason),
             tick=None if last is None else last.tick,
+            remedy=reason.remedy,
         )
 
     def particles(self) -> Particles:
@@ -172,7 +177,7 @@ class LocalizationPolicy:
         return "lost" if self._is_silent else self._filter.judgement.state
 
     @property
-    def _reason(self) -> str:
+    def _reason(self) -> Trouble:
         if self._filter is None:
             return self._no_map
         return _SILENT if self._is_silent else self._filter.judgement.reason
@@ -191,7 +196,7 @@ class LocalizationPolicy:
 
     def _build(self, floor: Floor, building: Iterator[float]) -> None:
         if (share := next(building, None)) is not None:
-            self._no_map = _READS.format(share=share)
+            self._no_map = _read_so_far(share)
             return
         self._building = None
         self._begin_search(floor, None)
@@ -200,9 +205,9 @@ class LocalizationPolicy:
         if wish in self._granted:
             return LocalizationAnswer(done=True, reason="")
         if self._floor is None or self._filter is None:
-            return LocalizationAnswer(done=False, reason=self._no_map)
-        if told is not None and (reason := _refusal(told, self._floor)):
-            return LocalizationAnswer(done=False, reason=reason)
+            return _refused(self._no_map)
+        if told is not None and (refusal := _refusal(told, self._floor)):
+            return _refused(refusal)
         self._granted.append(wish)
         self._begin_search(self._floor, told)
         return LocalizationAnswer(done=True, reason="")
@@ -234,16 +239,22 @@ class LocalizationPolicy:
         )
 
 
-def _floor(plan: FloorPlan | Floor | str, config: LocalizationConfig, robot: RobotConfig) -> tuple[Floor | None, str]:
-    """What the filter needs of the map, and why it cannot look for the robot now."""
-    if isinstance(plan, str):
-        return None, plan
-    if isinstance(plan, Floor):
-        return plan, _READS.format(share=0.0)
+def _floor(plan: FloorPlan | Floor | Trouble, config: LocalizationConfig, robot: RobotConfig) -> Floor | Trouble:
+    """What the filter needs of the map, or why there is none."""
+    if not isinstance(plan, FloorPlan):
+        return plan
     try:
-        return Floor(plan, config, robot.footprint_radius), _READS.format(share=0.0)
+        return Floor(plan, config, robot.footprint_radius)
     except MapError as error:
-        return None, str(error)
+        return Trouble(str(error))
+
+
+def _read_so_far(share: float) -> Trouble:
+    return Trouble(f"the map is being read: {share:.0%}", "wait")
+
+
+def _refused(why: Trouble) -> LocalizationAnswer:
+    return LocalizationAnswer(done=False, reason=str(why), remedy=why.remedy)
 
 
 def _origin_in(frame: Pose, pose: Pose) -> Pose:
@@ -251,17 +262,18 @@ def _origin_in(frame: Pose, pose: Pose) -> Pose:
     return _ORIGIN.seen_from(pose).placed_in(frame)
 
 
-def _refusal(told: Told, floor: Floor) -> str:
-    """Why the robot cannot be there; empty: it can."""
+def _refusal(told: Told, floor: Floor) -> Trouble:
+    """Why the robot cannot be there."""
     try:
         for name, bounds in _SETTABLE.items():
             bounds.require(name, getattr(told, name))
     except ValueError as error:
-        return str(error)
+        return Trouble(str(error))
     if not floor.space.is_at(told.pose.x, told.pose.y):
         space = floor.space
-        return (
+        return Trouble(
             f"({told.pose.x:g}, {told.pose.y:g}) is in a wall or off the map, which goes from ({space.left:.1f}, "
-            f"{space.bottom:.1f}) to ({space.right:.1f}, {space.top:.1f}) m; give a place where the robot can stand"
+            f"{space.bottom:.1f}) to ({space.right:.1f}, {space.top:.1f}) m",
+            "give a place where the robot can stand",
         )
-    return ""
+    return WELL

@@ -21,6 +21,7 @@ from giraff_schemas.topics import (
     POSE,
     RANGE,
 )
+from giraff_schemas.trouble import WELL, Trouble
 
 SILENCE: Final = 1.0
 """s without a sample that is worth a word."""
@@ -33,7 +34,7 @@ class Localization:
     link = None
 
     def __init__(
-        self, io: IO, config: LocalizationConfig, robot: RobotConfig, plan: FloorPlan | Floor | str, seed: int = 0
+        self, io: IO, config: LocalizationConfig, robot: RobotConfig, plan: FloorPlan | Floor | Trouble, seed: int = 0
     ) -> None:
         """`plan`: as of its policy."""
         self._io = io
@@ -70,8 +71,8 @@ class Localization:
         if self._map_timer.due(now):
             self._map.put(policy.walls())
         for topic, service in _SPOKEN_BY.items():
-            is_silent = now - self._heard[topic] > SILENCE
-            self._io.set_notice(topic, f"no {topic} is heard; check that giraff_{service} runs" if is_silent else "")
+            silent = Trouble(f"no {topic} is heard", f"check that giraff_{service} runs")
+            self._io.set_notice(topic, silent if now - self._heard[topic] > SILENCE else WELL)
         self._io.set_fault("map", policy.no_map)
 
     def end(self) -> None:

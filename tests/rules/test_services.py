@@ -19,6 +19,7 @@ from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
 from giraff_schemas.boards import BOARDS
 from giraff_schemas.services import CLIENT, DOOR, HANDS, INSTALLED, ROBOTS_OWN, SERVICES, SIMULATED, Service
+from giraff_schemas.trouble import Trouble
 from giraff_sim.dst.faults import machine, robot
 from giraff_sim.settings import MACHINES, Services, Settings
 from tests.rules.repository import ROOT, packages, sources
@@ -126,7 +127,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
     people: dict[str, tuple[Any, ...]] = {
         "keyboard": (MagicMock(), StatusView()),  # its screen
         "web": (MagicMock(), MagicMock()),  # its pages and its log
-        "localization": ("there is none",),  # its map
+        "localization": (Trouble("there is none"),),  # its map
     }
     given = load(service.table, config, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), **needed(service)})
     made(io, given, ROBOT, *people.get(service.name, ()))

@@ -11,6 +11,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_localization.clusters import Cluster
 from giraff_localization.judgement import Fits, Judgement
 from giraff_localization.way import Stride
+from giraff_schemas.trouble import WELL
 
 HERE, THERE = Pose(1.0, 1.0, 0.0), Pose(4.0, 1.0, 0.0)
 
@@ -45,16 +46,16 @@ def test_it_takes_three_metres_on_which_all_agrees() -> None:
     judgement = Judgement(was_told=False)
     drive(judgement, 2.9)
     assert said(judgement) == "lost"
-    assert "not found yet" in judgement.reason
+    assert "not found yet" in str(judgement.reason)
     drive(judgement, 0.3)
-    assert (said(judgement), judgement.reason, judgement.way) == ("localized", "", 0.0)
+    assert (said(judgement), judgement.reason, judgement.way) == ("localized", WELL, 0.0)
 
 
 def test_where_somebody_has_told_it_two_metres_are_enough_and_no_challenger_needed() -> None:
     judgement = Judgement(was_told=True)
     drive(judgement, 1.9, rivals=[])
     assert said(judgement) == "lost"
-    assert "checked" in judgement.reason
+    assert "checked" in str(judgement.reason)
     drive(judgement, 0.3, rivals=[])
     assert judgement.state == "localized"
 
@@ -113,7 +114,7 @@ def test_one_of_them_is_enough_to_doubt_what_was_known(wrong: dict[str, Any]) ->
     judgement = known()
     drive(judgement, 0.1, **wrong)
     assert judgement.state == "lost"
-    assert "carried away" in judgement.reason
+    assert "carried away" in str(judgement.reason)
 
 
 @pytest.mark.parametrize(
@@ -129,7 +130,7 @@ def test_where_no_sensor_says_anything_nothing_is_known() -> None:
     judgement = known()
     drive(judgement, 0.1, fits=Fits(0.9, 0.9, unheard=3.1))
     assert judgement.state == "lost"
-    assert "giraff_ranger" in judgement.reason
+    assert "giraff_ranger" in str(judgement.reason)
 
 
 def test_on_a_map_that_has_explained_little_for_long_no_place_is_believed_soon() -> None:
@@ -158,7 +159,7 @@ def test_several_places_are_ambiguous_best_first() -> None:
     drive(judgement, 1.0, found=[cluster(mass=0.6), cluster(THERE, mass=0.3)])
     assert judgement.state == "ambiguous"
     assert [(place.x, place.belief) for place in judgement.candidates] == [(1.0, 0.6), (4.0, 0.3)]
-    assert "2 places fit" in judgement.reason
+    assert "2 places fit" in str(judgement.reason)
 
 
 def test_a_twin_is_a_candidate_that_no_particle_believes() -> None:
@@ -179,15 +180,15 @@ def test_places_that_explain_little_are_no_candidates_to_choose_from() -> None:
 def test_the_map_is_doubted_after_forty_metres_on_which_no_place_fits() -> None:
     judgement = Judgement(was_told=False)
     drive(judgement, 39.0, fits=Fits(0.5, 0.5))
-    assert "may not be the map" not in judgement.reason
+    assert "may not be the map" not in str(judgement.reason)
     drive(judgement, 2.0, fits=Fits(0.5, 0.5))
-    assert "may not be the map" in judgement.reason
+    assert "may not be the map" in str(judgement.reason)
 
 
 def test_equal_rooms_are_no_reason_to_doubt_the_map() -> None:
     judgement = Judgement(was_told=False)
     drive(judgement, 60.0, twins=[THERE])
-    assert "2 places fit" in judgement.reason
+    assert "2 places fit" in str(judgement.reason)
 
 
 def test_a_good_place_now_and_then_is_no_reason_to_believe_the_map() -> None:
@@ -195,4 +196,4 @@ def test_a_good_place_now_and_then_is_no_reason_to_believe_the_map() -> None:
     for _ in range(5):
         drive(judgement, 8.0, fits=Fits(0.4, 0.4))
         drive(judgement, 1.0, rivals=[])
-    assert "may not be the map" in judgement.reason
+    assert "may not be the map" in str(judgement.reason)

@@ -16,14 +16,15 @@ from giraff_localization.range_table import CLEAR
 from giraff_maps.floor_plan import FloorPlan
 from giraff_schemas.localization import LocalizationGlobal, LocalizationSetPose, MapPose
 from giraff_schemas.messages import Range, RobotTime
+from giraff_schemas.trouble import Trouble, trouble_of
 from tests.support.robots import ROBOT
 from tests.unit.localization.rooms import CONFIG, ROOM, echo, floor, odometry
 
 ORIGIN = Pose(0.0, 0.0, 0.0)
-NO_MAP = "no map is given; set one"
+NO_MAP = Trouble("no map is given", "set one")
 
 
-def policy(plan: FloorPlan | Floor | str | None = None, *, seed: int = 1) -> LocalizationPolicy:
+def policy(plan: FloorPlan | Floor | Trouble | None = None, *, seed: int = 1) -> LocalizationPolicy:
     """One that has computed all that it can."""
     made = LocalizationPolicy(CONFIG, ROBOT, floor() if plan is None else plan, seed)
     work(made)
@@ -101,12 +102,12 @@ def test_without_a_map_it_says_so_and_how_to_give_one() -> None:
     robot.hears = False
     robot.drive(1.0)
     said = made.pose()
-    assert (said.state, said.reason, said.map, said.particles) == ("no_map", NO_MAP, "", 0)
+    assert (said.state, trouble_of(said), said.map, said.particles) == ("no_map", NO_MAP, "", 0)
     assert made.transform() is None
     assert not made.particles().x
     assert not made.walls().walls
-    assert set_pose(made) == NO_MAP
-    assert made.on_global(LocalizationGlobal(by="test", id=2)).reason == NO_MAP
+    assert set_pose(made) == str(NO_MAP)
+    assert trouble_of(made.on_global(LocalizationGlobal(by="test", id=2))) == NO_MAP
 
 
 def test_while_the_map_is_read_it_says_so_and_takes_what_it_is_told_later() -> None:
@@ -114,7 +115,7 @@ def test_while_the_map_is_read_it_says_so_and_takes_what_it_is_told_later() -> N
     made.work()
     assert made.pose().state == "no_map"
     assert "is being read" in made.pose().reason
-    assert made.no_map == ""
+    assert not made.no_map
     assert "is being read" in set_pose(made)
     work(made)
     assert made.pose().state == "lost"
@@ -126,7 +127,7 @@ def test_a_map_of_another_scale_is_none() -> None:
     made = policy(scaled)
     assert made.pose().state == "no_map"
     assert "is it in metres?" in made.pose().reason
-    assert made.no_map == made.pose().reason
+    assert str(made.no_map) == made.pose().reason
 
 
 def test_it_begins_lost_with_particles_all_over() -> None:
