@@ -12,13 +12,14 @@ from giraff_motion.travel import Travel
 from giraff_motion.way import Way
 from giraff_schemas.messages import Direction, GuardState, Odometry, RobotTime, Verdict
 from giraff_schemas.motion import MotionRequest, MotionState, Outcome, Stage
+from giraff_schemas.trouble import WELL, Trouble
 
 _RESTS_WITHIN: Final = 1.5
 """s"""
 _LONGEST_NAME: Final = 100
 _LONGEST_TEXT: Final = 300
 """Letters that others may put into what all are told, ten times a second."""
-_ARMS: Final = "holds still until the robot is armed"
+_ARMS: Final = Trouble("holds still until the robot is armed")
 
 
 class Goal:
@@ -75,14 +76,15 @@ class Goal:
         """Whether what is left of it goes by where the robot is on the map."""
         return self._way.needs_map
 
-    def follow(self, odom: Pose) -> str:
-        """Go by where `odom` is in `map` now; why it cannot, or empty."""
+    def follow(self, odom: Pose) -> Trouble:
+        """Go by where `odom` is in `map` now, or say why it cannot."""
         if (jump := self._way.jump(odom, self.pose)) is not None:
             by = f"{jump.shift:.2f} m and {math.degrees(jump.turn):.0f}°"
-            return f"localization has moved its goal or the robot by {by} at once; see that it is right, and ask again"
+            jumped = f"localization has moved its goal or the robot by {by} at once"
+            return Trouble(jumped, "see that it is right, and ask again")
         if self._way.is_off(odom, self.pose):
             self._driver = None
-        return ""
+        return WELL
 
     @property
     def news(self) -> tuple[object, ...]:
@@ -115,7 +117,7 @@ class Goal:
 
     def move(self) -> None:
         """It is armed."""
-        self.stage, self.reason = "moving", ""
+        self.stage, self.reason = "moving", WELL
 
     def twist(self, odometry: Odometry, guard: GuardState, now: float) -> tuple[float, float]:
         """m/s and rad/s to ask for now."""
@@ -127,16 +129,18 @@ class Goal:
         if not self._driver.is_stopping and verdict.freedom == "blocked":
             self._wait(verdict, now)
             return STANDS
-        self._blocked_since, self._blocked, self.reason = None, None, ""
+        self._blocked_since, self._blocked, self.reason = None, None, WELL
         return self._driver.twist(self.pose, odometry, now)
 
     def is_blocked(self, now: float) -> bool:
         """Whether its way has been blocked for longer than its patience."""
         return self._blocked_since is not None and now - self._blocked_since > self._patience
 
-    def end(self, outcome: Outcome, reason: str, now: float) -> None:
+    def end(self, outcome: Outcome, reason: Trouble, now: float) -> None:
         """For good."""
-        self.stage, self.outcome, self.reason, self.ended_at = "stopping", outcome, reason[:_LONGEST_TEXT], now
+        if len(line := str(reason)) > _LONGEST_TEXT:
+            reason = Trouble(line[:_LONGEST_TEXT])
+        self.stage, self.outcome, self.reason, self.ended_at = "stopping", outcome, reason, now
         if outcome != "blocked":
             self._blocked = None
         if outcome == "lost_lease":  # what the robot goes from now on is another's
@@ -164,7 +168,8 @@ class Goal:
             time_limit=self.time_limit,
             outcome=self.outcome,
             sensor=self._blocked.sensor if self._blocked is not None else "",
-            reason=self.reason,
+            reason=str(self.reason),
+            remedy=self.reason.remedy,
         )
 
     def _next(self) -> None:
@@ -176,9 +181,7 @@ class Goal:
     def _wait(self, verdict: Verdict, now: float) -> None:
         if self._blocked_since is None:
             self._blocked_since = now
-        self._blocked = verdict
-        way_out = f"; {verdict.way_out}" if verdict.way_out else ""
-        self.reason = f"{verdict.reason}{way_out}"
+        self._blocked, self.reason = verdict, Trouble(verdict.reason, verdict.way_out)
 
 
 def _verdict_of(guard: GuardState, direction: Direction) -> Verdict:

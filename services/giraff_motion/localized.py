@@ -16,6 +16,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Odometry, RobotTime
 from giraff_schemas.motion import GoTo, Step
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 _HEARD: Final = 1.0
 """s; localization tells the pose ten times a second."""
@@ -28,10 +29,14 @@ _MOST_SHIFT: Final = 0.2
 _MOST_TURN: Final = math.radians(10.0)
 
 _OTHERWISE: Final = "or give the point in odom"
-_NEVER: Final = f"no pose on the map is heard; start giraff_localization, {_OTHERWISE}"
-_SILENT: Final = f"no pose on the map is heard any more; check giraff_localization, {_OTHERWISE}"
-_TWO: Final = "two processes say where the robot is on the map; stop one of them (`giraff node list` shows both)"
-_OLD: Final = "the pose on the map is from before this start of base or odometry, or old; wait for localization"
+_NEVER: Final = Trouble("no pose on the map is heard", f"start giraff_localization, {_OTHERWISE}")
+_SILENT: Final = Trouble("no pose on the map is heard any more", f"check giraff_localization, {_OTHERWISE}")
+_TWO: Final = Trouble(
+    "two processes say where the robot is on the map", "stop one of them (`giraff node list` shows both)"
+)
+_OLD: Final = Trouble(
+    "the pose on the map is from before this start of base or odometry, or old", "wait for localization"
+)
 
 
 class Localized:
@@ -61,8 +66,8 @@ class Localized:
             raise ValueError(_NEVER)
         return Pose(self._pose.odom.x, self._pose.odom.y, self._pose.odom.yaw)
 
-    def fault(self, age: Callable[[RobotTime | None], float], now: float) -> str:
-        """Why no motion may go by it, with the way out; empty: one may.
+    def fault(self, age: Callable[[RobotTime | None], float], now: float) -> Trouble:
+        """Why no motion may go by it.
 
         `age`: s that a tick is old by the robot's own time; infinite: of another start of base.
         """
@@ -73,10 +78,11 @@ class Localized:
         if now - self._disputed <= _HEARD:
             return _TWO
         if pose.state != "localized":
-            return pose.reason or f"it is not known where the robot is on the map ({pose.state}); `giraff localize`"
+            unknown = f"it is not known where the robot is on the map ({pose.state})"
+            return trouble_of(pose) or Trouble(unknown, "`giraff localize`")
         if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._origin.holds(pose.tick):
             return _OLD
-        return ""
+        return WELL
 
     def placed(self, step: GoTo) -> Placed:
         """A step in `map`. Raises ValueError where nothing was heard of it."""

@@ -29,7 +29,7 @@ from giraff_schemas.motion import (
     steps_of,
 )
 from giraff_schemas.services import MOTION
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 _WISH_COUNTS: Final = 1.0
 """s after which a request is too old to begin anything."""
@@ -49,12 +49,12 @@ _REMEMBERED: Final = 64
 """Requests that are met once."""
 
 _SLOW: Final = "give it a longer time limit; the guard slows it where its sensors see little"
-_NO_GUARD: Final = "the guard is not heard; check that giraff_guard runs on base's machine"
-_NO_BASE: Final = "base is not heard; check that giraff_base runs"
-_NO_ODOMETRY: Final = "odometry is not heard; check that giraff_odometry runs"
-_JUMPED: Final = "the pose was set while it moved, or board or odometry began anew; ask again"
-_NO_REQUESTER: Final = (
-    f"who asked for it has not said for {_HOLD_COUNTS:g} s that it is still wished; check its link and its program"
+_NO_GUARD: Final = Trouble("the guard is not heard", "check that giraff_guard runs on base's machine")
+_NO_BASE: Final = Trouble("base is not heard", "check that giraff_base runs")
+_NO_ODOMETRY: Final = Trouble("odometry is not heard", "check that giraff_odometry runs")
+_JUMPED: Final = Trouble("the pose was set while it moved, or board or odometry began anew", "ask again")
+_NO_REQUESTER: Final = Trouble(
+    f"who asked for it has not said for {_HOLD_COUNTS:g} s that it is still wished", "check its link and its program"
 )
 
 
@@ -122,8 +122,8 @@ class MotionPolicy(Hand):
         """Begin a motion, or say why not. Asked again, it is the answer of the first time."""
         if (met := self._answers.get(request.id)) is not None:
             return met
-        reason = self._begin(request, now)
-        answer = self._answers[request.id] = MotionAnswer(accepted=not reason, reason=reason)
+        why = self._begin(request, now)
+        answer = self._answers[request.id] = MotionAnswer(accepted=not why, reason=str(why), remedy=why.remedy)
         if len(self._answers) > _REMEMBERED:
             del self._answers[next(iter(self._answers))]
         return answer
@@ -133,7 +133,7 @@ class MotionPolicy(Hand):
         motion = self._going_on
         if motion is None or request.id not in (0, motion.id):
             return MotionAnswer(accepted=False, reason="no such motion goes on")
-        motion.end("cancelled", f"cancelled by {request.by}", now)
+        motion.end("cancelled", Trouble(f"cancelled by {request.by}"), now)
         return MotionAnswer(accepted=True, reason="")
 
     def poll(self, now: float) -> Wish | Fault | None:
@@ -171,16 +171,14 @@ class MotionPolicy(Hand):
     def _going_on(self) -> Goal | None:
         return self._motion if self._motion is not None and self._motion.goes_on else None
 
-    def _begin(self, request: MotionRequest, now: float) -> str:
-        """Why not; empty: it has begun."""
-        if reason := self._unfit(now):
-            return reason
-        if reason := self._untimely(request):
-            return reason
+    def _begin(self, request: MotionRequest, now: float) -> Trouble:
+        """Why not; WELL: it has begun."""
+        if why := self._unfit(now) or self._untimely(request):
+            return why
         if (other := self._motion) is not None and other.stage != "ended":
-            return f"a motion of {other.by} goes on; wait for its end, or cancel it"
+            return Trouble(f"a motion of {other.by} goes on", "wait for its end, or cancel it")
         if self.operator.holder and not self.operator.holds:
-            return f"{self.operator.holder} drives: {self.operator.refusal}"
+            return self.operator.refusal.of(f"{self.operator.holder} drives")
         if (odometry := self._odometry) is None or not self._knows_where:
             return _NO_ODOMETRY
         try:
@@ -188,34 +186,35 @@ class MotionPolicy(Hand):
                 return fault
             self._motion = self._pilot.begin(request, odometry, now)
         except ValueError as error:
-            return str(error)
-        return ""
+            return Trouble(str(error))
+        return WELL
 
-    def _untimely(self, request: MotionRequest) -> str:
-        """Why it is no new wish of now; empty: it is one."""
+    def _untimely(self, request: MotionRequest) -> Trouble:
+        """Why it is no new wish of now."""
         if request.id == 0:
-            return "its id is 0; give a random one, other for each request"
+            return Trouble("its id is 0", "give a random one, other for each request")
         if not request.instance:
-            return "its instance is empty; give the one that its holds carry"
+            return Trouble("its instance is empty", "give the one that its holds carry")
         old = self._age(request.tick)
         if -_AHEAD <= old <= _WISH_COUNTS:
-            return ""
+            return WELL
         if math.isfinite(old) and old > 0.0:
-            return f"it was wished {old:.1f} s ago; ask again"
-        return "its tick is of another start of base, or of another robot; ask again"
+            return Trouble(f"it was wished {old:.1f} s ago", "ask again")
+        return Trouble("its tick is of another start of base, or of another robot", "ask again")
 
-    def _unfit(self, now: float) -> str:
-        """What is missing of the robot, with the way out; empty: nothing."""
+    def _unfit(self, now: float) -> Trouble:
+        """What is missing of the robot."""
         if fault := self.operator.link_fault(now):
-            return str(fault)
+            return fault
         if now - min(self._guard[1], self._told_who_drives) > _STATES_COUNT:
             return _NO_GUARD
         base, heard = self._base
         if base is None or now - heard > _STATES_COUNT:
             return _NO_BASE
         if self._estop is not None and self._estop.engaged:
-            return f"emergency stop, engaged by {self._estop.by}: {self._estop.reason}; release it, then ask again"
-        return "" if base.board.connected else f"{base.reason}; then ask again"
+            stop = trouble_of(self._estop).of(f"emergency stop, engaged by {self._estop.by}")
+            return _and_then(stop, "release it, then ask again")
+        return WELL if base.board.connected else _and_then(trouble_of(base), "then ask again")
 
     def _review(self, motion: Goal, now: float) -> None:
         """End what must not go on; begin to move once the robot is armed."""
@@ -224,11 +223,11 @@ class MotionPolicy(Hand):
         if why is not None:
             motion.end(*why, now)
         elif now - motion.began > motion.time_limit:
-            motion.end("time_limit", f"not there after {motion.time_limit:.1f} s; {_SLOW}", now)
+            motion.end("time_limit", Trouble(f"not there after {motion.time_limit:.1f} s", _SLOW), now)
         elif motion.stage == "arming":
             self._arm(motion, now)
 
-    def _robot_fault(self, motion: Goal, now: float) -> tuple[Outcome, str] | None:
+    def _robot_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
         if reason := self._unfit(now):
             return "disarmed", reason
         lost = motion.stage == "moving" and not self._knows_where
@@ -238,22 +237,22 @@ class MotionPolicy(Hand):
     def _knows_where(self) -> bool:
         return self._odometry is not None and self._age(self._odometry.tick) <= _ODOMETRY_COUNTS
 
-    def _requester_fault(self, motion: Goal, now: float) -> tuple[Outcome, str] | None:
+    def _requester_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
         never = motion.tick is None
         lost = now - motion.began > _WISH_COUNTS if never else self._age(motion.tick) > _HOLD_COUNTS
         return ("lost_requester", _NO_REQUESTER) if lost else None
 
-    def _lease_fault(self, motion: Goal) -> tuple[Outcome, str] | None:
+    def _lease_fault(self, motion: Goal) -> tuple[Outcome, Trouble] | None:
         """While it is free one that is not armed yet may ask for it."""
         if not self.operator.holds:
             lost = motion.stage == "moving" or self.operator.holder
-            return ("lost_lease", str(self.operator.refusal)) if lost else None
+            return ("lost_lease", self.operator.refusal) if lost else None
         base, _ = self._base
         if motion.stage == "moving" and base is not None and not base.armed:
-            return "disarmed", base.reason
+            return "disarmed", trouble_of(base)
         return None
 
-    def _map_fault(self, motion: Goal, now: float) -> tuple[Outcome, str] | None:
+    def _map_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
         if not motion.needs_map:
             return None
         reason = self._localized.fault(self._age, now) or motion.follow(self._localized.odom)
@@ -269,7 +268,7 @@ class MotionPolicy(Hand):
         elif now - motion.began > _ARMS_WITHIN and is_armed:
             motion.end("lost_odometry", _NO_ODOMETRY, now)
         elif now - motion.began > _ARMS_WITHIN:
-            reason = base.reason if base is not None and self.operator.holds else str(self.operator.refusal)
+            reason = trouble_of(base) if base is not None and self.operator.holds else self.operator.refusal
             motion.end("disarmed", reason, now)
 
     def _twist(self, motion: Goal, now: float) -> tuple[float, float]:
@@ -280,7 +279,7 @@ class MotionPolicy(Hand):
         if motion.is_blocked(now):
             motion.end("blocked", motion.reason, now)
         elif motion.has_arrived:
-            motion.end("arrived", "", now)
+            motion.end("arrived", WELL, now)
         return twist
 
     def _age(self, tick: RobotTime | None) -> float:
@@ -289,3 +288,8 @@ class MotionPolicy(Hand):
         if tick is None or newest is None or tick.epoch != newest.epoch:
             return math.inf
         return (newest.robot_ns - tick.robot_ns) * 1e-9
+
+
+def _and_then(trouble: Trouble, step: str) -> Trouble:
+    """Add a last step to its remedy."""
+    return Trouble(trouble.what, f"{trouble.remedy}; {step}" if trouble.remedy else step)

@@ -12,6 +12,7 @@ from giraff_motion.goal import Goal
 from giraff_motion.policy import MotionPolicy
 from giraff_motion.service import Motion
 from giraff_schemas.motion import MotionMove, Outcome
+from giraff_schemas.trouble import Trouble
 from giraff_sim.settings import Services
 from tests.loop.motions import AHEAD, Stage, stage
 
@@ -126,7 +127,7 @@ def test_a_fault_stops_a_motion_within_its_bound(name: str) -> None:
 class Deaf(MotionPolicy):
     """It does not notice that nobody holds."""
 
-    def _requester_fault(self, motion: Goal, now: float) -> tuple[Outcome, str] | None:
+    def _requester_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
         del motion, now
         return None
 

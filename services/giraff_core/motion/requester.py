@@ -142,8 +142,8 @@ class MotionRequester:
             return result_of(state, *self._lost, begun=True)
         if self._asked_at > now:
             return None
-        if now - self._woke > LINK_SILENCE and (fault := self._link.link_fault(now)):
-            return result_of(state, "lost_robot", str(fault), begun=self._begun)
+        if now - self._woke > LINK_SILENCE and (fault := str(self._link.link_fault(now))):
+            return result_of(state, "lost_robot", fault, begun=self._begun)
         if not self._begun:
             late = now - self._asked_at > ANSWERS_WITHIN
             why = f"{self._fault}; {_CHECK}" if self._fault else _NO_ANSWER

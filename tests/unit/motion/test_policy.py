@@ -21,6 +21,7 @@ from giraff_schemas.motion import (
     Turn,
 )
 from giraff_schemas.requests import OdomReset
+from giraff_schemas.trouble import Trouble, trouble_of
 from tests.unit.motion.bench import BLOCKED, PERIOD, REQUESTER, Bench
 
 
@@ -266,7 +267,7 @@ def test_a_blocked_way_is_waited_for_and_ends_it_with_the_sensor() -> None:
     bench.run(0.44)
     state = ended(bench)
     assert (state.outcome, state.sensor) == ("blocked", "front_left")
-    assert state.reason == "wall at 0.20 m; back away"
+    assert trouble_of(state) == Trouble("wall at 0.20 m", "back away")
     assert state.achieved.x == pytest.approx(bench.floor.pose.x, abs=0.01)
 
 
