@@ -12,12 +12,14 @@ from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.kinematics.parts import ANGLE, PLACE, PartPose, check_parts
+from giraff_core.sensors import Bumper, UltrasonicModel
 from giraff_core.tuning import Tuning
 from giraff_schemas.frames import BASE_FRAME, Transform, range_frame
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS
 
 _STEEPEST: Final = math.pi / 4
+_HC_SR04: Final = UltrasonicModel()
 WIRING: Final = (
     "swap_motors",
     "swap_encoders",
@@ -99,6 +101,13 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """m: variance (m²) of a wheel's travel per metre of it, of what is random. 1e-6 is 1 mm after one metre, 3 mm after
     ten; the recorded runs of a small robot leave 2e-7 to 1e-6. What is systematic: `calibration`."""
     sensors: dict[str, SensorPose]
+    """The ultrasonic ones, by name. In the robot file each table `[robot.sensors.<name>]` is of its `type`: those that
+    have another one are in the tables below."""
+    models: dict[str, UltrasonicModel] = {}
+    """What is expected of those of `sensors` of which the robot file says so."""
+    bumpers: dict[str, Bumper] = {}
+    unknown_sensors: dict[str, str] = {}
+    """By name: a type that this version does not know. Who does not use it passes it over."""
     frames: dict[str, PartPose] = {}
     """Of other parts, by name; odometry tells where they are."""
 
@@ -109,10 +118,15 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             require_chunk(sensor)
             if not 0 <= pose.index < RANGE_SENSORS:
                 raise ValueError(f"sensor {sensor} has index {pose.index}: the ranger board has 0..{RANGE_SENSORS - 1}")
-        indices = [pose.index for pose in self.sensors.values()]
-        if len(set(indices)) != len(indices):
-            raise ValueError(f"sensors share an index: {sorted(indices)}")
+        for mounted in (self.sensors, self.bumpers):
+            indices = [each.index for each in mounted.values()]
+            if len(set(indices)) != len(indices):
+                raise ValueError(f"sensors share an index: {sorted(indices)}")
         check_parts(self.frames, [range_frame(sensor) for sensor in self.sensors])
+
+    def model(self, sensor: str) -> UltrasonicModel:
+        """What is expected of an ultrasonic sensor."""
+        return self.models.get(sensor, _HC_SR04)
 
     @property
     def kinematics(self) -> DifferentialDrive:

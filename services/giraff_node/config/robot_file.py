@@ -17,6 +17,7 @@ from typing import Any, Final, NamedTuple, TypeVar, get_type_hints
 import msgspec
 import msgspec.inspect
 
+from giraff_core.sensors import by_type
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.services import SERVICES
 
@@ -58,14 +59,17 @@ class RawSettings(NamedTuple):
     def table(self, name: str, config: type[ConfigT]) -> ConfigT:
         """The checked table as a `config`, whose fields' defaults stand for what is left out. Raises ConfigError."""
         values = self.tables.get(name, {})
+        if name == "robot":
+            values = by_type(values)
         try:
             # Not strict, because the environment's values are text: "70" is a number, "true" a truth.
             return msgspec.convert(values, config, strict=False)
         except msgspec.ValidationError as error:
             told = _with_key(str(error), values, config)
+            shown = told.replace("$.bumpers.", "$.sensors.").replace("$.models.", "$.sensors.")
             if (name, told) == ("base", _NO_DRIVE):
-                told = "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"
-            raise ConfigError(f"{self.place(name)}: {told}{_hint(values, config, told)}") from error
+                shown = "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"
+            raise ConfigError(f"{self.place(name)}: {shown}{_hint(values, config, told)}") from error
 
     def place(self, table: str) -> str:
         """Where an error of this table is to be looked for."""

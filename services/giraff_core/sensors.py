@@ -1,0 +1,77 @@
+"""The robot's sensors: `[robot.sensors.<name>]` of the robot file, by their `type`.
+
+`RobotConfig` has a table for each type, so that a host of an earlier version reads the ultrasonic ones as ever.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Final, Literal
+
+import msgspec
+
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.tuning import Tuning
+
+BUMPERS: Final = 2
+"""Pins for them on the ranger's board."""
+ULTRASONIC: Final = "hc-sr04"
+"""The type of a sensor that names none."""
+_TABLES: Final = {"bumper": "bumpers"}
+"""By type, the table of `RobotConfig` that holds all of it."""
+
+
+class UltrasonicModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What guard and localization expect of an ultrasonic sensor: the defaults are of an HC-SR04.
+
+    The simulator has a model of its own, which is drawn by `[sim.truth]`.
+    """
+
+    LIVE: ClassVar = Tuning.READ_ONLY
+
+    half_cone: Annotated[float, Bounds(math.radians(1.0), math.radians(45.0), "rad")] = math.radians(7.5)
+    """rad; an echo may come from anywhere this far off the sensor's axis."""
+    incidence: Annotated[float, Bounds(math.radians(5.0), math.radians(85.0), "rad")] = math.radians(25.0)
+    """rad between a surface's normal and the sensor's axis, up to which it reads reliably."""
+    reach: Annotated[float, Bounds(0.1, 10.0, "m")] = 4.0
+    """m beyond which nothing is heard: what `clear` counts for."""
+
+    def __post_init__(self) -> None:
+        check_bounds(self)
+
+
+class Bumper(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A switch at the robot's rim that opens when something pushes it, on a spare pin of the ranger's board."""
+
+    LIVE: ClassVar = Tuning.READ_ONLY
+
+    index: int
+    """Number of the pin on the ranger board."""
+    way: Literal["forward", "backward"]
+    """In which the robot drives when it meets something with it."""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.index < BUMPERS:
+            raise ValueError(f"index is {self.index}: the ranger board has bumpers 0..{BUMPERS - 1}")
+
+
+def by_type(robot: Mapping[str, Any]) -> dict[str, Any]:
+    """The table `[robot]` of a file, with each sensor in the table of its type, as `RobotConfig` has them."""
+    sensors = robot.get("sensors")
+    if not isinstance(sensors, Mapping):
+        return dict(robot)
+    found: dict[str, dict[str, Any]] = {"sensors": {}, "models": {}, "bumpers": {}, "unknown_sensors": {}}
+    for name, entry in sensors.items():
+        if not isinstance(entry, Mapping):
+            found["sensors"][name] = entry  # refused there
+            continue
+        kind, rest = entry.get("type", ULTRASONIC), {field: entry[field] for field in entry if field != "type"}
+        if kind == ULTRASONIC:
+            model = {field: rest.pop(field) for field in UltrasonicModel.__struct_fields__ if field in rest}
+            found["sensors"][name] = rest
+            found["models"] |= {name: model} if model else {}
+        else:
+            table = _TABLES.get(kind, "unknown_sensors")
+            found[table][name] = rest if kind in _TABLES else str(kind)
+    return {**robot, **{table: entries for table, entries in found.items() if entries or table == "sensors"}}

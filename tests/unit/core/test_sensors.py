@@ -1,0 +1,55 @@
+"""Sensors of a robot file, by their type."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from giraff_core.robot import RobotConfig
+from giraff_core.sensors import Bumper, UltrasonicModel
+from giraff_node.config.robot_file import ConfigError, load
+from tests.rules.repository import ROOT
+
+POSE = "index = 0\nx = 0.25\ny = 0.0\nyaw = 0.0\n"
+
+
+def robot(folder: Path, sensors: str) -> RobotConfig:
+    head, _, _ = (ROOT / "deploy" / "robot.toml").read_text().partition("[robot.sensors.")
+    file = folder / "robot.toml"
+    file.write_text(head + sensors)
+    return load("robot", RobotConfig, {"GIRAFF_CONFIG": str(file)})
+
+
+def test_a_sensor_without_a_type_is_an_ultrasonic_one(tmp_path: Path) -> None:
+    other = POSE.replace("index = 0", "index = 1")
+    found = robot(tmp_path, f"[robot.sensors.a]\n{POSE}[robot.sensors.b]\ntype = 'hc-sr04'\nreach = 2.0\n{other}")
+    assert list(found.sensors) == ["a", "b"]
+    assert found.model("a") == UltrasonicModel()
+    assert found.model("b") == UltrasonicModel(reach=2.0)
+
+
+def test_other_types_have_tables_of_their_own_and_an_unknown_one_is_passed_over(tmp_path: Path) -> None:
+    found = robot(
+        tmp_path,
+        f"[robot.sensors.a]\n{POSE}[robot.sensors.front]\ntype = 'bumper'\nindex = 1\nway = 'forward'\n"
+        "[robot.sensors.laser]\ntype = 'rplidar'\nbaud = 115200\n",
+    )
+    assert list(found.sensors) == ["a"]
+    assert found.bumpers == {"front": Bumper(index=1, way="forward")}
+    assert found.unknown_sensors == {"laser": "rplidar"}
+
+
+@pytest.mark.parametrize(
+    ("entry", "wrong"),
+    [
+        ("type = 'bumper'\nindex = 2\nway = 'forward'", "the ranger board has bumpers 0..1"),
+        ("type = 'bumper'\nindex = 0\nway = 'forwards'", "did you mean 'forward'"),
+        ("type = 'bumper'\nindexx = 0\nway = 'forward'", "did you mean 'index'"),
+        (f"{POSE}half_cone = 7.5", "half_cone"),
+    ],
+)
+def test_a_mistake_is_told_with_the_sensors_name(tmp_path: Path, entry: str, wrong: str) -> None:
+    with pytest.raises(ConfigError, match=wrong) as refused:
+        robot(tmp_path, f"[robot.sensors.front]\n{entry}\n")
+    assert "sensors.front" in str(refused.value)
