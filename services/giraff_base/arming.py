@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from giraff_base.config import BaseConfig
 from giraff_core.freshness import age
+from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime
 
 HOW_TO_ARM = "hold the hand level"
@@ -16,8 +17,8 @@ class Arming:
     neutral arms again, measured by the ticks of his hand and not by when they arrived.
     """
 
-    def __init__(self, config: BaseConfig) -> None:
-        self._config = config
+    def __init__(self, live: Live[BaseConfig]) -> None:
+        self._live = live
         self.armed = False
         self._why = "base has just started"  # what disarmed last
         self._holder = ("", 0)
@@ -26,16 +27,12 @@ class Arming:
         self._neutral_from: RobotTime | None = None
         self._neutral_to: RobotTime | None = None
 
-    def reconfigure(self, config: BaseConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-
     @property
     def refusal(self) -> str:
         """Why the robot is not armed, and how to arm it; empty when it is."""
         if self.armed:
             return ""
-        return f"not armed since {self._why}; {HOW_TO_ARM} for {self._config.arm_time:g} s"
+        return f"not armed since {self._why}; {HOW_TO_ARM} for {self._live.config.arm_time:g} s"
 
     def disarm(self, why: str) -> None:
         if self.armed:
@@ -56,7 +53,7 @@ class Arming:
             self.disarm("the operator's side reports a fault")
         elif command.lease_counter == 0:
             self.disarm("nobody holds the lease")
-        elif self._held(command, now) >= self._config.arm_time:
+        elif self._held(command, now) >= self._live.config.arm_time:
             self.armed = True
 
     def _held(self, command: GuardedCommand, now: RobotTime) -> float:
@@ -64,13 +61,13 @@ class Arming:
         tick = command.operator_tick
         self._since = self._since or now
         is_neutral = command.hand_neutral and command.neutral
-        if tick is None or age(tick, now) > self._config.operator_budget or not is_neutral:
+        if tick is None or age(tick, now) > self._live.config.operator_budget or not is_neutral:
             self._neutral_from = self._neutral_to = None
             return -1.0
         if tick.robot_ns < self._since.robot_ns:
             return -1.0  # of before the disarming: the hand may be elsewhere since
         # Two moments far apart, or in the wrong order, are not a hand that was held.
-        if age(self._neutral_to, tick) > self._config.neutral_gap:
+        if age(self._neutral_to, tick) > self._live.config.neutral_gap:
             self._neutral_from = tick
         self._neutral_to = tick
         return age(self._neutral_from, tick)

@@ -8,6 +8,7 @@ from giraff_base.battery import BatteryWatch
 from giraff_base.binding import Binding
 from giraff_base.config import BaseConfig
 from giraff_base.estop import EStopControl
+from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime
 
 _NO_GUARD = "the guard is not heard; start giraff_guard on this machine"
@@ -16,13 +17,13 @@ _NO_GUARD = "the guard is not heard; start giraff_guard on this machine"
 class Authority:
     """Whose command counts, whether the robot is armed, and what stands against it."""
 
-    def __init__(self, config: BaseConfig, estop: EStopControl) -> None:
-        self._config = config
+    def __init__(self, live: Live[BaseConfig], estop: EStopControl) -> None:
+        self._live = live
         self._estop = estop
-        self._unchecked = config.drive.unchecked
-        self.arming = Arming(config)
-        self.binding = Binding(config, self.arming)
-        self.battery = BatteryWatch(config)
+        self._unchecked = live.config.drive.unchecked
+        self.arming = Arming(live)
+        self.binding = Binding(live, self.arming)
+        self.battery = BatteryWatch(live)
         self.round_trip: float | None = None
         """s; age of the operator's tick when it was used last."""
         self.budget_left: float | None = None
@@ -32,12 +33,6 @@ class Authority:
         self._refused_ns = 0
         self._newest_ns = 0
         self._clock_trusted_ns = 0
-
-    def reconfigure(self, config: BaseConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-        for part in (self.arming, self.binding, self.battery):
-            part.reconfigure(config)
 
     @property
     def faults(self) -> dict[str, str]:
@@ -66,12 +61,12 @@ class Authority:
         if command is None:
             return 0.0, 0.0, self._forbid(now) or self._refused or _NO_GUARD
         ages = ages_of(command, now)
-        self.round_trip = ages.operator if ages.operator < self._config.disarm_time else None
-        self.budget_left = max(ages.left(self._config), -self._config.disarm_time)
+        self.round_trip = ages.operator if ages.operator < self._live.config.disarm_time else None
+        self.budget_left = max(ages.left(self._live.config), -self._live.config.disarm_time)
         self._disarm_if_stale(command, now)
         if stopped := self._forbid(now) or self._unfounded(command, ages) or self.arming.refusal:
             return 0.0, 0.0, stopped
-        share, late = ages.share(self._config)
+        share, late = ages.share(self._live.config)
         if self.battery.share < share:
             share, late = self.battery.share, self.battery.warning
         slowed = f"slowed: {late}" if share < 1.0 and not command.neutral else ""
@@ -93,11 +88,11 @@ class Authority:
 
     def _unfounded(self, command: GuardedCommand, ages: Ages) -> str:
         """Why the command in charge moves nothing: it is stale, of a hand that was lost, or nobody's."""
-        if ages.guard > self._config.guard_budget:
+        if ages.guard > self._live.config.guard_budget:
             return self._refused or _NO_GUARD
-        if ages.operator > self._config.operator_budget:
+        if ages.operator > self._live.config.operator_budget:
             return command.reason or "no fresh command of an operator; check its link"
-        if ages.ranged > self._config.range_budget and command.linear_x != 0.0:
+        if ages.ranged > self._live.config.range_budget and command.linear_x != 0.0:
             return command.reason or "a range that this motion relies on is too old; check giraff_ranger and its board"
         if command.source == "fault":
             return command.reason or "the operator's side reports a fault"
@@ -107,7 +102,7 @@ class Authority:
 
     def _disarm_if_stale(self, command: GuardedCommand, now: RobotTime) -> None:
         """Disarm when a part of the command in charge has been stale for too long."""
-        if max(ages_of(command, now)) > self._config.disarm_time:
+        if max(ages_of(command, now)) > self._live.config.disarm_time:
             self.arming.disarm("a command or a range was stale for too long")
 
     def _watch(self, now: RobotTime) -> None:
@@ -116,8 +111,8 @@ class Authority:
         One that goes back makes old moments look new: nothing counts until it is well past all that it has shown.
         """
         self.binding.forget(now)
-        if (now.robot_ns - self._refused_ns) * 1e-9 >= self._config.guard_silence:
+        if (now.robot_ns - self._refused_ns) * 1e-9 >= self._live.config.guard_silence:
             self._refused = ""
         if now.robot_ns < self._newest_ns:
-            self._clock_trusted_ns = self._newest_ns + round(self._config.disarm_time * 1e9)
+            self._clock_trusted_ns = self._newest_ns + round(self._live.config.disarm_time * 1e9)
         self._newest_ns = max(self._newest_ns, now.robot_ns)

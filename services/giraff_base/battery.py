@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_base.config import BaseConfig
+from giraff_core.live import Live
 
 _HELD_NS: Final = 5_000_000_000  # motors that start pull any battery down; what lasts is not that
 _RISE: Final = 0.5  # V above the limit: what a battery regains by mere rest is no charge
@@ -37,14 +38,10 @@ class _Held:
 class BatteryWatch:
     """Judges each reading of a battery whose divider is known."""
 
-    def __init__(self, config: BaseConfig) -> None:
-        self._config = config
+    def __init__(self, live: Live[BaseConfig]) -> None:
+        self._live = live
         self._volts = 0.0
         self._low, self._empty = _Held(), _Held()
-
-    def reconfigure(self, config: BaseConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
 
     @property
     def share(self) -> float:
@@ -64,7 +61,7 @@ class BatteryWatch:
         return self.stops or (f"the battery is low at {self._volts:.1f} V; charge it" if self._low.holds else "")
 
     def take(self, volts: float, robot_ns: int) -> None:
-        low, cutoff = self._config.battery_low, self._config.battery_cutoff  # 0: off, no battery is below it
+        low, cutoff = self._live.config.battery_low, self._live.config.battery_cutoff  # 0: off, no battery is below it
         self._volts = volts
         self._low.judge(volts < low, volts >= low + _RISE, robot_ns)
         self._empty.judge(volts < cutoff, volts >= self._recharged, robot_ns)
@@ -77,4 +74,4 @@ class BatteryWatch:
     @property
     def _recharged(self) -> float:
         """V from which an empty battery drives again."""
-        return max(self._config.battery_low, self._config.battery_cutoff + _RISE)
+        return max(self._live.config.battery_low, self._live.config.battery_cutoff + _RISE)

@@ -11,6 +11,7 @@ from giraff_base.drive import Report
 from giraff_base.estop import EStopControl, EStopLatch
 from giraff_base.kinds import drive_of
 from giraff_base.ramp import Ramp
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardedCommand, RobotTime, Sample
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
@@ -27,25 +28,19 @@ class BasePolicy:
     because a frame is only as good as the board time it echoes. Between two of them a new command has one frame more.
     """
 
-    def __init__(self, config: BaseConfig, robot: RobotConfig, latch: EStopLatch) -> None:
-        self._config = config
+    def __init__(self, live: Live[BaseConfig], robot: RobotConfig, latch: EStopLatch) -> None:
+        self._live = live
         self._kinematics = robot.kinematics
-        self._drive = drive_of(robot, config)
-        self._estop = EStopControl(latch, config.reset_budget)
-        self._authority = Authority(config, self._estop)
-        self._ramp = Ramp(config.linear_acceleration, config.angular_acceleration)
+        self._drive = drive_of(robot, live.config)
+        self._estop = EStopControl(latch, live.config.reset_budget)
+        self._authority = Authority(live, self._estop)
+        self._ramp = Ramp(live)
         self._reported_ns: int | None = None  # None: there is no board
         self._answered = False
         self._may_hurry = False  # a command may have a frame before the next report
         self._link_fault = ""
         self._driving = False  # the newest frame asks for motion
         self._reason = _NO_REPORT
-
-    def reconfigure(self, config: BaseConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-        self._authority.reconfigure(config)
-        self._ramp.limit(config.linear_acceleration, config.angular_acceleration)
 
     @property
     def topics(self) -> tuple[Topic[Any], ...]:
@@ -166,7 +161,7 @@ class BasePolicy:
         arming, last_ns = self._authority.arming, self._reported_ns
         for why in report.disarms:
             arming.disarm(why)
-        if last_ns is not None and (now.robot_ns - last_ns) * 1e-9 > self._config.disarm_time:
+        if last_ns is not None and (now.robot_ns - last_ns) * 1e-9 > self._live.config.disarm_time:
             arming.disarm("the base board was silent for too long")
         self._link_fault = ""
         self._reported_ns = now.robot_ns

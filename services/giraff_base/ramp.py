@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+from giraff_base.config import BaseConfig
+from giraff_core.live import Live
+
 _LONGEST_STEP = 0.02  # s, two reports of the board: a ramp does not jump after a pause
 
 
@@ -20,22 +23,18 @@ def ramped(now_at: float, target: float, largest_step: float) -> float:
 class Ramp:
     """The twist that is asked of the motors now, on its way to the one that may be driven."""
 
-    def __init__(self, linear_acceleration: float, angular_acceleration: float) -> None:
-        self.limit(linear_acceleration, angular_acceleration)
+    def __init__(self, live: Live[BaseConfig]) -> None:
+        self._live = live
         self.linear = self.angular = 0.0
         self._at_ns = 0
-
-    def limit(self, linear_acceleration: float, angular_acceleration: float) -> None:
-        """m/s², rad/s²; of starts only."""
-        self._linear_acceleration = linear_acceleration
-        self._angular_acceleration = angular_acceleration
 
     def stop(self) -> None:
         self.linear = self.angular = 0.0
 
     def follow(self, linear: float, angular: float, robot_ns: int) -> None:
         """Go on to what may be driven at `robot_ns`."""
+        config = self._live.config
         seconds = min(_LONGEST_STEP, max(0.0, (robot_ns - self._at_ns) * 1e-9))
         self._at_ns = robot_ns
-        self.linear = ramped(self.linear, linear, self._linear_acceleration * seconds)
-        self.angular = ramped(self.angular, angular, self._angular_acceleration * seconds)
+        self.linear = ramped(self.linear, linear, config.linear_acceleration * seconds)
+        self.angular = ramped(self.angular, angular, config.angular_acceleration * seconds)

@@ -7,6 +7,7 @@ from giraff_base.estop_server import EStopServer
 from giraff_base.policy import BasePolicy
 from giraff_core.estop import LATCH_FILE, LatchSaver, load_latch
 from giraff_core.io import IO
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
@@ -22,8 +23,9 @@ class Base:
     def __init__(self, io: IO, config: BaseConfig, robot: RobotConfig, policy: type[BasePolicy] = BasePolicy) -> None:
         self._io = io
         self._epoch = io.token()
-        self._policy = policy(config, robot, load_latch(io.store, io.token()))
-        io.on_reconfigured = self._policy.reconfigure
+        live = Live(config)
+        self._policy = policy(live, robot, load_latch(io.store, io.token()))
+        io.on_reconfigured = live.replace
         self._server = EStopServer(self._policy, LatchSaver(io.store.writer(LATCH_FILE)), io.instance)
         self.link = io.board(config.port, config.drive.board)
         self._opened = 0

@@ -7,6 +7,7 @@ from typing import Final
 
 from giraff_core.freshness import age
 from giraff_core.lease import ASK
+from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime
 
@@ -27,7 +28,7 @@ class Authority:
     under the lease in force, nothing is asked any more.
     """
 
-    def __init__(self, config: GuardConfig, first_lease: int) -> None:
+    def __init__(self, live: Live[GuardConfig], first_lease: int) -> None:
         self.holder = ""
         """Instance of the operator that holds the lease; empty: it is free."""
         self.operator = ""
@@ -40,7 +41,7 @@ class Authority:
         """How often a holder's side has come to be at fault."""
         self.unranked: tuple[str, ...] = ()
         """Operators that have asked to drive, and whose names no table ranks."""
-        self._config = config
+        self._live = live
         self._next = (first_lease - 1) % _COUNTERS + 1
         self._seq = -1
         self._used = False  # its holder has given a command under the lease in force
@@ -49,10 +50,6 @@ class Authority:
         self._ended = ""
         self._complaint = ""
         self._complaint_ns = 0
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
 
     def on_command(self, command: DriveCommand, now: RobotTime) -> bool:
         """Take a command of any operator. True: it is the newest word of who holds the lease now."""
@@ -65,7 +62,7 @@ class Authority:
                 self.faults += 1
             self.command, self._seq = command, command.seq
         old = age(command.tick, now)
-        if old > self._config.operator_budget:
+        if old > self._live.config.operator_budget:
             if theirs or not self.holder:
                 self._complain(command, old, now)
         elif command.lease_counter == ASK:
@@ -78,7 +75,7 @@ class Authority:
         """End a lease that nobody makes use of."""
         if not self.holder:
             return
-        config = self._config
+        config = self._live.config
         limits = (
             (self._heard_ns, config.operator_release, "was silent"),
             (self._hand_ns, config.fault_release, "was at fault"),
@@ -101,14 +98,14 @@ class Authority:
             return None, f"{self.operator}: {command.reason}"
         if command is not None and command.lease_counter != self.counter:
             return None, f"{self.operator} has not heard under which lease it drives; check its link"
-        if command is None or age(command.tick, now) > self._config.operator_budget:
+        if command is None or age(command.tick, now) > self._live.config.operator_budget:
             return None, self._recent_complaint(now) or f"no fresh command of {self.operator}; check its link"
         return command, ""
 
     def reason(self, now: RobotTime) -> str:
         """For those who do not hold the lease: who does, or why nobody, and what they do now."""
         if self.holder:
-            config = self._config
+            config = self._live.config
             if config.rank(self.operator) < 0:
                 return f"held by {self.operator} ({self.holder[:8]}), which gives way to others: {_HOW_TO_TAKE}"
             return (
@@ -128,7 +125,7 @@ class Authority:
             if not self.holder:
                 self._complaint, self._complaint_ns = f"{command.operator}: {command.reason}", now.robot_ns
             return
-        outranks = self._config.rank(command.operator) > self._config.rank(self.operator)
+        outranks = self._live.config.rank(command.operator) > self._live.config.rank(self.operator)
         # A holder that has driven under its lease and asks again has another hand. Base must be armed by that one.
         renews = self._used and command.instance == self.holder
         # Only a human's wish takes the robot from another: a program that was merely started does not.
@@ -149,7 +146,7 @@ class Authority:
 
     def _note_name(self, operator: str) -> None:
         """Keep the name of an asker that no table ranks: it may be a hand's, which is to be told so."""
-        if self._config.ranks(operator) or operator in self.unranked or len(self.unranked) >= _MOST_UNRANKED:
+        if self._live.config.ranks(operator) or operator in self.unranked or len(self.unranked) >= _MOST_UNRANKED:
             return
         self.unranked = (*self.unranked, operator)
 
@@ -174,5 +171,5 @@ class Authority:
         self._complaint, self._complaint_ns = f"{command.operator}: {why}", now.robot_ns
 
     def _recent_complaint(self, now: RobotTime) -> str:
-        recent = (now.robot_ns - self._complaint_ns) * 1e-9 <= self._config.operator_release
+        recent = (now.robot_ns - self._complaint_ns) * 1e-9 <= self._live.config.operator_release
         return self._complaint if recent else ""

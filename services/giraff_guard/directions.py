@@ -8,6 +8,7 @@ from typing import Final, Literal
 import msgspec
 
 from giraff_core.freshness import age
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.echoes import Echoes, Obstruction
@@ -33,28 +34,23 @@ class Direction:
     A way that was blocked is released to creep, and each further reading of the sensor that blocked it adds speed.
     """
 
-    def __init__(self, way: Way, config: GuardConfig, robot: RobotConfig, sensors: list[Sensor]) -> None:
+    def __init__(self, way: Way, live: Live[GuardConfig], robot: RobotConfig, sensors: list[Sensor]) -> None:
         self.way: Way = way
         self.sign = 1.0 if way == "forward" else -1.0
-        self._config = config
+        self._live = live
         self._robot = robot
         self.sensors = [sensor for sensor in sensors if self.sign * math.cos(sensor.pose.yaw) > 0.7]
-        self._held = RecentObstacles(config, robot.footprint_radius)
+        self._held = RecentObstacles(live, robot.footprint_radius)
         self._blocked = True
         self._blocker = ""
         """The sensor that blocked this way last."""
         self._regained = 0.0
         """m/s beyond creeping that its readings since then allow."""
 
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-        self._held.reconfigure(config)
-
     def on_reading(self, sensor: Sensor) -> None:
         """A sensor was heard."""
         if not self._blocked and sensor.name == self._blocker:
-            self._regained += self._config.regain
+            self._regained += self._live.config.regain
         ping = sensor.heard
         if sensor in self.sensors and ping is not None and ping is sensor.newest:
             self._held.take(sensor, ping, is_sure=ping is sensor.surest)
@@ -70,13 +66,13 @@ class Direction:
             verdicts.extend(self._by_held(silent, motion, now))
         if not self.sensors:
             verdicts.append(self._creep("", f"no sensor looks {self.way}"))
-        if self._config.deceleration is None:
+        if self._live.config.deceleration is None:
             verdicts.append(self._creep("", "deceleration has not been measured; measure it, and set it in [guard]"))
         verdict = min(verdicts, key=lambda each: each.allowed)
         self._blocked = verdict.freedom == "blocked"
         if self._blocked:
             self._blocker, self._regained = verdict.sensor, 0.0
-        elif (allowed := self._config.creep_linear + self._regained) < verdict.allowed:
+        elif (allowed := self._live.config.creep_linear + self._regained) < verdict.allowed:
             reason = "this way was blocked until just now; speeding up"
             return self._verdict(allowed, verdict.sensor, reason)
         return verdict
@@ -102,7 +98,7 @@ class Direction:
         Of that margin the strip that is swept already holds `memory_margin`; beside it, no more is kept: a way past
         what was heard stays one.
         """
-        config = self._config
+        config = self._live.config
         room = obstruction.distance - max(0.0, config.margin - config.memory_margin)
         allowed = self._fastest(room)
         return max(allowed, config.unproved_linear) if obstruction.is_old else allowed
@@ -111,11 +107,11 @@ class Direction:
         if blindness := sensor.blindness(now):
             return self._block(sensor.name, blindness)
         if sensor.lost(motion):
-            return self._block(sensor.name, f"{sensor.name} lost something nearer than {self._config.near:g} m")
+            return self._block(sensor.name, f"{sensor.name} lost something nearer than {self._live.config.near:g} m")
         believed = sensor.believed([other for other in self.sensors if other is not sensor])
         # The newest first, so that of equal ones it is the one named.
         verdict = min((self._by_ping(sensor, ping, motion, now) for ping in believed), key=lambda each: each.allowed)
-        if verdict.allowed <= self._config.creep_linear:
+        if verdict.allowed <= self._live.config.creep_linear:
             return verdict
         if doubt := sensor.doubt(motion, now):
             allowed = sensor.worth(motion, now, self._robot.max_wheel_speed)
@@ -123,7 +119,7 @@ class Direction:
         return verdict
 
     def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime) -> Verdict:
-        config = self._config
+        config = self._live.config
         room = self._clearance(sensor, ping.distance) - config.margin
         came = ping.place.ahead(motion.place, sensor.pose.yaw)
         allowed = self._fastest(room - came)
@@ -144,7 +140,7 @@ class Direction:
 
         It blocks for a moment, and says so; then it may be approached as slowly as what no sensor has proved.
         """
-        config, names = self._config, " and ".join(sensor.name for sensor in silent)
+        config, names = self._live.config, " and ".join(sensor.name for sensor in silent)
         slow = config.unproved_linear
         verdicts = []
         if heard := self._held.ahead(motion.place, self.sign):
@@ -166,30 +162,30 @@ class Direction:
         allowed = self.speed_towards(obstruction)
         side = "left" if obstruction.bearing > 0.0 else "right"
         reason = f"{obstruction.sensor} has heard something to the {side}, where no sensor looks now"
-        if allowed < self._config.slowest:
+        if allowed < self._live.config.slowest:
             return self._block(obstruction.sensor, reason)
         return self._verdict(allowed, obstruction.sensor, reason)
 
     def _fastest(self, room: float, old: float = 0.0) -> float:
         """m/s from which the robot stops within `room` m, by what is `old` s old."""
-        config = self._config
+        config = self._live.config
         return fastest(room, config.reaction_time + old, config.deceleration or _UNMEASURED)
 
     def _stops_within(self, speed: float) -> float:
         """m that it takes to stop from `speed` (m/s)."""
-        return stopping_distance(speed, self._config.reaction_time, self._config.deceleration or _UNMEASURED)
+        return stopping_distance(speed, self._live.config.reaction_time, self._live.config.deceleration or _UNMEASURED)
 
     def _block(self, sensor: str, reason: str) -> Verdict:
         return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=reason, way_out="")
 
     def _creep(self, sensor: str, reason: str) -> Verdict:
-        return self._verdict(self._config.creep_linear, sensor, reason)
+        return self._verdict(self._live.config.creep_linear, sensor, reason)
 
     def _verdict(self, allowed: float, sensor: str, reason: str) -> Verdict:
         if allowed >= self._robot.max_wheel_speed:
             free = self._robot.max_wheel_speed
             return Verdict(allowed=free, freedom="free", sensor="", reason="", way_out="")
-        freedom: Freedom = "creep" if allowed <= self._config.creep_linear else "slow"
+        freedom: Freedom = "creep" if allowed <= self._live.config.creep_linear else "slow"
         return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=reason, way_out="")
 
     def _clearance(self, sensor: Sensor, distance: float) -> float:
@@ -199,7 +195,7 @@ class Direction:
         surface is nearest beside the sensor's axis. A sensor off the middle is charged for its offset only where no
         other one sits farther over: a surface that is nearer on that side is nearer to the other sensor there.
         """
-        incidence, half_cone = self._config.incidence, self._config.half_cone
+        incidence, half_cone = self._live.config.incidence, self._live.config.half_cone
         ahead = min(sensor.offset, sensor.offset * math.cos(incidence))
         aside = abs(sensor.aside)
         if any(other.aside * sensor.aside < sensor.aside**2 for other in self.sensors):

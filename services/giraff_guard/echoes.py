@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 import msgspec
 
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import Point, View, until_touch
 from giraff_guard.sensor import Ping, Sensor
@@ -49,15 +50,10 @@ class Obstruction(NamedTuple):
 class Echoes:
     """Remembers, merges and forgets."""
 
-    def __init__(self, config: GuardConfig, footprint_radius: float) -> None:
+    def __init__(self, live: Live[GuardConfig], footprint_radius: float) -> None:
         self._footprint_radius = footprint_radius
-        self.reconfigure(config)
+        self._live = live
         self._echoes: list[_Echo] = []
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-        self._reach = self._footprint_radius + config.memory_margin
 
     def clear(self) -> None:
         self._echoes.clear()
@@ -69,18 +65,19 @@ class Echoes:
         What the sensor would hear now, wherever in its cone it was, and does not, is gone at the second reading.
         """
         view = View(sensor.pose, ping.place)
-        half_cone = self._config.half_cone
+        config = self._live.config
+        half_cone = config.half_cone
         for echo in self._echoes:
-            if all(view.holds(x, y, 1.02 * half_cone, ping.distance - self._config.agreement) for x, y in echo.ends):
+            if all(view.holds(x, y, 1.02 * half_cone, ping.distance - config.agreement) for x, y in echo.ends):
                 echo.contradicted += 1
         self._echoes = [echo for echo in self._echoes if echo.contradicted < 2][-_MOST:]
-        if not ping.echo or ping.distance > self._config.memory_range:
+        if not ping.echo or ping.distance > config.memory_range:
             return
         x, y = view.point(ping.distance, 0.0)
         ends = (view.point(ping.distance, -half_cone), view.point(ping.distance, half_cone))
         seen = 1
         for echo in self._echoes:
-            if echo.sensor == sensor.name and math.hypot(echo.x - x, echo.y - y) < self._config.agreement:
+            if echo.sensor == sensor.name and math.hypot(echo.x - x, echo.y - y) < config.agreement:
                 seen = echo.seen + 1
                 self._echoes.remove(echo)
                 break
@@ -93,8 +90,8 @@ class Echoes:
         self._echoes = [
             echo
             for echo in self._echoes
-            if (robot_ns - echo.robot_ns) * 1e-9 <= self._config.memory_time
-            and travel - echo.travel <= self._config.memory_travel
+            if (robot_ns - echo.robot_ns) * 1e-9 <= self._live.config.memory_time
+            and travel - echo.travel <= self._live.config.memory_travel
         ]
 
     def in_the_way(self, place: Pose, sign: float, robot_ns: int, curvature: float = 0.0) -> Iterator[Obstruction]:
@@ -102,13 +99,14 @@ class Echoes:
 
         `curvature`: angular_z / linear_x, 1/m: the arc's centre lies 1/curvature to the left, whichever way it goes.
         """
+        reach = self._reach
         for echo in self._echoes:
             if echo.seen < _SURE:
                 continue
             x, y = place.sees(echo.x, echo.y)
-            distance = until_touch(x * sign, y, curvature, self._reach)
+            distance = until_touch(x * sign, y, curvature, reach)
             if distance is not None:
-                is_old = (robot_ns - echo.robot_ns) * 1e-9 > self._config.memory_block
+                is_old = (robot_ns - echo.robot_ns) * 1e-9 > self._live.config.memory_block
                 yield Obstruction(distance, echo.sensor, math.atan2(y, x), is_old)
 
     def touching(self, place: Pose) -> str:
@@ -117,3 +115,8 @@ class Echoes:
             if echo.seen >= _SURE and math.hypot(*place.sees(echo.x, echo.y)) < self._reach:
                 return echo.sensor
         return ""
+
+    @property
+    def _reach(self) -> float:
+        """m from the robot's middle, within which an echo is in its way."""
+        return self._footprint_radius + self._live.config.memory_margin

@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 from giraff_core.counters import signed32
 from giraff_core.freshness import age
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import RobotTime, Wheels
@@ -25,8 +26,8 @@ class _Moment(NamedTuple):
 class Motion:
     """Integrates the wheels. Where they are not heard, what was passed on counts as driven."""
 
-    def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
-        self._config = config
+    def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
+        self._live = live
         self._robot = robot
         self._drive = robot.kinematics
         self._wheels: Wheels | None = None
@@ -43,10 +44,6 @@ class Motion:
         """rad it has turned since the beginning, either way."""
         self.breaks = 0
         """How often the wheels' counters could not be followed."""
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
 
     def on_wheels(self, wheels: Wheels) -> None:
         """Follow a report that is newer than the last."""
@@ -68,13 +65,13 @@ class Motion:
     def on_passed(self, linear_x: float, angular_z: float, now: RobotTime) -> None:
         """What the guard lets through from now on."""
         self._passed.append((now.robot_ns, linear_x, angular_z))
-        while now.robot_ns - self._passed[0][0] > self._config.reaction_time * 1e9 and len(self._passed) > 1:
+        while now.robot_ns - self._passed[0][0] > self._live.config.reaction_time * 1e9 and len(self._passed) > 1:
             self._passed.popleft()
 
     def look(self, now: RobotTime) -> None:
         """Bring `heard` and `place` up to now."""
         wheels = self._wheels
-        self.heard = wheels is not None and age(wheels.tick, now) <= self._config.range_budget
+        self.heard = wheels is not None and age(wheels.tick, now) <= self._live.config.range_budget
         if not self._moments:
             self._moments.append(_Moment(now.robot_ns, self.place))
         seconds = (now.robot_ns - self._moments[-1].robot_ns) * 1e-9

@@ -6,6 +6,7 @@ import math
 from typing import NamedTuple
 
 from giraff_core.freshness import age
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.directions import Direction, with_way_out
@@ -40,20 +41,10 @@ class Limited(NamedTuple):
 class Obstacles:
     """Feed it admitted readings and wheel reports; judge, then limit, once a decision."""
 
-    def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
-        self._config = config
+    def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
+        self._live = live
         self._robot = robot
         self._begin()
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-        self._motion.reconfigure(config)
-        self._echoes.reconfigure(config)
-        self._forward.reconfigure(config)
-        self._backward.reconfigure(config)
-        for sensor in self._sensors.values():
-            sensor.reconfigure(config)
 
     def on_range(self, reading: Range, now: RobotTime) -> bool:
         """A reading newer than the last of its sensor. One of a sensor that the robot file lacks says nothing.
@@ -127,7 +118,7 @@ class Obstacles:
             if allowed == 0.0:
                 # Nothing is left of the curve: the rotation is judged alone, and passes slowly. Never a trap.
                 linear = 0.0
-                angular = math.copysign(min(abs(angular), self._config.creep_angular), angular)
+                angular = math.copysign(min(abs(angular), self._live.config.creep_angular), angular)
                 reason = f"{direction.way} blocked: {why}"
             elif allowed < abs(linear):
                 share = allowed / abs(linear)  # of both: the curvature is the operator's
@@ -142,13 +133,13 @@ class Obstacles:
         return Limited(linear, angular, reason, range_tick)
 
     def _begin(self) -> None:
-        config, robot = self._config, self._robot
-        self._motion = Motion(config, robot)
-        self._echoes = Echoes(config, robot.footprint_radius)
-        self._sensors = {name: Sensor(name, pose, config) for name, pose in robot.sensors.items()}
+        live, robot = self._live, self._robot
+        self._motion = Motion(live, robot)
+        self._echoes = Echoes(live, robot.footprint_radius)
+        self._sensors = {name: Sensor(name, pose, live) for name, pose in robot.sensors.items()}
         sensors = list(self._sensors.values())
-        self._forward = Direction("forward", config, robot, sensors)
-        self._backward = Direction("backward", config, robot, sensors)
+        self._forward = Direction("forward", live, robot, sensors)
+        self._backward = Direction("backward", live, robot, sensors)
         unjudged = Verdict(allowed=0.0, freedom="blocked", sensor="", reason="nothing is judged yet", way_out="wait")
         self._verdicts = Verdicts(unjudged, unjudged, unjudged, unjudged, {})
         self._asked = (0.0, 0.0)  # when it was limited last, and what has passed of it
@@ -157,7 +148,7 @@ class Obstacles:
     def _turn(self) -> Verdict:
         """Turning in place sweeps nothing beyond the footprint's disc; what touches that is turned past slowly."""
         largest = self._robot.max_angular_speed
-        creep = self._config.creep_angular
+        creep = self._live.config.creep_angular
         sensor = self._echoes.touching(self._motion.place)
         if not sensor or creep >= largest:
             return Verdict(allowed=largest, freedom="free", sensor="", reason="", way_out="")
@@ -186,4 +177,4 @@ class Obstacles:
             return verdict.allowed, why
         side = "left" if obstruction.bearing > 0.0 else "right"
         why = f"this curve sweeps what {obstruction.sensor} has heard to the {side}; turn the other way"
-        return (allowed if allowed >= self._config.slowest else 0.0), why
+        return (allowed if allowed >= self._live.config.slowest else 0.0), why

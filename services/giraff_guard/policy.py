@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
@@ -27,10 +28,10 @@ class GuardPolicy:
     of. What is older than its budget is refused here and by base; slowing down what is late is base's alone.
     """
 
-    def __init__(self, config: GuardConfig, robot: RobotConfig, first_lease: int) -> None:
-        self._identity = Identity(config, robot)
-        self._authority = Authority(config, first_lease)
-        self._obstacles = Obstacles(config, robot)
+    def __init__(self, live: Live[GuardConfig], robot: RobotConfig, first_lease: int) -> None:
+        self._identity = Identity(live.config, robot)
+        self._authority = Authority(live, first_lease)
+        self._obstacles = Obstacles(live, robot)
         self._floods = FloodWatch()
         self._replacements = 0  # how often `fault` has come to be
         self.fault = ""
@@ -42,11 +43,6 @@ class GuardPolicy:
     def unranked(self) -> tuple[str, ...]:
         """Operators that have asked to drive, and whose names no table ranks."""
         return self._authority.unranked
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._authority.reconfigure(config)
-        self._obstacles.reconfigure(config)
 
     def on_tick(self, tick: Tick, robot_ns: int) -> None:
         """Take base's clock."""

@@ -6,6 +6,7 @@ import math
 from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import Point, View, until_touch
 from giraff_guard.sensor import Ping, Sensor
@@ -41,33 +42,29 @@ class RecentObstacles:
     stood, or nearly.
     """
 
-    def __init__(self, config: GuardConfig, footprint_radius: float) -> None:
+    def __init__(self, live: Live[GuardConfig], footprint_radius: float) -> None:
         self._footprint_radius = footprint_radius
-        self._config = config
+        self._live = live
         self._spots: list[_Spot] = []
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
 
     def take(self, sensor: Sensor, ping: Ping, *, is_sure: bool) -> None:
         """An echo that its sensor has heard twice. `is_sure`: at one ping and the next."""
-        if ping.distance > self._config.held_range:
+        if ping.distance > self._live.config.held_range:
             return
-        view, half_cone = View(sensor.pose, ping.place), self._config.half_cone
+        view, half_cone = View(sensor.pose, ping.place), self._live.config.half_cone
         points = tuple(view.point(ping.distance, off) for off in (0.0, -half_cone, half_cone))
-        near = self._config.agreement
+        near = self._live.config.agreement
         kept = [spot for spot in self._spots if spot.is_sure > is_sure or math.dist(spot.points[0], points[0]) >= near]
         self._spots = [*kept[1 - _MOST :], _Spot(points, sensor.name, ping.robot_ns, is_sure)]
 
     def forget(self, robot_ns: int) -> None:
         """Drop what is too old."""
-        oldest_ns = robot_ns - round(self._config.held_time * 1e9)
+        oldest_ns = robot_ns - round(self._live.config.held_time * 1e9)
         self._spots = [spot for spot in self._spots if spot.robot_ns >= oldest_ns]
 
     def ahead(self, place: Pose, sign: float) -> Heard | None:
         """What a footprint that drives straight forward (1) or backward (-1) meets first."""
-        return self._first(self._spots, place, sign, self._config.held_radius, 0.0)
+        return self._first(self._spots, place, sign, self._live.config.held_radius, 0.0)
 
     def beside(self, place: Pose, sign: float) -> Heard | None:
         """What it comes to, or is, close beside: the surface goes on there, and one driven along may be grazed.
@@ -75,7 +72,7 @@ class RecentObstacles:
         Only what is sure: a slanted wall that answers now and then, far beside the way, would slow at every turn.
         """
         sure = [spot for spot in self._spots if spot.is_sure]
-        return self._first(sure, place, sign, self._config.held_beside, self._footprint_radius)
+        return self._first(sure, place, sign, self._live.config.held_beside, self._footprint_radius)
 
     def _first(self, spots: list[_Spot], place: Pose, sign: float, margin: float, behind: float) -> Heard | None:
         """What the footprint and `margin` m around it meet first, or cover from `behind` m behind its middle on."""

@@ -6,6 +6,7 @@ from collections import deque
 from typing import Final
 
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 
 _SAME_US: Final = 8
@@ -21,8 +22,8 @@ _FEW: Final = 6
 class SelfTest:
     """Of one sensor. Feed it each reading taken while the wheels are heard."""
 
-    def __init__(self, config: GuardConfig) -> None:
-        self._config = config
+    def __init__(self, live: Live[GuardConfig]) -> None:
+        self._live = live
         self._held: tuple[int, Pose] | None = None
         self._readings_held = 0
         self._jumps: deque[bool] = deque(maxlen=_PAIRS)
@@ -30,10 +31,6 @@ class SelfTest:
         """The same pulse again and again, though the robot moved along the sensor's axis."""
         self.wild = False
         """Most readings jump farther than the robot's motion and a person's walk explain."""
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
 
     def on_reading(self, echo_us: int | None, place: Pose, axis: float, jumped: bool) -> None:
         """`echo_us`: None where nothing answered. `jumped`: it does not follow from the reading before."""
@@ -47,5 +44,5 @@ class SelfTest:
             self.frozen = False
             return
         self._readings_held += 1
-        if self._readings_held >= 3 and abs(held[1].ahead(place, axis)) >= self._config.frozen_travel:
+        if self._readings_held >= 3 and abs(held[1].ahead(place, axis)) >= self._live.config.frozen_travel:
             self.frozen = True

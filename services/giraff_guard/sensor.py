@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 
 from giraff_core.freshness import age
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_guard.motion import Motion
@@ -32,29 +33,23 @@ class Ping(NamedTuple):
 class Sensor:
     """The newest few good readings without a gap or fault between, and what more is known of the sensor."""
 
-    def __init__(self, name: str, pose: SensorPose, config: GuardConfig) -> None:
+    def __init__(self, name: str, pose: SensorPose, live: Live[GuardConfig]) -> None:
         self.name = name
         self.pose = pose
         self.offset = pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)
         """m the sensor sits ahead of base_link, along its own axis."""
         self.aside = pose.y * math.cos(pose.yaw) - pose.x * math.sin(pose.yaw)
         """m it sits to the left of base_link, seen along its axis."""
-        self._config = config
+        self._live = live
         self._pings: deque[Ping] = deque(maxlen=_KEPT)
         self._reading: Range | None = None
-        self._trust = SilenceTrust(config)
+        self._trust = SilenceTrust(live)
         self.heard: Ping | None = None
         """The last echo that follows from one of those kept before it: both are of one surface."""
         self.surest: Ping | None = None
         """The last one that follows from an echo just before it."""
         self._lost: tuple[Pose, float] | None = None  # where the robot was when a touching echo was lost, m
-        self._self_test = SelfTest(config)
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-        self._self_test.reconfigure(config)
-        self._trust.reconfigure(config)
+        self._self_test = SelfTest(live)
 
     @property
     def tick(self) -> RobotTime | None:
@@ -68,18 +63,19 @@ class Sensor:
 
     def on_range(self, reading: Range, motion: Motion, now: RobotTime) -> None:
         """Take a reading."""
+        config = self._live.config
         self._reading = reading
         if reading.state == "fault" or reading.tick is None or not math.isfinite(age(reading.tick, now)):
             self._pings.clear()
             return
         ping = Ping(
             robot_ns=reading.tick.robot_ns,
-            distance=min(self._config.reach, reading.range if reading.range is not None else self._config.reach),
+            distance=min(config.reach, reading.range if reading.range is not None else config.reach),
             echo=reading.state == "echo",
             place=motion.place_at(reading.tick.robot_ns),
         )
         before = self.newest
-        if before is not None and (ping.robot_ns - before.robot_ns) * 1e-9 > self._config.range_budget:
+        if before is not None and (ping.robot_ns - before.robot_ns) * 1e-9 > config.range_budget:
             self._pings.clear()
             before = None
         self._note_loss(ping)
@@ -104,7 +100,7 @@ class Sensor:
         if reading.state == "fault":
             return f"{self.name} is faulty: {reading.reason}"
         old = age(reading.tick, now)
-        if old > self._config.range_budget:
+        if old > self._live.config.range_budget:
             last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
             return f"{self.name} is stale ({last}); check giraff_ranger and its board"
         if self._self_test.frozen:
@@ -118,14 +114,14 @@ class Sensor:
         if self._self_test.wild:
             return f"{self.name} jumps as no surface does; face a wall squarely, else check the sensor"
         if self._trust.doubt(motion, now) > 0.0:
-            return f"{self.name} has not proved lately that it hears; face a wall within {self._config.reach:g} m"
+            return f"{self.name} has not proved lately that it hears; face a wall within {self._live.config.reach:g} m"
         return ""
 
     def worth(self, motion: Motion, now: RobotTime, most: float) -> float:
         """m/s that its silence allows, `most` where it is not in doubt."""
         if self._self_test.wild:
-            return self._config.creep_linear
-        least = min(most, self._config.unproved_linear)
+            return self._live.config.creep_linear
+        least = min(most, self._live.config.unproved_linear)
         return most - self._trust.doubt(motion, now) * (most - least)
 
     @property
@@ -144,9 +140,9 @@ class Sensor:
         """
         if self._lost is None:
             return False
-        place, distance = self._lost
+        config, (place, distance) = self._live.config, self._lost
         away = distance - place.ahead(motion.place, self.pose.yaw)
-        if away >= 2.0 * self._config.near or abs(motion.place.yaw - place.yaw) >= 4.0 * self._config.half_cone:
+        if away >= 2.0 * config.near or abs(motion.place.yaw - place.yaw) >= 4.0 * config.half_cone:
             self._lost = None
         return self._lost is not None
 
@@ -172,7 +168,7 @@ class Sensor:
         if witness is None or witness.robot_ns < ping.robot_ns:
             return False
         here, there = self.offset + ping.distance, other.offset + witness.distance
-        return there > here + self._config.agreement + self._walked(ping, witness)
+        return there > here + self._live.config.agreement + self._walked(ping, witness)
 
     def _note_loss(self, ping: Ping) -> None:
         """Before `ping` is taken: whether it loses an echo that was sure and nearly touched."""
@@ -180,9 +176,9 @@ class Sensor:
             return
         before, last = self._pings[-2], self._pings[-1]
         sure = before.echo and last.echo and self._compare(before, last, walk=False) == 0
-        if sure and last.distance < self._config.near and self._compare(last, ping) > 0:
+        if sure and last.distance < self._live.config.near and self._compare(last, ping) > 0:
             self._lost = (last.place, last.distance)
-        elif ping.echo and ping.distance < self._config.near:
+        elif ping.echo and ping.distance < self._live.config.near:
             self._lost = None  # it is there again
 
     def _follows(self, one: Ping, other: Ping) -> bool:
@@ -191,7 +187,7 @@ class Sensor:
 
     def _walked(self, one: Ping, other: Ping) -> float:
         """m that a person may have walked between two readings."""
-        return self._config.person_speed * abs(other.robot_ns - one.robot_ns) * 1e-9
+        return self._live.config.person_speed * abs(other.robot_ns - one.robot_ns) * 1e-9
 
     def _compare(self, one: Ping, other: Ping, *, walk: bool = True) -> int:
         """Whether `other` shows something nearer (-1) or farther (1) than `one` did, or it may be the same (0).
@@ -200,7 +196,7 @@ class Sensor:
         """
         expected = one.distance - one.place.ahead(other.place, self.pose.yaw)
         turned = one.distance * abs(other.place.yaw - one.place.yaw)
-        slack = self._config.agreement + turned + (self._walked(one, other) if walk else 0.0)
+        slack = self._live.config.agreement + turned + (self._walked(one, other) if walk else 0.0)
         if other.distance > expected + slack:
             return 1
         return -1 if other.distance < expected - slack else 0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from giraff_core.io import IO
 from giraff_core.lease import unranked_notice
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer, Timer
 from giraff_guard.config import GuardConfig
@@ -23,8 +24,9 @@ class Guard:
         self, io: IO, config: GuardConfig, robot: RobotConfig, policy: type[GuardPolicy] = GuardPolicy
     ) -> None:
         self._io = io
-        self._policy = policy(config, robot, first_lease=io.token())
-        io.on_reconfigured = self._policy.reconfigure
+        live = Live(config)
+        self._policy = policy(live, robot, first_lease=io.token())
+        io.on_reconfigured = live.replace
         # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
         self._ticks, self._ranges = io.inbox(TICK, wakes=False), io.inbox(RANGE)
         self._wheels, self._commands = io.inbox(WHEELS, wakes=False), io.inbox(OPERATOR_CMD_VEL)

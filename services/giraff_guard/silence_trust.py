@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_guard.motion import Motion
 from giraff_schemas.messages import RobotTime
@@ -18,13 +19,9 @@ class _Proof(NamedTuple):
 class SilenceTrust:
     """Of one sensor."""
 
-    def __init__(self, config: GuardConfig) -> None:
-        self._config = config
+    def __init__(self, live: Live[GuardConfig]) -> None:
+        self._live = live
         self._proof: _Proof | None = None
-
-    def reconfigure(self, config: GuardConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
 
     def prove(self, robot_ns: int, motion: Motion) -> None:
         """It heard one surface twice, the last time at `robot_ns`."""
@@ -32,7 +29,7 @@ class SilenceTrust:
 
     def doubt(self, motion: Motion, now: RobotTime) -> float:
         """How little its silence is worth by now: 0 as much as an echo, 1 no more than `unproved_linear`."""
-        config, proof = self._config, self._proof
+        config, proof = self._live.config, self._proof
         if proof is None:
             return 1.0
         way = motion.travel - proof.travel + config.proof_turn * (motion.turned - proof.turned)

@@ -14,7 +14,9 @@ import math
 from collections import deque
 from typing import Final
 
+from giraff_core.live import Live
 from giraff_core.tilt.disturbance import SHAKE_STEPS, Disturbance, falling, shaken
+from giraff_joystick.config import JoystickConfig
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS
 
@@ -42,13 +44,9 @@ class HandDetector:
     `forget` when there was none.
     """
 
-    def __init__(self, stillness: float) -> None:
-        self.require(stillness)
+    def __init__(self, live: Live[JoystickConfig]) -> None:
+        self._live = live
         self.forget()
-
-    def require(self, stillness: float) -> None:
-        """m/s² rms over 1 s, below which a thing lies and no hand holds it."""
-        self._still_counts = stillness * TILT_LSB_PER_M_S2
 
     def forget(self) -> None:
         """Readings were missing: what came before says nothing about what comes now."""
@@ -80,7 +78,8 @@ class HandDetector:
         robot anyway.
         """
         self._window.take(counts)
-        self._lies = deflected and (self._lies or self._window.spread < self._still_counts)
+        still_counts = self._live.config.stillness * TILT_LSB_PER_M_S2
+        self._lies = deflected and (self._lies or self._window.spread < still_counts)
         return LAID_DOWN if self._lies else WELL
 
 

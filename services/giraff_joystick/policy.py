@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from giraff_core.live import Live
 from giraff_core.operator import LINK_SILENCE, Fault, Hand, Operator, Wish
 from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickRelay, tick_of
@@ -64,11 +65,11 @@ _OLD_TICK: Final = Trouble(
 class JoystickPolicy(Hand):
     """Turns the board's frames into samples. Times are seconds of any one monotonic clock."""
 
-    def __init__(self, config: JoystickConfig, robot: RobotConfig, instance: str) -> None:
-        self._config = config
+    def __init__(self, live: Live[JoystickConfig], robot: RobotConfig, instance: str) -> None:
+        self._live = live
         self._robot = robot
-        super().__init__(Operator(config.operator, instance, asks_from_start=config.asks_from_start))
-        self._hand = HandDetector(config.stillness)
+        super().__init__(Operator(live.config.operator, instance, asks_from_start=live.config.asks_from_start))
+        self._hand = HandDetector(live)
         self._clutch = Clutch(_CLUTCH)
         self._readings = 0
         self.sensor_fault = WELL
@@ -77,15 +78,11 @@ class JoystickPolicy(Hand):
         self._tick: RobotTime | None = None
         self._tick_came = -math.inf
         self._silence = Trouble(
-            f"no frame from the joystick board on {config.port} for {BOARD_SILENCE:g} s", "check its cable and power"
+            f"no frame from the joystick board on {live.config.port} for {BOARD_SILENCE:g} s",
+            "check its cable and power",
         )
         self._asks: Wish | Fault = Fault(self._silence, None)
         self._tick_down = TickRelay()
-
-    def reconfigure(self, config: JoystickConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-        self._hand.require(config.stillness)
 
     def on_tick(self, tick: Tick, now: float) -> TickFrame | None:
         """The robot's clock as it goes down to the board, which puts the last one into each frame."""
@@ -124,7 +121,7 @@ class JoystickPolicy(Hand):
             self._clutch.forget()  # the hand may have another attitude by now
         self._readings += 1
         self._clutch.take(vector, self._readings * TILT_PERIOD_MS / 1000, pressed=bool(frame.button))
-        linear, angular = asked(self._clutch.relative(vector), self._config, self._robot)
+        linear, angular = asked(self._clutch.relative(vector), self._live.config, self._robot)
         if self._clutch.engaged:
             linear = angular = 0.0
         deflected = linear != 0.0 or angular != 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from giraff_core.io import IO
+from giraff_core.live import Live
 from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.robot import RobotConfig
 from giraff_joystick.config import JoystickConfig
@@ -23,8 +24,9 @@ class Joystick(OperatorService):
         self, io: IO, config: JoystickConfig, robot: RobotConfig, policy: type[JoystickPolicy] = JoystickPolicy
     ) -> None:
         self._io = io
-        self._policy = policy(config, robot, io.instance)
-        io.on_reconfigured = self._policy.reconfigure
+        live = Live(config)
+        self._policy = policy(live, robot, io.instance)
+        io.on_reconfigured = live.replace
         self._board = io.board(config.port, JOYSTICK_BOARD)
         super().__init__(io, self._policy)
         self.link = self._board

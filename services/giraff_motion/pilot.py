@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_core.bounds import Bounds
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
 from giraff_motion.driver import Coast
@@ -26,14 +27,10 @@ _LONGEST: Final = Bounds(0.1, 86_400.0, "s")
 class Pilot:
     """Of one robot."""
 
-    def __init__(self, config: MotionConfig, robot: RobotConfig, localized: Localized) -> None:
-        self._config, self._robot, self._localized = config, robot, localized
+    def __init__(self, live: Live[MotionConfig], robot: RobotConfig, localized: Localized) -> None:
+        self._live, self._robot, self._localized = live, robot, localized
         self._coasts = {False: Coast(), True: Coast()}
         """Along the floor, and of turns."""
-
-    def reconfigure(self, config: MotionConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
 
     def begin(self, request: MotionRequest, odometry: Odometry, now: float) -> Goal:
         """Raises ValueError, in plain words, where the request cannot be met."""
@@ -44,10 +41,10 @@ class Pilot:
             _LONGEST.require("time_limit", request.time_limit)
         nominal = _BEGINS + sum(planned.seconds for planned in way.legs)
         limit = request.time_limit or min(_NOMINAL * nominal, _LONGEST.high)
-        return Goal(request, way, travel, self._coasts, self._config.patience, limit, now)
+        return Goal(request, way, travel, self._coasts, self._live.config.patience, limit, now)
 
     def _limits(self, request: MotionRequest) -> tuple[Limits, Limits]:
-        config, robot = self._config, self._robot
+        config, robot = self._live.config, self._robot
         speed, turn_speed = request.speed, request.turn_speed
         if speed is not None:
             Bounds(config.least_speed, robot.max_wheel_speed, "m/s").require("speed", speed)

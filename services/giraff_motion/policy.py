@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
+from giraff_core.live import Live
 from giraff_core.operator import LEVEL, Fault, Hand, Operator, Wish
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
@@ -61,10 +62,10 @@ _NO_REQUESTER: Final = Trouble(
 class MotionPolicy(Hand):
     """One motion at a time. Times are seconds of any one monotonic clock."""
 
-    def __init__(self, config: MotionConfig, robot: RobotConfig, instance: str) -> None:
+    def __init__(self, live: Live[MotionConfig], robot: RobotConfig, instance: str) -> None:
         super().__init__(Operator(MOTION.name, instance, asks_from_start=False))
         self._localized = Localized()
-        self._pilot = Pilot(config, robot, self._localized)
+        self._pilot = Pilot(live, robot, self._localized)
         self._answers: dict[int, MotionAnswer] = {}
         self._odometry: Odometry | None = None
         self._base: tuple[BaseState | None, float] = None, -math.inf
@@ -74,10 +75,6 @@ class MotionPolicy(Hand):
         self._motion: Goal | None = None
         """The one that goes on, or the last one."""
         self._told: tuple[object, ...] = ()
-
-    def reconfigure(self, config: MotionConfig) -> None:
-        """Use a new configuration from the next motion on."""
-        self._pilot.reconfigure(config)
 
     def on_lease(self, lease: Lease, now: float) -> None:
         """Take what the guard says of who drives."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_core.io import IO
+from giraff_core.live import Live
 from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer
@@ -37,8 +38,9 @@ class Motion(OperatorService):
         self, io: IO, config: MotionConfig, robot: RobotConfig, policy: type[MotionPolicy] = MotionPolicy
     ) -> None:
         self._io = io
-        self._policy = policy(config, robot, io.instance)
-        io.on_reconfigured = self._policy.reconfigure
+        live = Live(config)
+        self._policy = policy(live, robot, io.instance)
+        io.on_reconfigured = live.replace
         # Nothing heard wakes it: its own pace is as fast as any of it may count.
         super().__init__(io, self._policy, wakes=False)
         self._odometry = io.inbox(ODOM, limit=_LATE, wakes=False)

@@ -18,6 +18,7 @@ from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.dead_reckoning import Estimate, advance, less_sure, wrapped
 from giraff_core.kinematics.pose import Pose
 from giraff_core.kinematics.systematic_error import SystematicError
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.frames import BASE_FRAME, ODOM_FRAME, Transform
@@ -52,8 +53,8 @@ _TOO_FAST: Final = Trouble(
 class OdometryPolicy:
     """Follows one robot's wheels; starts at zero."""
 
-    def __init__(self, config: OdometryConfig, robot: RobotConfig) -> None:
-        self._config = config
+    def __init__(self, live: Live[OdometryConfig], robot: RobotConfig) -> None:
+        self._live = live
         self._robot, self._drive = robot, robot.kinematics
         self._last: Wheels | None = None
         self._systematic = SystematicError(robot.calibration, self._drive)
@@ -76,10 +77,6 @@ class OdometryPolicy:
         """Where the parts of the robot are that have a frame of their own."""
         return [part.transform(name) for name, part in self._robot.frames.items()]
 
-    def reconfigure(self, config: OdometryConfig) -> None:
-        """Use a new configuration."""
-        self._config = config
-
     def on_wheels(self, wheels: Wheels) -> Odometry | None:
         """Where the robot is at this sample; None when it repeats one already taken, or is older."""
         self.notice = WELL
@@ -94,13 +91,13 @@ class OdometryPolicy:
             return None
         left = signed32(wheels.left_ticks - last.left_ticks) / self._robot.left_ticks_per_metre
         right = signed32(wheels.right_ticks - last.right_ticks) / self._robot.right_ticks_per_metre
-        farther, fastest = max(abs(left), abs(right)), self._config.max_wheel_speed
+        farther, fastest = max(abs(left), abs(right)), self._live.config.max_wheel_speed
         if farther > fastest * elapsed + SLACK_TICKS / self._robot.ticks_per_metre:
             return self._rebase(wheels, _LEAP)
         self._last = wheels
         self.estimate = advance(self.estimate, left, right, self._drive, self._robot.wheel_noise)
         self._systematic.advance(left, right)
-        if elapsed > self._config.max_gap:
+        if elapsed > self._live.config.max_gap:
             self._lose_certainty(farther / 2.0, 0.0, _GAP)
         if max(abs(wheels.left_velocity), abs(wheels.right_velocity)) > fastest:
             self.notice = self.notice or _TOO_FAST
@@ -131,7 +128,7 @@ class OdometryPolicy:
 
     def _rebase(self, wheels: Wheels, notice: Trouble) -> Odometry:
         self._last = wheels
-        self._lose_certainty(self._config.lost_position, self._config.lost_yaw, notice)
+        self._lose_certainty(self._live.config.lost_position, self._live.config.lost_yaw, notice)
         return self._odometry(wheels, 0.0, 0.0)
 
     def _lose_certainty(self, position: float, yaw: float, notice: Trouble) -> None:

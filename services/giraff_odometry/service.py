@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_core.io import IO
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
@@ -32,8 +33,9 @@ class Odometry:
         self, io: IO, config: OdometryConfig, robot: RobotConfig, policy: type[OdometryPolicy] = OdometryPolicy
     ) -> None:
         self._io = io
-        self._policy = policy(config, robot)
-        io.on_reconfigured = self._policy.reconfigure
+        live = Live(config)
+        self._policy = policy(live, robot)
+        io.on_reconfigured = live.replace
         io.frame(BASE_FRAME, self._policy.transform)
         for part in self._policy.parts():
             io.frame(part.child, part)

@@ -12,6 +12,7 @@ from collections.abc import Iterator
 
 import zenoh
 
+from giraff_core.live import Live
 from giraff_node import Node, Timer
 from giraff_schemas.topics import CMD_VEL, MOTION_HOLD, OPERATOR_CMD_VEL
 from giraff_sentry.config import SentryConfig
@@ -47,8 +48,9 @@ class ZenohLog:
 def main() -> None:
     log = ZenohLog()  # before the session, whose threads log
     with Node("sentry", SentryConfig) as node:
-        refusals = Refusals(node.config.again)
-        node.on_reconfigured = lambda config: setattr(refusals, "again", config.again)
+        live = Live(node.config)
+        refusals = Refusals(live)
+        node.on_reconfigured = live.replace
         # Whoever publishes on these keys without being allowed to sends it here, too, and Zenoh drops it at this door.
         node.subscribe(CMD_VEL, lambda _: None)
         node.subscribe(OPERATOR_CMD_VEL, lambda _: None)

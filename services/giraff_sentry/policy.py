@@ -11,6 +11,9 @@ import re
 from collections.abc import Iterator
 from typing import Final
 
+from giraff_core.live import Live
+from giraff_sentry.config import SentryConfig
+
 FILTER: Final = "zenoh::net::routing::interceptor::access_control=trace,zenoh_link_tls=warn"
 """What Zenoh is to log, as in RUST_LOG."""
 
@@ -32,9 +35,8 @@ Refusal = tuple[str, str, str]
 class Refusals:
     """Counts what was refused, and tells it when it is new and then now and then."""
 
-    def __init__(self, again: float) -> None:
-        self.again = again
-        """s until a refusal that goes on is told again."""
+    def __init__(self, live: Live[SentryConfig]) -> None:
+        self._live = live
         self._counts: dict[Refusal, int] = {}
         self._told: dict[Refusal, float] = {}
         self._others = 0
@@ -52,14 +54,15 @@ class Refusals:
 
     def news(self, now: float) -> Iterator[tuple[Refusal, int]]:
         """What is to be told now, with how often since it was told last. `now`: monotonic, s."""
+        again = self._live.config.again
         for thread in self._threads.values():
             for refusal in thread.settled():
                 self._count(refusal)
         for refusal, count in list(self._counts.items()):
-            if count and now - self._told.get(refusal, -self.again) >= self.again:
+            if count and now - self._told.get(refusal, -again) >= again:
                 self._told[refusal], self._counts[refusal] = now, 0
                 yield refusal, count
-            elif not count and now - self._told[refusal] >= self.again:
+            elif not count and now - self._told[refusal] >= again:
                 del self._counts[refusal], self._told[refusal]
         if self._others:
             yield ("", "more", ""), self._others

@@ -13,6 +13,7 @@ import msgspec
 from giraff_base.policy import BasePolicy
 from giraff_base.service import Base
 from giraff_core.io import IO
+from giraff_core.live import Live
 from giraff_core.operator import Fault, Wish
 from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
@@ -130,16 +131,16 @@ class HalfGuard(GuardPolicy):
 class CloseGuard(GuardPolicy):
     """Keeps no margin worth the name."""
 
-    def __init__(self, config: Any, *rest: Any, **named: Any) -> None:
-        super().__init__(msgspec.structs.replace(config, margin=0.02, memory_margin=0.01), *rest, **named)
+    def __init__(self, live: Live[Any], *rest: Any, **named: Any) -> None:
+        super().__init__(Live(msgspec.structs.replace(live.config, margin=0.02, memory_margin=0.01)), *rest, **named)
 
 
 class SuddenBase(BasePolicy):
     """Ramps no start."""
 
-    def __init__(self, config: Any, *rest: Any) -> None:
-        sudden = msgspec.structs.replace(config, linear_acceleration=5.0, angular_acceleration=20.0)
-        super().__init__(sudden, *rest)
+    def __init__(self, live: Live[Any], *rest: Any) -> None:
+        sudden = msgspec.structs.replace(live.config, linear_acceleration=5.0, angular_acceleration=20.0)
+        super().__init__(Live(sudden), *rest)
 
 
 class MirroredBase(BasePolicy):

@@ -10,6 +10,7 @@ import msgspec
 from giraff_base.policy import BasePolicy
 from giraff_base.service import Base
 from giraff_core.estop import RELEASED
+from giraff_core.live import Live
 from giraff_core.operator import Fault, Wish
 from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
@@ -38,17 +39,17 @@ def broken(
 class PatientBase(BasePolicy):
     """Finds nothing too old."""
 
-    def __init__(self, config: Any, *rest: Any) -> None:
+    def __init__(self, live: Live[Any], *rest: Any) -> None:
         names = ("operator_budget", "guard_budget", "range_budget", "disarm_time")
-        super().__init__(msgspec.structs.replace(config, **dict.fromkeys(names, FOR_EVER)), *rest)
+        super().__init__(Live(msgspec.structs.replace(live.config, **dict.fromkeys(names, FOR_EVER))), *rest)
 
 
 class PatientGuard(GuardPolicy):
     """Finds nothing too old."""
 
-    def __init__(self, config: Any, *rest: Any, **named: Any) -> None:
+    def __init__(self, live: Live[Any], *rest: Any, **named: Any) -> None:
         names = ("operator_budget", "range_budget", "operator_release", "fault_release")
-        super().__init__(msgspec.structs.replace(config, **dict.fromkeys(names, FOR_EVER)), *rest, **named)
+        super().__init__(Live(msgspec.structs.replace(live.config, **dict.fromkeys(names, FOR_EVER))), *rest, **named)
 
 
 class RenewingJoystick(JoystickPolicy):
@@ -76,8 +77,8 @@ class NumbJoystick(JoystickPolicy):
 class HastyBase(BasePolicy):
     """Arms by a neutral of next to no length."""
 
-    def __init__(self, config: Any, *rest: Any) -> None:
-        super().__init__(msgspec.structs.replace(config, arm_time=0.05), *rest)
+    def __init__(self, live: Live[Any], *rest: Any) -> None:
+        super().__init__(Live(msgspec.structs.replace(live.config, arm_time=0.05)), *rest)
 
 
 class EagerBase(BasePolicy):
@@ -119,9 +120,9 @@ class ForgivingBase(BasePolicy):
 class AmnesiacBase(BasePolicy):
     """Starts released whatever was kept, and releases the board, too."""
 
-    def __init__(self, config: Any, robot: Any, latch: Any) -> None:
+    def __init__(self, live: Live[Any], robot: Any, latch: Any) -> None:
         del latch
-        super().__init__(config, robot, RELEASED)
+        super().__init__(live, robot, RELEASED)
 
     def on_link_opened(self, session: int) -> None:
         super().on_link_opened(session)

@@ -14,6 +14,7 @@ import msgspec
 
 from giraff_base.estop import RELEASED
 from giraff_base.policy import BasePolicy
+from giraff_core.live import Live
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
 from giraff_node.boards.board_link import BoardLink
@@ -135,7 +136,7 @@ def _thrown(kind: BoardKind, chance: random.Random) -> bytes:
 
 
 def _base() -> Turn:
-    policy = BasePolicy(BASE, ROBOT, RELEASED)
+    policy = BasePolicy(Live(BASE), ROBOT, RELEASED)
     policy.on_link_opened(session=7)
 
     def turn(frames: list[Frame], now: float) -> list[Frame]:
@@ -152,7 +153,7 @@ def _base() -> Turn:
 
 
 def _joystick() -> Turn:
-    policy = JoystickPolicy(JoystickConfig(port="unused"), ROBOT, "joystick-1")
+    policy = JoystickPolicy(Live(JoystickConfig(port="unused")), ROBOT, "joystick-1")
 
     def turn(frames: list[Frame], now: float) -> list[Frame]:
         for frame in frames:

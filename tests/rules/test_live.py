@@ -14,6 +14,7 @@ import pytest
 
 from giraff_base.policy import BasePolicy
 from giraff_core.estop import RELEASED
+from giraff_core.live import Live
 from giraff_core.parameters.table import ParamError, Parameters
 from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning, live_fields, loosens
@@ -21,6 +22,8 @@ from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
+from giraff_motion.config import MotionConfig
+from giraff_motion.policy import MotionPolicy
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from tests.rules.repository import ROOT, services
@@ -100,17 +103,18 @@ def test_what_is_not_measured_is_tighter_than_any_value() -> None:
     assert loosens(Tuning.RAISE_ONLY, 1.0, math.nan)
 
 
-POLICIES: list[tuple[Any, Callable[[Any], Any]]] = [
-    (EXAMPLES["guard"], lambda config: GuardPolicy(config, ROBOT, 1)),
-    (EXAMPLES["base"], lambda config: BasePolicy(config, ROBOT, RELEASED)),
-    (JoystickConfig(), lambda config: JoystickPolicy(config, ROBOT, "one")),
-    (OdometryConfig(), lambda config: OdometryPolicy(config, ROBOT)),
+POLICIES: list[tuple[Any, Callable[[Live[Any]], Any]]] = [
+    (EXAMPLES["guard"], lambda live: GuardPolicy(live, ROBOT, 1)),
+    (EXAMPLES["base"], lambda live: BasePolicy(live, ROBOT, RELEASED)),
+    (JoystickConfig(), lambda live: JoystickPolicy(live, ROBOT, "one")),
+    (OdometryConfig(), lambda live: OdometryPolicy(live, ROBOT)),
+    (MotionConfig(), lambda live: MotionPolicy(live, ROBOT, "one")),
 ]
 
 
 @pytest.mark.parametrize(("config", "make"), POLICIES, ids=[type(config).__name__ for config, _ in POLICIES])
-def test_no_part_of_a_policy_goes_by_an_old_configuration(config: Any, make: Callable[[Any], Any]) -> None:
-    """Neither by the object, nor by a value that was taken from it: what is reconfigured is as one made anew."""
+def test_no_part_of_a_policy_goes_by_an_old_configuration(config: Any, make: Callable[[Live[Any]], Any]) -> None:
+    """Neither by the object, nor by a value that was taken from it: the policy is as one made anew."""
     changed = msgspec.structs.replace(
         config,
         **{
@@ -119,11 +123,12 @@ def test_no_part_of_a_policy_goes_by_an_old_configuration(config: Any, make: Cal
             if live is not Tuning.READ_ONLY and getattr(config, name) is not None
         },
     )
-    policy = make(config)
-    policy.reconfigure(changed)
-    assert numbers_in(policy) == numbers_in(make(changed))
+    live = Live(config)
+    policy = make(live)
+    live.replace(changed)
+    assert numbers_in(policy) == numbers_in(make(Live(changed)))
     assert not any(found is config for found in reached(policy))
-    assert numbers_in(policy) != numbers_in(make(config))
+    assert numbers_in(policy) != numbers_in(make(Live(config)))
 
 
 @pytest.mark.parametrize("service", sorted({service for service, _, _ in LIVE}))

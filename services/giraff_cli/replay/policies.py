@@ -14,6 +14,7 @@ from typing import Any, Final
 import msgspec
 
 from giraff_cli.replay.agreement import Agreement, differences
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
@@ -78,7 +79,7 @@ def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotC
             # It was on its way already, or the recording lacks what it heard: it goes on from what it said.
             if then is not None:
                 found.left_out += 1
-                policy, is_sure = _going_on(OdometryPolicy(config, robot), wheels, then), not any(then.covariance)
+                policy, is_sure = _going_on(OdometryPolicy(Live(config), robot), wheels, then), not any(then.covariance)
             continue
         jumped = then is not None and then.jumps != policy.jumps
         if then is not None and jumped:
@@ -192,7 +193,7 @@ class _Guard:
         self.instance = first.instance
         # The counters of its leases begin anywhere, and go on from the first.
         counter = next((turn.lease_counter for turn in turns if turn.lease_counter), 1)
-        self._policy = GuardPolicy(config, robot, first_lease=counter)
+        self._policy = GuardPolicy(Live(config), robot, first_lease=counter)
         self._held = first.operator
         """Whoever held the lease when the recording began; empty: nobody, or it has been granted again."""
         self._has_tick = False

@@ -17,6 +17,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final, NamedTuple
 
+from giraff_core.live import Live
 from giraff_odometry import policy as odometry_module
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
@@ -141,7 +142,7 @@ class _Run:
             if variation.deaf and number == seed % len(self._world.sonars):
                 sonar.fault = SonarFault.DEAF
         self._driver = Driver(self._floor, self._cells, self._random)
-        self._odometry = OdometryPolicy(OdometryConfig(), ROBOT)
+        self._odometry = OdometryPolicy(Live(OdometryConfig()), ROBOT)
         self._person = _Person(self._random) if variation.person else None
         self._speeds = [0.0, 0.0]  # m/s wished of each wheel, as far as it has been ramped up
         self._integrals = [0.0, 0.0]

@@ -8,6 +8,7 @@ from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.estop import RELEASED, EStopLatch
 from giraff_base.policy import BasePolicy
+from giraff_core.live import Live
 from giraff_schemas.messages import BaseState, GuardedCommand, RobotTime, Source, Wheels
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,
@@ -222,7 +223,8 @@ class Rig:
     """Base, its board, a guard and the hand behind it. The attributes are what the next commands say."""
 
     def __init__(self, config: BaseConfig = CONFIG, drive: WheelsConfig = DRIVE, latch: EStopLatch = RELEASED) -> None:
-        self.base = BasePolicy(msgspec.structs.replace(config, drive=drive), ROBOT, latch)
+        self.live = Live(msgspec.structs.replace(config, drive=drive))
+        self.base = BasePolicy(self.live, ROBOT, latch)
         self.board = Board(board_us=0xFFFFFFFF - 2_000_000)  # its clock wraps in the course of a test
         self.robot_ns = 1_000_000_000_000
         self.sent: list[Sent] = []

@@ -6,6 +6,7 @@ import msgspec
 import pytest
 
 from giraff_base.battery import BatteryWatch
+from giraff_core.live import Live
 from tests.support.robots import DRIVE
 from tests.unit.base.rig import CONFIG, Rig, moving
 
@@ -89,7 +90,7 @@ def test_dips_on_both_sides_of_a_lost_link_are_two() -> None:
 
 
 def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:
-    watch = BatteryWatch(CONFIG)
+    watch = BatteryWatch(Live(CONFIG))
     moment = 0
     stops = []
     for _ in range(6):
@@ -111,14 +112,14 @@ def test_a_battery_whose_divider_is_unknown_says_nothing() -> None:
 
 
 def test_limits_that_are_off_never_apply() -> None:
-    watch = BatteryWatch(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=0.0))
+    watch = BatteryWatch(Live(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=0.0)))
     for second in range(100):
         watch.take(0.0, second * 1_000_000_000)
     assert (watch.share, watch.warning, watch.stops) == (1.0, "", "")
 
 
 def test_a_cutoff_alone_needs_half_a_volt_more_to_drive_again() -> None:
-    watch = BatteryWatch(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=20.0))
+    watch = BatteryWatch(Live(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=20.0)))
     moment = 0
     for volts, stops in ((19.0, True), (20.4, True), (20.5, False)):
         for _ in range(10):

@@ -10,7 +10,7 @@ from tests.unit.base.rig import CONFIG, Rig
 
 
 def tightened(rig: Rig, **changes: float) -> None:
-    rig.base.reconfigure(msgspec.structs.replace(CONFIG, **changes))
+    rig.live.replace(msgspec.structs.replace(CONFIG, **changes))
 
 
 def test_a_hand_must_be_held_level_for_the_new_time() -> None:

@@ -14,6 +14,7 @@ from giraff_cli.calibrate.procedure import Procedure
 from giraff_cli.calibrate.runs import Geometry
 from giraff_core.kinematics.calibration import Calibration, Scales
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
@@ -81,7 +82,7 @@ def _ellipse(robot: FloorRobot, known: RobotConfig, path: Path) -> tuple[float, 
     """How far odometry is off, in standard deviations, and how large its ellipse is, m²."""
     begin, start = len(robot.heard) - 1, robot.pose
     path(robot)
-    odometry = OdometryPolicy(OdometryConfig(), known)
+    odometry = OdometryPolicy(Live(OdometryConfig()), known)
     answers = [odometry.on_wheels(sample) for sample in robot.heard[begin:]]
     odom = answers[-1]
     assert odom is not None

@@ -17,6 +17,7 @@ import giraff_cli.odom.client as it
 import giraff_node.network.query_client
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.odom.client import Place, Result, reset, set_pose
+from giraff_core.live import Live
 from giraff_core.network import NetworkConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
@@ -49,7 +50,7 @@ class Network:
     @contextmanager
     def odometry(self, answer: Answer = obey, *, speaks: bool = True) -> Iterator[list[Wish]]:
         """One at rest after half a metre; what it is asked."""
-        policy, asked, turns = OdometryPolicy(OdometryConfig(), ROBOT), list[Wish](), iter(range(1, 10_000))
+        policy, asked, turns = OdometryPolicy(Live(OdometryConfig()), ROBOT), list[Wish](), iter(range(1, 10_000))
         policy.on_wheels(wheels())
         policy.on_wheels(wheels(1000, 1000, 400_000))
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from giraff_core.live import Live
 from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime, Source
@@ -18,7 +19,7 @@ class Room:
     """A guard's authority and those who speak to it, in robot time."""
 
     def __init__(self, first_lease: int = FIRST) -> None:
-        self.authority = Authority(CONFIG, first_lease)
+        self.authority = Authority(Live(CONFIG), first_lease)
         self.robot_ns = 10**12
         self._seq = 0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from giraff_core.lease import ASK
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
@@ -41,7 +42,8 @@ class Rig:
 
     def __init__(self, robot: RobotConfig = ROBOT, config: GuardConfig = CONFIG, ticking: bool = True) -> None:
         self.robot = robot
-        self.guard = GuardPolicy(config, robot, first_lease=FIRST_LEASE)
+        self.live = Live(config)
+        self.guard = GuardPolicy(self.live, robot, first_lease=FIRST_LEASE)
         self.lease: Lease | None = None
         """As of the newest `decide`."""
         self.robot_ns = 1_000_000_000_000

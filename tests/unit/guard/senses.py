@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.obstacles import Limited, Obstacles, Verdicts
@@ -25,7 +26,8 @@ class Senses:
     def __init__(self, robot: RobotConfig = ROBOT, config: GuardConfig = CONFIG) -> None:
         self.robot = robot
         self.config = config
-        self.obstacles = Obstacles(config, robot)
+        self.live = Live(config)
+        self.obstacles = Obstacles(self.live, robot)
         self.robot_ns = 1_000_000_000_000
         self.linear = self.angular = 0.0
         """What the robot does: m/s, rad/s."""

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_guard.directions import Direction
@@ -137,14 +138,14 @@ def test_it_blocks_for_its_time_then_slows_and_then_is_forgotten() -> None:
 
 
 def test_what_is_old_does_not_hide_what_is_new() -> None:
-    echoes = Echoes(CONFIG, ROBOT.footprint_radius)
+    echoes = Echoes(Live(CONFIG), ROBOT.footprint_radius)
     hear(echoes, 0.8)
-    motion = Motion(CONFIG, ROBOT)
+    motion = Motion(Live(CONFIG), ROBOT)
     motion.place = Pose(0.4, 0.0, 0.0)
     now = RobotTime(epoch=EPOCH, robot_ns=round((CONFIG.memory_block + 1.0) * 1e9))
-    forward = Direction("forward", CONFIG, ROBOT, [])
+    forward = Direction("forward", Live(CONFIG), ROBOT, [])
     assert forward.judge(motion, echoes, now).allowed == CONFIG.creep_linear  # no sensor of its own
-    other = Sensor("other", SensorPose(index=1, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    other = Sensor("other", SensorPose(index=1, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     for _ in range(3):
         echoes.take(other, Ping(now.robot_ns, 0.85, True, Pose(0.0, 0.05, 0.0)), 0.4)
     judged = forward.judge(motion, echoes, now)
@@ -288,9 +289,9 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
     radius: float,
 ) -> None:
     """Driven in small steps, forward or backward, as odometry reckons."""
-    echoes = Echoes(CONFIG, radius)
+    echoes = Echoes(Live(CONFIG), radius)
     for robot_ns in range(3):
-        echoes.take(Sensor("only", pose, CONFIG), Ping(robot_ns, distance, True, heard_from), 0.0)
+        echoes.take(Sensor("only", pose, Live(CONFIG)), Ping(robot_ns, distance, True, heard_from), 0.0)
     sits = heard_from.moved(pose.x, 0.0)._replace(yaw=heard_from.yaw + math.pi / 2.0).moved(pose.y, 0.0)
     x, y, _ = sits._replace(yaw=heard_from.yaw + pose.yaw).moved(distance, 0.0)
 
@@ -317,14 +318,14 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
 
 def hear(echoes: Echoes, distance: float, *, name: str = "only", y: float = 0.0) -> None:
     """Three times the same, ahead of the robot's middle, from `y` m beside the beginning."""
-    sensor = Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    sensor = Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     for robot_ns in range(3):
         echoes.take(sensor, Ping(robot_ns, distance, True, Pose(0.0, y, 0.0)), 0.0)
 
 
 @pytest.mark.parametrize("distances", [(0.6, 1.0), (1.0, 0.6)])
 def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -> None:
-    echoes = Echoes(CONFIG, 0.3)
+    echoes = Echoes(Live(CONFIG), 0.3)
     for name, distance, y in zip(("one", "other"), distances, (0.0, 0.2), strict=True):
         hear(echoes, distance, name=name, y=y)
     found = first(echoes, Pose(0.0, 0.0, 0.0))
@@ -334,21 +335,21 @@ def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -
 
 
 def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
-    echoes = Echoes(CONFIG, 0.3)
+    echoes = Echoes(Live(CONFIG), 0.3)
     for number in range(4):
-        sensor = Sensor(f"sensor {number % 2}", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+        sensor = Sensor(f"sensor {number % 2}", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
         echoes.take(sensor, Ping(number, 0.6, True, Pose(0.0, 0.0, 0.0)), 0.0)
     assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
 
 
 def test_what_is_far_from_the_sensor_is_not_remembered() -> None:
-    echoes = Echoes(CONFIG, 0.3)
+    echoes = Echoes(Live(CONFIG), 0.3)
     hear(echoes, CONFIG.memory_range + 0.01)
     assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
 
 
 def test_of_too_many_echoes_the_newest_are_kept() -> None:
-    echoes = Echoes(CONFIG, 0.3)
+    echoes = Echoes(Live(CONFIG), 0.3)
     for number in range(100):
         hear(echoes, 1.0, y=float(number))
     assert first(echoes, Pose(0.0, 99.0, 0.0)) is not None
@@ -357,7 +358,7 @@ def test_of_too_many_echoes_the_newest_are_kept() -> None:
 
 def test_the_way_is_that_of_wheels_as_they_were_calibrated() -> None:
     found = Calibration(left_wheel_scale=1.02, right_wheel_scale=1.01, track_scale=1.1)
-    motion = Motion(CONFIG, msgspec.structs.replace(ROBOT, calibration=found))
+    motion = Motion(Live(CONFIG), msgspec.structs.replace(ROBOT, calibration=found))
     motion.on_wheels(wheels())
     motion.on_wheels(wheels(20, 20, board_us=20_000))
     assert motion.travel == pytest.approx(1.015 * 20 / ROBOT.ticks_per_metre)

@@ -8,6 +8,7 @@ import msgspec
 import pytest
 
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_guard.recent_obstacles import RecentObstacles
@@ -241,13 +242,13 @@ def place_after(x: float, y: float, yaw: float) -> Pose:
 
 def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True) -> RecentObstacles:
     """One thing that was heard, there."""
-    held = RecentObstacles(CONFIG, ROBOT.footprint_radius)
+    held = RecentObstacles(Live(CONFIG), ROBOT.footprint_radius)
     held.take(named("one"), Ping(0, x, True, Pose(0.0, y, 0.0)), is_sure=is_sure)
     return held
 
 
 def named(name: str) -> Sensor:
-    return Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    return Sensor(name, SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ import msgspec
 import pytest
 
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_guard.sensor import Ping, Sensor
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
@@ -309,7 +310,7 @@ def test_what_is_remembered_has_an_end() -> None:
 @pytest.mark.parametrize("yaw", [0.0, math.pi])
 def test_a_reading_follows_from_the_one_before_along_its_sensors_axis(yaw: float) -> None:
     """The robot has driven 0.5 m forward: towards what is ahead, and away from what is behind."""
-    sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=yaw), CONFIG)
+    sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=yaw), Live(CONFIG))
     before = Ping(0, 1.5, True, Pose(0.0, 0.0, 0.0))
     expected = 1.0 if yaw == 0.0 else 2.0
     compared = [
@@ -320,7 +321,7 @@ def test_a_reading_follows_from_the_one_before_along_its_sensors_axis(yaw: float
 
 @pytest.mark.parametrize("turned", [0.2, -0.2])
 def test_a_slanted_wall_may_come_nearer_or_go_while_the_robot_turns(turned: float) -> None:
-    sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), CONFIG)
+    sensor = Sensor("only", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     before = Ping(0, 2.0, True, Pose(0.0, 0.0, 0.0))
     for distance, nearer_or_farther in ((1.7, -1), (2.3, 1)):
         assert sensor._compare(before, Ping(1, distance, True, Pose(0.0, 0.0, 0.0))) == nearer_or_farther

@@ -11,7 +11,7 @@ from tests.unit.guard.senses import Senses, opened
 
 
 def tightened(senses: Senses, **changes: float) -> None:
-    senses.obstacles.reconfigure(msgspec.structs.replace(CONFIG, **changes))
+    senses.live.replace(msgspec.structs.replace(CONFIG, **changes))
 
 
 @pytest.mark.parametrize("way", ["forward", "backward"])
@@ -83,7 +83,7 @@ def rig(config: GuardConfig = CONFIG) -> Rig:
 
 def test_the_policy_hands_it_to_the_obstacles() -> None:
     guarded = rig()
-    guarded.guard.reconfigure(msgspec.structs.replace(CONFIG, margin=1.9))
+    guarded.live.replace(msgspec.structs.replace(CONFIG, margin=1.9))
     assert guarded.passes(0.6) == (0.0, 0.0)
 
 
@@ -91,7 +91,7 @@ def test_the_policy_hands_it_to_the_authority() -> None:
     guarded = rig()
     guarded.ask(0.6, age=0.3)
     assert guarded.decide()[0].linear_x == 0.6
-    guarded.guard.reconfigure(msgspec.structs.replace(CONFIG, operator_budget=0.2))
+    guarded.live.replace(msgspec.structs.replace(CONFIG, operator_budget=0.2))
     command, _ = guarded.decide()
     assert command.linear_x == 0.0
     assert "no fresh command" in command.reason

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_core.live import Live
 from giraff_core.tilt.disturbance import SOUND
 from giraff_joystick.hand_detector import (
     DETECTION_S,
@@ -29,7 +30,7 @@ def judge(attention: HandDetector, seen: Counts, *, deflected: bool) -> Trouble:
 
 
 def judged(seen: list[Counts], *, deflected: bool = True) -> list[Trouble]:
-    attention = HandDetector(ANGLE.stillness)
+    attention = HandDetector(Live(ANGLE))
     return [judge(attention, each, deflected=deflected) for each in seen]
 
 
@@ -132,7 +133,7 @@ def test_one_that_lies_level_asks_for_nothing_and_is_no_fault() -> None:
 
 
 def test_one_laid_down_is_a_hand_again_only_once_it_is_level() -> None:
-    attention = HandDetector(ANGLE.stillness)
+    attention = HandDetector(Live(ANGLE))
     for each in readings(lambda _: tilted(30.0), 2.0):
         judge(attention, each, deflected=True)
     assert {judge(attention, each, deflected=True) for each in held(5.0)} == {LAID_DOWN}
@@ -141,7 +142,7 @@ def test_one_laid_down_is_a_hand_again_only_once_it_is_level() -> None:
 
 
 def test_after_a_gap_it_starts_over() -> None:
-    attention = HandDetector(ANGLE.stillness)
+    attention = HandDetector(Live(ANGLE))
     judge(attention, (0, 0, 10), deflected=False)
     attention.forget()
     assert judge(attention, counts(tilted(30.0)), deflected=True) == WELL
@@ -152,7 +153,7 @@ vector = st.tuples(*[st.integers(-(2**15), 2**15 - 1)] * 3)
 
 @given(st.lists(st.tuples(vector, st.booleans()), max_size=120))
 def test_any_readings_at_all_are_judged(seen: list[tuple[Counts, bool]]) -> None:
-    attention = HandDetector(ANGLE.stillness)
+    attention = HandDetector(Live(ANGLE))
     for each, deflected in seen:
         reason = judge(attention, each, deflected=deflected)
         assert reason in (WELL, FALLING, SHAKEN, FROZEN, LAID_DOWN)

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_core.live import Live
 from giraff_core.tilt.clutch import FLAT, Clutch, Vector, Words
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.policy import JoystickPolicy
@@ -19,7 +20,7 @@ class Held:
     """A joystick's policy, and the hand that holds it for some time."""
 
     def __init__(self, config: JoystickConfig = ANGLE) -> None:
-        self.policy = JoystickPolicy(config, ROBOT, "me")
+        self.policy = JoystickPolicy(Live(config), ROBOT, "me")
         self.now = 0.0
 
     def hold(self, seconds: float, degrees: float, *, button: bool = False) -> list[DriveCommand]:

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_core.live import Live
 from giraff_core.tilt import curves
 from giraff_core.tilt.curves import Curve
 from giraff_joystick.policy import JoystickPolicy, reading
@@ -138,7 +139,7 @@ def test_nothing_asked_is_a_plain_zero(curve: Curve) -> None:
 @given(x=st.integers(-1500, 1500), y=st.integers(-1500, 1500), z=st.integers(400, 1500))
 def test_the_policy_asks_exactly_what_the_curve_does(curve: Curve, x: int, y: int, z: int) -> None:
     """With the zero flat, to the last bit, dead bands included."""
-    joystick = JoystickPolicy(CONFIGS[curve], ROBOT, "me")
+    joystick = JoystickPolicy(Live(CONFIGS[curve]), ROBOT, "me")
     joystick.on_frame(tilt_frame(x / 100, y / 100, z / 100), 0.0)
     command, expected = said(joystick, 0.0), asked(x / 100, y / 100, z / 100, curve)
     assert (command.linear_x, command.angular_z) == (expected.linear_x, expected.angular_z)

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_core.live import Live
 from giraff_core.tilt.clutch import BOUNCE
 from giraff_joystick.policy import BOARD_SILENCE, JoystickPolicy
 from giraff_schemas.framing import Decoder, encode
@@ -19,7 +20,7 @@ from tests.unit.joystick.frames import ANGLE, EPOCH, ROBOT, SOURCE, tilt_frame
 
 
 def policy() -> JoystickPolicy:
-    return JoystickPolicy(SOURCE, ROBOT, "me")
+    return JoystickPolicy(Live(SOURCE), ROBOT, "me")
 
 
 def after(frame: TiltFrame) -> tuple[Tilt, DriveCommand]:
@@ -101,7 +102,7 @@ def test_a_value_that_is_no_number_is_a_bus_fault(axis: str, value: float) -> No
 
 
 def test_what_is_too_weak_for_gravity_has_no_direction() -> None:
-    joystick = JoystickPolicy(ANGLE, ROBOT, "me")
+    joystick = JoystickPolicy(Live(ANGLE), ROBOT, "me")
     joystick.on_frame(tilt_frame(0.5, 0.0, 0.1), 0.0)
     assert_fault(said(joystick, 0.0), "falling", "hold")
 
@@ -179,7 +180,7 @@ AFTER = {
 @pytest.mark.parametrize("after", AFTER)
 @pytest.mark.parametrize("before", BEFORE)
 def test_after_missing_readings_only_what_comes_now_tells_a_hand(before: str, after: str, gap: str) -> None:
-    joystick, fresh = (JoystickPolicy(ANGLE, ROBOT, "me") for _ in range(2))
+    joystick, fresh = (JoystickPolicy(Live(ANGLE), ROBOT, "me") for _ in range(2))
     now = 0.0
 
     def read(counts: tuple[int, int, int], *by: JoystickPolicy) -> list[DriveCommand]:
@@ -204,7 +205,7 @@ def test_after_missing_readings_only_what_comes_now_tells_a_hand(before: str, af
 @pytest.mark.parametrize("gap", ["silence", "a sensor's fault"])
 def test_after_missing_readings_no_attitude_of_before_becomes_the_zero(gap: str) -> None:
     """The clutch was pressed and held still; it is let go at once when the sensor is read again."""
-    joystick, now = JoystickPolicy(ANGLE, ROBOT, "me"), 0.0
+    joystick, now = JoystickPolicy(Live(ANGLE), ROBOT, "me"), 0.0
     for step in range(30):
         now += 0.02
         joystick.on_frame(tilt_frame(5.0 + step % 2 / 100, 0.0, 8.4, button=1, robot_ns=step), now)

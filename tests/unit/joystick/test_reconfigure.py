@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
+from giraff_core.live import Live
 from giraff_joystick.policy import JoystickPolicy
 from giraff_schemas.messages import DriveCommand
 from tests.support.operators import said
@@ -21,16 +22,18 @@ def held(joystick: JoystickPolicy, begin: float, seconds: float, degrees: float)
 
 
 def test_a_wider_dead_zone() -> None:
-    joystick = JoystickPolicy(ANGLE, ROBOT, "me")
+    live = Live(ANGLE)
+    joystick = JoystickPolicy(live, ROBOT, "me")
     assert held(joystick, 0.0, 1.0, 15.0).linear_x > 0.0
-    joystick.reconfigure(msgspec.structs.replace(ANGLE, dead_zone_deg=20.0))
+    live.replace(msgspec.structs.replace(ANGLE, dead_zone_deg=20.0))
     assert held(joystick, 1.0, 0.1, 15.0).neutral
 
 
 def test_a_hand_that_must_move_more() -> None:
-    joystick = JoystickPolicy(ANGLE, ROBOT, "me")
+    live = Live(ANGLE)
+    joystick = JoystickPolicy(live, ROBOT, "me")
     assert held(joystick, 0.0, 3.0, 30.0).source == "hand"
-    joystick.reconfigure(msgspec.structs.replace(ANGLE, stillness=0.5))
+    live.replace(msgspec.structs.replace(ANGLE, stillness=0.5))
     command = held(joystick, 3.0, 0.1, 30.0)
     assert command.source == "fault"
     assert "nobody holds it" in command.reason

@@ -8,6 +8,7 @@ import msgspec
 
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
 from giraff_motion.policy import MotionPolicy
@@ -66,8 +67,8 @@ class Bench:
     ) -> None:
         self.robot: RobotConfig = msgspec.structs.replace(ROBOT, calibration=calibration or Calibration())
         self.floor = FloorRobot(truth or Truth(), seed, self.robot)
-        self.odometry = OdometryPolicy(OdometryConfig(), self.robot)
-        self.policy = MotionPolicy(config or MotionConfig(), self.robot, "motion-1")
+        self.odometry = OdometryPolicy(Live(OdometryConfig()), self.robot)
+        self.policy = MotionPolicy(Live(config or MotionConfig()), self.robot, "motion-1")
         self.now = 100.0
         self.epoch = 7
         self.asked = 0

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
@@ -66,7 +67,7 @@ def held(path: Path, seeds: Iterable[int]) -> Held:
 
 def odometry_of(robot: FloorRobot, known: RobotConfig) -> Odometry:
     """The last word of odometry on all that it has heard."""
-    policy = OdometryPolicy(OdometryConfig(), known)
+    policy = OdometryPolicy(Live(OdometryConfig()), known)
     answers = [policy.on_wheels(sample) for sample in robot.heard]
     assert answers[-1] is not None
     assert policy.breaks == 0

@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.live import Live
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.messages import Odometry, Wheels
@@ -35,7 +36,7 @@ def there(x: float = 2.0, y: float = -1.0, yaw: float = 0.5, **sure: float) -> O
 
 
 def driven(*samples: Wheels) -> OdometryPolicy:
-    odometry = OdometryPolicy(OdometryConfig(), UNSURE)
+    odometry = OdometryPolicy(Live(OdometryConfig()), UNSURE)
     for sample in samples:
         assert odometry.on_wheels(sample) is not None
     return odometry

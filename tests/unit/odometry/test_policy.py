@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.parts import PartPose
 from giraff_core.kinematics.systematic_error import SystematicError
+from giraff_core.live import Live
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.messages import Odometry, Wheels
@@ -26,7 +27,7 @@ speeds = st.lists(st.tuples(st.integers(-25, 25), st.integers(-25, 25)), min_siz
 
 
 def policy() -> OdometryPolicy:
-    return OdometryPolicy(CONFIG, ROBOT)
+    return OdometryPolicy(Live(CONFIG), ROBOT)
 
 
 def followed(odometry: OdometryPolicy, *samples: Wheels) -> Odometry:
@@ -65,7 +66,7 @@ def test_it_starts_at_zero_wherever_the_counters_stand() -> None:
 
 def test_it_tells_where_the_parts_of_the_robot_are() -> None:
     robot = msgspec.structs.replace(ROBOT, frames={"laser": PartPose(x=-0.115, z=0.226, pitch=0.1)})
-    [laser] = OdometryPolicy(CONFIG, robot).parts()
+    [laser] = OdometryPolicy(Live(CONFIG), robot).parts()
     assert (laser.parent, laser.child, laser.fixed) == ("base_link", "laser", True)
     assert (laser.x, laser.y, laser.z, laser.roll, laser.pitch, laser.yaw) == (-0.115, 0.0, 0.226, 0.0, 0.1, 0.0)
 
@@ -77,8 +78,9 @@ def test_the_way_back_counts_as_way() -> None:
 
 
 def test_a_change_of_its_parameters_counts_at_once() -> None:
-    odometry = policy()
-    odometry.reconfigure(msgspec.structs.replace(CONFIG, max_wheel_speed=0.5))
+    live = Live(CONFIG)
+    odometry = OdometryPolicy(live, ROBOT)
+    live.replace(msgspec.structs.replace(CONFIG, max_wheel_speed=0.5))
     followed(odometry, *reports([(20, 20)]))
     assert odometry.breaks == 1
     assert "max_wheel_speed" in str(odometry.notice)
@@ -276,14 +278,14 @@ def test_a_speed_that_no_wheel_can_have_is_not_believed_and_the_travel_is_gone_b
 def test_each_wheel_and_the_track_go_by_the_calibration() -> None:
     found = Calibration(left_wheel_scale=1.02, right_wheel_scale=0.98, track_scale=1.1)
     robot = msgspec.structs.replace(ROBOT, calibration=found)
-    answer = followed(OdometryPolicy(CONFIG, robot), wheels(), wheels(20, 20, PERIOD_US))
+    answer = followed(OdometryPolicy(Live(CONFIG), robot), wheels(), wheels(20, 20, PERIOD_US))
     assert answer.path == pytest.approx(0.01)
     assert answer.yaw == pytest.approx(-0.04 * 0.01 / (1.1 * ROBOT.track_width))
 
 
 def test_what_is_systematic_is_in_the_covariance_beside_what_is_random() -> None:
     doubted = msgspec.structs.replace(ROBOT, calibration=Calibration())
-    sure, doubtful = (followed(OdometryPolicy(CONFIG, robot), *DRIVING) for robot in (ROBOT, doubted))
+    sure, doubtful = (followed(OdometryPolicy(Live(CONFIG), robot), *DRIVING) for robot in (ROBOT, doubted))
     assert pose(sure) == pose(doubtful)
     shares = SystematicError(doubted.calibration, ROBOT.kinematics)
     for _ in range(50):

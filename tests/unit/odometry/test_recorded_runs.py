@@ -11,6 +11,7 @@ import pytest
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_core.kinematics.differential_drive import DifferentialDrive
+from giraff_core.live import Live
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy, advance
 from giraff_schemas.messages import Odometry, Wheels
@@ -104,7 +105,7 @@ def followed(session: str, run: int) -> Odometry:
     robot = msgspec.structs.replace(
         ROBOT, track_width=track_width, ticks_per_metre=counts_per_metre, calibration=Calibration()
     )
-    odometry = OdometryPolicy(CONFIG, robot)
+    odometry = OdometryPolicy(Live(CONFIG), robot)
     answers = [odometry.on_wheels(sample) for sample in as_reports(session, run)]
     assert answers[-1] is not None
     assert odometry.breaks == 0

@@ -10,6 +10,7 @@ import pytest
 from giraff_cli.replay.agreement import Agreement
 from giraff_cli.replay.policies import RecordedSamples, replay_odometry
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.live import Live
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import OdometryPolicy
 from giraff_schemas.codec import stamped
@@ -27,7 +28,7 @@ def replayed(wishes: Mapping[int, Wish], *, from_: int = 0, drift: float = 1.0) 
 
     Recorded from the sample `from_` on. `drift`: of what odometry said, its poses' x by so much too large.
     """
-    odometry, said = OdometryPolicy(OdometryConfig(), UNSURE), RecordedSamples()
+    odometry, said = OdometryPolicy(Live(OdometryConfig()), UNSURE), RecordedSamples()
     for step in range(SAMPLES):
         heard = wheels(10 * step, 14 * step, step * PERIOD_US)
         told = odometry.on_wheels(heard)

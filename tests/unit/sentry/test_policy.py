@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import pytest
 
+from giraff_core.live import Live
+from giraff_sentry.config import SentryConfig
 from giraff_sentry.policy import Refusal, Refusals, told
 
 ZID = "aae767b47ff2bb13173f1e3fd2877583"
@@ -44,7 +46,7 @@ def looked_up(key: str, thread: int = 1) -> list[str]:
 
 
 def counted(*lines: str) -> dict[Refusal, int]:
-    refusals = Refusals(10.0)
+    refusals = Refusals(Live(SentryConfig()))
     for line in lines:
         refusals.on_line(line)
     list(refusals.news(-100.0))  # a query is known for an attempt when nothing has followed it for a while
@@ -54,7 +56,7 @@ def counted(*lines: str) -> dict[Refusal, int]:
 @pytest.mark.parametrize("action", ["Put", "Delete"])
 @pytest.mark.parametrize("line", [decided, cached])
 def test_an_attempt_is_counted(line: Callable[[str], str], action: str) -> None:
-    refusals = Refusals(10.0)
+    refusals = Refusals(Live(SentryConfig()))
     for _ in range(3):
         refusals.on_line(line(action))
     assert dict(refusals.news(0.0)) == {(ZID, action.lower(), "giraff/r/cmd_vel"): 3}
@@ -81,7 +83,7 @@ def test_a_query_is_an_attempt_unless_a_reply_is_looked_up_with_it() -> None:
     assert counted(decided("Query", key), decided("Query", key), *looked_up("giraff/r/odom")) == {
         (ZID, "query", key): 2
     }
-    refusals = Refusals(10.0)
+    refusals = Refusals(Live(SentryConfig()))
     refusals.on_line(decided("Query", key))
     assert list(refusals.news(0.0)) == []
     assert list(refusals.news(0.5)) == [((ZID, "query", key), 1)]
@@ -106,7 +108,7 @@ def test_a_failed_greeting_is_told_without_zenohs_advice() -> None:
 
 
 def test_what_goes_on_is_told_now_and_then_with_its_count() -> None:
-    refusals = Refusals(10.0)
+    refusals = Refusals(Live(SentryConfig()))
     said: list[tuple[int, int]] = []
     for second in range(30):
         for _ in range(5):
@@ -116,7 +118,7 @@ def test_what_goes_on_is_told_now_and_then_with_its_count() -> None:
 
 
 def test_a_flood_of_keys_is_bounded_and_told() -> None:
-    refusals = Refusals(10.0)
+    refusals = Refusals(Live(SentryConfig()))
     for number in range(1000):
         refusals.on_line(decided("Put", f"giraff/r/{number}"))
     news = dict(refusals.news(0.0))

@@ -13,8 +13,9 @@ from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
 from giraff_base.ramp import Ramp, ramped
+from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
-from tests.support.robots import BY_SPEED, DRIVE
+from tests.support.robots import BASE, BY_SPEED, DRIVE
 from tests.unit.base.rig import ROBOT
 
 LINEAR = st.floats(-3.0, 3.0)
@@ -128,7 +129,7 @@ def test_a_ramp_never_exceeds_what_is_asked_and_only_starts_take_time(
 
 
 def test_after_a_stop_driving_and_turning_begin_from_rest() -> None:
-    ramp = Ramp(linear_acceleration=0.6, angular_acceleration=2.5)
+    ramp = Ramp(Live(BASE))
     step = 20_000_000
     for n in range(100):
         ramp.follow(0.6, 1.5, n * step)
