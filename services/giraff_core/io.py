@@ -61,8 +61,8 @@ class Board(Selectable, Protocol):
     """A board at its serial port."""
 
     @property
-    def fault(self) -> str:
-        """Why there are no frames, with the way out; empty when there may be."""
+    def fault(self) -> Trouble:
+        """Why there are no frames; WELL when there may be."""
         ...
 
     @property

@@ -9,6 +9,7 @@ from giraff_gateway.policy import LineSplitter, Passing, WriteQueue, wrong_with
 from giraff_node import Node
 from giraff_node.boards.serial_link import SerialLink
 from giraff_schemas.topics import SERIAL, SERIAL_WRITE
+from giraff_schemas.trouble import WELL, Trouble
 
 _TOLD_FOR = 10.0  # s
 
@@ -26,21 +27,21 @@ def main() -> None:
                 splitter = LineSplitter(config.name, config.longest_line)  # what was begun was another life's
             for line in splitter.feed(link.read()):
                 lines.put(line)
-                for name, message in wrong_with(line, config).items():
-                    passing.tell(name, message, now)
+                for name, trouble in wrong_with(line, config).items():
+                    passing.tell(name, trouble, now)
             for asked in writes.take():
                 passing.tell("write", queue.put(asked.text), now)
             passing.tell("write", _write(link, queue), now)
-            for name, message in passing.now(now).items():
-                node.set_notice(name, message)
+            for name, trouble in passing.now(now).items():
+                node.set_notice(name, trouble)
             node.set_fault("port", link.fault)
 
 
-def _write(link: SerialLink, queue: WriteQueue) -> str:
+def _write(link: SerialLink, queue: WriteQueue) -> Trouble:
     """Go on writing what waits; what became of it, if that is not well."""
     if link.fault:
-        return f"texts were not written: {link.fault}" if queue.drop() else ""
+        return link.fault.of("texts were not written") if queue.drop() else WELL
     link.flush()
     while link.is_idle and (data := queue.take()):
         link.send(data)
-    return ""
+    return WELL

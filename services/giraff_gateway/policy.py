@@ -9,9 +9,11 @@ from typing import Final
 
 from giraff_gateway.config import GatewayConfig
 from giraff_schemas.messages import SerialLine
+from giraff_schemas.trouble import WELL, Trouble
 
 _CR: Final = 0x0D
 _LF: Final = 0x0A
+_NO_TEXT: Final = Trouble("bytes that are no text were replaced", "check `baud` and the cable")
 _REPLACED: Final = "\N{REPLACEMENT CHARACTER}"
 
 
@@ -47,12 +49,13 @@ class LineSplitter:
         return SerialLine(name=self._name, text=text, goes_on=goes_on, replaced=bad)
 
 
-def wrong_with(line: SerialLine, config: GatewayConfig) -> dict[str, str]:
-    """What is wrong with a line that was read, with the way out, by a word for each; empty where nothing is."""
-    port = config.port
-    bad = f"{port}: bytes that are no text were replaced; check `baud` and the cable" if line.replaced else ""
-    cut = f"{port}: a line was longer than {config.longest_line} bytes, and is cut" if line.goes_on else ""
-    return {"utf-8": bad, "length": cut}
+def wrong_with(line: SerialLine, config: GatewayConfig) -> dict[str, Trouble]:
+    """What is wrong with a line that was read, by a word for each."""
+    cut = Trouble(f"a line was longer than {config.longest_line} bytes, and is cut")
+    return {
+        "utf-8": _NO_TEXT.of(config.port) if line.replaced else WELL,
+        "length": cut.of(config.port) if line.goes_on else WELL,
+    }
 
 
 def _whole(data: bytearray) -> int:
@@ -75,15 +78,15 @@ class WriteQueue:
         self._longest, self._ending, self._most = longest, ending, most
         self._waiting: deque[bytes] = deque()
 
-    def put(self, text: str) -> str:
-        """Take a text to be written, followed by the ending; empty, or why it was not taken, with the way out."""
+    def put(self, text: str) -> Trouble:
+        """Take a text to be written, followed by the ending; WELL, or why it was not taken."""
         data = (text + self._ending).encode(errors="replace")
         if len(data) > self._longest:
-            return f"a text of {len(data)} bytes was not written: longest_line is {self._longest}"
+            return Trouble(f"a text of {len(data)} bytes was not written: longest_line is {self._longest}")
         if len(self._waiting) == self._most:
-            return f"texts come faster than the board takes them, {self._most} wait; write less"
+            return Trouble(f"texts come faster than the board takes them, {self._most} wait", "write less")
         self._waiting.append(data)
-        return ""
+        return WELL
 
     def take(self) -> bytes:
         """The oldest text; empty: none waits."""
@@ -101,13 +104,13 @@ class Passing:
 
     def __init__(self, seconds: float, *names: str) -> None:
         self._seconds = seconds
-        self._told: dict[str, tuple[str, float]] = dict.fromkeys(names, ("", -math.inf))
+        self._told: dict[str, tuple[Trouble, float]] = dict.fromkeys(names, (WELL, -math.inf))
 
-    def tell(self, name: str, message: str, now: float) -> None:
-        """It has happened just now. An empty message: it has not."""
-        if message:
-            self._told[name] = message, now
+    def tell(self, name: str, trouble: Trouble, now: float) -> None:
+        """It has happened just now. WELL: it has not."""
+        if trouble:
+            self._told[name] = trouble, now
 
-    def now(self, now: float) -> dict[str, str]:
-        """By name, what is told now; empty where nothing has happened lately."""
-        return {name: message if now - at <= self._seconds else "" for name, (message, at) in self._told.items()}
+    def now(self, now: float) -> dict[str, Trouble]:
+        """By name, what is told now; WELL where nothing has happened lately."""
+        return {name: trouble if now - at <= self._seconds else WELL for name, (trouble, at) in self._told.items()}

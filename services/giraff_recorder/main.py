@@ -24,6 +24,7 @@ from giraff_recorder.policy import Incident, IncidentDetector, Memory, surplus
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.health import Health
 from giraff_schemas.topics import BASE, ESTOP, health_key, key_below, key_of
+from giraff_schemas.trouble import WELL, Trouble
 
 _LOOK_HZ: Final = 5.0
 _AT_ONCE: Final = 2000
@@ -119,10 +120,11 @@ def advanced(node: Node[RecorderConfig], writing: Iterator[None]) -> Iterator[No
     try:
         next(writing)
     except StopIteration:
-        node.set_fault("disk", "")
+        node.set_fault("disk", WELL)
         return None
     except OSError as error:
-        node.set_fault("disk", f"{error.filename or 'incidents'}: {error.strerror}; make room, or correct its rights")
+        full = f"{error.filename or 'incidents'}: {error.strerror}"
+        node.set_fault("disk", Trouble(full, "make room, or correct its rights"))
         return None
     return writing
 

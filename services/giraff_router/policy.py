@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from giraff_core.access import AccessConfig, access_control
+from giraff_schemas.trouble import WELL, Trouble
 
 
 def gateway(sites: Iterable[str]) -> dict[str, Any]:
@@ -53,9 +54,10 @@ class Visitors:
         return news
 
     @property
-    def strangers(self) -> str:
+    def strangers(self) -> Trouble:
         """Why some of those who are here hear and say nothing."""
         unnamed = sorted(set(self._here) - self._known) if self._secured else []
         if not unnamed:
-            return ""
-        return f"{', '.join(unnamed)}: has a certificate, but no part in any [router.robots]: it can do nothing here"
+            return WELL
+        told = "has a certificate, but no part in any [router.robots]: it can do nothing here"
+        return Trouble(told).of(", ".join(unnamed))

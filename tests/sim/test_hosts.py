@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from giraff_schemas.messages import Tick
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import BoardKind, HelloRequestFrame
 from giraff_sim.board import Implementation
 from giraff_sim.dst.network import FaultyNetwork
@@ -70,11 +71,11 @@ def test_one_process_at_a_time_has_the_port() -> None:
         _, first, second = ends(running)
         assert first.keep_open(0.0)
         assert not second.keep_open(0.0)
-        assert "in use by another process" in second.fault
-        first.close("ended")
+        assert "in use by another process" in str(second.fault)
+        first.close(Trouble("ended"))
         assert not second.keep_open(0.05), "it is not tried all the time"
         assert second.keep_open(0.1)
-        assert second.fault == ""
+        assert second.fault == WELL
 
 
 def test_an_unplugged_port_says_so_and_comes_back() -> None:
@@ -83,9 +84,9 @@ def test_an_unplugged_port_says_so_and_comes_back() -> None:
         assert end.keep_open(0.0)
         cable.unplug()
         assert end.read() == b""
-        assert "unplugged" in end.fault
+        assert "unplugged" in str(end.fault)
         assert not end.keep_open(0.2)
-        assert "no such port" in end.fault
+        assert "no such port" in str(end.fault)
         cable.plug()
         assert end.keep_open(0.4)
         assert end.opened == 2

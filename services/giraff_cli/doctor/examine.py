@@ -14,7 +14,7 @@ import zenoh
 
 from giraff_cli.doctor.findings import Finding, as_document, findings
 from giraff_cli.doctor.inspection import Inspection, Machine, Network, Robot
-from giraff_cli.doctor.machine import geometry_of, look_at_boards, look_at_machine, wiring_checked
+from giraff_cli.doctor.machine import CORRECT_IT, geometry_of, look_at_boards, look_at_machine, wiring_checked
 from giraff_cli.doctor.probe import call_all, call_pages, has_free_port
 from giraff_cli.doctor.robot import listen
 from giraff_cli.network.command import close_after_fault, print_error
@@ -32,6 +32,7 @@ from giraff_node.network.session import NobodyError, open_session
 from giraff_node.network.sockets import PROTOCOL
 from giraff_schemas.services import BASE, WEB
 from giraff_schemas.text import printable
+from giraff_schemas.trouble import WELL, Trouble
 
 FoundT = TypeVar("FoundT")
 
@@ -42,7 +43,9 @@ _SCOUT_FOR: Final = 1.5  # s
 _ASK_AGAIN: Final = 0.1  # s
 _SETTLED: Final = 0.5  # s
 _CLOSE_WITHIN: Final = 0.3  # s
-_NOT_ASKED: Final = "nobody was asked, because the robot file, or a variable, may mean another network; correct it"
+_NOT_ASKED: Final = Trouble(
+    "nobody was asked, because the robot file, or a variable, may mean another network", "correct it"
+)
 
 
 def examine(robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
@@ -82,20 +85,20 @@ def _find_way(robot: str | None, connect: Sequence[str]) -> tuple[Target, str]:
         return target_of(robot, connect, NetworkConfig()), str(error)
 
 
-def _join(way: Target) -> tuple[RobotConnection | None, str]:
+def _join(way: Target) -> tuple[RobotConnection | None, Trouble]:
     """A connection to a door; or why there is none, where that is not the network's doing."""
     try:
-        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", "client"), way.filed), ""
+        return RobotConnection(way.robot, open_session(way.network, way.robot or "*", "client"), way.filed), WELL
     except NobodyError:
-        return None, ""
+        return None, WELL
     except ConfigError as error:
-        return None, str(error)
+        return None, Trouble(str(error), CORRECT_IT)
     except zenoh.ZError as error:
-        return None, f"no Zenoh session: {error}; check the table [network] of the robot file, and --connect"
+        return None, Trouble(f"no Zenoh session: {error}", "check the table [network] of the robot file, and --connect")
 
 
 def _look(
-    way: Target, machine: Machine, connection: RobotConnection | None, problem: str, seconds: float
+    way: Target, machine: Machine, connection: RobotConnection | None, problem: Trouble, seconds: float
 ) -> Inspection:
     """Raises NoRobotError where several are there and none is named."""
     has_doors = not way.network.local and not way.network.session_file

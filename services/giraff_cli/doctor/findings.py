@@ -17,6 +17,7 @@ from giraff_cli.doctor.inspection import (
     Probe,
     Rate,
     Robot,
+    as_lines,
 )
 from giraff_cli.telemetry.describe import START_A_HAND
 from giraff_cli.terminal.text import json_page
@@ -24,6 +25,7 @@ from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS
 from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, RUN
+from giraff_schemas.trouble import Trouble, trouble_of
 
 Severity = Literal["fault", "warning", "note"]
 
@@ -34,6 +36,7 @@ _SLOW: Final = 0.7  # of the rate in the topics table
 _LOSSY: Final = 0.02
 _FEW: Final = 5  # samples that tell nothing about a rate
 
+_SEE_LOG: Final = "see its log"
 _START: Final = "systemctl enable --now giraff@{service}, or docker-compose up -d {service}"
 
 NEEDED: Final = {
@@ -112,8 +115,7 @@ def _of_silence(look: Inspection) -> Iterator[Finding]:
 def _causes(look: Inspection) -> Iterator[tuple[str, str, str]]:
     machine, network = look.machine, look.network
     if network.problem:
-        what, fix = _split(network.problem)
-        yield "network", what, fix
+        yield "network", network.problem.what, network.problem.remedy or _SEE_LOG
     for call in network.calls:
         if told := _of_call(call, look):
             yield told
@@ -245,9 +247,9 @@ def _on(robot: Robot, services: list[str]) -> str:
 def _of_answers(robot: Robot, machine: Machine) -> Iterator[Finding]:
     for answer in robot.answers:
         who = f"{answer.health.service} on {answer.health.host}"
-        yield from (_told("fault", who, fault) for fault in answer.health.faults)
+        yield from (_told("fault", who, fault) for fault in answer.health.troubles)
         if answer.health.service not in HANDS:  # theirs tell why nobody drives, which is giraff why's to tell
-            yield from (_told("warning", who, notice) for notice in answer.health.notices)
+            yield from (_told("warning", who, notice) for notice in answer.health.noticed)
     told = {answer.health.service for answer in robot.answers}
     for service in sorted(service for service, count in robot.services.items() if count and service not in told):
         yield Finding(
@@ -370,22 +372,14 @@ def _of_rate(rate: Rate) -> Iterator[Finding]:
 
 def _of_state(robot: Robot) -> Iterator[Finding]:
     if robot.estop is not None and robot.estop.engaged:
-        why = robot.estop.reason.partition("; ")[0]
+        why = trouble_of(robot.estop).what
         what = f"the emergency stop is engaged by {robot.estop.by or 'nobody known'}: {why}"
         yield Finding(severity="note", about="e-stop", what=what, fix="see that the robot may move: giraff estop reset")
-    if robot.base is not None and "check wheels" in robot.base.reason:
-        yield _told("warning", "wiring", robot.base.reason.replace(": ", "; ", 1))
 
 
-def _told(severity: Severity, about: str, text: str) -> Finding:
-    """What somebody has said, whose way out stands after the first semicolon."""
-    what, fix = _split(text)
-    return Finding(severity=severity, about=about, what=what, fix=fix)
-
-
-def _split(text: str) -> tuple[str, str]:
-    what, _, fix = text.partition("; ")
-    return what, fix or "see its log"
+def _told(severity: Severity, about: str, trouble: Trouble) -> Finding:
+    """What somebody has said."""
+    return Finding(severity=severity, about=about, what=trouble.what, fix=trouble.remedy or _SEE_LOG)
 
 
 def as_document(look: Inspection, found: list[Finding]) -> str:
@@ -395,6 +389,6 @@ def as_document(look: Inspection, found: list[Finding]) -> str:
         "host": look.machine.host,
         "faults": sum(each.severity == "fault" for each in found),
         "findings": found,
-        "looked_at": look,
+        "looked_at": as_lines(msgspec.to_builtins(look)),
     }
     return json_page(told)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import msgspec
 
@@ -10,20 +10,22 @@ from giraff_cli.network.interfaces import Interface
 from giraff_core.kinematics.calibration import Calibration
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
+from giraff_schemas.trouble import WELL, Trouble
 
 Outcome = Literal["answers", "refused", "silent", "no way", "untrusted"]
 """Of a call to an address. `silent`: nothing came back; `no way`: it cannot be sent there; `untrusted`: the
 certificates of both ends do not go together."""
 NO_NAME: Final = "no such name"
 """Begins the detail of a call to a host whose name nobody knows."""
+_TROUBLE: Final = {*Trouble.__struct_fields__}
 
 
 class Port(msgspec.Struct, frozen=True, kw_only=True):
     """A board's port of this machine whose service does not run anywhere."""
 
     service: str
-    problem: str
-    """With its way out; empty: the right board answers."""
+    problem: Trouble
+    """WELL: the right board answers."""
 
 
 class Disk(msgspec.Struct, frozen=True, kw_only=True):
@@ -32,7 +34,7 @@ class Disk(msgspec.Struct, frozen=True, kw_only=True):
     folder: str
     free_bytes: int
     total_bytes: int
-    problem: str = ""
+    problem: Trouble = WELL
 
 
 class Geometry(msgspec.Struct, frozen=True, kw_only=True):
@@ -62,11 +64,11 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     """Parts of a robot that run on it, and meet each other at its Unix sockets."""
     ports: tuple[Port, ...] = ()
     disks: tuple[Disk, ...] = ()
-    settings_problem: str = ""
+    settings_problem: Trouble = WELL
     """Of robot file and environment."""
-    moved_settings: tuple[str, ...] | msgspec.UnsetType = msgspec.UNSET
+    moved_settings: tuple[Trouble, ...] | msgspec.UnsetType = msgspec.UNSET
     """What robot file and environment write as it was before; unset: nothing, and JSON is as it was before, too."""
-    keys_problem: str = ""
+    keys_problem: Trouble = WELL
     keys_expired: bool = False
     wiring_checked: bool = True
     unranked_hands: tuple[str, ...] = ()
@@ -90,7 +92,7 @@ class Network(msgspec.Struct, frozen=True, kw_only=True):
 
     has_doors: bool = True
     """Hosts find each other at doors. They do not where all keeps to the loopback, or by a session file."""
-    problem: str = ""
+    problem: Trouble = WELL
     """Why there is no session."""
     calls: tuple[Probe, ...] = ()
     pages: tuple[Probe, ...] = ()
@@ -161,3 +163,15 @@ class Inspection(msgspec.Struct, frozen=True, kw_only=True):
     """None: none was heard."""
     wanted: str = ""
     """The robot that was asked for; empty: whichever is there."""
+
+
+def as_lines(told: Any) -> Any:
+    """The same, each trouble as the line that programs have always read."""
+    match told:
+        case dict() if told.keys() == _TROUBLE:
+            return str(Trouble(**told))
+        case dict():
+            return {name: as_lines(each) for name, each in told.items()}
+        case list() | tuple():
+            return [as_lines(each) for each in told]
+    return told

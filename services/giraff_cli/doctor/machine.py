@@ -22,15 +22,17 @@ from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, expects_robot_file, load, read, read_tables
 from giraff_node.network.discovery import is_simulated_here
-from giraff_node.network.key_bundle import CA_CERTIFICATE, BundleError, ExpiryWatch, read_bundle
+from giraff_node.network.key_bundle import CA_CERTIFICATE, COPY_AGAIN, BundleError, ExpiryWatch, read_bundle
 from giraff_node.network.sockets import live_sockets, socket_folder
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
 from giraff_schemas.boards import BOARDS, BoardType
 from giraff_schemas.services import BASE, HANDS, ROBOTS_OWN, SERVICES
+from giraff_schemas.trouble import WELL, Trouble
 
 _HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
 _TURN: Final = 0.01  # s
+CORRECT_IT: Final = "correct the robot file, or the variable"
 
 
 def look_at_machine(
@@ -40,7 +42,7 @@ def look_at_machine(
 
     `wrong`: what is known to be, with robot file or environment.
     """
-    keys, expired = _keys(network) if network.mode == "secured" and not network.session_file else ("", False)
+    keys, expired = _keys(network) if network.mode == "secured" and not network.session_file else (WELL, False)
     return Machine(
         host=socket.gethostname(),
         version=version(),
@@ -67,7 +69,7 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
         path = str(_tables(environment).get(service.table, {}).get("port", ""))
         if path and Path(path).exists():
             problem = _greet(path, _board_of(service.name, BOARDS[service.board], environment))
-            if "in use by another process" not in problem:
+            if problem is not None:
                 found.append(Port(service=service.name, problem=problem))
     return tuple(found)
 
@@ -101,11 +103,12 @@ def _board_of(service: str, usual: BoardType, environment: Mapping[str, str]) ->
     return usual
 
 
-def _greet(path: str, board: BoardType) -> str:
-    """Why no such board says hello there, with the way out; empty: one does."""
+def _greet(path: str, board: BoardType) -> Trouble | None:
+    """Why no such board says hello there; None: another process has the port."""
     if find_spec("serial") is None:
-        return ""  # a desk without boards
+        return WELL  # a desk without boards
     from giraff_node.boards.board_link import BoardLink  # noqa: PLC0415  of the extra `serial`
+    from giraff_node.boards.serial_link import IN_USE  # noqa: PLC0415
 
     link = BoardLink(path, board)
     try:
@@ -113,8 +116,13 @@ def _greet(path: str, board: BoardType) -> str:
         while link.hello is None and time.monotonic() < deadline:
             link.poll(time.monotonic())
             time.sleep(_TURN)
-        silent = f"{path}: no {board.name} board says hello; see its power, its cable, and that it is flashed"
-        return "" if link.hello is not None else link.fault if "protocol" in link.fault or link.opened == 0 else silent
+        if link.hello is not None:
+            return WELL
+        silent = Trouble(
+            f"{path}: no {board.name} board says hello", "see its power, its cable, and that it is flashed"
+        )
+        problem = link.mismatch or (silent if link.opened else link.fault)
+        return None if problem == IN_USE.of(path) else problem
     finally:
         link.close()
 
@@ -125,14 +133,14 @@ def _disk(folder: Path) -> Disk:
     try:
         told = os.statvfs(there)
     except OSError as error:
-        problem = f"{there}: {error.strerror}; see that this user may look there"
+        problem = Trouble(f"{there}: {error.strerror}", "see that this user may look there")
         return Disk(folder=str(folder), free_bytes=0, total_bytes=0, problem=problem)
     free, total = told.f_bavail * told.f_frsize, told.f_blocks * told.f_frsize
     return Disk(folder=str(folder), free_bytes=free, total_bytes=total)
 
 
-def _keys(network: NetworkConfig) -> tuple[str, bool]:
-    """What is wrong with this host's bundle, with the way out, and whether no link comes about with it."""
+def _keys(network: NetworkConfig) -> tuple[Trouble, bool]:
+    """What is wrong with this host's bundle, and whether no link comes about with it."""
     folder, now = Path(network.keys), datetime.now(UTC)
     if find_spec("cryptography") is not None:
         from giraff_cli.keys.status import State, host_standing  # noqa: PLC0415
@@ -141,12 +149,13 @@ def _keys(network: NetworkConfig) -> tuple[str, bool]:
         try:
             standing = host_standing(folder, read_certificate(folder / CA_CERTIFICATE), now)
         except KeyFileError as error:
-            return f"{error}; copy this host's bundle there again", True
+            return Trouble(str(error), COPY_AGAIN), True
         if standing.state is State.OK:
-            return "", False
+            return WELL, False
         grave = standing.state not in (State.SOON, State.EXPOSED)
-        return f"{folder}, keys of {standing.name}: {standing.state}; {'; '.join(standing.to_do)}", grave
-    warning = ExpiryWatch(folder).warning(now).replace(": ", "; ", 1)
+        what = f"{folder}, keys of {standing.name}: {standing.state}"
+        return Trouble(what, "; ".join(standing.to_do)), grave
+    warning = ExpiryWatch(folder).warning(now)
     with contextlib.suppress(BundleError):
         return warning, read_bundle(folder).expires < now
     return warning, False
@@ -158,7 +167,7 @@ def _services(network: NetworkConfig) -> tuple[str, ...]:
     return ()
 
 
-def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
+def _settings_problem(wrong: str, environment: Mapping[str, str]) -> Trouble:
     if not wrong and expects_robot_file(environment):
         try:
             load("robot", RobotConfig, environment)
@@ -167,10 +176,10 @@ def _settings_problem(wrong: str, environment: Mapping[str, str]) -> str:
                 load(BASE.table, BaseConfig, environment, port="another host's")
         except ConfigError as error:
             wrong = str(error)
-    return f"{wrong}; correct the robot file, or the variable" if wrong else ""
+    return Trouble(wrong, CORRECT_IT) if wrong else WELL
 
 
-def _moved(environment: Mapping[str, str]) -> tuple[str, ...] | msgspec.UnsetType:
+def _moved(environment: Mapping[str, str]) -> tuple[Trouble, ...] | msgspec.UnsetType:
     with contextlib.suppress(ConfigError):  # that is told as what is wrong with the settings
         return read(environment, with_file=expects_robot_file(environment)).moved or msgspec.UNSET
     return msgspec.UNSET

@@ -12,9 +12,11 @@ from giraff_core.inbox import Inbox
 from giraff_core.io import PendingQuery, Store
 from giraff_core.parameters.table import ConfigT, ParamError, Parameters
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
+from giraff_schemas.trouble import WELL, Trouble
 
 PARAMS_FOLDER: Final = "params"
 """Below the state directory: a file for each service that has saved something."""
+_MAKE_WRITABLE: Final = "make the folder writable (STATE_DIRECTORY names it), or write it into the robot file"
 _MOST_WAITING: Final = 20
 """Who ask to save while the disk hangs; the oldest goes without an answer."""
 
@@ -35,8 +37,8 @@ class ParameterServer(Generic[ConfigT]):
         store: Store,
         log: Callable[..., None],
     ) -> None:
-        self.fault = ""
-        """What of the saved parameters does not count, with the way out; empty: all of it does."""
+        self.fault = WELL
+        """What of the saved parameters does not count."""
         self._service, self._instance, self._host = service, instance, host
         self._params, self._log = params, log
         name = f"{PARAMS_FOLDER}/{service}.json"
@@ -52,7 +54,7 @@ class ParameterServer(Generic[ConfigT]):
     ) -> None:
         """Answer what has come. `reconfigure` takes what is in force from now on; None: nothing can be set."""
         for asked in describes.take():
-            asked.answer(self._answer(""))
+            asked.answer(self._answer(WELL))
         for to_set in sets.take():
             to_set.answer(self._set(to_set.request, reconfigure))
         self._waiting.extend(saves.take())
@@ -64,33 +66,31 @@ class ParameterServer(Generic[ConfigT]):
 
     def _set(self, request: ParamSet, reconfigure: Callable[[ConfigT], None] | None) -> ParamAnswer:
         if reconfigure is None:
-            return self._answer(f"{self._service} takes the robot file and a restart for each of its parameters")
+            only = f"{self._service} takes the robot file and a restart for each of its parameters"
+            return self._answer(Trouble(only))
         try:
             self._params.set(request.name, request.value)
         except ParamError as error:
-            return self._answer(str(error))
+            return self._answer(Trouble(str(error)))
         reconfigure(self._params.config)
         self._log("%s is %s, by %s", request.name, getattr(self._params.config, request.name), request.by)
-        return self._answer("", request.name)
+        return self._answer(WELL, request.name)
 
     def _begin_to_save(self, asked: PendingQuery[ParamSave, ParamAnswer]) -> None:
         try:
             kept = self._params.to_save(asked.request.names)
         except ParamError as error:
-            asked.answer(self._answer(str(error)))
+            asked.answer(self._answer(Trouble(str(error))))
             return
         self._writing = asked, kept
         self._writer.save(msgspec.json.format(msgspec.json.encode(kept)) + b"\n")
 
     def _saved(self, request: ParamSave, kept: dict[str, Any], why_not: str) -> ParamAnswer:
         if why_not:
-            return self._answer(
-                f"{why_not}; the value counts until a restart: make the folder writable "
-                f"(STATE_DIRECTORY names it), or write it into the robot file"
-            )
+            return self._answer(Trouble(f"{why_not}; the value counts until a restart", _MAKE_WRITABLE))
         self._params.saved = kept
         self._log("saved in %s, by %s: %s", self._file, request.by, kept)
-        return self._answer("", *(request.names or kept))
+        return self._answer(WELL, *(request.names or kept))
 
     def _restore(self, store: Store, name: str) -> None:
         try:
@@ -98,23 +98,25 @@ class ParameterServer(Generic[ConfigT]):
         except FileNotFoundError:
             return
         except OSError as error:
-            self.fault = f"{self._file}: {error.strerror}; what was saved there does not count"
+            self.fault = Trouble(f"{self._file}: {error.strerror}; what was saved there does not count")
             return
         except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-            self.fault = f"{self._file} is damaged ({error}), and does not count; set and save again, or remove it"
+            damaged = f"{self._file} is damaged ({error}), and does not count"
+            self.fault = Trouble(damaged, "set and save again, or remove it")
             return
         ignored = self._params.restore(saved)
         if self._params.saved:
             self._log("as saved in %s, not as in the robot file: %s", self._file, self._params.saved)
         if ignored:
-            self.fault = f"{self._file}: {'; '.join(ignored)}; save again, or remove the file"
+            self.fault = Trouble(f"{self._file}: {'; '.join(ignored)}", "save again, or remove the file")
 
-    def _answer(self, reason: str, *names: str) -> ParamAnswer:
+    def _answer(self, refusal: Trouble, *names: str) -> ParamAnswer:
         return ParamAnswer(
             service=self._service,
             instance=self._instance,
             host=self._host,
-            done=not reason,
-            reason=reason,
-            params=() if reason else self._params.describe(names),
+            done=not refusal,
+            reason=str(refusal),
+            remedy=refusal.remedy,
+            params=() if refusal else self._params.describe(names),
         )

@@ -8,10 +8,12 @@ from typing import Final
 from giraff_node.boards.serial_link import SerialLink
 from giraff_schemas.boards import BOARDS, BoardType
 from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 
 HELLO_PERIOD = 0.25  # s between two requests while none was answered
 SILENCE = 1.0  # s without a frame after which the port is opened again: a stale descriptor outlives a replug
+_SILENT: Final = Trouble(f"silent for {SILENCE:g} s", "check the board's power and cable")
 _BITS: Final = 10  # of a byte on the line, with its start and its stop
 
 
@@ -35,8 +37,9 @@ class BoardLink:
         self._seq = 0
         self._heard = 0.0
         self._next_request = 0.0
-        self._mismatch = ""
-        self._silence = ""  # why the port was closed last, until a board answers
+        self.mismatch = WELL
+        """Why the board that answers is not the right one."""
+        self._silence = WELL  # why the port was closed last, until a board answers
         self._reporting = False  # the board has said more than hello since the port was opened
 
     def descriptor(self) -> int | None:
@@ -53,13 +56,12 @@ class BoardLink:
         return self._serial.opened
 
     @property
-    def fault(self) -> str:
-        """Why there are no frames, with the way out; empty when there may be."""
-        if self._serial.fault or self._mismatch:
-            return self._serial.fault or self._mismatch
+    def fault(self) -> Trouble:
+        """Why there are no frames; WELL when there may be."""
         if self._reporting:
-            return ""
-        return self._silence or f"{self._serial.path}: no reports from a {self.board.name} board yet"
+            return self._serial.fault or self.mismatch
+        waits = Trouble(f"{self._serial.path}: no reports from a {self.board.name} board yet")
+        return self._serial.fault or self.mismatch or self._silence or waits
 
     @property
     def line_errors(self) -> int:
@@ -71,7 +73,7 @@ class BoardLink:
         if self._serial.keep_open(now):
             self._decoder = Decoder(self.board.frames)
             self.hello = None
-            self._mismatch = ""  # another board may be there now
+            self.mismatch = WELL  # another board may be there now
             self._reporting = False
             self._heard = now
             self._next_request = now
@@ -81,11 +83,11 @@ class BoardLink:
         self._rest(len(data), now)
         if arrived:
             self._heard = now
-            self._silence = ""
+            self._silence = WELL
         frames = [frame for frame in arrived if self._accept(frame)]
         if self._serial.descriptor() is not None:
             if now - self._heard > SILENCE:
-                self._silence = f"{self._serial.path}: silent for {SILENCE:g} s; check the board's power and cable"
+                self._silence = _SILENT.of(self._serial.path)
                 self._serial.close(self._silence)
             elif self.hello is None and now >= self._next_request:
                 self._next_request = now + HELLO_PERIOD
@@ -99,7 +101,7 @@ class BoardLink:
 
     def close(self) -> None:
         """Let go of the port."""
-        self._serial.close(f"{self._serial.path}: closed")
+        self._serial.close(Trouble(f"{self._serial.path}: closed"))
 
     def _rest(self, received: int, now: float) -> None:
         """Begin to rest once for each frame, when its kind is known; end when its last byte may be there."""
@@ -114,21 +116,21 @@ class BoardLink:
 
     def _accept(self, frame: Frame) -> bool:
         if isinstance(frame, HelloFrame):
-            self._mismatch = self._judge(frame)
-            self.hello = None if self._mismatch else frame
+            self.mismatch = self._judge(frame)
+            self.hello = None if self.mismatch else frame
         elif self.hello is not None:
             self._reporting = True
         return self.hello is not None
 
-    def _judge(self, hello: HelloFrame) -> str:
+    def _judge(self, hello: HelloFrame) -> Trouble:
         path = self._serial.path
         if hello.board != self.board.number:
             there = next((each.name for each in BOARDS.values() if each.number == hello.board), f"kind {hello.board}")
-            return f"{path}: a {there} board is there, not a {self.board.name} board; swap the ports"
+            return Trouble(f"{path}: a {there} board is there, not a {self.board.name} board", "swap the ports")
         ours = self.board.protocol_hash
         if hello.protocol_hash != ours:
-            return (
-                f"{path}: the board speaks protocol {hello.protocol_hash:08x}, this program {ours:08x}; "
-                f"reflash it: make -C firmware flash BOARD={self.board.name} PORT={path}"
+            return Trouble(
+                f"{path}: the board speaks protocol {hello.protocol_hash:08x}, this program {ours:08x}",
+                f"reflash it: make -C firmware flash BOARD={self.board.name} PORT={path}",
             )
-        return ""
+        return WELL

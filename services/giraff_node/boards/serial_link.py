@@ -5,10 +5,25 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+from typing import Final
 
 import serial
 
+from giraff_schemas.trouble import WELL, Trouble
+
 REOPEN_PERIOD = 0.1  # s between two attempts
+NO_PORT: Final = Trouble("no such port", "plug the board in, or correct `port` in the robot file")
+IN_USE: Final = Trouble("in use by another process", "end that one")
+UNPLUGGED: Final = Trouble("unplugged", "it is opened again when it is back")
+_NOT_PERMITTED: Final = Trouble("not permitted", "add this user to the group that owns the port (dialout)")
+_LIKELY: Final = {
+    errno.ENOENT: NO_PORT,
+    **dict.fromkeys((errno.EACCES, errno.EPERM), _NOT_PERMITTED),
+    **dict.fromkeys((errno.EAGAIN, errno.EBUSY), IN_USE),
+    **dict.fromkeys((errno.EIO, errno.ENXIO, errno.ENODEV, errno.EBADF), UNPLUGGED),
+    errno.ENOTTY: Trouble("not a serial port", "correct `port` in the robot file"),
+}
+"""What an error number of a port probably means."""
 
 
 class SerialLink:
@@ -17,8 +32,8 @@ class SerialLink:
     def __init__(self, path: str, baud: int) -> None:
         self.path = path
         self.baud = baud
-        self.fault = f"{path}: not opened yet"
-        """Why the port is closed, with the way out; empty while it is open."""
+        self.fault = Trouble(f"{path}: not opened yet")
+        """Why the port is closed; WELL while it is open."""
         self.opened = 0
         """How often the port was opened: a change means that whatever was under way is lost."""
         self._port: serial.Serial | None = None
@@ -42,11 +57,11 @@ class SerialLink:
         except (serial.SerialException, OSError, ValueError) as error:
             self.close(_explain(self.path, error))
             return False
-        self.fault = ""
+        self.fault = WELL
         self.opened += 1
         return True
 
-    def close(self, why: str) -> None:
+    def close(self, why: Trouble) -> None:
         """Close the port because of `why`; it is opened again when it is time."""
         if self._port is not None:
             with contextlib.suppress(serial.SerialException, OSError):  # a device that is gone is closed all the same
@@ -108,17 +123,6 @@ class SerialLink:
             self.close(_explain(self.path, error))
 
 
-def _explain(path: str, error: Exception) -> str:
-    """What `error` on the port `path` probably means, and the way out."""
-    number = getattr(error, "errno", None)
-    if number == errno.ENOENT:
-        return f"{path}: no such port; plug the board in, or correct `port` in the robot file"
-    if number in (errno.EACCES, errno.EPERM):
-        return f"{path}: not permitted; add this user to the group that owns the port (dialout)"
-    if number in (errno.EAGAIN, errno.EBUSY):
-        return f"{path}: in use by another process; end that one"
-    if number in (errno.EIO, errno.ENXIO, errno.ENODEV, errno.EBADF):
-        return f"{path}: unplugged; it is opened again when it is back"
-    if number == errno.ENOTTY:
-        return f"{path}: not a serial port; correct `port` in the robot file"
-    return f"{path}: {error}"
+def _explain(path: str, error: Exception) -> Trouble:
+    """What `error` on the port `path` probably means."""
+    return _LIKELY.get(getattr(error, "errno", None) or 0, Trouble(str(error))).of(path)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, Final, NamedTuple
 
 from giraff_core.robot import MOVED_TO_DRIVE, WIRING
+from giraff_schemas.trouble import WELL, Trouble
 
 _BEFORE: Final = "robot"
 _NOW: Final = ("base", "drive")
@@ -19,8 +20,8 @@ class Modern(NamedTuple):
     """Tables as a robot file of today has them."""
 
     tables: dict[str, Any]
-    moved: str
-    """What stood elsewhere, and where it belongs; empty: nothing did."""
+    moved: Trouble
+    """What stood elsewhere, and where it belongs."""
     twice: str
     """What is given in both places, and what to do; empty: nothing is."""
 
@@ -32,7 +33,7 @@ def modern(tables: Mapping[str, Any]) -> Modern:
     drive = base.get(_NOW[1], {}) if isinstance(base, Mapping) else None
     if not old or not isinstance(drive, Mapping) or drive.get("type", _TYPE) != _TYPE:
         # Other code refuses a value where a table belongs, and these fields beside a drive of another type.
-        return Modern(dict(tables), "", "")
+        return Modern(dict(tables), WELL, "")
     before = dict(tables[_BEFORE])
     moved = {field: before.pop(field) for field in old}
     current = {**tables, _BEFORE: before, _NOW[0]: {**base, _NOW[1]: {"type": _TYPE, **moved, **drive}}}
@@ -40,7 +41,7 @@ def modern(tables: Mapping[str, Any]) -> Modern:
     twice = ", ".join(field for field in old if field in drive)
     return Modern(
         current,
-        f"[{_BEFORE}] has {names}; write that into [{place}], as deploy/robot.toml does",
+        Trouble(f"[{_BEFORE}] has {names}", f"write that into [{place}], as deploy/robot.toml does"),
         twice and f"[{_BEFORE}] and [{place}] both have {twice}; remove that from [{_BEFORE}]",
     )
 

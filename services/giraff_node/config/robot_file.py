@@ -20,6 +20,7 @@ import msgspec.inspect
 from giraff_core.sensors import by_type
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.services import SERVICES
+from giraff_schemas.trouble import Trouble
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
@@ -53,7 +54,7 @@ class RawSettings(NamedTuple):
     """What belongs to no table, in the order in which it was met."""
     variables: tuple[str, ...]
     """Those of the environment that have set a field."""
-    moved: tuple[str, ...] = ()
+    moved: tuple[Trouble, ...] = ()
     """What is written as it was before, each with what to write now. It counts all the same."""
 
     def table(self, name: str, config: type[ConfigT]) -> ConfigT:
@@ -133,7 +134,7 @@ def read(environment: Mapping[str, str] = os.environ, *, with_file: bool = True)
             _override(tables, variable, text)
             if current != variable:
                 name_type(tables)
-                moved.append(f"{variable} has another name now; write {current}")
+                moved.append(Trouble(f"{variable} has another name now", f"write {current}"))
                 _require_once(variable, current, environment)
         except ConfigError as error:
             strange.append(UnknownEntry(variable.removeprefix("GIRAFF_").lower(), text, str(error), variable))
@@ -155,7 +156,7 @@ def _read_file(path: Path) -> RawSettings:
         else:
             what = f"{path}: {name} is a value where the table [{name}] belongs"
             strange.append(UnknownEntry(name, table, what))
-    return RawSettings(str(path), tables, tuple(strange), (), (f"{path}: {found.moved}",) if found.moved else ())
+    return RawSettings(str(path), tables, tuple(strange), (), (found.moved.of(str(path)),) if found.moved else ())
 
 
 def _depth(item: tuple[str, str]) -> int:

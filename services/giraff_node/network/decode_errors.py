@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from giraff_schemas.trouble import WELL, Trouble
+
 MOST: Final = 20
 """Keys of one subscription that are named; whoever invents more of them fills neither memory nor log."""
 MENDED_AFTER: Final = 2.0
@@ -15,7 +17,7 @@ _LONGEST: Final = 300  # characters of a fault: its text may quote the payload
 class DecodeErrors:
     """Those of one subscription. Times are seconds of any one monotonic clock."""
 
-    def __init__(self, pattern: str, tell: Callable[[str, str], None]) -> None:
+    def __init__(self, pattern: str, tell: Callable[[str, Trouble], None]) -> None:
         self._pattern = pattern
         self._tell = tell
         self._last: dict[str, float] = {}
@@ -26,16 +28,18 @@ class DecodeErrors:
             self._last[key] = now
         elif len(self._last) < MOST:
             self._last[key] = now
-            self._tell(f"decode {key}", why[:_LONGEST])
+            self._tell(f"decode {key}", Trouble(why[:_LONGEST]))
         else:
             self._tell(
                 f"decode more of {self._pattern}",
-                f"{self._pattern}: unreadable payloads on more than {MOST} keys; find out who publishes there",
+                Trouble(
+                    f"{self._pattern}: unreadable payloads on more than {MOST} keys", "find out who publishes there"
+                ),
             )
 
     def good(self, key: str, now: float) -> None:
         """A payload on `key` was read."""
         if key in self._last and now - self._last[key] > MENDED_AFTER:
             del self._last[key]
-            self._tell(f"decode {key}", "")
-            self._tell(f"decode more of {self._pattern}", "")
+            self._tell(f"decode {key}", WELL)
+            self._tell(f"decode more of {self._pattern}", WELL)

@@ -11,12 +11,15 @@ from typing import Annotated, Final
 
 import msgspec
 
+from giraff_schemas.trouble import WELL, Trouble
+
 CA_CERTIFICATE: Final = "ca.pem"
 HOST_CERTIFICATE: Final = "host.pem"
 HOST_KEY: Final = "host.key"
 BUNDLE_FILE: Final = "bundle.toml"
 EXPIRES_SOON: Final = timedelta(days=30)  # from then on everyone who sees it says so
 BACKDATED: Final = timedelta(days=1)  # home machines' clocks disagree; one that keeps local time as UTC, by hours
+COPY_AGAIN: Final = "copy this host's bundle there again"
 
 _Moment = Annotated[datetime, msgspec.Meta(tz=True)]
 
@@ -41,25 +44,27 @@ class ExpiryWatch:
 
     def __init__(self, folder: Path) -> None:
         self._bundle: KeyBundle | None = None
-        self._why_not = ""
+        self._why_not = WELL
         try:
             self._bundle = read_bundle(folder)  # once: Zenoh, too, has its keys from the start
         except BundleError as error:
-            self._why_not = f"nobody is warned before this host's keys expire: {error}"
+            self._why_not = Trouble(f"nobody is warned before this host's keys expire: {error}", COPY_AGAIN)
 
-    def warning(self, now: datetime) -> str:
-        """What is wrong or soon will be; empty when all is well."""
+    def warning(self, now: datetime) -> Trouble:
+        """What is wrong or soon will be."""
         if self._bundle is None:
             return self._why_not
         name, left = self._bundle.name, self._bundle.expires - now
         if now < self._bundle.made - BACKDATED:
-            return f"the keys of {name} are not valid yet: this machine's clock says {now:%Y-%m-%d %H:%M} UTC; set it"
+            early = f"the keys of {name} are not valid yet: this machine's clock says {now:%Y-%m-%d %H:%M} UTC"
+            return Trouble(early, "set it")
         if left >= EXPIRES_SOON:
-            return ""
+            return WELL
         when = (
             f"expire on {self._bundle.expires:%Y-%m-%d}" if left > timedelta() else "have expired, no link comes about"
         )
-        return f"the keys of {name} {when}: `giraff keys host {name} --renew`, copy them here, restart the services"
+        renew = f"`giraff keys host {name} --renew`, copy them here, restart the services"
+        return Trouble(f"the keys of {name} {when}", renew)
 
 
 def read_bundle(folder: Path) -> KeyBundle:

@@ -18,6 +18,7 @@ import msgspec
 from giraff_health.ask import socket_path
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.health import Health
+from giraff_schemas.trouble import WELL, Trouble
 
 RETRY: Final = 1.0  # s between two attempts to become the one who answers
 _MOST: Final = 8  # clients answered in one turn of the loop, whose own work must not wait for a crowd
@@ -27,8 +28,8 @@ class HealthSocket:
     """`$RUNTIME_DIRECTORY/<service>.sock`; nothing without that variable. Nothing here waits or raises."""
 
     def __init__(self, service: str, environment: Mapping[str, str] = os.environ) -> None:
-        self.fault = ""
-        """Why nobody is answered there, with the way out."""
+        self.fault = WELL
+        """Why nobody is answered there."""
         self._service = service
         self._path = Path(socket_path(service, environment)) if environment.get("RUNTIME_DIRECTORY") else None
         self._listener: socket.socket | None = None
@@ -47,14 +48,15 @@ class HealthSocket:
         try:
             self._listener = self._open(self._path)
         except BlockingIOError:
-            self.fault = f"another giraff_{self._service} runs on this machine ({self._path}); end one of the two"
+            another = f"another giraff_{self._service} runs on this machine ({self._path})"
+            self.fault = Trouble(another, "end one of the two")
         except OSError as error:
-            self.fault = (
-                f"{self._path}: healthchecks cannot ask there: {error.strerror or error}; "
-                "let RUNTIME_DIRECTORY name a directory that this user may write to"
+            self.fault = Trouble(
+                f"{self._path}: healthchecks cannot ask there: {error.strerror or error}",
+                "let RUNTIME_DIRECTORY name a directory that this user may write to",
             )
         else:
-            self.fault = ""
+            self.fault = WELL
 
     def answer(self, health: Callable[[], Health]) -> None:
         """Answer those who wait."""

@@ -8,6 +8,8 @@ import socket
 from collections.abc import Mapping
 from typing import Final
 
+from giraff_schemas.trouble import WELL, Trouble
+
 _LONGEST: Final = 1000  # characters of a status
 
 
@@ -15,7 +17,7 @@ class Notifier:
     """Says nothing where nobody listens, which is where $NOTIFY_SOCKET is not set. Never waits, never raises."""
 
     def __init__(self, environment: Mapping[str, str] = os.environ) -> None:
-        self.problem = ""
+        self.problem = WELL
         """Why systemd cannot be told anything, with the likely cause."""
         self._address = environment.get("NOTIFY_SOCKET", "")
         if self._address.startswith("@"):  # how an abstract socket's name is written
@@ -61,9 +63,11 @@ class Notifier:
             return False
         except (OSError, ValueError) as error:  # or a name that no socket can have
             shown = self._address.replace("\0", "@", 1)
-            self.problem = f"NOTIFY_SOCKET={shown}: {error}; start this service by its unit, or unset the variable"
+            self.problem = Trouble(
+                f"NOTIFY_SOCKET={shown}: {error}", "start this service by its unit, or unset the variable"
+            )
             return False
-        self.problem = ""
+        self.problem = WELL
         return True
 
 

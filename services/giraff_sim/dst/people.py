@@ -19,6 +19,7 @@ from giraff_schemas.messages import RobotTime
 from giraff_schemas.params import ParamSave, ParamSet
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, PARAM_SAVE, PARAM_SET, TICK, Query
+from giraff_schemas.trouble import WELL
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, Frame, TickFrame, TiltFrame, TiltStatus
 from giraff_sim.dst.hands import Fingers, RestlessHand
 from giraff_sim.hosts.process import Process
@@ -73,7 +74,7 @@ def double(process: Process, chance: random.Random, seconds: float) -> Joystick:
 class _TiltBoard:
     """Frames as the joystick's board sends them."""
 
-    fault = ""
+    fault = WELL
     opened = 1
 
     def __init__(self, process: Process, chance: random.Random, hand: RestlessHand) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 from typing import Final
 
-from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
+from giraff_node.boards.serial_link import IN_USE, NO_PORT, REOPEN_PERIOD, UNPLUGGED, SerialLink
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import BoardKind
 from giraff_sim.hosts.event_queue import Action
 from giraff_sim.simulation import Simulation
@@ -110,19 +111,19 @@ class CableEnd(SerialLink):
             return False
         self._retry_at = now + REOPEN_PERIOD
         if self._cable is None or not self._cable.is_plugged:
-            self.fault = f"{self.path}: no such port; plug the board in, or correct `port` in the robot file"
+            self.fault = NO_PORT.of(self.path)
             return False
         if self._cable.on_data is not None:
-            self.fault = f"{self.path}: in use by another process; end that one"
+            self.fault = IN_USE.of(self.path)
             return False
         self._cable.flush()
         self._cable.on_data = self._on_data
         self._is_open = True
-        self.fault = ""
+        self.fault = WELL
         self.opened += 1
         return True
 
-    def close(self, why: str) -> None:
+    def close(self, why: Trouble) -> None:
         if self._is_open and self._cable is not None:
             self._cable.on_data = None
         self._is_open = False
@@ -132,7 +133,7 @@ class CableEnd(SerialLink):
         if not self._is_open or self._cable is None:
             return b""
         if not self._cable.is_plugged:
-            self.close(f"{self.path}: unplugged; it is opened again when it is back")
+            self.close(UNPLUGGED.of(self.path))
             return b""
         return self._cable.read()
 

@@ -336,7 +336,7 @@ class _WatchedBoard:
         return self._link.descriptor()
 
     @property
-    def fault(self) -> str:
+    def fault(self) -> Trouble:
         return self._link.fault
 
     @property

@@ -177,7 +177,7 @@ def test_a_folder_that_cannot_be_written_is_told(robot: ProcessRobot) -> None:
     folder.write_text("no folder")
     out, err = param(robot, "save", "odometry", code=1)
     assert out == ""
-    assert "File exists; the value counts until a restart: make the folder writable" in err
+    assert "File exists; the value counts until a restart; make the folder writable" in err
     folder.unlink()
 
 

@@ -12,7 +12,7 @@ import msgspec
 import pytest
 
 from giraff_cli.doctor import probe
-from giraff_cli.doctor.findings import findings
+from giraff_cli.doctor.findings import as_document, findings
 from giraff_cli.doctor.inspection import (
     NO_NAME,
     Disk,
@@ -38,10 +38,13 @@ from giraff_node.network.sockets import live_sockets, own_socket, socket_folder
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.health import Health
 from giraff_schemas.params import ParamAnswer
+from giraff_schemas.trouble import WELL, Trouble
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT as ODOMETRYS
 from tests.unit.cli.samples import base, estop
 
+BAD = Trouble("it is bad", "mend it")
+FAULTY: dict[str, Any] = {"faults": ("it is bad; mend it",), "fault_remedies": ("mend it",)}
 SERVICES = ("base", "door", "guard", "joystick", "odometry", "ranger")
 UPLINK = Interface(name="uplink", address="10.71.1.2/24", multicast=True)
 DISK = Disk(folder="/var/lib/giraff", free_bytes=10**9, total_bytes=10**10)
@@ -135,11 +138,11 @@ def test_a_healthy_robot_has_no_findings() -> None:
 @pytest.mark.parametrize(
     ("look", "told"),
     [
-        (of_machine(settings_problem="robot.toml: bad; correct it"), "fault robot file: robot.toml: bad -> correct it"),
-        (of_machine(moved_settings=("robot.toml: old; write it",)), "warning robot file: robot.toml: old -> write it"),
-        (of_machine(keys_problem="keys of pc: expired; renew", keys_expired=True), "fault certificates: keys of pc"),
-        (of_machine(keys_problem="keys of pc: expires soon; renew"), "warning certificates: keys of pc: expires soon"),
-        (of_machine(ports=(Port(service="base", problem="silent; look"),)), "fault base's board: silent -> look"),
+        (of_machine(settings_problem=BAD), "fault robot file: it is bad -> mend it"),
+        (of_machine(moved_settings=(BAD,)), "warning robot file: it is bad -> mend it"),
+        (of_machine(keys_problem=BAD, keys_expired=True), "fault certificates: it is bad -> mend it"),
+        (of_machine(keys_problem=BAD), "warning certificates: it is bad -> mend it"),
+        (of_machine(ports=(Port(service="base", problem=BAD),)), "fault base's board: it is bad -> mend it"),
         (of_machine(disks=(msgspec.structs.replace(DISK, free_bytes=10**7),)), "fault disk: /var/lib/giraff: 10 MB"),
         (of_machine(disks=(msgspec.structs.replace(DISK, free_bytes=10**8),)), "warning disk: /var/lib/giraff: 100 MB"),
         (of_machine(wiring_checked=False), "warning wiring: how motors and encoders are soldered is not known"),
@@ -153,8 +156,8 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (of_robot(services=ROBOT.services | {"guard": 2}), "fault guard: 2 giraff_guard run for anne (guard on pc"),
         (of_robot(services=ROBOT.services | {"guard": 2, "base": 2}), "fault robot: two robots are called anne"),
         (of_robot(answers=ROBOT.answers[1:]), "fault base: giraff_base is there, but does not answer"),
-        (answered(answer("base", ok=False, faults=("no port; plug",))), "fault base on pc: no port -> plug"),
-        (answered(answer("guard", notices=("waits; start it",))), "warning guard on pc: waits -> start it"),
+        (answered(answer("base", ok=False, **FAULTY)), "fault base on pc: it is bad -> mend it"),
+        (answered(answer("guard", notices=("by; it",), notice_remedies=("it",))), "warning guard on pc: by -> it"),
         (answered(answer("base", 2.0, host="old-pc")), "fault clock: the clock of old-pc is 2.0 s ahead of this"),
         (answered(answer("base", -2.0, host="old-pc")), "fault clock: the clock of old-pc is 2.0 s behind this"),
         (answered(answer("base", version="0.1.0-bb")), "fault version: versions differ: 0.1.0-aa on pc (door), "),
@@ -187,12 +190,6 @@ def test_a_healthy_robot_has_no_findings() -> None:
             "base goes by the geometry from before: track_width 0.47, now 0.48 -> end giraff run, and start it again",
         ),
         (of_robot(estop=estop(engaged=True)), "note e-stop: the emergency stop is engaged by ann@desk: smoke"),
-        (
-            of_robot(
-                base=base(armed=False, reason="the wiring is not checked: lift the wheels and run giraff check wheels")
-            ),
-            "warning wiring: the wiring is not checked -> lift the wheels",
-        ),
         (of_network(is_found=False), "fault network: multicast does not get through"),
         (of_network(untold=("10.72.1.2",)), "fault door: 10.72.1.2 of this machine came after its door, which"),
         (of_network(untold=("10.72.1.2",)), "restart the door: systemctl restart giraff@door"),
@@ -210,7 +207,7 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (of_robot(services=ROBOT.services | {"door": 0}), "fault door: giraff_door is not running, or hangs: other"),
         (silent(), "fault network: no robot called anne is heard: nobody answers ->"),
         (silent(scouted=True), "fault network: no robot called anne is heard: nobody answers by multicast ->"),
-        (silent(problem="no session; look"), "fault network: no robot called anne is heard: no session -> look"),
+        (silent(problem=BAD), "fault network: no robot called anne is heard: it is bad -> mend it"),
         (silent(robots=("otto",)), "there is otto -> name the one you mean: --robot otto"),
         (silent(msgspec.structs.replace(MACHINE, interfaces=())), "no interface is up"),
         (silent(protocols=("tls",)), "others answer, but speak tls, and this machine tcp"),
@@ -243,11 +240,11 @@ def test_what_is_wrong_is_named_with_its_way_out(look: Inspection, told: str) ->
 
 
 def test_the_cause_is_told_and_not_what_comes_of_it() -> None:
-    unwell = answered(answer("guard", ok=False, faults=("out of memory; add some",)))
+    unwell = answered(answer("guard", ok=False, **FAULTY))
     assert unwell.robot is not None
     rates = (msgspec.structs.replace(ROBOT.rates[0], heard=0, hz=None),)
     unwell = msgspec.structs.replace(unwell, robot=msgspec.structs.replace(unwell.robot, rates=rates))
-    assert said(unwell) == ["fault guard on pc: out of memory -> add some"]
+    assert said(unwell) == ["fault guard on pc: it is bad -> mend it"]
 
 
 def test_a_small_difference_of_clocks_and_an_operators_notice_are_nothing() -> None:
@@ -315,12 +312,12 @@ def test_doctor_reads_what_only_base_reads(tmp_path: Path) -> None:
     text = (ROOT / "deploy" / "robot.toml").read_text(encoding="utf-8")
     (file := tmp_path / "robot.toml").write_text(text.replace("max_level = 70", "max_level = 700"), encoding="utf-8")
     machine = look_at_machine("", NetworkConfig(), environment={"GIRAFF_CONFIG": str(file)})
-    assert "table [base]: max_level is 700: it must be within 1..255" in machine.settings_problem
+    assert "table [base]: max_level is 700: it must be within 1..255" in machine.settings_problem.what
     assert machine.moved_settings is msgspec.UNSET
     variable = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), "GIRAFF_ROBOT_MAX_LEVEL": "60"}
     machine = look_at_machine("", NetworkConfig(), environment=variable)
-    assert machine.settings_problem == ""
-    told = "GIRAFF_ROBOT_MAX_LEVEL has another name now; write GIRAFF_BASE_DRIVE__MAX_LEVEL"
+    assert machine.settings_problem == WELL
+    told = Trouble("GIRAFF_ROBOT_MAX_LEVEL has another name now", "write GIRAFF_BASE_DRIVE__MAX_LEVEL")
     assert machine.moved_settings == (told,)
 
 
@@ -376,3 +373,9 @@ def test_addresses_are_told_apart() -> None:
         True,
         True,
     ]
+
+
+def test_programs_read_a_problem_as_one_line() -> None:
+    document = msgspec.json.decode(as_document(of_machine(settings_problem=BAD), []))
+    assert document["looked_at"]["machine"]["settings_problem"] == "it is bad; mend it"
+    assert "moved_settings" not in document["looked_at"]["machine"]

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from math import ceil, inf
 
 from giraff_node.boards.board_link import BoardLink
-from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
+from giraff_node.boards.serial_link import REOPEN_PERIOD, UNPLUGGED, SerialLink
 from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.framing import encode
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import BASE_BAUD, PROTOCOL_HASH, BoardKind, Frame, HelloFrame
 
 BYTE = 10 / BASE_BAUD
@@ -37,17 +38,17 @@ class FakeLine(SerialLink):
         if self._is_open or not self.is_there or now < self._next:
             return False
         self._next = now + REOPEN_PERIOD
-        self._is_open, self.fault = True, ""
+        self._is_open, self.fault = True, WELL
         self.opened += 1
         self.coming = [(at, data) for at, data in self.coming if at > now]
         return True
 
-    def close(self, why: str) -> None:
+    def close(self, why: Trouble) -> None:
         self._is_open, self.fault = False, why
 
     def read(self) -> bytes:
         if self._is_open and not self.is_there:
-            self.close("unplugged")
+            self.close(UNPLUGGED)
         if not self._is_open:
             return b""
         here = b"".join(data for at, data in self.coming if at <= self.now)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import tracemalloc
 
 from giraff_node.network.decode_errors import MOST, DecodeErrors
+from giraff_schemas.trouble import Trouble
 
 PATTERN = "giraff/sim-test/range/*"
 
@@ -16,7 +17,8 @@ class Log:
         self.lines = 0
         self.faults: dict[str, str] = {}
 
-    def set_fault(self, name: str, message: str) -> None:
+    def set_fault(self, name: str, trouble: Trouble) -> None:
+        message = str(trouble)
         if self.faults.get(name, "") == message:
             return
         self.lines += 1

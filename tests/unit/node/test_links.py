@@ -17,6 +17,7 @@ from giraff_node.boards.board_link import SILENCE, BoardLink
 from giraff_node.boards.serial_link import REOPEN_PERIOD, SerialLink
 from giraff_schemas.boards import RANGER_BOARD
 from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, TickFrame
 from tests.unit.node.ports import FakePort
 
@@ -37,20 +38,20 @@ def link(port: FakePort) -> Iterator[SerialLink]:
     opened = SerialLink(str(port.link), BAUD)
     assert opened.keep_open(0.0)
     yield opened
-    opened.close("the test has ended")
+    opened.close(Trouble("the test has ended"))
 
 
 def test_an_absent_port_is_named_and_tried_again_in_time(tmp_path: Path) -> None:
     link = SerialLink(str(tmp_path / "absent"), BAUD)
     assert not link.keep_open(0.0)
-    assert "no such port" in link.fault
-    assert str(tmp_path / "absent") in link.fault
+    assert "no such port" in str(link.fault)
+    assert str(tmp_path / "absent") in str(link.fault)
     assert link.descriptor() is None
     fake = FakePort(tmp_path / "absent")
     assert not link.keep_open(REOPEN_PERIOD / 2)
     assert link.keep_open(REOPEN_PERIOD)
-    assert (link.fault, link.opened) == ("", 1)
-    link.close("")
+    assert (link.fault, link.opened) == (WELL, 1)
+    link.close(WELL)
     fake.close()
 
 
@@ -58,7 +59,7 @@ def test_a_file_that_is_no_port_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     link = SerialLink(str(tmp_path / "file"), BAUD)
     assert not link.keep_open(0.0)
-    assert str(tmp_path / "file") in link.fault
+    assert str(tmp_path / "file") in str(link.fault)
 
 
 def test_what_was_queued_before_the_opening_is_dropped(port: FakePort) -> None:
@@ -68,7 +69,7 @@ def test_what_was_queued_before_the_opening_is_dropped(port: FakePort) -> None:
     assert link.read() == b""
     port.say(b"now")
     assert link.read() == b"now"
-    link.close("")
+    link.close(WELL)
 
 
 def test_what_comes_while_the_port_is_being_opened_is_dropped(port: FakePort, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -83,7 +84,7 @@ def test_what_comes_while_the_port_is_being_opened_is_dropped(port: FakePort, mo
     link = SerialLink(str(port.link), BAUD)
     assert link.keep_open(0.0)
     assert link.read() == b""
-    link.close("")
+    link.close(WELL)
 
 
 def test_what_an_earlier_process_has_left_unsent_is_dropped(port: FakePort) -> None:
@@ -96,7 +97,7 @@ def test_what_an_earlier_process_has_left_unsent_is_dropped(port: FakePort) -> N
         assert link.keep_open(0.0)
         link.send(b"now")
         heard = drained(port, link, b"now")
-        link.close("")
+        link.close(WELL)
     assert len(heard) <= 4096 + 3
     assert heard.lstrip(b"x") == b"now"
 
@@ -104,17 +105,17 @@ def test_what_an_earlier_process_has_left_unsent_is_dropped(port: FakePort) -> N
 def test_a_port_in_use_is_named(port: FakePort, link: SerialLink) -> None:
     other = SerialLink(str(port.link), BAUD)
     assert not other.keep_open(0.0)
-    assert "in use by another process" in other.fault
-    assert link.fault == ""
+    assert "in use by another process" in str(other.fault)
+    assert link.fault == WELL
 
 
 def test_an_unplugged_port_is_named_and_reopened_by_path(port: FakePort, link: SerialLink) -> None:
     port.unplug()
     assert link.read() == b""
-    assert "unplugged" in link.fault
+    assert "unplugged" in str(link.fault)
     assert link.descriptor() is None
     assert not link.keep_open(1.0)
-    assert "no such port" in link.fault
+    assert "no such port" in str(link.fault)
     port.plug()
     assert link.keep_open(2.0)
     port.say(b"again")
@@ -146,7 +147,7 @@ def test_what_the_path_names_now_is_opened_and_not_what_it_named_before(port: Fa
     # The old device still answers, and is used until it fails.
     os.write(before.master, b"old")
     assert link.read() == b"old"
-    link.close("the board was silent")
+    link.close(Trouble("the board was silent"))
     port.say(b"dropped, as it came before the opening")
     assert link.keep_open(1.0)
     port.say(b"new")
@@ -157,7 +158,7 @@ def test_what_the_path_names_now_is_opened_and_not_what_it_named_before(port: Fa
 def test_a_dead_port_is_noticed_by_writing_too(port: FakePort, link: SerialLink) -> None:
     port.unplug()
     link.send(b"into nothing")
-    assert "unplugged" in link.fault
+    assert "unplugged" in str(link.fault)
     assert link.descriptor() is None
 
 
@@ -232,10 +233,10 @@ def test_nothing_is_believed_before_a_matching_hello(port: FakePort) -> None:
     assert [type(frame) for frame in Decoder().feed(port.heard())] == [HelloRequestFrame]
     port.say(encode(PING.pack()))
     assert link.poll(0.1) == []
-    assert "no reports from a ranger board" in link.fault
+    assert "no reports from a ranger board" in str(link.fault)
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
     assert link.poll(0.2) == [HELLO, PING]
-    assert link.fault == ""
+    assert link.fault == WELL
     link.close()
 
 
@@ -261,8 +262,8 @@ def test_the_wrong_board_is_refused_and_named(port: FakePort, hello: HelloFrame,
     link = ranger_link(port)
     port.say(encode(hello.pack()) + encode(PING.pack()))
     assert PING not in link.poll(0.1)
-    assert says in link.fault
-    assert str(port.link) in link.fault
+    assert says in str(link.fault)
+    assert str(port.link) in str(link.fault)
     link.close()
 
 
@@ -272,11 +273,11 @@ def test_a_board_that_changes_is_judged_anew(port: FakePort) -> None:
     assert PING in link.poll(0.1)
     port.say(encode(msgspec.structs.replace(HELLO, protocol_hash=1).pack()) + encode(PING.pack()))
     assert link.poll(0.2) == []
-    assert "reflash" in link.fault
+    assert "reflash" in str(link.fault)
     assert link.hello is None
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
     assert link.poll(0.3) == [HELLO, PING]
-    assert link.fault == ""
+    assert link.fault == WELL
     link.close()
 
 
@@ -284,13 +285,13 @@ def test_what_was_said_of_a_board_ends_when_the_port_is_opened_again(port: FakeP
     link = ranger_link(port)
     port.say(encode(msgspec.structs.replace(HELLO, board=BoardKind.BASE).pack()))
     link.poll(0.1)
-    assert "a base board is there" in link.fault
+    assert "a base board is there" in str(link.fault)
     port.unplug()
     link.poll(0.2)
-    assert "unplugged" in link.fault
+    assert "unplugged" in str(link.fault)
     port.plug()
     link.poll(0.4)
-    assert "no reports from a ranger board yet" in link.fault
+    assert "no reports from a ranger board yet" in str(link.fault)
     assert link.hello is None
     link.close()
 
@@ -305,7 +306,7 @@ def test_the_next_device_on_a_port_has_to_prove_itself_again(port: FakePort) -> 
     link.poll(0.4)
     port.say(encode(PING.pack()))
     assert link.poll(0.5) == []
-    assert "no reports" in link.fault
+    assert "no reports" in str(link.fault)
     link.close()
 
 
@@ -318,11 +319,11 @@ def test_a_port_that_stays_silent_is_named_once_and_for_all(port: FakePort) -> N
         said.append(link.fault)
     assert link.opened >= 4
     assert len(dict.fromkeys(said)) == 2
-    assert "no reports" in said[0]
-    assert "silent for 1 s" in said[-1]
+    assert "no reports" in str(said[0])
+    assert "silent for 1 s" in str(said[-1])
     port.say(encode(HELLO.pack()) + encode(PING.pack()))
     link.poll(5.0)
-    assert link.fault == ""
+    assert link.fault == WELL
     link.close()
 
 
@@ -333,7 +334,7 @@ def test_a_port_that_says_no_frame_is_silent(port: FakePort, noise: bytes) -> No
         if link.descriptor() is not None:
             port.say(noise)
         link.poll(step * 0.05)
-    assert "silent" in link.fault
+    assert "silent" in str(link.fault)
     assert link.opened == 2
     link.close()
 
@@ -359,7 +360,7 @@ def test_a_silent_port_is_opened_again(port: FakePort) -> None:
     link.poll(0.1 + SILENCE / 2)
     assert link.opened == 1
     link.poll(0.2 + SILENCE)
-    assert "silent" in link.fault
+    assert "silent" in str(link.fault)
     link.poll(0.4 + SILENCE)
     assert link.opened == 2
     link.close()
@@ -385,5 +386,5 @@ def test_descriptors_are_not_leaked(port: FakePort) -> None:
     link = SerialLink(str(port.link), BAUD)
     for step in range(50):
         assert link.keep_open(float(step))
-        link.close("again")
+        link.close(Trouble("again"))
     assert len(list(Path("/proc/self/fd").iterdir())) == before

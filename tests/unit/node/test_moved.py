@@ -14,6 +14,7 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.moved import current_name
 from giraff_node.config.robot_file import ConfigError, load, read
+from giraff_schemas.trouble import Trouble
 from giraff_sim.board import ROOT
 
 DRIVE: dict[str, Any] = {
@@ -65,7 +66,8 @@ def test_a_file_of_before_means_the_same_and_says_what_to_write(tmp_path: Path, 
     given = written(tmp_path, old(*fields))
     assert meant(given) == expected
     [told] = read(given).moved
-    assert told.endswith(f"[robot] has {', '.join(fields)}; write that into [base.drive], as deploy/robot.toml does")
+    assert told.what.endswith(f"[robot] has {', '.join(fields)}")
+    assert told.remedy == "write that into [base.drive], as deploy/robot.toml does"
 
 
 @pytest.mark.parametrize("field", DRIVE)
@@ -90,7 +92,7 @@ def test_a_variable_of_before_overrides_files_of_both_kinds(tmp_path: Path, fiel
         for each in (variable, name):
             given = written(tmp_path, NEW | {"base": NEW["base"] | {"drive": drive}}, **{each: text})
             assert meant(given) == expected
-            told = (f"{variable} has another name now; write {name}",)
+            told = (Trouble(f"{variable} has another name now", f"write {name}"),)
             assert read(given).moved == (told if each == variable else ())
     given = written(tmp_path, old(*DRIVE), **{variable: text})
     assert meant(given) == expected

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from giraff_node.boards.board_link import SILENCE
 from giraff_node.boards.serial_link import REOPEN_PERIOD
 from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import FRAME_CLASSES, Frame, FrameType, WheelsFrame
 from tests.unit.node.board_lines import BYTE, HELLO, LATE, FakeLoop, carried
 
@@ -135,7 +136,7 @@ def test_a_board_that_stays_silent_in_mid_frame_is_found_silent() -> None:
     loop = FakeLoop()
     half(loop)
     loop.run(SILENCE + 0.15)
-    assert "silent" in loop.link.fault
+    assert "silent" in str(loop.link.fault)
     loop.run(SILENCE + 0.35)
     assert loop.link.opened == 2
     assert loop.wakes == 1
@@ -172,7 +173,7 @@ def test_a_port_that_is_pulled_out_meanwhile_and_is_back_is_watched() -> None:
 def test_a_port_that_is_opened_anew_before_the_rest_is_over_does_not_rest() -> None:
     loop = FakeLoop()
     half(loop)
-    loop.line.close("for a moment")
+    loop.line.close(Trouble("for a moment"))
     loop.poll(START + 1e-3)
     assert loop.link.opened == 2
     assert loop.link.descriptor() is not None

@@ -25,8 +25,8 @@ def test_a_router_that_is_away_for_longer_than_a_restart_is_told_of() -> None:
     assert not link.problem(104.0)
     assert not link.problem(105.0)
     problem = link.problem(106.0)
-    assert "router.example.org" in problem
-    assert "[router] sites there 'home'" in problem
+    assert "router.example.org" in str(problem)
+    assert "[router] sites there 'home'" in str(problem)
     assert link.problem(107.0) == problem
     router.is_there = True
     assert not link.problem(108.0)

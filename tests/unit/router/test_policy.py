@@ -75,7 +75,7 @@ def test_who_comes_and_goes_is_told_once_for_each_host() -> None:
 def test_a_host_without_a_part_is_named_while_it_is_there() -> None:
     visitors = Visitors(ROBOTS)
     visitors.look([("anne-pc", "tls/192.0.2.1:40001"), ("tablet", "tls/192.0.2.2:40001")])
-    assert visitors.strangers.startswith("tablet: has a certificate, but no part")
+    assert str(visitors.strangers).startswith("tablet: has a certificate, but no part")
     visitors.look([("anne-pc", "tls/192.0.2.1:40001")])
     assert not visitors.strangers
 
