@@ -8,6 +8,7 @@ from giraff_cli.telemetry.collector import Latest, Snapshot
 from giraff_cli.telemetry.localization import short_pose_text
 from giraff_schemas.messages import GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
+from giraff_schemas.trouble import Trouble
 
 START_A_HAND: Final = f"start {' or '.join(f'giraff_{hand}' for hand in HANDS)} on the operator's machine"
 DIRECTIONS: Final = ("forward", "backward", "turn left", "turn right")
@@ -79,7 +80,7 @@ def limit_text(snapshot: Snapshot) -> str:
         return guard.sample.reason
     for label, verdict in verdicts(guard.sample):
         if verdict.freedom != "free":
-            return f"{label} {verdict.freedom}: " + "; ".join(filter(None, (verdict.reason, verdict.way_out)))
+            return f"{label} {verdict.freedom}: {Trouble(verdict.reason, verdict.way_out)}"
     return ""
 
 

@@ -12,6 +12,7 @@ from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.topics import BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
+from giraff_schemas.trouble import Trouble
 
 _BUDGET: Final = GuardConfig().operator_budget
 
@@ -76,7 +77,7 @@ def estop(chain: ChainState) -> Link:
     state = heard.sample
     if not state.engaged:
         return link_from("e-stop", "ok", heard, "released")
-    way_out = "" if RESET_COMMAND in state.reason else f"; {RESET_COMMAND}"
+    way_out = "" if state.remedy else f"; {RESET_COMMAND}"
     text = f"engaged by {state.by or 'nobody known'}: {state.reason}{way_out}, and hold the hand level"
     return link_from("e-stop", "STOPS", heard, text)
 
@@ -189,9 +190,7 @@ def wheels(chain: ChainState) -> Link:
 
 def _judged(way: str, verdict: Verdict) -> str:
     held = "blocked" if verdict.allowed == 0.0 else "only creeps"
-    seen = verdict.reason.removeprefix(f"{verdict.sensor} sees something ")
-    why = f": {verdict.reason}" if seen == verdict.reason else f" by range_{verdict.sensor} {seen}"
-    return f"{way} {held}{why}" + (f"; {verdict.way_out}" if verdict.way_out else "")
+    return f"{way} {held}: {Trouble(verdict.reason, verdict.way_out)}"
 
 
 def _distance(reading: Range) -> str:

@@ -32,13 +32,13 @@ def test_an_obstacle_is_named_that_stops_the_robot(robot: ProcessRobot) -> None:
     wait_for(robot, 0, "nothing stops the robot")
     robot.put_up_wall("wall", ahead=0.6, half_width=2.0)
     robot.hold(FULL_TILT, 0.0)
-    told = wait_for(robot, 1, "guard: forward blocked by range_front_")
+    told = wait_for(robot, 1, "guard: forward blocked: front_")
     rows = [row.split() for row in told]
     names = [row[0] for row in rows[:-1]]
     assert names == ["hand", "operator", "lease", "ranger", "guard", "base", "e-stop", "board", "wheels"]
     assert rows[4][1] == "STOPS"
     said = msgspec.json.decode(giraff(robot, "why", "--json").stdout)["conclusion"]
-    assert said.startswith("guard: forward blocked by range_front_")
+    assert said.startswith("guard: forward blocked: front_")
     robot.hold(0.0, 0.0)
     robot.simulator.remove_wall("wall")
 

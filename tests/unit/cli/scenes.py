@@ -254,12 +254,12 @@ CAUSES: dict[str, tuple[Change, str, str]] = {
             .put(topics.BASE, base(armed=True, reason="forward blocked"), "b")
         ),
         "guard",
-        "forward blocked by range_front_left at 0.31 m; turn left or back up",
+        "forward blocked: front_left sees something at 0.31 m; turn left or back up",
     ),
     "walls all around": (
         lambda s: s.put(topics.GUARD, state(forward=blocked(), backward=blocked("rear")), "g"),
         "guard",
-        "backward blocked by range_rear at 0.31 m",
+        "backward blocked: rear sees something at 0.31 m",
     ),
     "two guards": (
         lambda s: s.put(topics.GUARD, state(), "h").put(topics.LEASE, lease("", ""), "g"),

@@ -64,7 +64,7 @@ def test_what_is_in_the_way_of_a_level_hand_only_limits() -> None:
     diagnosis = chain.diagnosis()
     assert diagnosis.stopped_by == ""
     assert diagnosis.conclusion.startswith(
-        "nothing stops the robot, but guard: forward blocked by range_front_left at 0.31 m"
+        "nothing stops the robot, but guard: forward blocked: front_left sees something at 0.31 m"
     )
 
 
