@@ -39,19 +39,16 @@ _ASK_EVERY: Final = 0.25  # s; the quickest of several answers tells the clock b
 _HEAR_FIRST: Final = 3.0  # s
 
 
-class _Listener:
-    """Everything goes to the telemetry, and is counted."""
+class _Counted(Telemetry):
+    """Counts the samples of each key, too."""
 
     def __init__(self) -> None:
-        self.telemetry = Telemetry()
-        self.heard: dict[str, int] = {}
+        super().__init__()
+        self.counts: dict[str, int] = {}
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        self.telemetry.on_sample(topic, key, sample, at_ns)
-        self.heard[key] = self.heard.get(key, 0) + 1
-
-    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
-        self.telemetry.on_liveliness(service, instance, present=present)
+        super().on_sample(topic, key, sample, at_ns)
+        self.counts[key] = self.counts.get(key, 0) + 1
 
 
 class HealthClient:
@@ -140,7 +137,7 @@ def geometry_in(answer: ParamAnswer) -> GeometryInUse | None:
 
 def listen(connection: RobotConnection, seconds: float) -> Robot | None:
     """What is heard within `seconds` of the first word; None: not a word."""
-    listener, health = _Listener(), HealthClient(connection.session, connection.robot)
+    listener, health = _Counted(), HealthClient(connection.session, connection.robot)
     geometry = GeometryClient(connection.session, connection.robot)
     connection.subscribe_all()
     if not _first_word(connection, listener):
@@ -156,7 +153,7 @@ def listen(connection: RobotConnection, seconds: float) -> Robot | None:
             geometry.ask(max(0.1, seconds - elapsed), health.answers)
         time.sleep(_LOOK_EVERY)
     connection.dispatch(listener)
-    now = listener.telemetry.snapshot(robot_now_ns())
+    now = listener.snapshot(robot_now_ns())
     return Robot(
         name=connection.robot,
         seconds=seconds,
@@ -169,27 +166,27 @@ def listen(connection: RobotConnection, seconds: float) -> Robot | None:
     )
 
 
-def _first_word(connection: RobotConnection, listener: _Listener) -> bool:
+def _first_word(connection: RobotConnection, listener: _Counted) -> bool:
     deadline = time.monotonic() + _HEAR_FIRST
     while time.monotonic() < deadline:
         connection.dispatch(listener)
-        if listener.heard or listener.telemetry.alive:
+        if listener.counts or listener.alive:
             return True
         time.sleep(_LOOK_EVERY)
     return False
 
 
-def _rates(listener: _Listener) -> Iterable[Rate]:
+def _rates(listener: _Counted) -> Iterable[Rate]:
     """Of each key that was heard, or should have been."""
-    hz, lost = listener.telemetry.rates_hz, listener.telemetry.lost
+    hz, lost = listener.rates_hz, listener.lost
     for topic, maker in MAKERS.items():
-        for key in [key for key in listener.heard if _belongs(key, topic)] or [topic.key]:
+        for key in [key for key in listener.counts if _belongs(key, topic)] or [topic.key]:
             yield Rate(
                 key=key,
                 maker=maker,
                 wanted_hz=topic.rate_hz,
                 hz=hz.get(key),
-                heard=listener.heard.get(key, 0),
+                heard=listener.counts.get(key, 0),
                 lost=lost.get(key, 0),
             )
 

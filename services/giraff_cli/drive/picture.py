@@ -14,9 +14,10 @@ from rich.text import Text
 
 from giraff_cli.drive.words import for_keys
 from giraff_cli.telemetry import panels as blocks
-from giraff_cli.telemetry.collector import FRESH, Snapshot
+from giraff_cli.telemetry.collector import Snapshot
 from giraff_cli.telemetry.describe import DIRECTIONS, moving, verdicts
 from giraff_cli.terminal.layout import HEADING, beside, clock, header
+from giraff_core.latest import FRESH
 from giraff_schemas.text import printable
 from giraff_schemas.wire import RANGE_SENSORS
 

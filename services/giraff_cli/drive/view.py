@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from giraff_cli.drive.picture import DrivePicture
-from giraff_cli.telemetry.collector import Latest, SampleT, Telemetry, range_key
+from giraff_cli.telemetry.collector import Telemetry
+from giraff_core.latest import Latest
 from giraff_core.operator import what_stops
 from giraff_keyboard.policy import KeyboardPolicy
-from giraff_schemas.messages import Range, Sample
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, Topic
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
 
 
 class DriveView:
@@ -21,13 +21,8 @@ class DriveView:
         """`sensors`: of the robot, in the order of its file."""
         self._robot = robot
         self._telemetry = Telemetry(sensors)
-        self._topics = {topic.schema: topic for topic in self.topics}
+        self.take = self._telemetry.take
         self._began: float | None = None
-
-    def take(self, sample: Sample, now: float) -> None:
-        topic = self._topics[type(sample)]
-        key = range_key(sample.sensor) if isinstance(sample, Range) else topic.key
-        self._telemetry.on_sample(topic, key, sample, _ns(now))
 
     def draw(self, policy: KeyboardPolicy, stop: str, now: float) -> DrivePicture:
         """What is to be seen now. `stop`: what became of a stop, or of its release, that was asked for here."""

@@ -11,18 +11,20 @@ import shlex
 import time
 from collections.abc import Callable, Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.program import called_here
+from giraff_core.latest import LatestSamples
+from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import DEFAULT_FILE
 from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, host_of, others
 from giraff_node.network.query_client import EStopClient, QueryClient, request_estop
 from giraff_node.network.reach import find_silent
-from giraff_schemas.messages import EStop, RobotTime, Sample, Tick
+from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopReset
 from giraff_schemas.text import printable
-from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, Topic, key_of
+from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, key_of
 
 RELEASED: Final = 0
 ENGAGED: Final = 1
@@ -261,16 +263,16 @@ def _unconfirmed(robot: str, asking: EStopClient, timeout: float, whose: str = "
 def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
     """Clear the latch that is engaged now, and no other. 0: no latch is engaged any more."""
     robot, deadline = connection.robot, time.monotonic() + timeout
-    heard = _listen(connection, deadline)
-    if not heard.states:
+    states = _listen(connection, deadline)
+    if not states:
         return _silent(connection, timeout)
-    if len(heard.states) > 1:
-        return Result(UNKNOWN, f"UNKNOWN: {_several(robot, heard)}")
-    [state] = heard.states.values()
+    if len(states) > 1:
+        return Result(UNKNOWN, f"UNKNOWN: {_several(robot, states)}")
+    [state] = states
     if not state.engaged:
         return Result(RELEASED, f"{robot}: not engaged, nothing to clear; {_HOW_TO_DRIVE}")
     what = printable(f"latch {state.id} of {robot}, engaged by {state.by}: {state.reason}")
-    tick = _next_tick(connection, heard, deadline)
+    tick = _next_tick(connection, deadline)
     if tick is None:
         return Result(
             UNKNOWN,
@@ -293,61 +295,43 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
 def status(connection: RobotConnection, timeout: float) -> Result:
     """Whether it is engaged, by whom and why."""
     robot = connection.robot
-    heard = _listen(connection, time.monotonic() + timeout)
-    if not heard.states:
+    states = _listen(connection, time.monotonic() + timeout)
+    if not states:
         return _silent(connection, timeout)
     told = [
         f"{robot}: {'ENGAGED' if state.engaged else 'released'}, latch {state.id}"
         + (printable(f", by {state.by}: {state.reason}") if state.by or state.reason else "")
-        for state in heard.states.values()
+        for state in states
     ]
-    if len(heard.states) > 1:
-        told.append(_several(robot, heard))
-    return Result(ENGAGED if any(state.engaged for state in heard.states.values()) else RELEASED, "\n".join(told))
+    if len(states) > 1:
+        told.append(_several(robot, states))
+    return Result(ENGAGED if any(state.engaged for state in states) else RELEASED, "\n".join(told))
 
 
 _HOW_TO_DRIVE: Final = "to drive, hold the hand level until it is armed"
 
 
-class _Heard:
-    """State of each base that answers to the name, and the robot's newest clock."""
-
-    def __init__(self) -> None:
-        self.states: dict[str, EStop] = {}
-        self.tick: RobotTime | None = None
-
-    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        del topic, key, at_ns
-        if isinstance(sample, EStop):
-            self.states[sample.instance] = sample
-        elif isinstance(sample, Tick):
-            self.tick = sample.time
-
-    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
-        """What a service says counts here, not that it is there."""
-
-
-def _listen(connection: RobotConnection, deadline: float) -> _Heard:
-    """The state of every base of this name; of none where none is heard before `deadline`."""
-    heard = _Heard()
+def _listen(connection: RobotConnection, deadline: float) -> list[EStop]:
+    """The state of every base of this name; none where none is heard before `deadline`."""
+    heard = LatestSamples()
     connection.subscribe_all((ESTOP, TICK))
     until = deadline
     while time.monotonic() < until:
         connection.dispatch(heard)
-        if heard.states and until == deadline:
+        if until == deadline and heard.latest(ESTOP, robot_now_ns()):
             until = min(deadline, time.monotonic() + _TWO_PERIODS)
         time.sleep(_TURN)
-    return heard
+    return [each.sample for each in heard.all(ESTOP, robot_now_ns())]
 
 
-def _next_tick(connection: RobotConnection, heard: _Heard, deadline: float) -> RobotTime | None:
+def _next_tick(connection: RobotConnection, deadline: float) -> RobotTime | None:
     """A moment of the robot's clock that comes after all that is known of it so far; None: it has stopped."""
-    connection.dispatch(heard)
-    later = _Heard()
-    while later.tick is None and time.monotonic() < deadline:
+    connection.dispatch(LatestSamples())
+    later = LatestSamples()
+    while (tick := later.latest(TICK, robot_now_ns())) is None and time.monotonic() < deadline:
         time.sleep(_TURN)
         connection.dispatch(later)
-    return later.tick
+    return None if tick is None else tick.sample.time
 
 
 def _silent(connection: RobotConnection, timeout: float) -> Result:
@@ -355,5 +339,5 @@ def _silent(connection: RobotConnection, timeout: float) -> Result:
     return Result(UNKNOWN, f"UNKNOWN: nothing is heard on {key} after {timeout:g} s; {HOW_TO_REACH}{hint}")
 
 
-def _several(robot: str, heard: _Heard) -> str:
-    return f"{len(heard.states)} bases are called {robot} ({', '.join(heard.states)}); end all but one"
+def _several(robot: str, states: list[EStop]) -> str:
+    return f"{len(states)} bases are called {robot} ({', '.join(each.instance for each in states)}); end all but one"

@@ -8,7 +8,7 @@ from typing import Any
 from giraff_cli.localize.lines import PoseScreen
 from giraff_cli.localize.view import PoseView
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.telemetry.collector import Latest
+from giraff_core.latest import Latest
 from giraff_node import robot_now_ns
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Sample

@@ -10,8 +10,8 @@ import msgspec
 from rich.console import RenderableType
 from rich.text import Text
 
-from giraff_cli.telemetry.collector import Latest
 from giraff_cli.telemetry.localization import pose_text
+from giraff_core.latest import Latest
 from giraff_schemas.localization import MapPose
 from giraff_schemas.text import printable
 

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 import secrets
 import time
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
+from giraff_core.latest import LatestSamples
+from giraff_node import robot_now_ns
 from giraff_node.network.discovery import others
 from giraff_node.network.query_client import QueryClient
-from giraff_schemas.messages import Odometry, Sample
+from giraff_schemas.messages import Odometry
 from giraff_schemas.requests import OdomAnswer, OdomReset, OdomSetPose
-from giraff_schemas.topics import ODOM, ODOM_RESET, ODOM_SET_POSE, Query, RequestT, Topic
+from giraff_schemas.topics import ODOM, ODOM_RESET, ODOM_SET_POSE, Query, RequestT
 
 DONE: Final = 0
 REFUSED: Final = 1
@@ -98,28 +100,14 @@ def _jump(connection: RobotConnection, query: Query[RequestT, OdomAnswer], reque
     return Result(DONE, f"{robot}: odometry was {_where(before)}, is {_where(after)}; jump {answer.jumps}")
 
 
-class _Heard:
-    """The newest of odometry."""
-
-    def __init__(self) -> None:
-        self.newest: Odometry | None = None
-
-    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        del topic, key, at_ns
-        if isinstance(sample, Odometry):
-            self.newest = sample
-
-    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
-        """What it says counts here, not that it is there."""
-
-
 def _next(connection: RobotConnection, until: float, jumps: int = 0) -> Odometry | None:
     """The newest sample after so many jumps; None: there is none by `until`."""
-    heard = _Heard()
+    heard = LatestSamples()
     while time.monotonic() < until:
         connection.dispatch(heard)
-        if heard.newest is not None and heard.newest.jumps >= jumps:
-            return heard.newest
+        newest = heard.latest(ODOM, robot_now_ns())
+        if newest is not None and newest.sample.jumps >= jumps:
+            return newest.sample
         time.sleep(_TURN)
     return None
 

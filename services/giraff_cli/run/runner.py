@@ -251,5 +251,5 @@ class Run:
 
 def _driver(telemetry: RunTelemetry) -> str:
     """Name of the operator that holds the lease; empty: none."""
-    lease = telemetry.newest(LEASE, robot_now_ns())
+    lease = telemetry.latest(LEASE, robot_now_ns())
     return "" if lease is None else lease.sample.operator

@@ -9,10 +9,10 @@ import msgspec
 
 from giraff_cli.run.odometry_error import OdometryError
 from giraff_cli.run.telemetry import AgeSummary, RunTelemetry
-from giraff_cli.telemetry.collector import Latest
 from giraff_cli.telemetry.localization_summary import LocalizationSummary, localization_rows
 from giraff_cli.terminal.text import counted, json_page
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
+from giraff_core.latest import Latest
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, ODOM
 from giraff_sim.truth import Level
@@ -81,8 +81,8 @@ def summarize(
 ) -> Summary:
     """The numbers of the run that began at `began_ns` (robot's clock) and ends with the newest look at the world."""
     world, apart = telemetry.truth, telemetry.apart
-    base = telemetry.newest(BASE, world.robot_ns)
-    odometry = telemetry.newest(ODOM, world.robot_ns)
+    base = telemetry.latest(BASE, world.robot_ns)
+    odometry = telemetry.latest(ODOM, world.robot_ns)
     sigma = None if apart is None else _sigma(odometry)
     off = None if apart is None else _mahalanobis(apart, odometry)
     return Summary(

@@ -73,7 +73,7 @@ class RunTelemetry(Telemetry):
         self.truth = truth
         self._comparison.see(truth)
         self._map_errors.see(truth.robot_ns, truth.pose)  # the room's frame is the map's
-        said = self.newest(POSE, truth.robot_ns)
+        said = self.latest(POSE, truth.robot_ns)
         self._map_way.come(truth.path, said.sample.state if said is not None and said.fresh else None)
 
     @property
@@ -84,13 +84,13 @@ class RunTelemetry(Telemetry):
     @property
     def localization(self) -> LocalizationSummary | None:
         """How well it knew where it was on the map; None: nothing was heard of that."""
-        said = self.newest(POSE, self.truth.robot_ns)
+        said = self.latest(POSE, self.truth.robot_ns)
         return None if said is None else summarize_localization(said.sample, self._map_way, self._map_errors)
 
     @property
     def true_pose(self) -> TruePose | None:
         """As it is told to whoever looks on; None: before odometry has begun."""
-        tick, pose = self.newest(TICK, self.truth.robot_ns), self._comparison.in_odom(self.truth.pose)
+        tick, pose = self.latest(TICK, self.truth.robot_ns), self._comparison.in_odom(self.truth.pose)
         if tick is None or pose is None:
             return None
         at = RobotTime(epoch=tick.sample.epoch, robot_ns=self.truth.robot_ns)
@@ -124,7 +124,7 @@ class RunTelemetry(Telemetry):
         return super()._clock(topic, at_ns)
 
     def _note_age(self, command: GuardedCommand, at_ns: int) -> None:
-        tick = self.newest(TICK, at_ns)
+        tick = self.latest(TICK, at_ns)
         if tick is None or command.operator_tick is None or command.source != "hand":
             return
         if tick.sample.epoch == command.operator_tick.epoch:

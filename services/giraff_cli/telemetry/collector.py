@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final, Generic, TypeVar
+from typing import Any, Final
 
 from giraff_cli.telemetry.rate import RateEstimator, Totals
+from giraff_core.latest import FRESH, Latest, LatestSamples
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
     BaseState,
@@ -36,24 +37,7 @@ from giraff_schemas.topics import (
     Topic,
 )
 
-SampleT = TypeVar("SampleT", bound=Sample)
-
-FRESH: Final = 1.0  # s; twice the period of the slowest topic
 _ORDER: Final = {topic.key: number for number, topic in enumerate(TOPICS)}
-
-
-@dataclass(frozen=True)
-class Latest(Generic[SampleT]):
-    """The newest sample of a key."""
-
-    sample: SampleT
-    age: float
-    """s since it was heard."""
-
-    @property
-    def fresh(self) -> bool:
-        """Whether it speaks of now."""
-        return self.age <= FRESH
 
 
 @dataclass(frozen=True)
@@ -99,12 +83,12 @@ class Snapshot:
 
 
 class _Key:
-    """A key: its newest sample, and a flow for each maker."""
+    """A key: a flow for each maker."""
 
     def __init__(self, topic: Topic[Any]) -> None:
         self.topic = topic
         self.flows: dict[str, RateEstimator] = {}
-        self.sample: Any = None
+        self.newest: RateEstimator | None = None
         self.heard_ns = 0
         self._gone = Totals()
 
@@ -114,7 +98,7 @@ class _Key:
             self._retire(seconds)
             flow = self.flows[sample.instance] = RateEstimator(sample.seq, seconds)
         flow.on_sample(sample.seq, seconds)
-        self.sample, self.heard_ns = sample, at_ns
+        self.newest, self.heard_ns = flow, at_ns
 
     @property
     def lost(self) -> int:
@@ -127,7 +111,7 @@ class _Key:
         return totals.made / totals.took if totals.took > 0.0 else None
 
     def rate_now(self, seconds: float) -> float | None:
-        return self.flows[self.sample.instance].rate_now(seconds)
+        return self.newest.rate_now(seconds) if self.newest else None
 
     def loses_now(self, seconds: float) -> bool:
         return any(flow.loses_now(seconds) for flow in self.flows.values())
@@ -148,18 +132,18 @@ class _Key:
             self._gone += self.flows.pop(maker).totals
 
 
-class Telemetry:
+class Telemetry(LatestSamples):
     """Collects. Times are this host's boot clock in ns."""
 
     def __init__(self, sensors: tuple[str, ...] = ()) -> None:
         """`sensors`: names of the robot's ultrasonic sensors, as far as they are known before they are heard."""
+        super().__init__()
         self._sensors = sensors
         self._keys: dict[str, _Key] = {}
-        self._alive: dict[str, set[str]] = {}
         self._heard_ns: int | None = None
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
-        """A sample of `key` (below the robot's name), which `topic` is or stands for, heard at `at_ns`."""
+        super().on_sample(topic, key, sample, at_ns)
         if key not in self._keys:
             self._keys[key] = _Key(topic)
         self._keys[key].on_sample(sample, self._clock(topic, at_ns), at_ns)
@@ -168,24 +152,12 @@ class Telemetry:
     def forget(self, topic: Topic[Any]) -> None:
         """Of a topic without `*` nothing is heard any more because nobody listens."""
         self._keys.pop(topic.key, None)
+        self._heard.pop(topic.key, None)
 
     def begin(self) -> None:
         """Judge rates from now on: while processes start, nothing has its rate."""
         for key in self._keys.values():
             key.begin()
-
-    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
-        """A service's token on the network has come or gone."""
-        instances = self._alive.setdefault(service, set())
-        if present:
-            instances.add(instance)
-        else:
-            instances.discard(instance)
-
-    @property
-    def alive(self) -> frozenset[str]:
-        """Services that are on the network."""
-        return frozenset(service for service, instances in self._alive.items() if instances)
 
     @property
     def lost(self) -> dict[str, int]:
@@ -197,39 +169,27 @@ class Telemetry:
         """By key, over the whole time."""
         return {name: rate for name in self._names() if (rate := self._keys[name].rate) is not None}
 
-    def newest(self, topic: Topic[SampleT], now_ns: int) -> Latest[SampleT] | None:
-        """The newest sample of a topic without `*`."""
-        return self._seen(topic.key, now_ns)
-
     def snapshot(self, now_ns: int) -> Snapshot:
         """Everything, as of now."""
-        guard = self.newest(GUARD, now_ns)
+        guard = self.latest(GUARD, now_ns)
+        ranges = {heard.sample.sensor: heard for heard in reversed(self.all(RANGE, now_ns))}
+        sensors = (*self._sensors, *(guard.sample.sensors if guard else ()), *sorted(ranges))
         return Snapshot(
             silence=None if self._heard_ns is None else _since(self._heard_ns, now_ns),
-            odometry=self.newest(ODOM, now_ns),
-            wheels=self.newest(WHEELS, now_ns),
-            tilt=self.newest(TILT, now_ns),
-            command=self.newest(CMD_VEL, now_ns),
+            odometry=self.latest(ODOM, now_ns),
+            wheels=self.latest(WHEELS, now_ns),
+            tilt=self.latest(TILT, now_ns),
+            command=self.latest(CMD_VEL, now_ns),
             guard=guard,
-            base=self.newest(BASE, now_ns),
-            battery=self.newest(BATTERY, now_ns),
-            estop=self.newest(ESTOP, now_ns),
-            lease=self.newest(LEASE, now_ns),
-            localization=self.newest(POSE, now_ns),
-            ranges={sensor: self._seen(range_key(sensor), now_ns) for sensor in self._all_sensors(guard)},
+            base=self.latest(BASE, now_ns),
+            battery=self.latest(BATTERY, now_ns),
+            estop=self.latest(ESTOP, now_ns),
+            lease=self.latest(LEASE, now_ns),
+            localization=self.latest(POSE, now_ns),
+            ranges={sensor: ranges.get(sensor) for sensor in dict.fromkeys(sensors)},
             rates={name: self._rate(self._keys[name], now_ns) for name in self._names()},
-            services={service: len(instances) for service, instances in self._alive.items()},
+            services={service: len(instances) for service, instances in self.instances.items()},
         )
-
-    def _seen(self, name: str, now_ns: int) -> Latest[Any] | None:
-        key = self._keys.get(name)
-        return None if key is None else Latest(key.sample, _since(key.heard_ns, now_ns))
-
-    def _all_sensors(self, guard: Latest[GuardState] | None) -> dict[str, None]:
-        """Names, each once."""
-        guarded = () if guard is None else guard.sample.sensors
-        heard = (name.partition("/")[2] for name in self._names() if self._keys[name].topic.key == RANGE.key)
-        return dict.fromkeys((*self._sensors, *guarded, *heard))
 
     def _names(self) -> list[str]:
         """The keys heard so far, in the order of the topics table."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from giraff_cli.telemetry.collector import Latest, Snapshot
+from giraff_cli.telemetry.collector import Snapshot
 from giraff_cli.telemetry.localization import short_pose_text
+from giraff_core.latest import Latest
 from giraff_schemas.messages import GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.trouble import Trouble

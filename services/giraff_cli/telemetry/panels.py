@@ -10,7 +10,7 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.telemetry.collector import KeyRate, Latest, Snapshot, range_key
+from giraff_cli.telemetry.collector import KeyRate, Snapshot, range_key
 from giraff_cli.telemetry.describe import (
     DIRECTIONS,
     base_reason,
@@ -21,6 +21,7 @@ from giraff_cli.telemetry.describe import (
     verdicts,
 )
 from giraff_cli.terminal.layout import HEADING, NONE, block, left, right, text_or_dash, unit
+from giraff_core.latest import Latest
 from giraff_schemas.messages import Range
 from giraff_schemas.text import printable
 from giraff_schemas.topics import MAP, MOTION, MOTION_HOLD, PARTICLES, POSE

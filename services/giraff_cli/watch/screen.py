@@ -10,7 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_cli.telemetry import panels as blocks
-from giraff_cli.telemetry.collector import FRESH, Snapshot
+from giraff_cli.telemetry.collector import Snapshot
 from giraff_cli.telemetry.describe import (
     base_text,
     estop_text,
@@ -35,6 +35,7 @@ from giraff_cli.terminal.layout import (
     text_or_dash,
     why,
 )
+from giraff_core.latest import FRESH
 from giraff_schemas.services import ROBOTS_OWN
 
 _TOPIC_COLUMNS: Final = 2

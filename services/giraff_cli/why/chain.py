@@ -6,7 +6,8 @@ from typing import Any, Literal
 
 import msgspec
 
-from giraff_cli.why.observation import Latest, Observation
+from giraff_cli.why.observation import Observation
+from giraff_core.latest import Latest
 from giraff_schemas.messages import DriveCommand, Lease, Tilt, Verdict
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, TILT, Topic
 
@@ -74,7 +75,7 @@ class ChainState:
             return Link(name=service, standing="STOPS", text=several(f"giraff_{service}", makers))
         if makers:
             return None
-        if self.observation.alive.get(service):
+        if service in self.observation.alive:
             return self.silent(service, service)
         return Link(name=service, standing="missing", text=f"giraff_{service} is not running, or hangs; {how}")
 

@@ -6,8 +6,8 @@ from typing import Final
 
 from giraff_cli.telemetry.describe import START_A_HAND, verdicts
 from giraff_cli.why.chain import ChainState, Link, link_from, several
-from giraff_cli.why.observation import Latest
 from giraff_core.estop import RESET_COMMAND
+from giraff_core.latest import Latest
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS
@@ -21,7 +21,7 @@ def operator(chain: ChainState) -> Link:
     """The operator's program and its way to the robot."""
     heard = chain.operator
     if heard is None:
-        there = [name for name in HANDS if chain.observation.alive.get(name)]
+        there = [name for name in HANDS if name in chain.observation.alive]
         if there:
             return chain.silent("operator", there[0])
         return Link(name="operator", standing="missing", text=f"no operator is heard; {START_A_HAND}")
@@ -104,7 +104,7 @@ def ranger(chain: ChainState) -> Link:
     """The ultrasonic sensors. One that is blind stops what relies on it, and limits the rest."""
     readings = {heard.sample.sensor: heard for heard in reversed(chain.observation.of(RANGE))}
     if not readings:
-        if chain.observation.alive.get("ranger"):
+        if "ranger" in chain.observation.alive:
             return chain.silent("ranger", "ranger")
         how = "start it on the machine that the ranger board is plugged into"
         return Link(name="ranger", standing="missing", text=f"giraff_ranger is not running, or hangs; {how}")

@@ -53,7 +53,7 @@ def test_samples_and_services_are_told(connection: RobotConnection, other: zenoh
     def heard() -> bool:
         other.put(key_of(ROBOT, TICK), encode(stamped(Tick(epoch=1, robot_ns=2), 0, 0, "one")))
         connection.dispatch(telemetry)
-        return telemetry.newest(TICK, time.monotonic_ns()) is not None
+        return telemetry.latest(TICK, time.monotonic_ns()) is not None
 
     def alive() -> list[str]:
         connection.dispatch(telemetry)

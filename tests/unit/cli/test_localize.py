@@ -22,8 +22,8 @@ from giraff_cli.localize.lines import ChangedLines, JsonLines
 from giraff_cli.localize.place import Place, place
 from giraff_cli.localize.view import PoseView
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.telemetry.collector import Latest
 from giraff_core.kinematics.pose import Pose
+from giraff_core.latest import Latest
 from giraff_core.network import NetworkConfig
 from giraff_maps.floor_plan import MapError
 from giraff_node.network.consent import NoRobotError
