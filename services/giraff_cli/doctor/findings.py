@@ -92,7 +92,7 @@ def _of_machine(machine: Machine) -> Iterator[Finding]:
             what="how motors and encoders are soldered is not known, so base does not arm",
             fix="lift the wheels and run giraff check wheels",
         )
-    yield from (_told("warning", "operator", str(unranked_notice(operator))) for operator in machine.unranked_hands)
+    yield from (_told("warning", "operator", unranked_notice(operator)) for operator in machine.unranked_hands)
 
 
 def _of_silence(look: Inspection) -> Iterator[Finding]:
