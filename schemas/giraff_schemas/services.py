@@ -52,7 +52,7 @@ KEYBOARD: Final = Service(
     package="giraff_keyboard",
     table="keyboard",
     publishes=(t.OPERATOR_CMD_VEL,),
-    subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY),
+    subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.RANGE),
 )
 WEB: Final = Service(
     name="web",

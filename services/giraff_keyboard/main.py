@@ -3,39 +3,42 @@
 from __future__ import annotations
 
 import logging
+import os
 import sys
 import time
-from typing import Final, TypeVar
+from collections.abc import Callable
+from typing import Final
 
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.service import Keyboard, Screen, View
-from giraff_keyboard.status import StatusView
+from giraff_keyboard.service import Keyboard
 from giraff_keyboard.terminal import Terminal
+from giraff_keyboard.view import DriveView
 from giraff_node import Node
-
-PictureT = TypeVar("PictureT")
 
 _LAST_REQUESTS: Final = 2.0  # s that a stop is still asked for after Ctrl-C
 
 
-class StopNotConfirmedError(Exception):
-    """The program ends, and base has not said that the robot is stopped."""
-
-
 def main() -> int:
-    if not in_terminal():
-        print("giraff_keyboard: reads keys from a terminal; start it in one, without a pipe", file=sys.stderr)
+    """Return 1 where a stop was asked for that base has not confirmed, and 2 where there is no terminal."""
+    if fault := terminal_fault():
+        print(f"giraff_keyboard: {fault}", file=sys.stderr)
         return 2
     with Node("keyboard", KeyboardConfig) as node:
         if sys.stderr.isatty():
-            node.log.setLevel(logging.ERROR)  # the status lines tell the rest, on the same screen
-        with Terminal() as terminal:
-            keyboard = run_keyboard(node, terminal, StatusView())
+            node.log.setLevel(logging.ERROR)  # the picture tells the rest, on the same screen
+        unconfirmed, terminal = run_keyboard(node)
         if terminal.is_gone:
             node.log.error("the terminal was closed")
-        if unconfirmed := go_on_asking(keyboard):
-            node.fail(StopNotConfirmedError(unconfirmed))
-    return 0
+    return leave(terminal, node.log.error, unconfirmed)
+
+
+def terminal_fault() -> str:
+    """Tell why a person can neither type nor read here; empty: he can."""
+    if not in_terminal():
+        return "reads keys from a terminal, and draws on it; start it in one, without a pipe"
+    if os.environ.get("TERM", "dumb") == "dumb":
+        return "cannot draw on this terminal, of which TERM says that it is dumb"
+    return ""
 
 
 def in_terminal() -> bool:
@@ -43,14 +46,25 @@ def in_terminal() -> bool:
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
-def run_keyboard(node: Node[KeyboardConfig], screen: Screen[PictureT], view: View[PictureT]) -> Keyboard[PictureT]:
-    """Until its end; it may have asked for a stop that is not confirmed yet."""
-    keyboard = Keyboard(node, node.config, node.robot, screen, view)
-    node.run(keyboard)
-    return keyboard
+def run_keyboard(node: Node[KeyboardConfig]) -> tuple[str, Terminal]:
+    """Drive until the end. Return which stop base has not confirmed, empty if none, and the terminal that was left."""
+    with Terminal(DriveView(node.robot.name, tuple(node.robot.sensors)), node.fail) as terminal:
+        keyboard = Keyboard(node, node.config, node.robot, terminal)
+        node.run(keyboard)
+    return go_on_asking(keyboard), terminal
 
 
-def go_on_asking(keyboard: Keyboard[PictureT]) -> str:
+def leave(terminal: Terminal, say: Callable[[str], object], *problems: str) -> int:
+    """Say what is wrong in the end; empty texts are nothing. Return the exit code."""
+    told = [problem for problem in problems if problem]
+    if terminal.is_stuck:
+        os._exit(int(bool(told)))  # a word of why would wait, too, and so would Python for what is still to be written
+    for problem in told:
+        say(problem)
+    return int(bool(told))
+
+
+def go_on_asking(keyboard: Keyboard) -> str:
     """A stop that was asked for outlives the screen: what of it base has not confirmed; empty: nothing."""
     until = time.monotonic() + _LAST_REQUESTS
     stopping = keyboard.stopping

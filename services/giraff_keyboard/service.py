@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final, Generic, Protocol, TypeVar
+from typing import Any, Final, Protocol
 
 from giraff_core.estop_request import EStopRequest, Request
 from giraff_core.inbox import Inbox
@@ -27,42 +27,27 @@ _STATUS_HZ: Final = 10
 _LAST: Final = 10
 """Samples of a topic between two turns of which none is left out."""
 
-PictureT = TypeVar("PictureT")
-PictureT_contra = TypeVar("PictureT_contra", contravariant=True)
-PictureT_co = TypeVar("PictureT_co", covariant=True)
 
-
-class Screen(Selectable, Protocol[PictureT_contra]):
+class Screen(Selectable, Protocol):
     """Where a person types and reads: as `giraff_keyboard.terminal.Terminal`."""
-
-    @property
-    def is_gone(self) -> bool: ...
-    def read(self) -> bytes: ...
-    def show(self, picture: PictureT_contra, /) -> None: ...
-
-
-class View(Protocol[PictureT_co]):
-    """What the person who drives is shown: as `giraff_keyboard.status.StatusView`."""
 
     @property
     def topics(self) -> Sequence[Topic[Any]]:
         """What it tells of; `estop` is among them."""
         ...
 
+    @property
+    def is_gone(self) -> bool: ...
+    def read(self) -> bytes: ...
     def take(self, sample: Sample, now: float) -> None: ...
-    def draw(self, policy: KeyboardPolicy, stop: str, now: float) -> PictureT_co: ...
+    def show(self, policy: KeyboardPolicy, stop: str, now: float) -> None: ...
 
 
-class Keyboard(OperatorService, Generic[PictureT]):
-    """Reads the terminal, `tick` and `lease`; writes `cmd_vel/<operator>`, asks `estop/engage` and `estop/reset`.
+class Keyboard(OperatorService):
+    """Reads the terminal, `tick` and `lease`; writes `cmd_vel/<operator>`, asks `estop/engage` and `estop/reset`."""
 
-    Shows what `view` makes of the robot to the person who drives.
-    """
-
-    def __init__(
-        self, io: IO, config: KeyboardConfig, robot: RobotConfig, screen: Screen[PictureT], view: View[PictureT]
-    ) -> None:
-        self._io, self._screen, self._view = io, screen, view
+    def __init__(self, io: IO, config: KeyboardConfig, robot: RobotConfig, screen: Screen) -> None:
+        self._io, self._screen = io, screen
         self._policy = KeyboardPolicy(config, robot, io.instance)
         self._keys = KeyReader()
         by = f"{config.operator}@{io.hostname}"
@@ -76,7 +61,7 @@ class Keyboard(OperatorService, Generic[PictureT]):
         self._resetting = ResetRequest(reset)
         super().__init__(io, self._policy)
         self.link = screen
-        self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST) for topic in view.topics]
+        self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST) for topic in screen.topics]
         self._status_timer = Timer(_STATUS_HZ)
 
     def turn(self, now: float) -> None:
@@ -94,7 +79,7 @@ class Keyboard(OperatorService, Generic[PictureT]):
             self._resetting.on_key(key, policy.moment(now), now, stopping=self.stopping.asked)
         self.hear(now)
         for sample in (sample for inbox in self._told for sample in inbox.take()):
-            self._view.take(sample, now)
+            self._screen.take(sample, now)
             self.stopping.on_sample(sample)
             self._resetting.on_sample(sample, now)
         self._resetting.poll(now)
@@ -102,7 +87,7 @@ class Keyboard(OperatorService, Generic[PictureT]):
             policy.on_stopped()
         self.say(now)
         if self._status_timer.due(now) or pressed:
-            self._screen.show(self._view.draw(policy, self._stop_text, now))
+            self._screen.show(policy, self._stop_text, now)
 
     def ask_on(self, now: float) -> None:
         """Go on asking for a stop after the last turn."""

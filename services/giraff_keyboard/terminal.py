@@ -1,35 +1,59 @@
-"""The terminal: keys one by one and unechoed, a few lines of status, and everything as it was at the end."""
+"""The terminal: keys one by one and unechoed, a picture on its second page, and everything as it was at the end.
+
+The picture is drawn in a thread of its own. It takes some ms, more on a slow machine, and a terminal that takes nothing
+holds it up for good: neither may make a key late, an emergency stop, or the end.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import os
 import select
-import shutil
 import signal
 import sys
 import termios
+import threading
 import tty
+from collections.abc import Callable
 from types import FrameType, TracebackType
 from typing import Final, Self
 
-from giraff_schemas.text import printable
+from rich.console import RenderableType
+from rich.control import Control
+from rich.live import Live
+from rich.text import Text
+
+from giraff_keyboard.picture import DrivePicture
+from giraff_keyboard.policy import KeyboardPolicy
+from giraff_keyboard.view import DriveView
+from giraff_telemetry.console import CleanConsole
 
 _READ: Final = 4096
 _PASTES_MARKED: Final = "\x1b[?2004h"
 _PASTES_PLAIN: Final = "\x1b[?2004l"
-_CLEAR_BELOW: Final = "\r\x1b[J"
 _NO_CHARACTER: Final = b"\0"  # _POSIX_VDISABLE of Linux
+_PICTURES_HZ: Final = 5
+_LEAVES_WITHIN: Final = 1.0  # s
 
 
-class RawTerminal:
-    """Standard input and output, which must be a terminal. A `Selectable`, so that a press wakes the loop."""
+class Terminal:
+    """Standard input and output, which must be a terminal, as long as its block lasts.
 
-    def __init__(self) -> None:
+    A `Selectable`, so that a press wakes the loop.
+    """
+
+    def __init__(self, view: DriveView, on_failure: Callable[[BaseException], None]) -> None:
+        """`on_failure`: told in another thread of what keeps the picture from being drawn: an old one must not stay."""
+        self.topics, self.take = view.topics, view.take
+        self._view = view
         self._input = sys.stdin.fileno()
         self.is_gone = False
         """Its other end was closed, or another program has the keys: none can come any more."""
+        self.is_stuck = False
+        """It took nothing in the end, and waits with whatever would write to it."""
         self._has_slept = False
+        self._picture: DrivePicture | None = None
+        self._page = _Page(self._newest, on_failure)
 
     def __enter__(self) -> Self:
         self._before = termios.tcgetattr(self._input)
@@ -55,11 +79,21 @@ class RawTerminal:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        with contextlib.suppress(OSError):  # it may be gone
-            _write(_PASTES_PLAIN)
-        self.restore()
+        leaving = threading.Thread(target=self._leave, daemon=True)
+        leaving.start()
+        leaving.join(_LEAVES_WITHIN)
+        self.is_stuck = leaving.is_alive()
+        if self.is_stuck:
+            self._restore()
 
-    def restore(self) -> None:
+    def _leave(self) -> None:
+        with contextlib.suppress(OSError):  # it may be gone
+            self._page.stop()
+        with contextlib.suppress(OSError):
+            _write(_PASTES_PLAIN)
+        self._restore()
+
+    def _restore(self) -> None:
         """Have keys read as before. Never waits: not for a terminal that takes nothing, as TCSAFLUSH would."""
         with contextlib.suppress(OSError, termios.error):  # it may be gone
             if not self._is_in_front:
@@ -88,9 +122,18 @@ class RawTerminal:
             self.is_gone = True
         return data
 
-    def show_anew(self) -> None:
-        """The shell has had the screen."""
-        _write(_PASTES_MARKED)
+    def show(self, policy: KeyboardPolicy, stop: str, now: float) -> None:
+        """Draw what is to be seen from now on. `stop`: what became of one, or of its release, asked for here."""
+        self._picture = self._view.draw(policy, stop, now)
+        if self._page.is_started:
+            return
+        try:
+            self._page.start()
+        except OSError:
+            self.is_gone = True
+
+    def _newest(self) -> RenderableType:
+        return Text() if self._picture is None else self._picture.render()
 
     def _wake_up(self) -> None:
         """A shell that had stopped this program has set the terminal as it likes, and SPACE would wait for a line."""
@@ -99,39 +142,38 @@ class RawTerminal:
             self.is_gone = True
             return
         self._take_keys()
-        self.show_anew()
+        self._page.has_lost_page = True
 
     def _on_continued(self, number: int, frame: FrameType | None) -> None:
         del number, frame
         self._has_slept = True
 
 
-class Terminal(RawTerminal):
-    """Shows a few lines below the cursor."""
+class _Page(Live):
+    def __init__(self, draw: Callable[[], RenderableType], on_failure: Callable[[BaseException], None]) -> None:
+        super().__init__(
+            console=CleanConsole(highlight=False),
+            screen=True,
+            get_renderable=draw,
+            refresh_per_second=_PICTURES_HZ,
+            redirect_stdout=False,
+            redirect_stderr=False,
+        )
+        self._on_failure = on_failure
+        self.has_lost_page = False
+        """The shell has had the screen."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._shown: list[str] = []
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        with contextlib.suppress(OSError):  # it may be gone
-            _write("\n" * len(self._shown))
-        super().__exit__(kind, error, trace)
-
-    def show(self, lines: list[str]) -> None:
-        """Replace the lines shown before."""
-        width = shutil.get_terminal_size().columns
-        fitting = [printable(line[: width - 1]) for line in lines]  # a line that wraps would scroll all away
-        if fitting == self._shown or self.is_gone:
-            return
-        self._shown = fitting
-        up = f"\x1b[{len(fitting) - 1}A" if len(fitting) > 1 else ""
+    def refresh(self) -> None:
         try:
-            _write(_CLEAR_BELOW + "\n".join(fitting) + up + "\r")
+            if self.has_lost_page:
+                self.has_lost_page = False
+                self.console.control(Control.alt_screen(enable=True), Control.show_cursor(show=False))
+                _write(_PASTES_MARKED)
+            super().refresh()
         except OSError:
-            self.is_gone = True
+            pass  # it is gone: whoever reads the keys sees that, and ends
+        except Exception as error:  # noqa: BLE001  Rich's thread would end, and an old picture stay
+            self._on_failure(error)
 
 
 def _write(text: str) -> None:

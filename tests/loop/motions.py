@@ -12,7 +12,6 @@ from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
-from giraff_keyboard.status import StatusView
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.motion import (
     MotionAnswer,
@@ -214,8 +213,8 @@ class Stage:
         self.requester = Requester(process)
         return self.requester
 
-    def _make_keyboard(self, process: Process) -> Keyboard[Any]:
-        return Keyboard(process, KeyboardConfig(), ROBOT, self._desk, StatusView())
+    def _make_keyboard(self, process: Process) -> Keyboard:
+        return Keyboard(process, KeyboardConfig(), ROBOT, self._desk)
 
     def _make_stopper(self, process: Process) -> Stopper:
         self.stopper = Stopper(process)

@@ -13,7 +13,6 @@ from giraff_core.timer import Timer
 from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
-from giraff_keyboard.status import StatusView
 from giraff_schemas.requests import EStopEngage, EStopReset
 from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, LEASE, OPERATOR_CMD_VEL
@@ -75,7 +74,7 @@ class Scene:
         self.loop = loop
         self._desk = Desk()
         self.run_in_part = self._launch("run", lambda process: RunInPart(process, every))
-        self._launch("keyboard", lambda process: Keyboard(process, KeyboardConfig(), ROBOT, self._desk, StatusView()))
+        self._launch("keyboard", lambda process: Keyboard(process, KeyboardConfig(), ROBOT, self._desk))
         self._stopper = self._launch("stopper", Stopper)
 
     def _launch(self, name: str, make: Callable[[Process], ServiceT]) -> ServiceT:

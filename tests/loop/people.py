@@ -9,27 +9,21 @@ import msgspec
 from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
 from giraff_schemas.topics import Query
+from giraff_sim.dst.people import UnseenScreen
 from giraff_sim.hosts.process import Process
 
 REPEAT: Final = 1.0 / 30.0
 """s, of a key that is held."""
 
 
-class Desk:
-    """Where somebody types. Nobody reads what it shows."""
+class Desk(UnseenScreen):
+    """Where somebody types."""
 
-    is_gone = False
     typed = b""
-
-    def descriptor(self) -> int | None:
-        return None
 
     def read(self) -> bytes:
         typed, self.typed = self.typed, b""
         return typed
-
-    def show(self, lines: list[str]) -> None:
-        del lines
 
 
 class Stopper:

@@ -8,7 +8,6 @@ from giraff_core.inbox import Inbox
 from giraff_core.io import PendingQuery
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
-from giraff_keyboard.status import StatusView
 from giraff_schemas.requests import EStopAnswer, EStopEngage
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE
 from giraff_sim.hosts.network import Member, Message, Subscription
@@ -89,7 +88,7 @@ class AfterTheEnd:
     link = None
     timers = ()
 
-    def __init__(self, keyboard: Keyboard[list[str]]) -> None:
+    def __init__(self, keyboard: Keyboard) -> None:
         self._keyboard = keyboard
 
     def turn(self, now: float) -> None:
@@ -100,10 +99,10 @@ class AfterTheEnd:
 
 
 def test_only_base_confirms_a_stop_and_does_so_within_a_tenth_of_a_second_again_and_again() -> None:
-    desk, made = Desk(), list[Keyboard[list[str]]]()
+    desk, made = Desk(), list[Keyboard]()
 
-    def keyboard(process: Process) -> Keyboard[list[str]]:
-        made.append(Keyboard(process, KeyboardConfig(), ROBOT, desk, StatusView()))
+    def keyboard(process: Process) -> Keyboard:
+        made.append(Keyboard(process, KeyboardConfig(), ROBOT, desk))
         return made[0]
 
     with closed_loop(proving_room()) as loop:

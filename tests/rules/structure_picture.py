@@ -18,6 +18,7 @@ _TITLES: Final = {
     "giraff_keys": "certificates",
     "giraff_maps": "floor plans",
     "giraff_mcap": "recordings",
+    "giraff_telemetry": "a robot in words, panels",
     "giraff_viewer": "rerun",
     "giraff_node": "config, network, process, boards",
     "giraff_core": "pure: freshness, lease, robot, parameters, kinematics, operator",

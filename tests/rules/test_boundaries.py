@@ -69,7 +69,7 @@ PLANTED = [
     ("giraff_cli.main", "giraff_client"),
     ("giraff_core.robot", "giraff_node.node"),
     ("giraff_cli.why.explain", "giraff_cli.watch.monitor"),
-    ("giraff_cli.network.ports", "giraff_cli.telemetry.rate"),
+    ("giraff_telemetry.rate", "giraff_cli.network.ports"),
     ("giraff_cli.terminal.text", "giraff_cli.network.ports"),
 ]
 CIRCLE = ("giraff_sim.hosts.disk", "giraff_sim.hosts.process")
@@ -145,8 +145,9 @@ OF_ONE_SERVICE = {
         *("cryptography", "_cffi_backend"),
     },
     "giraff_localization": {"numpy"},
+    "giraff_keyboard": {"rich"},
 }
-"""What only requirements/recorder.lock, web.lock and localization.lock install."""
+"""What only requirements/recorder.lock, web.lock, localization.lock and laptop.lock install."""
 
 
 def test_the_robots_side_needs_the_robots_lock_only() -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from giraff_cli.doctor.findings import NEEDED
 from giraff_cli.run.simulated_robot import START_ORDER
-from giraff_keyboard.status import StatusView
+from giraff_keyboard.view import DriveView
 from giraff_node.config import misplaced
 from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
@@ -125,7 +125,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
     io.store.read.side_effect = FileNotFoundError
     io.token.return_value = 1
     people: dict[str, tuple[Any, ...]] = {
-        "keyboard": (MagicMock(), StatusView()),  # its screen
+        "keyboard": (MagicMock(topics=DriveView.topics),),  # its screen
         "web": (MagicMock(), MagicMock()),  # its pages and its log
         "localization": (Trouble("there is none"),),  # its map
     }

@@ -12,16 +12,16 @@ from tests.support.terminals import Screen, screen
 
 KEYBOARD = [sys.executable, "-m", "giraff_keyboard"]
 DRIVE = [sys.executable, "-m", "giraff_cli", "drive"]
-ARMED = ("keyboard drives   armed", "yours, armed")
-"""What the two show then."""
+ARMED = "yours, armed"
+FREE = "nobody's: press an arrow"
 REPEAT = 1.0 / 30.0  # s, as most keyboards repeat a key that is held
 
 
 @contextmanager
 def keyboard(robot: ProcessRobot) -> Iterator[Screen]:
     """Beside a robot that has no other operator."""
-    with screen(KEYBOARD, robot.directory / "keyboard.log", robot.environment) as shown:
-        shown.wait_for("nobody drives", PATIENCE)
+    with screen(KEYBOARD, robot.directory / "keyboard.log", robot.environment | {"TERM": "xterm"}) as shown:
+        shown.wait_for(FREE, PATIENCE)
         yield shown
 
 
@@ -35,7 +35,7 @@ def drive(robot: ProcessRobot) -> Iterator[Screen]:
         robot.directory / "drive.log",
         network | {"GIRAFF_CONFIG": "/dev/null", "TERM": "xterm"},
     ) as shown:
-        shown.wait_for("nobody's: press an arrow", PATIENCE)
+        shown.wait_for(FREE, PATIENCE)
         yield shown
 
 
@@ -52,14 +52,14 @@ def take(shown: Screen, key: bytes = b"c") -> None:
 
     `key`: one that drives takes it from who ranks lower, too.
     """
-    press_until(shown, key, *ARMED)
+    press_until(shown, key, ARMED)
 
 
-def press_until(shown: Screen, key: bytes, *answers: str) -> None:
-    """Press a key until one of the answers is shown: a busy machine may not have heard of the robot just then."""
+def press_until(shown: Screen, key: bytes, answer: str) -> None:
+    """Press a key until the answer is shown: a busy machine may not have heard of the robot just then."""
     shown.forget()
     deadline = time.monotonic() + PATIENCE
-    while not any(answer in shown.read() for answer in answers):
+    while answer not in shown.read():
         assert time.monotonic() < deadline, f"{key!r} is not answered: {shown.text[-2000:]}"
         shown.type(key)
         time.sleep(1.0)

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.process_robot import ProcessRobot, process_robot
-from tests.support.typist import hold, keyboard, take
+from tests.support.typist import ARMED, hold, keyboard, take
 from tests.timing.stalled import by_the_wall
 
 STOPS_WITHIN = 0.45
@@ -52,13 +52,13 @@ def test_a_key_let_go_the_space_bar_and_ctrl_c_stop_it_in_time(robot: ProcessRob
         print(f"space bar: PWM 0 after {took:.3f} s")
         with by_the_wall(begin_ns):
             assert took <= 0.35
-        shown.wait_for("EMERGENCY STOP, engaged by keyboard@")
+        shown.wait_for("r to release it. By keyboard@")
         hold(shown, b"w", 1.0)
         assert robot.simulator.record(pressed_us + 500_000).driven_ms == 0
 
         assert robot.giraff("estop", "reset") == 0
         shown.forget()
-        shown.wait_for("keyboard drives   armed")
+        shown.wait_for(ARMED)
         with by_the_wall():
             hold(shown, b"s", 1.0)
             assert robot.drives()

@@ -19,13 +19,13 @@ from giraff_cli.doctor.inspection import (
     Robot,
     as_lines,
 )
-from giraff_cli.telemetry.describe import START_A_HAND
 from giraff_cli.terminal.text import json_page
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS
 from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, RUN
 from giraff_schemas.trouble import Trouble, trouble_of
+from giraff_telemetry.describe import START_A_HAND
 
 Severity = Literal["fault", "warning", "note"]
 

@@ -12,7 +12,6 @@ import zenoh
 
 from giraff_cli.doctor.inspection import Geometry, GeometryInUse, HealthReply, Rate, Robot
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.telemetry.collector import Telemetry
 from giraff_node import robot_now_ns
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.codec import encode, encoding_of
@@ -21,6 +20,7 @@ from giraff_schemas.messages import Sample
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import BATTERY, OPERATOR_CMD_VEL, PARAM_DESCRIBE, Topic, health_key, key_of
+from giraff_telemetry.collector import Telemetry
 
 MAKERS: Final[dict[Topic[Any], str]] = {
     topic: service.name

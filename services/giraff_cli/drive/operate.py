@@ -1,20 +1,17 @@
-"""`giraff drive`: finds the robot, asks it for its limits, and is giraff_keyboard with a screen of its own."""
+"""`giraff drive`: finds the robot, asks it for its limits, and is giraff_keyboard without a robot file."""
 
 from __future__ import annotations
 
 import logging
-import os
 import threading
 from collections.abc import Sequence
 from typing import Final
 
-from giraff_cli.drive.terminal import DriveTerminal
-from giraff_cli.drive.view import DriveView
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.limits import ask_limits
 from giraff_keyboard.config import KeyboardConfig
-from giraff_keyboard.main import go_on_asking, in_terminal, run_keyboard
+from giraff_keyboard.main import leave, run_keyboard, terminal_fault
 from giraff_node import Node
 from giraff_node.network.hand import open_hand
 from giraff_node.network.tokens import Token, watch_tokens
@@ -23,16 +20,11 @@ from giraff_schemas.services import BASE, KEYBOARD
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found
 
-_DONE: Final = 0
-_NOT_CONFIRMED: Final = 1
-
 
 def drive(robot: str | None, connect: Sequence[str]) -> int:
     """Until Ctrl-C, or the terminal is gone; the exit code."""
-    if not in_terminal():
-        return print_error("drive: reads keys from a terminal, and draws on it; start it in one, without a pipe")
-    if os.environ.get("TERM", "dumb") == "dumb":
-        return print_error("drive: cannot draw on this terminal, of which TERM says that it is dumb")
+    if fault := terminal_fault():
+        return print_error(f"drive: {fault}")
 
     def act(connection: RobotConnection) -> int:
         connection.ask_page()
@@ -56,15 +48,7 @@ def _drive(connection: RobotConnection, settings: Settings[KeyboardConfig]) -> i
     with node:
         # A screen with a stop on it must not be the simulation's where the named robot is.
         watch = watch_tokens(node.session, named, on_token) if named else None
-        with DriveTerminal(node.fail) as terminal:
-            keyboard = run_keyboard(node, terminal, DriveView(connection.robot, tuple(settings.robot.sensors)))
-        unconfirmed = go_on_asking(keyboard)
+        unconfirmed, terminal = run_keyboard(node)
     del watch
-    code = _NOT_CONFIRMED if unconfirmed or has_come.is_set() else _DONE
-    if has_come.is_set():
-        print_error(f"drive: {named} is heard now, and this was {connection.robot}; type it again to drive {named}")
-    if terminal.is_stuck:
-        os._exit(code)  # a word of why would wait, too, and so would Python for what is still to be written
-    if unconfirmed:
-        print_error(unconfirmed)
-    return code
+    other = f"drive: {named} is heard now, and this was {connection.robot}; type it again to drive {named}"
+    return leave(terminal, print_error, other if has_come.is_set() else "", unconfirmed)

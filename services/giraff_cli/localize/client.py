@@ -7,7 +7,6 @@ from typing import Final, NamedTuple
 
 from giraff_cli.localize.place import Place, anywhere
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.telemetry.localization import place_text
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_node.network.query_client import QueryClient
@@ -15,6 +14,7 @@ from giraff_node.network.tokens import find_tokens
 from giraff_schemas.localization import LocalizationAnswer
 from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT, alive_key
+from giraff_telemetry.localization import place_text
 
 DONE: Final = 0
 REFUSED: Final = 1

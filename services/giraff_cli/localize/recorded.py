@@ -8,13 +8,13 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_cli.localize.place import Place
-from giraff_cli.telemetry.localization import WayByState
-from giraff_cli.telemetry.localization_error import LocalizationErrors
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.policy import LocalizationPolicy
 from giraff_schemas.messages import Odometry, Range, Sample, TruePose
 from giraff_schemas.topics import POSE
 from giraff_sim.world.room import Room
+from giraff_telemetry.localization import WayByState
+from giraff_telemetry.localization_error import LocalizationErrors
 
 _POSE_EVERY_NS: Final = round(1e9 / POSE.rate_hz)
 _NEAREST: Final = 0.02  # m: the centre of a robot is never so near to a wall

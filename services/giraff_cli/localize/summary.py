@@ -8,15 +8,15 @@ from typing import Final
 import msgspec
 
 from giraff_cli.localize.recorded import RecordedDrive
-from giraff_cli.telemetry.localization_error import LocalizationErrors
-from giraff_cli.telemetry.localization_summary import (
+from giraff_cli.terminal.text import json_page
+from giraff_schemas.text import printable
+from giraff_telemetry.localization_error import LocalizationErrors
+from giraff_telemetry.localization_summary import (
     WIDTH,
     LocalizationSummary,
     localization_rows,
     summarize_localization,
 )
-from giraff_cli.terminal.text import json_page
-from giraff_schemas.text import printable
 
 _LABEL: Final = 15  # characters
 _INDENT: Final = " " * (_LABEL + 2)

@@ -10,10 +10,10 @@ import msgspec
 from rich.console import RenderableType
 from rich.text import Text
 
-from giraff_cli.telemetry.localization import pose_text
 from giraff_core.latest import Latest
 from giraff_schemas.localization import MapPose
 from giraff_schemas.text import printable
+from giraff_telemetry.localization import pose_text
 
 _FIGURES: Final = re.compile(r"\d+")
 _STYLE: Final = {"localized": "green", "ambiguous": "yellow", "lost": "red", "no_map": "red"}

@@ -13,7 +13,6 @@ from rich.text import Text
 from giraff_cli.network.command import print_error
 from giraff_cli.replay.agreement import Agreement
 from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odometry
-from giraff_cli.terminal.page import CleanConsole
 from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
@@ -23,6 +22,7 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of
+from giraff_telemetry.console import CleanConsole
 
 _AGREES = 0
 _DIFFERS = 1

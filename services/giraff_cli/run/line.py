@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from giraff_cli.run.telemetry import RunSnapshot
-from giraff_cli.telemetry.describe import base_text, forward_text, localization_text, range_text
 from giraff_core.kinematics.pose import Pose
+from giraff_telemetry.describe import base_text, forward_text, localization_text, range_text
 
 
 def line(snapshot: RunSnapshot, elapsed: float) -> str:

@@ -22,7 +22,6 @@ from giraff_cli.run.simulated_robot import SIMULATOR, START_ORDER, SimulatedRobo
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.terminal import addresses
-from giraff_cli.terminal.layout import Standing
 from giraff_cli.terminal.screen import LineScreen, NullScreen, Screen, as_svg, open_screen, say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node import robot_now_ns
@@ -33,6 +32,7 @@ from giraff_schemas.services import DEMONSTRATION, LOCALIZATION, WEB
 from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
+from giraff_telemetry.layout import Standing
 
 _LOOK_EVERY: Final = 0.2  # s
 _SERVICES_WITHIN: Final = 20.0  # s

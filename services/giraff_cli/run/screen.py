@@ -13,12 +13,12 @@ from rich.text import Text
 
 from giraff_cli.run.line import line
 from giraff_cli.run.telemetry import RunSnapshot
-from giraff_cli.telemetry import panels as blocks
-from giraff_cli.telemetry.panels import dim
 from giraff_cli.terminal.addresses import BesideCode, Code
-from giraff_cli.terminal.layout import NONE, Standing, beside, block, clock, header, notice, right, services
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.text import printable
+from giraff_telemetry import panels as blocks
+from giraff_telemetry.layout import NONE, Standing, beside, block, clock, header, notice, right, services
+from giraff_telemetry.panels import dim
 
 _COLUMNS: Final = 80
 _TOPIC_COLUMNS: Final = 3

@@ -9,7 +9,6 @@ import msgspec
 
 from giraff_cli.run.odometry_error import OdometryError
 from giraff_cli.run.telemetry import AgeSummary, RunTelemetry
-from giraff_cli.telemetry.localization_summary import LocalizationSummary, localization_rows
 from giraff_cli.terminal.text import counted, json_page
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_core.latest import Latest
@@ -17,6 +16,7 @@ from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, ODOM
 from giraff_sim.truth import Level
 from giraff_sim.truth import Truth as Drawn
+from giraff_telemetry.localization_summary import LocalizationSummary, localization_rows
 
 _LABEL: Final = 15  # characters
 _INDENT: Final = " " * (_LABEL + 2)

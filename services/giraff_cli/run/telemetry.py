@@ -7,14 +7,14 @@ from typing import Any, Final
 
 from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.odometry_error import Comparison, OdometryError, Truth
-from giraff_cli.telemetry.collector import Snapshot, Telemetry
-from giraff_cli.telemetry.localization import WayByState
-from giraff_cli.telemetry.localization_error import LocalizationError, LocalizationErrors
-from giraff_cli.telemetry.localization_summary import LocalizationSummary, summarize_localization
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import GuardedCommand, Odometry, RobotTime, Sample, TruePose
 from giraff_schemas.topics import ODOM, POSE, RANGE, TICK, TILT, WHEELS, Topic
+from giraff_telemetry.collector import Snapshot, Telemetry
+from giraff_telemetry.localization import WayByState
+from giraff_telemetry.localization_error import LocalizationError, LocalizationErrors
+from giraff_telemetry.localization_summary import LocalizationSummary, summarize_localization
 
 _BY_BOARD: Final = {topic.key for topic in (TILT, RANGE, WHEELS, ODOM)}
 """What the boards' clocks pace: judged in simulated time, in which all three agree. The rest goes by the wall's."""

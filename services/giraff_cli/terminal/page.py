@@ -5,27 +5,18 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Final, NoReturn
 
-from rich.console import Console, ConsoleOptions, RenderableType
-from rich.segment import Segment
+from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from giraff_cli.terminal.text import json_page
-from giraff_schemas.text import printable, printable_lines
+from giraff_schemas.text import printable
+from giraff_telemetry.console import CleanConsole
 
 _PIPE_WIDTH: Final = 1000  # characters: a line stays a line for whoever searches them
-
-
-class CleanConsole(Console):
-    """A console on which text of the network cannot steer the terminal: only Rich's own codes do."""
-
-    def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterator[Segment]:
-        for segment in super().render(renderable, options):
-            is_sound = segment.control or segment.text.isprintable()
-            yield segment if is_sound else Segment(printable_lines(segment.text), segment.style)
 
 
 class Page(CleanConsole):

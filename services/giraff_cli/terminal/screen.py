@@ -14,8 +14,8 @@ from rich.console import RenderableType
 from rich.live import Live
 
 from giraff_cli.terminal.output import discard_stdout
-from giraff_cli.terminal.page import CleanConsole
 from giraff_schemas.text import printable, printable_lines
+from giraff_telemetry.console import CleanConsole
 
 _PICTURE_COLUMNS: Final = 100
 _WEB_FONTS: Final = re.compile(r"\s*@font-face \{.*?\}", re.DOTALL)

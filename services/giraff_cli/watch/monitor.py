@@ -11,7 +11,6 @@ from typing import Final
 
 from giraff_cli.network.command import print_error, run_on_network
 from giraff_cli.network.connection import MovedError, RobotConnection
-from giraff_cli.telemetry.collector import Snapshot, Telemetry
 from giraff_cli.terminal.output import DONE
 from giraff_cli.terminal.screen import LineScreen, Screen, Terminal, open_screen
 from giraff_cli.terminal.signals import StopSignal
@@ -33,6 +32,7 @@ from giraff_schemas.topics import (
     TOPICS,
     WHEELS,
 )
+from giraff_telemetry.collector import Snapshot, Telemetry
 
 _LOOK_EVERY: Final = 0.5  # s; a picture costs 7 ms of a core
 _LINE_EVERY: Final = 1.0  # s

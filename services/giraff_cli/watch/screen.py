@@ -9,9 +9,11 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.telemetry import panels as blocks
-from giraff_cli.telemetry.collector import Snapshot
-from giraff_cli.telemetry.describe import (
+from giraff_core.latest import FRESH
+from giraff_schemas.services import ROBOTS_OWN
+from giraff_telemetry import panels as blocks
+from giraff_telemetry.collector import Snapshot
+from giraff_telemetry.describe import (
     base_text,
     estop_text,
     forward_text,
@@ -21,8 +23,7 @@ from giraff_cli.telemetry.describe import (
     moving,
     range_text,
 )
-from giraff_cli.telemetry.panels import dim
-from giraff_cli.terminal.layout import (
+from giraff_telemetry.layout import (
     NONE,
     Standing,
     beside,
@@ -35,8 +36,7 @@ from giraff_cli.terminal.layout import (
     text_or_dash,
     why,
 )
-from giraff_core.latest import FRESH
-from giraff_schemas.services import ROBOTS_OWN
+from giraff_telemetry.panels import dim
 
 _TOPIC_COLUMNS: Final = 2
 _NOTICES: Final = 1  # more would not fit 24 lines

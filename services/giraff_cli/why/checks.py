@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_cli.telemetry.describe import START_A_HAND, verdicts
 from giraff_cli.why.chain import ChainState, Link, link_from, several
 from giraff_core.estop import RESET_COMMAND
 from giraff_core.latest import Latest
@@ -13,6 +12,7 @@ from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.topics import BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 from giraff_schemas.trouble import Trouble
+from giraff_telemetry.describe import START_A_HAND, verdicts
 
 _BUDGET: Final = GuardConfig().operator_budget
 

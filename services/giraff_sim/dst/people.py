@@ -14,11 +14,22 @@ from giraff_core.timer import Timer
 from giraff_joystick.service import Joystick
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.service import Keyboard
-from giraff_keyboard.status import StatusView
-from giraff_schemas.messages import RobotTime
+from giraff_schemas.messages import RobotTime, Sample
 from giraff_schemas.params import ParamSave, ParamSet
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, ESTOP_RESET, PARAM_SAVE, PARAM_SET, TICK, Query
+from giraff_schemas.topics import (
+    BASE,
+    BATTERY,
+    ESTOP,
+    ESTOP_ENGAGE,
+    ESTOP_RESET,
+    GUARD,
+    PARAM_SAVE,
+    PARAM_SET,
+    TICK,
+    Query,
+    Topic,
+)
 from giraff_schemas.trouble import WELL
 from giraff_schemas.wire import TILT_LSB_PER_M_S2, TILT_PERIOD_MS, Frame, TickFrame, TiltFrame, TiltStatus
 from giraff_sim.dst.hands import Fingers, RestlessHand
@@ -31,22 +42,33 @@ _POLL_HZ: Final = 20.0  # of the command line, for an answer
 _NOISE: Final = 0.03  # m/s², of a hand and a sensor
 
 
-def typist(process: Process, fingers: Fingers) -> Keyboard[list[str]]:
+def typist(process: Process, fingers: Fingers) -> Keyboard:
     """giraff_keyboard in a process of its own, with `fingers` at its terminal."""
-    return Keyboard(process, KeyboardConfig(), process.loop.settings.robot, _Terminal(process, fingers), StatusView())
+    return Keyboard(process, KeyboardConfig(), process.loop.settings.robot, _Terminal(process, fingers))
 
 
-class _Terminal:
-    """Where the fingers type. Nobody reads what it shows."""
+class UnseenScreen:
+    """A keyboard's terminal that nobody reads."""
 
     is_gone = False
+    topics: tuple[Topic[Any], ...] = (BASE, GUARD, ESTOP, BATTERY)
+
+    def descriptor(self) -> int | None:
+        return None
+
+    def take(self, sample: Sample, now: float) -> None:
+        """Nothing is shown of it."""
+
+    def show(self, policy: object, stop: str, now: float) -> None:
+        """Nothing to do."""
+
+
+class _Terminal(UnseenScreen):
+    """Where the fingers type."""
 
     def __init__(self, process: Process, fingers: Fingers) -> None:
         self._process = process
         self._fingers = fingers
-
-    def descriptor(self) -> int | None:
-        return None
 
     def read(self) -> bytes:
         """What was pressed until now. The next press wakes the process."""
@@ -59,9 +81,6 @@ class _Terminal:
         if (wait := self._fingers.wait(now_us * 1e-6)) is not None:
             self._process.wake(now_us + max(1, math.ceil(wait * 1e6)))
         return typed
-
-    def show(self, lines: list[str]) -> None:
-        del lines
 
 
 def double(process: Process, chance: random.Random, seconds: float) -> Joystick:

@@ -12,7 +12,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from giraff_cli.telemetry.localization_summary import LocalizationSummary
+from giraff_telemetry.localization_summary import LocalizationSummary
 from tests.support.process_robot import PATIENCE
 from tests.support.runs import GIRAFF, PROCESSES, SMALL_ROOM, Command, command_in, line_of
 from tests.support.waiting import wait

@@ -15,13 +15,15 @@ from tests.support.waiting import wait
 
 PROGRAM = """
 import os, signal, sys
+from types import SimpleNamespace as Some
 from giraff_keyboard.terminal import Terminal
-with Terminal() as terminal:
-    terminal.show(["ready"])
+view = Some(topics=(), take=None, draw=lambda _, text, now: Some(render=lambda: text))
+with Terminal(view, None) as terminal:
+    terminal.show(None, "ready", 0.0)
     while not terminal.is_gone:
         data = terminal.read()
         if data:
-            terminal.show([repr(data)])
+            terminal.show(None, repr(data), 0.0)
         if data == b"q":
             break
         if data == b"b":

@@ -12,7 +12,7 @@ import pytest
 from tests.hosts.lab import NUMBERS, Lab
 from tests.hosts.machine import BIN
 from tests.support.terminals import screen
-from tests.support.typist import hold, take
+from tests.support.typist import FREE, hold, take
 
 Figure = Callable[[str, float, float, str], None]
 
@@ -44,7 +44,7 @@ def test_a_robot_without_a_network_is_driven_by_its_keyboard(lab: Lab, figure: F
     environment = os.environ | {"PATH": BIN, "DOCKER_HOST": lab.machines["robot"].socket}
     typed = f"cd {lab.clone('robot')} && exec docker-compose run --rm keyboard"
     with screen(["/bin/sh", "-c", typed], lab.directory / "keyboard.log", environment) as shown:
-        shown.wait_for("nobody drives", STARTS_WITHIN)
+        shown.wait_for(FREE, STARTS_WITHIN)
         take(shown)
         lab.hardware.simulator.place(0.0, 0.0)
         hold(shown, b"w", 1.5)

@@ -6,7 +6,6 @@ from typing import Any
 
 from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.telemetry import RunTelemetry
-from giraff_cli.telemetry.collector import Telemetry
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
@@ -31,6 +30,7 @@ from giraff_schemas.messages import (
 )
 from giraff_schemas.motion import IDLE
 from giraff_schemas.topics import Topic
+from giraff_telemetry.collector import Telemetry
 
 SENSORS = ("front_left", "front_right", "rear")
 EPOCH = 7

@@ -11,9 +11,9 @@ import pytest
 import typer.main
 
 import giraff_cli.doctor.examine
-import giraff_cli.drive.operate
 import giraff_cli.record.recorder
 import giraff_cli.terminal.screen
+import giraff_keyboard.main
 from giraff_cli.main import app
 from giraff_node.network import tokens
 from giraff_schemas.topics import alive_key
@@ -135,7 +135,7 @@ def say(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
     monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
-    monkeypatch.setattr(giraff_cli.drive.operate, "in_terminal", lambda: True)
+    monkeypatch.setattr(giraff_keyboard.main, "in_terminal", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.setattr(giraff_cli.doctor.examine, "call_all", lambda *_: ())

@@ -16,15 +16,16 @@ from rich.console import Console
 from giraff_base.arming import HOW_TO_ARM
 from giraff_base.drives.wheels.words import engaged_by
 from giraff_cli.drive import operate
-from giraff_cli.drive.picture import COLUMNS, ROWS, DrivePicture
-from giraff_cli.drive.view import DriveView
-from giraff_cli.drive.words import for_keys
 from giraff_cli.network.limits import limits_of
 from giraff_cli.terminal.screen import as_svg
 from giraff_core.parameters.table import Parameters
 from giraff_guard.authority import _HOW_TO_ASK, _HOW_TO_TAKE
+from giraff_keyboard import main
 from giraff_keyboard.config import KeyboardConfig
+from giraff_keyboard.picture import COLUMNS, ROWS, DrivePicture
 from giraff_keyboard.policy import Key
+from giraff_keyboard.view import DriveView
+from giraff_keyboard.words import for_keys
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.tokens import Token
 from giraff_schemas.codec import stamped
@@ -66,9 +67,9 @@ class Desk:
         self.seq += 1
         return self
 
-    def holds(self, holder: str, operator: str, reason: str = "") -> Desk:
-        lease = Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason=reason, instance="g", seq=1)
-        self.person.policy.operator.on_lease(lease)
+    def holds(self, holder: str, operator: str, reason: str = "", unranked: tuple[str, ...] = ()) -> Desk:
+        lease = Lease(holder=holder, operator=operator, counter=1 if holder else 0, reason=reason, unranked=unranked)
+        self.person.policy.operator.on_lease(stamped(lease, 1, 0, "g"))
         return self
 
     def mine(self) -> Desk:
@@ -127,6 +128,10 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
     "armed": (
         Desk().mine(),
         {"ROBOT": "yours, armed", "WHY": "nothing: the robot obeys", "STOP": "released; SPACE engages it"},
+    ),
+    "armed, and of no rank": (
+        Desk().holds("me", "keyboard", unranked=("keyboard",)),
+        {"ROBOT": "yours, armed", "WHY": "operator keyboard has no priority"},
     ),
     "blocked": (Desk().mine().take(all_blocked()), {"ROBOT": "yours, armed", "WHY": FROZEN}),
     "stopped by another": (
@@ -243,6 +248,8 @@ def test_a_guard_or_a_base_that_fell_silent_is_what_stops_it() -> None:
 def test_speed_path_pose_ranges_and_battery_are_told() -> None:
     desk = Desk().mine()
     desk.person.press(Key.FASTER)
+    backward, left, right = (verdict(allowed) for allowed in (0.2, 0.3, 0.4))
+    desk.take(msgspec.structs.replace(guard(verdict()), backward=backward, turn_left=left, turn_right=right))
     text = "\n".join(drawn(desk.picture))
     for wanted in (
         r"battery 24\.3 V",
@@ -254,7 +261,9 @@ def test_speed_path_pose_ranges_and_battery_are_told() -> None:
         r"front left +1\.23 m",
         r"front right +clear",
         r"forward +free +1\.00 m/s",
-        r"turn left +free +1\.00 rad/s",
+        r"backward +free +0\.20 m/s",
+        r"turn left +free +0\.30 rad/s",
+        r"turn right +free +0\.40 rad/s",
     ):
         assert re.search(wanted, text), f"{wanted} is not in\n{text}"
 
@@ -294,7 +303,7 @@ def test_limits_that_cannot_be_are_refused_with_the_way_out(name: str, value: An
 def test_without_a_terminal_it_says_so_and_asks_nobody(
     is_terminal: bool, kind: str, says: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(operate, "in_terminal", lambda: is_terminal)
+    monkeypatch.setattr(main, "in_terminal", lambda: is_terminal)
     monkeypatch.setattr(operate, "run_with_robot", None)
     monkeypatch.setenv("TERM", kind)
     code, out, err = typed(monkeypatch, capsys, "drive")
@@ -328,12 +337,13 @@ def test_a_simulation_that_stands_in_is_left_when_the_named_robot_is_heard(
     node, heard = MagicMock(), []
     monkeypatch.setattr(operate, "Node", lambda *_, **__: node)
     monkeypatch.setattr(operate, "open_hand", MagicMock())
-    screen = MagicMock()
-    screen.return_value.__enter__.return_value.is_stuck = False
-    monkeypatch.setattr(operate, "DriveTerminal", screen)
     monkeypatch.setattr(operate, "watch_tokens", lambda _, robot, on_token: heard.append((robot, on_token)))
-    monkeypatch.setattr(operate, "run_keyboard", lambda *_: heard[0][1](Token("giraff", service, "1"), True))
-    monkeypatch.setattr(operate, "go_on_asking", lambda _: "")
+
+    def run_keyboard(_: object) -> tuple[str, MagicMock]:
+        heard[0][1](Token("giraff", service, "1"), True)
+        return "", MagicMock(is_stuck=False)
+
+    monkeypatch.setattr(operate, "run_keyboard", run_keyboard)
     settings = MagicMock(robot=ROBOT)
     code = operate._drive(MagicMock(robot="sim-vm", stands_in_for="giraff"), settings)
     assert heard[0][0] == "giraff"

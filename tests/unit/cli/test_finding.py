@@ -140,7 +140,7 @@ def test_what_moves_starts_by_itself_only_with_the_simulation_of_this_host(
 def test_nothing_is_moved_released_or_set_of_a_robot_that_nobody_has_named(
     host: Host, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...]
 ) -> None:
-    monkeypatch.setattr("giraff_cli.drive.operate.in_terminal", lambda: True)
+    monkeypatch.setattr("giraff_keyboard.main.in_terminal", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
     said = host.beside(OTHER).types(*verb)
     assert said.code == 2
@@ -216,8 +216,8 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr("giraff_cli.network.command.stand_in", stand_in)
     monkeypatch.setattr("giraff_cli.network.command.visit", visit)
-    for where in ("record.recorder.lower_priority", "drive.operate.in_terminal"):
-        monkeypatch.setattr(f"giraff_cli.{where}", lambda: True)
+    for where in ("cli.record.recorder.lower_priority", "keyboard.main.in_terminal"):
+        monkeypatch.setattr(f"giraff_{where}", lambda: True)
     host.beside(OWN).types(*command.split(), *WORDS.get(command, ()))
     assert bool(asked) == (command not in strict)
 

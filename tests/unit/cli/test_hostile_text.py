@@ -11,14 +11,13 @@ import sys
 import pytest
 from rich.table import Table
 
-from giraff_cli.terminal.page import CleanConsole
 from giraff_cli.terminal.text import json_line, json_page
 from giraff_client.errors import EmergencyStopError
-from giraff_keyboard import terminal
 from giraff_node.network.consent import tell
 from giraff_node.process.logs import service_logger
 from giraff_schemas.messages import EStop
 from giraff_schemas.text import printable
+from giraff_telemetry.console import CleanConsole
 
 HOSTILE = "\x1b]0;owned\x07\x1b[2J\x9b1m\r\x7f\u202eé"
 """A title, an empty screen, a colour as one character, a line anew, and letters from right to left."""
@@ -68,16 +67,8 @@ def test_a_log_line_is_clean_on_a_terminal_and_in_a_file(
     assert sys.stderr.getvalue().replace("\n", "").isprintable()
 
 
-def test_what_a_command_a_script_and_the_keyboard_say_is_clean(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_a_command_and_a_script_say_is_clean(capsys: pytest.CaptureFixture[str]) -> None:
     tell(HOSTILE)
     assert capsys.readouterr().err == f"giraff: {CLEAN}\n"
     error = EmergencyStopError(EStop(engaged=True, id=1, by=HOSTILE, reason=HOSTILE))
     assert str(error).count(CLEAN) == 2
-    written: list[str] = []
-    monkeypatch.setattr(terminal, "_write", written.append)
-    shown = terminal.Terminal.__new__(terminal.Terminal)  # a real one takes the keys of a terminal
-    shown._shown, shown.is_gone = [], False
-    shown.show([HOSTILE])
-    assert written[0].endswith(f"{CLEAN}\r")

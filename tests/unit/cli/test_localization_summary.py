@@ -7,11 +7,11 @@ import math
 import msgspec
 import pytest
 
-from giraff_cli.telemetry.localization import WayByState, pose_text, shares_text
-from giraff_cli.telemetry.localization_error import LocalizationErrors
-from giraff_cli.telemetry.localization_summary import localization_rows, summarize_localization
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.localization import LocalizationState
+from giraff_telemetry.localization import WayByState, pose_text, shares_text
+from giraff_telemetry.localization_error import LocalizationErrors
+from giraff_telemetry.localization_summary import localization_rows, summarize_localization
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import MS
 

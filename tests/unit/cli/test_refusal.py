@@ -14,8 +14,8 @@ import pytest
 import typer.main
 import zenoh
 
-import giraff_cli.drive.operate
 import giraff_cli.record.recorder
+import giraff_keyboard.main
 from giraff_cli.main import app
 from giraff_client import NoRobotError, Robot
 from giraff_node.config.robot_file import TABLES, ConfigError
@@ -147,7 +147,7 @@ def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     monkeypatch.setattr(zenoh, "open", refuse)
     monkeypatch.setattr(giraff_cli.record.recorder, "lower_priority", lambda: None)  # it is for the whole process
-    monkeypatch.setattr(giraff_cli.drive.operate, "in_terminal", lambda: True)
+    monkeypatch.setattr(giraff_keyboard.main, "in_terminal", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.setattr(gc, "freeze", lambda: None)
     monkeypatch.chdir(tmp_path)

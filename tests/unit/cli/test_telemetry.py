@@ -10,11 +10,11 @@ import pytest
 from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.odometry_error import Comparison
 from giraff_cli.run.telemetry import RunTelemetry
-from giraff_cli.telemetry.rate import RateEstimator
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Tick
+from giraff_telemetry.rate import RateEstimator
 from tests.unit.cli.samples import (
     EPOCH,
     MS,

@@ -10,13 +10,13 @@ from typing import Any
 import msgspec
 from rich.console import Console
 
-from giraff_cli.telemetry.collector import Telemetry
-from giraff_cli.telemetry.describe import limit_text, moving
 from giraff_cli.watch.report import ReportView
 from giraff_cli.watch.screen import WatchView, missing
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.messages import Battery, Wheels
+from giraff_telemetry.collector import Telemetry
+from giraff_telemetry.describe import limit_text, moving
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import (
     MS,

@@ -9,7 +9,7 @@ from giraff_web.messages import State, ToPage
 from giraff_web.picture import STALE, Picture
 from giraff_web.policy import WebPolicy
 from tests.support.robots import ROBOT
-from tests.unit.keyboard.test_status import BASE, GUARD
+from tests.unit.cli.samples import base, guard, verdict
 
 TICK = RobotTime(epoch=7, robot_ns=1 << 62)
 
@@ -63,7 +63,7 @@ def test_a_tick_goes_down_exactly_and_none_of_a_robot_that_is_lost() -> None:
 def test_all_that_is_heard_is_shown_as_long_as_it_is_new() -> None:
     shown = Shown()
     latch = EStop(instance="base", engaged=False, id=1, by="x", reason="")
-    for sample in (BASE, GUARD, latch, Battery(voltage=24.0), odometry(1.0)):
+    for sample in (base(), guard(verdict()), latch, Battery(voltage=24.0), odometry(1.0)):
         shown.picture.take(sample, 0.0)
     state = shown.at(0.1)
     assert None not in (state.armed, state.stop, state.directions, state.pose, state.battery, state.speed)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Final, NamedTuple
 
-from giraff_cli.telemetry.collector import Snapshot
-from giraff_cli.telemetry.localization import short_pose_text
 from giraff_core.latest import Latest
 from giraff_schemas.messages import GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.trouble import Trouble
+from giraff_telemetry.collector import Snapshot
+from giraff_telemetry.localization import short_pose_text
 
 START_A_HAND: Final = f"start {' or '.join(f'giraff_{hand}' for hand in HANDS)} on the operator's machine"
 DIRECTIONS: Final = ("forward", "backward", "turn left", "turn right")

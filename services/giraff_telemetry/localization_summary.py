@@ -8,10 +8,10 @@ from typing import Final
 
 import msgspec
 
-from giraff_cli.telemetry.localization import WayByState, place_text, shares_text, sigma_of
-from giraff_cli.telemetry.localization_error import LocalizationErrors, Spread
 from giraff_schemas.localization import LocalizationState, MapPose
 from giraff_schemas.text import printable
+from giraff_telemetry.localization import WayByState, place_text, shares_text, sigma_of
+from giraff_telemetry.localization_error import LocalizationErrors, Spread
 
 WIDTH: Final = 62
 """Characters of a line of a value."""

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from giraff_cli.drive.picture import DrivePicture
-from giraff_cli.telemetry.collector import Telemetry
 from giraff_core.latest import Latest
 from giraff_core.operator import what_stops
+from giraff_keyboard.picture import DrivePicture
 from giraff_keyboard.policy import KeyboardPolicy
 from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
+from giraff_telemetry.collector import Telemetry
 
 
 class DriveView:
@@ -35,7 +35,10 @@ class DriveView:
             is_lost=policy.moment(now) is None,
             is_mine=policy.operator.holds,
             driver=policy.operator.holder,
-            why=str(what_stops(policy.trouble(now), _fresh(snapshot.base), _fresh(snapshot.guard))),
+            why=str(
+                what_stops(policy.trouble(now), _fresh(snapshot.base), _fresh(snapshot.guard))
+                or policy.operator.rank_notice
+            ),
             stop=stop,
             step=policy.step,
             steps=policy.steps,

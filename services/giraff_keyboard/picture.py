@@ -12,14 +12,14 @@ from typing import Final
 from rich.console import Console, ConsoleOptions, Group, RenderableType
 from rich.text import Text
 
-from giraff_cli.drive.words import for_keys
-from giraff_cli.telemetry import panels as blocks
-from giraff_cli.telemetry.collector import Snapshot
-from giraff_cli.telemetry.describe import DIRECTIONS, moving, verdicts
-from giraff_cli.terminal.layout import HEADING, beside, clock, header
 from giraff_core.latest import FRESH
+from giraff_keyboard.words import for_keys
 from giraff_schemas.text import printable
 from giraff_schemas.wire import RANGE_SENSORS
+from giraff_telemetry import panels as blocks
+from giraff_telemetry.collector import Snapshot
+from giraff_telemetry.describe import DIRECTIONS, moving, verdicts
+from giraff_telemetry.layout import HEADING, beside, clock, header
 
 COLUMNS: Final = 80
 ROWS: Final = 24

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Final
 
-from giraff_cli.telemetry.rate import RateEstimator, Totals
 from giraff_core.latest import FRESH, Latest, LatestSamples
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
@@ -36,6 +35,7 @@ from giraff_schemas.topics import (
     WHEELS,
     Topic,
 )
+from giraff_telemetry.rate import RateEstimator, Totals
 
 _ORDER: Final = {topic.key: number for number, topic in enumerate(TOPICS)}
 

@@ -10,8 +10,12 @@ from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from giraff_cli.telemetry.collector import KeyRate, Snapshot, range_key
-from giraff_cli.telemetry.describe import (
+from giraff_core.latest import Latest
+from giraff_schemas.messages import Range
+from giraff_schemas.text import printable
+from giraff_schemas.topics import MAP, MOTION, MOTION_HOLD, PARTICLES, POSE
+from giraff_telemetry.collector import KeyRate, Snapshot, range_key
+from giraff_telemetry.describe import (
     DIRECTIONS,
     base_reason,
     base_text,
@@ -20,11 +24,7 @@ from giraff_cli.telemetry.describe import (
     range_text,
     verdicts,
 )
-from giraff_cli.terminal.layout import HEADING, NONE, block, left, right, text_or_dash, unit
-from giraff_core.latest import Latest
-from giraff_schemas.messages import Range
-from giraff_schemas.text import printable
-from giraff_schemas.topics import MAP, MOTION, MOTION_HOLD, PARTICLES, POSE
+from giraff_telemetry.layout import HEADING, NONE, block, left, right, text_or_dash, unit
 
 _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it

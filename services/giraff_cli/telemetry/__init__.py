@@ -1,1 +1,0 @@
-"""The latest state of a robot, in words and in panels."""

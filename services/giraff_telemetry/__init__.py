@@ -1,0 +1,1 @@
+"""The latest state of a robot, in words and in panels. It draws with rich."""
