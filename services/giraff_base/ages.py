@@ -7,6 +7,7 @@ from typing import NamedTuple
 from giraff_base.config import BaseConfig
 from giraff_core.freshness import age, derate
 from giraff_schemas.messages import GuardedCommand, RobotTime
+from giraff_schemas.trouble import Trouble
 
 
 class Ages(NamedTuple):
@@ -25,12 +26,12 @@ class Ages(NamedTuple):
             config.range_budget - self.ranged,
         )
 
-    def share(self, config: BaseConfig) -> tuple[float, str]:
+    def share(self, config: BaseConfig) -> tuple[float, Trouble]:
         """Share of the speed that is left, and whose lateness takes the rest. A range counts whole or not at all."""
         by_operator, by_guard = derate(self.operator, config.operator_budget), derate(self.guard, config.guard_budget)
         if by_guard < by_operator:
-            return by_guard, "the guard's commands come late; relieve this machine"
-        return by_operator, "the operator's commands come late; check its link"
+            return by_guard, Trouble("the guard's commands come late", "relieve this machine")
+        return by_operator, Trouble("the operator's commands come late", "check its link")
 
 
 def ages_of(command: GuardedCommand, now: RobotTime) -> Ages:

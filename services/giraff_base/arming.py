@@ -6,6 +6,7 @@ from giraff_base.config import BaseConfig
 from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime
+from giraff_schemas.trouble import WELL, Trouble
 
 HOW_TO_ARM = "hold the hand level"
 
@@ -28,11 +29,11 @@ class Arming:
         self._neutral_to: RobotTime | None = None
 
     @property
-    def refusal(self) -> str:
-        """Why the robot is not armed, and how to arm it; empty when it is."""
+    def refusal(self) -> Trouble:
+        """Why the robot is not armed, and how to arm it."""
         if self.armed:
-            return ""
-        return f"not armed since {self._why}; {HOW_TO_ARM} for {self._live.config.arm_time:g} s"
+            return WELL
+        return Trouble(f"not armed since {self._why}", f"{HOW_TO_ARM} for {self._live.config.arm_time:g} s")
 
     def disarm(self, why: str) -> None:
         if self.armed:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from giraff_base.ages import Ages, ages_of
 from giraff_base.arming import Arming
 from giraff_base.battery import BatteryWatch
@@ -10,8 +12,14 @@ from giraff_base.config import BaseConfig
 from giraff_base.estop import EStopControl
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
-_NO_GUARD = "the guard is not heard; start giraff_guard on this machine"
+_NO_GUARD: Final = Trouble("the guard is not heard", "start giraff_guard on this machine")
+_CLOCK_WENT_BACK: Final = Trouble("the robot's clock went back", "restart giraff_base")
+_NO_COMMAND: Final = Trouble("no fresh command of an operator", "check its link")
+_OLD_RANGE: Final = Trouble("a range that this motion relies on is too old", "check giraff_ranger and its board")
+_OPERATORS_FAULT: Final = Trouble("the operator's side reports a fault")
+_NO_HOLDER: Final = Trouble("nobody holds the lease", "an operator asks for it by driving")
 
 
 class Authority:
@@ -29,14 +37,14 @@ class Authority:
         self.budget_left: float | None = None
         """s until the first of the ticks in use is too old."""
         self._command: GuardedCommand | None = None
-        self._refused = ""  # why the newest command of any guard did not count
+        self._refused = WELL  # why the newest command of any guard did not count
         self._refused_ns = 0
         self._newest_ns = 0
         self._clock_trusted_ns = 0
 
     @property
-    def faults(self) -> dict[str, str]:
-        """What is wrong, with the way out; empty where nothing is."""
+    def faults(self) -> dict[str, Trouble]:
+        """What is wrong, by what has it."""
         return {"guard": self.binding.intruder, "battery": self.battery.warning, "wiring": self._unchecked}
 
     def on_command(self, command: GuardedCommand, now: RobotTime, at_rest: bool) -> bool:
@@ -54,7 +62,7 @@ class Authority:
             self.arming.consider(command, now)
         return True
 
-    def wanted(self, now: RobotTime) -> tuple[float, float, str]:
+    def wanted(self, now: RobotTime) -> tuple[float, float, Trouble]:
         """The twist that may be driven now, and why it is less than the command."""
         self._watch(now)
         command = self._command
@@ -69,36 +77,37 @@ class Authority:
         share, late = ages.share(self._live.config)
         if self.battery.share < share:
             share, late = self.battery.share, self.battery.warning
-        slowed = f"slowed: {late}" if share < 1.0 and not command.neutral else ""
-        return command.linear_x * share, command.angular_z * share, command.reason or slowed
+        slowed = late.of("slowed") if share < 1.0 and not command.neutral else WELL
+        return command.linear_x * share, command.angular_z * share, trouble_of(command) or slowed
 
-    def _forbid(self, now: RobotTime) -> str:
-        """Why nothing may move, whatever is commanded, and disarm if so; empty when nothing forbids it."""
+    def _forbid(self, now: RobotTime) -> Trouble:
+        """Why nothing may move, whatever is commanded, and disarm if so."""
         clock_went_back = now.robot_ns < self._clock_trusted_ns
         forbidden = (
             self._estop.stops
-            or ("the robot's clock went back; restart giraff_base" if clock_went_back else "")
+            or (_CLOCK_WENT_BACK if clock_went_back else WELL)
             or self._unchecked
             or self.battery.stops
             or self.binding.intruder
         )
         if forbidden:
-            self.arming.disarm(forbidden.partition(";")[0])
+            self.arming.disarm(forbidden.what)
         return forbidden
 
-    def _unfounded(self, command: GuardedCommand, ages: Ages) -> str:
+    def _unfounded(self, command: GuardedCommand, ages: Ages) -> Trouble:
         """Why the command in charge moves nothing: it is stale, of a hand that was lost, or nobody's."""
+        told = trouble_of(command)
         if ages.guard > self._live.config.guard_budget:
             return self._refused or _NO_GUARD
         if ages.operator > self._live.config.operator_budget:
-            return command.reason or "no fresh command of an operator; check its link"
+            return told or _NO_COMMAND
         if ages.ranged > self._live.config.range_budget and command.linear_x != 0.0:
-            return command.reason or "a range that this motion relies on is too old; check giraff_ranger and its board"
+            return told or _OLD_RANGE
         if command.source == "fault":
-            return command.reason or "the operator's side reports a fault"
+            return told or _OPERATORS_FAULT
         if command.lease_counter == 0:
-            return command.reason or "nobody holds the lease; an operator asks for it by driving"
-        return ""
+            return told or _NO_HOLDER
+        return WELL
 
     def _disarm_if_stale(self, command: GuardedCommand, now: RobotTime) -> None:
         """Disarm when a part of the command in charge has been stale for too long."""
@@ -112,7 +121,7 @@ class Authority:
         """
         self.binding.forget(now)
         if (now.robot_ns - self._refused_ns) * 1e-9 >= self._live.config.guard_silence:
-            self._refused = ""
+            self._refused = WELL
         if now.robot_ns < self._newest_ns:
             self._clock_trusted_ns = self._newest_ns + round(self._live.config.disarm_time * 1e9)
         self._newest_ns = max(self._newest_ns, now.robot_ns)

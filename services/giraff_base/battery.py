@@ -6,6 +6,7 @@ from typing import Final
 
 from giraff_base.config import BaseConfig
 from giraff_core.live import Live
+from giraff_schemas.trouble import WELL, Trouble
 
 _HELD_NS: Final = 5_000_000_000  # motors that start pull any battery down; what lasts is not that
 _RISE: Final = 0.5  # V above the limit: what a battery regains by mere rest is no charge
@@ -49,16 +50,17 @@ class BatteryWatch:
         return _LOW_SHARE if self._low.holds else 1.0
 
     @property
-    def stops(self) -> str:
-        """Why nothing may move; empty when it may."""
+    def stops(self) -> Trouble:
+        """Why nothing may move."""
         if not self._empty.holds:
-            return ""
-        return f"the battery is empty at {self._volts:.1f} V; charge it to {self._recharged:g} V"
+            return WELL
+        return Trouble(f"the battery is empty at {self._volts:.1f} V", f"charge it to {self._recharged:g} V")
 
     @property
-    def warning(self) -> str:
-        """What is wrong with the battery, with the way out; empty when nothing is."""
-        return self.stops or (f"the battery is low at {self._volts:.1f} V; charge it" if self._low.holds else "")
+    def warning(self) -> Trouble:
+        """What is wrong with the battery."""
+        low = Trouble(f"the battery is low at {self._volts:.1f} V", "charge it") if self._low.holds else WELL
+        return self.stops or low
 
     def take(self, volts: float, robot_ns: int) -> None:
         low, cutoff = self._live.config.battery_low, self._live.config.battery_cutoff  # 0: off, no battery is below it

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Protocol
 from giraff_schemas.messages import BoardState, RobotTime, Sample
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import Topic
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import Frame
 
 
@@ -31,7 +32,7 @@ class Answer(NamedTuple):
 
     frame: Frame | None
     """None: no frame is due yet."""
-    reason: str | None = None
+    reason: Trouble | None = None
     """Why the robot does less than it may; None: the reason stays as it is."""
     moves: bool = False
     """Whether the frame asks for motion."""
@@ -59,8 +60,8 @@ class Drive(Protocol):
         ...
 
     @property
-    def waits(self) -> str:
-        """Why the board would not move now, whatever base asks for; empty: it would."""
+    def waits(self) -> Trouble:
+        """Why the board would not move now, whatever base asks for."""
         ...
 
     def state(self) -> BoardState:

@@ -11,6 +11,7 @@ from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.text import printable
+from giraff_schemas.trouble import WELL, Trouble
 
 __all__ = ["RELEASED", "EStopControl", "EStopLatch"]
 
@@ -29,10 +30,10 @@ class EStopControl:
         """Robot time of the newest engaging, of whatever cause; 0: none since the start."""
 
     @property
-    def stops(self) -> str:
-        """Why nothing may move, with the way out; empty when released."""
+    def stops(self) -> Trouble:
+        """Why nothing may move."""
         latch = self.latch
-        return f"emergency stop by {latch.by}: {latch.reason}" if latch.engaged else ""
+        return latch.trouble.of(f"emergency stop by {latch.by}") if latch.engaged else WELL
 
     def engage(self, asked: EStopEngage, now: RobotTime) -> None:
         """Engage. Repeating keeps the latch; another cause makes another one, which a reset of the first leaves."""
@@ -44,30 +45,47 @@ class EStopControl:
             return
         self.latch = EStopLatch(engaged=True, id=self.latch.id % _IDS + 1, by=by, reason=reason)
 
-    def refusal(self, reset: EStopReset, now: RobotTime) -> str:
-        """Why this reset clears nothing; empty when it may, or when this very latch is cleared already."""
+    def refusal(self, reset: EStopReset, now: RobotTime) -> Trouble:
+        """Why this reset clears nothing. WELL: it may, or this very latch is cleared already."""
         latch = self.latch
         if reset.id != latch.id:
-            there = f"latch {latch.id} by {latch.by}: {latch.reason}" if latch.engaged else "none, it is released"
-            return f"latch {reset.id} is not the one engaged, which is {there}"
+            other = f"latch {reset.id} is not the one engaged, which is"
+            if latch.engaged:
+                return latch.trouble.of(f"{other} latch {latch.id} by {latch.by}")
+            return Trouble(f"{other} none, it is released")
         if latch.engaged and age(reset.tick, now) > self._reset_budget:
-            return f"the reset is not from within the last {self._reset_budget:g} s; ask again, with base heard"
+            return Trouble(
+                f"the reset is not from within the last {self._reset_budget:g} s", "ask again, with base heard"
+            )
         is_old = reset.tick is not None and reset.tick.robot_ns < self._engaged_ns
         if latch.engaged and (is_old or reset.engaged_ns not in (None, self._engaged_ns)):
-            return "the emergency stop was engaged again after this reset was asked for; ask again"
-        return ""
+            return Trouble("the emergency stop was engaged again after this reset was asked for", "ask again")
+        return WELL
 
     def released(self, reset: EStopReset) -> EStopLatch:
         """The latch as `reset` leaves it."""
         return EStopLatch(engaged=False, id=self.latch.id, by=_clean(reset.by), reason="")
 
-    def answer(self, why_not: str = "") -> EStopAnswer:
+    def answer(self, why_not: Trouble = WELL) -> EStopAnswer:
         """`why_not`: what was asked is not done, and why."""
-        return EStopAnswer(done=not why_not, engaged=self.latch.engaged, id=self.latch.id, reason=why_not)
+        return EStopAnswer(
+            done=not why_not,
+            engaged=self.latch.engaged,
+            id=self.latch.id,
+            reason=str(why_not),
+            remedy=why_not.remedy,
+        )
 
     def sample(self) -> EStop:
         latch = self.latch
-        return EStop(engaged=latch.engaged, id=latch.id, by=latch.by, reason=latch.reason, engaged_ns=self._engaged_ns)
+        return EStop(
+            engaged=latch.engaged,
+            id=latch.id,
+            by=latch.by,
+            reason=latch.reason,
+            engaged_ns=self._engaged_ns,
+            remedy=latch.trouble.remedy,
+        )
 
 
 def _clean(text: str) -> str:

@@ -15,9 +15,12 @@ from giraff_base.policy import BasePolicy
 from giraff_core.io import PendingQuery
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.trouble import WELL, Trouble
 
 _PATIENCE_NS: Final = 1_000_000_000  # for the disk, before the answer is no; a reset is then given up
 _RETRY_NS: Final = 100_000_000  # a stop that is not on disk is lost with the power
+_HANGS: Final = Trouble("the disk hangs; while it does, the robot is stopped and a restart may not know")
+_NOT_ON_DISK: Final = Trouble("the emergency stop is not on disk: the disk hangs", "mend it")
 
 Asked = PendingQuery[EStopEngage, EStopAnswer] | PendingQuery[EStopReset, EStopAnswer]
 
@@ -46,9 +49,9 @@ class EStopServer:
         self._writing: EStopLatch | None = None
         self._writing_ns = 0  # since when
         self._retry_ns = 0
-        self._failure = ""
-        self.fault = ""
-        """Why the latch in force is not on disk, with the way out; empty when it is, or is about to be."""
+        self._failure = WELL
+        self.fault = WELL
+        """Why the latch in force is not on disk, nor about to be."""
 
     def take(
         self,
@@ -67,7 +70,7 @@ class EStopServer:
         self._policy.on_engage(asked.request, now)
         self._on_disk = None
         if self._reset is not None:
-            self._refuse("the emergency stop was engaged anew meanwhile")
+            self._refuse(Trouble("the emergency stop was engaged anew meanwhile"))
         self._wait(asked, now)
 
     def reset(self, asked: PendingQuery[EStopReset, EStopAnswer], now: RobotTime) -> None:
@@ -76,7 +79,7 @@ class EStopServer:
             asked.answer(self._policy.on_reset(asked.request, now))
             return
         if self._reset is None:
-            self._refuse("it was reset meanwhile")
+            self._refuse(Trouble("it was reset meanwhile"))
             self._reset = asked.request, now
         self._wait(asked, now)
 
@@ -87,13 +90,13 @@ class EStopServer:
         if self._on_disk == self._wanted():
             self._confirm()
         elif self._waiting and now.robot_ns - self._waiting_ns > _PATIENCE_NS:
-            self._refuse("the disk hangs; while it does, the robot is stopped and a restart may not know")
+            self._refuse(_HANGS)
         wanted = self._wanted()
         if self._writing is None and self._on_disk != wanted and now.robot_ns >= self._retry_ns:
             self._writing, self._writing_ns = wanted, now.robot_ns
             self._saver.save(wanted)
         hangs = self._writing is not None and now.robot_ns - self._writing_ns > _PATIENCE_NS
-        self.fault = self._failure or ("the emergency stop is not on disk: the disk hangs; mend it" if hangs else "")
+        self.fault = self._failure or (_NOT_ON_DISK if hangs else WELL)
 
     def _wanted(self) -> EStopLatch:
         """What belongs on disk: the latch in force, or what the reset under way would make of it."""
@@ -107,29 +110,35 @@ class EStopServer:
     def _note(self, latch: EStopLatch, why: str, now: RobotTime) -> None:
         self._writing = None
         self._on_disk = None if why else latch
-        self._failure = (
-            f"the emergency stop cannot be kept: {why}; free the disk or mend its permissions" if why else ""
-        )
+        self._failure = WELL
         if why:
+            self._failure = Trouble(
+                f"the emergency stop cannot be kept: {why}", "free the disk or mend its permissions"
+            )
             self._retry_ns = now.robot_ns + _RETRY_NS
-            self._refuse(f"the robot is stopped, and a restart may not know: {self._failure}")
+            self._refuse(self._failure.of("the robot is stopped, and a restart may not know"))
 
     def _confirm(self) -> None:
         """What they wait for is on disk."""
         if self._reset is not None:
             self._policy.on_reset(*self._reset)
-        self._answer("")
+        self._answer(WELL)
 
-    def _refuse(self, why: str) -> None:
+    def _refuse(self, why: Trouble) -> None:
         """Give up what they wait for. A reset then never was; an engaged stop stays, and is written when it can be."""
         self._answer(why)
 
-    def _answer(self, why_not: str) -> None:
+    def _answer(self, why_not: Trouble) -> None:
         latch = self._policy.latch
         for asked in self._waiting:
             asked.answer(
                 EStopAnswer(
-                    done=not why_not, engaged=latch.engaged, id=latch.id, reason=why_not, instance=self._instance
+                    done=not why_not,
+                    engaged=latch.engaged,
+                    id=latch.id,
+                    reason=str(why_not),
+                    instance=self._instance,
+                    remedy=why_not.remedy,
                 )
             )
         self._waiting.clear()

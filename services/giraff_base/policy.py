@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import Any, Final
 
 from giraff_base.authority import Authority
 from giraff_base.config import BaseConfig
@@ -16,9 +16,10 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import BaseState, Battery, EStop, GuardedCommand, RobotTime, Sample
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import Topic
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import Frame
 
-_NO_REPORT = "no report from the base board yet"
+_NO_REPORT: Final = Trouble("no report from the base board yet")
 
 
 class BasePolicy:
@@ -38,7 +39,7 @@ class BasePolicy:
         self._reported_ns: int | None = None  # None: there is no board
         self._answered = False
         self._may_hurry = False  # a command may have a frame before the next report
-        self._link_fault = ""
+        self._link_fault = WELL
         self._driving = False  # the newest frame asks for motion
         self._reason = _NO_REPORT
 
@@ -53,19 +54,19 @@ class BasePolicy:
         return self._estop.latch
 
     @property
-    def faults(self) -> dict[str, str]:
-        """What is wrong, with the way out; empty where nothing is."""
+    def faults(self) -> dict[str, Trouble]:
+        """What is wrong, by what has it."""
         return self._authority.faults
 
     def on_link_opened(self, session: int) -> None:
         """The port was opened, perhaps again. `session`: random, not 0; tells this opening from any other."""
-        self._link_fault = ""
+        self._link_fault = WELL
         self._drive.open(session)
         self._lose_board("the serial link was opened anew")
 
-    def on_link_lost(self, fault: str) -> None:
-        """There is no board now. `fault`: why, with the way out."""
-        self._link_fault = fault
+    def on_link_lost(self, fault: Trouble | str) -> None:
+        """There is no board now, and why."""
+        self._link_fault = fault if isinstance(fault, Trouble) else Trouble(fault)
         self._drive.lose()
         self._lose_board("the serial link was lost")
 
@@ -89,8 +90,8 @@ class BasePolicy:
         self._engage(asked, now)
         return self._estop.answer()
 
-    def reset_refusal(self, reset: EStopReset, now: RobotTime) -> str:
-        """Why `on_reset` would clear nothing; empty when it would, or when nothing is left to clear."""
+    def reset_refusal(self, reset: EStopReset, now: RobotTime) -> Trouble:
+        """Why `on_reset` would clear nothing. WELL: it would, or nothing is left to clear."""
         return self._estop.refusal(reset, now)
 
     def released(self, reset: EStopReset) -> EStopLatch:
@@ -117,21 +118,22 @@ class BasePolicy:
         return self._drive_frame(now)
 
     @property
-    def reason(self) -> str:
-        """Why the robot does not do what is commanded; empty when it does."""
+    def reason(self) -> Trouble:
+        """Why the robot does not do what is commanded."""
         return self._estop.stops or self._link_fault or self._reason
 
     def state(self) -> BaseState:
         """Return base's state as of its newest frame."""
-        authority, is_there = self._authority, self._reported_ns is not None
+        authority, is_there, reason = self._authority, self._reported_ns is not None, self.reason
         return BaseState(
             armed=authority.arming.armed,
             driving=self._driving,
-            reason=self.reason,
+            reason=str(reason),
             guard=authority.binding.guard,
             round_trip=authority.round_trip if is_there else None,
             budget_left=authority.budget_left if is_there else None,
             board=self._drive.state(),
+            remedy=reason.remedy,
         )
 
     def estop(self) -> EStop:
@@ -147,7 +149,7 @@ class BasePolicy:
         self._estop.engage(asked, now)
         self._authority.arming.disarm("the emergency stop")
         self._drive.hold()
-        self._stand_still("")
+        self._stand_still(WELL)
         self._answered = False  # the board hears of it at once, whatever it was told last
 
     def _lose_board(self, why: str) -> None:
@@ -163,7 +165,7 @@ class BasePolicy:
             arming.disarm(why)
         if last_ns is not None and (now.robot_ns - last_ns) * 1e-9 > self._live.config.disarm_time:
             arming.disarm("the base board was silent for too long")
-        self._link_fault = ""
+        self._link_fault = WELL
         self._reported_ns = now.robot_ns
         self._answered = False
         self._may_hurry = True
@@ -181,10 +183,10 @@ class BasePolicy:
             self._stand_still(self._reason or waits)
         asked = self._drive.ask(self._ramp.linear, self._ramp.angular)
         self._driving = asked.moves
-        self._reason = self._reason or asked.reason or ""
+        self._reason = self._reason or asked.reason or WELL
         return asked.frame
 
-    def _stand_still(self, reason: str) -> None:
+    def _stand_still(self, reason: Trouble) -> None:
         self._reason = reason
         self._ramp.stop()
         self._driving = False

@@ -12,6 +12,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
 from giraff_schemas.topics import BASE, BATTERY, CMD_VEL, ESTOP, ESTOP_ENGAGE, ESTOP_RESET, TICK
+from giraff_schemas.trouble import WELL
 
 
 class Base:
@@ -66,8 +67,8 @@ class Base:
     def _tell_what_is_wrong(self) -> None:
         self._io.set_fault("board", self.link.fault)
         self._io.set_fault("estop", self._server.fault)
-        for name, message in self._policy.faults.items():  # of the robot, and of a second guard
-            self._io.set_notice(name, message)
+        for name, trouble in self._policy.faults.items():  # of the robot, and of a second guard
+            self._io.set_notice(name, trouble)
 
 
 class _States:
@@ -79,7 +80,7 @@ class _States:
         self._base_timer, self._estop_timer, self._battery_timer = (
             Timer(row.rate_hz) for row in (BASE, ESTOP, BATTERY)
         )
-        self._reason = ""
+        self._reason = WELL
         self._told = policy.estop()
 
     def put(self, now: float) -> None:

@@ -11,6 +11,7 @@ import msgspec
 
 from giraff_core.io import Store, Writer
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.trouble import Trouble
 
 RESET_COMMAND: Final = "giraff estop reset"
 LATCH_FILE: Final = "estop.json"
@@ -24,7 +25,13 @@ class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """Names the newest engaging; a reset that names another clears nothing."""
     by: str
     reason: str
-    """Why it is engaged, with the way out; empty when it is not."""
+    """Why it is engaged, and how to release it; empty when it is not."""
+
+    @property
+    def trouble(self) -> Trouble:
+        """What `reason` says: an older base refuses a file with a second field, and how to release it comes last."""
+        what, _, remedy = self.reason.rpartition("; ")
+        return Trouble(what, remedy) if what and RESET_COMMAND in remedy else Trouble(self.reason)
 
 
 def is_confirmed_stop(answer: EStopAnswer) -> bool:

@@ -10,11 +10,13 @@ from giraff_core.lease import ASK
 from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 _COUNTERS: Final = (1 << 32) - 1  # counters run from 1 to this, and then from 1 again
 _MOST_AHEAD: Final = 1000
 """Commands that a holder may have given since its last one, within the second after which silence ends its lease."""
 _MOST_UNRANKED: Final = 8  # names; on an open network anybody may ask under any number of them
+_LINK: Final = "check its link"
 _HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
 _HOW_TO_TAKE: Final = "tilt or press a drive key to take it, then hold level with no key pressed to arm"
 
@@ -48,7 +50,7 @@ class Authority:
         # When (robot_ns) the holder last gave a command that counts, one of a hand, and one that asks for motion.
         self._heard_ns = self._hand_ns = self._wish_ns = 0
         self._ended = ""
-        self._complaint = ""
+        self._complaint = WELL
         self._complaint_ns = 0
 
     def on_command(self, command: DriveCommand, now: RobotTime) -> bool:
@@ -89,41 +91,43 @@ class Authority:
                 self.command = None
                 return
 
-    def asked(self, now: RobotTime) -> tuple[DriveCommand | None, str]:
-        """The command that counts now; else None and why there is none, with the way out."""
+    def asked(self, now: RobotTime) -> tuple[DriveCommand | None, Trouble]:
+        """The command that counts now; else None and why there is none."""
         command = self.command
         if not self.holder:
             return None, self.reason(now)
         if command is not None and command.source == "fault":
-            return None, f"{self.operator}: {command.reason}"
+            return None, trouble_of(command).of(self.operator)
         if command is not None and command.lease_counter != self.counter:
-            return None, f"{self.operator} has not heard under which lease it drives; check its link"
+            return None, Trouble(f"{self.operator} has not heard under which lease it drives", _LINK)
         if command is None or age(command.tick, now) > self._live.config.operator_budget:
-            return None, self._recent_complaint(now) or f"no fresh command of {self.operator}; check its link"
-        return command, ""
+            return None, self._recent_complaint(now) or Trouble(f"no fresh command of {self.operator}", _LINK)
+        return command, WELL
 
-    def reason(self, now: RobotTime) -> str:
+    def reason(self, now: RobotTime) -> Trouble:
         """For those who do not hold the lease: who does, or why nobody, and what they do now."""
         if self.holder:
             config = self._live.config
+            held = f"held by {self.operator} ({self.holder[:8]})"
             if config.rank(self.operator) < 0:
-                return f"held by {self.operator} ({self.holder[:8]}), which gives way to others: {_HOW_TO_TAKE}"
-            return (
-                f"held by {self.operator} ({self.holder[:8]}) until it rests for {config.idle_release:g} s, is silent "
-                f"for {config.operator_release:g} s or at fault for {config.fault_release:g} s; then {_HOW_TO_ASK}"
+                return Trouble(f"{held}, which gives way to others", _HOW_TO_TAKE)
+            return Trouble(
+                f"{held} until it rests for {config.idle_release:g} s, is silent for {config.operator_release:g} s or "
+                f"at fault for {config.fault_release:g} s",
+                f"then {_HOW_TO_ASK}",
             )
         if complaint := self._recent_complaint(now):
             return complaint
         if self._ended:
-            return f"nobody drives, since {self._ended}; {_HOW_TO_ASK}"
-        return "no operator is heard; start giraff drive or giraff_joystick"
+            return Trouble(f"nobody drives, since {self._ended}", _HOW_TO_ASK)
+        return Trouble("no operator is heard", "start giraff drive or giraff_joystick")
 
     def _consider(self, command: DriveCommand, now: RobotTime) -> None:
         """Grant the lease to a fresh asker, if it may have it."""
         self._note_name(command.operator)
         if command.source == "fault":
             if not self.holder:
-                self._complaint, self._complaint_ns = f"{command.operator}: {command.reason}", now.robot_ns
+                self._complaint, self._complaint_ns = trouble_of(command).of(command.operator), now.robot_ns
             return
         outranks = self._live.config.rank(command.operator) > self._live.config.rank(self.operator)
         # A holder that has driven under its lease and asks again has another hand. Base must be armed by that one.
@@ -137,7 +141,7 @@ class Authority:
         self.command = None
         self._seq = command.seq
         self._heard_ns = self._hand_ns = self._wish_ns = now.robot_ns
-        self._complaint = ""
+        self._complaint = WELL
         self._used = False
 
     def _holds(self, command: DriveCommand) -> bool:
@@ -152,7 +156,7 @@ class Authority:
 
     def _count(self, command: DriveCommand, now: RobotTime) -> None:
         """Keep the lease alive by a fresh command of its holder."""
-        self._complaint = ""
+        self._complaint = WELL
         self._used = True
         self._heard_ns = now.robot_ns
         if command.source == "hand":
@@ -163,13 +167,13 @@ class Authority:
     def _complain(self, command: DriveCommand, old: float, now: RobotTime) -> None:
         """Keep why a command that would matter did not count."""
         if command.source == "fault":
-            why = command.reason
+            why = trouble_of(command)
         elif math.isfinite(old):
-            why = f"its command is {old:.1f} s old; check its link and its service"
+            why = Trouble(f"its command is {old:.1f} s old", "check its link and its service")
         else:
-            why = "its command carries no moment of this robot's clock; check that it hears base"
-        self._complaint, self._complaint_ns = f"{command.operator}: {why}", now.robot_ns
+            why = Trouble("its command carries no moment of this robot's clock", "check that it hears base")
+        self._complaint, self._complaint_ns = why.of(command.operator), now.robot_ns
 
-    def _recent_complaint(self, now: RobotTime) -> str:
+    def _recent_complaint(self, now: RobotTime) -> Trouble:
         recent = (now.robot_ns - self._complaint_ns) * 1e-9 <= self._live.config.operator_release
-        return self._complaint if recent else ""
+        return self._complaint if recent else WELL

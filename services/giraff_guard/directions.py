@@ -105,7 +105,7 @@ class Direction:
 
     def _by_sensor(self, sensor: Sensor, motion: Motion, now: RobotTime) -> Verdict:
         if blindness := sensor.blindness(now):
-            return self._block(sensor.name, blindness)
+            return self._block(sensor.name, str(blindness))
         if sensor.lost(motion):
             return self._block(sensor.name, f"{sensor.name} lost something nearer than {self._live.config.near:g} m")
         believed = sensor.believed([other for other in self.sensors if other is not sensor])
@@ -115,7 +115,7 @@ class Direction:
             return verdict
         if doubt := sensor.doubt(motion, now):
             allowed = sensor.worth(motion, now, self._robot.max_wheel_speed)
-            return self._verdict(allowed, sensor.name, doubt) if allowed < verdict.allowed else verdict
+            return self._verdict(allowed, sensor.name, str(doubt)) if allowed < verdict.allowed else verdict
         return verdict
 
     def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime) -> Verdict:

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import Range, RobotTime, Tick, Wheels
+from giraff_schemas.trouble import WELL, Trouble
+
+_NOT_ITS_CLOCK: Final = Trouble(
+    "base's ticks are late or of another machine's clock", "run giraff_guard on base's machine, unburdened"
+)
+_NO_BASE: Final = Trouble("base is not heard", "start giraff_base on this machine")
 
 
 class Bond:
@@ -21,19 +29,19 @@ class Bond:
         self._silence = silence
         self._seq = -1
         self._heard_ns = 0
-        self._fault = ""
+        self._fault = WELL
         self._fault_ns = 0
 
     def admit(self, maker: str, seq: int, robot_ns: int) -> bool:
         """Whether a fresh sample counts. Another maker takes over once the one in charge is silent."""
         if maker != self.maker:
             if self.maker and not self.silent(robot_ns):
-                self._report(
-                    f"a second {self._what}, {maker}, speaks beside {self.maker}; end one of the two", robot_ns
-                )
+                second = f"a second {self._what}, {maker}, speaks beside {self.maker}"
+                self._report(Trouble(second, "end one of the two"), robot_ns)
                 return False
             if self.maker:
-                self._report(f"another {self._what}, {maker}, took the place of {self.maker}; arm again", robot_ns)
+                another = f"another {self._what}, {maker}, took the place of {self.maker}"
+                self._report(Trouble(another, "arm again"), robot_ns)
             self.maker, self._seq = maker, -1
         if seq <= self._seq:
             return False
@@ -45,11 +53,11 @@ class Bond:
         """The maker in charge has not been heard for so long that it may be replaced."""
         return (robot_ns - self._heard_ns) * 1e-9 > self._silence
 
-    def fault(self, robot_ns: int) -> str:
-        """Why the robot must not move and be armed anew; empty when nothing of the kind was seen lately."""
-        return self._fault if (robot_ns - self._fault_ns) * 1e-9 <= self._silence else ""
+    def fault(self, robot_ns: int) -> Trouble:
+        """Why the robot must not move and be armed anew, by what was seen lately."""
+        return self._fault if (robot_ns - self._fault_ns) * 1e-9 <= self._silence else WELL
 
-    def _report(self, fault: str, robot_ns: int) -> None:
+    def _report(self, fault: Trouble, robot_ns: int) -> None:
         self._fault, self._fault_ns = fault, robot_ns
 
 
@@ -113,29 +121,29 @@ class Identity:
         self._wheels_seq = wheels.seq
         return True
 
-    def fault(self, robot_ns: int) -> str:
-        """Two of what there may be one of, or one replaced: the robot must be armed anew. Empty when all are bound."""
-        found = (bond.fault(robot_ns) for bond in (self._base, *self._rangers.values()))
-        return "; ".join(fault for fault in found if fault)
+    def fault(self, robot_ns: int) -> Trouble:
+        """Two of what there may be one of, or one replaced: the robot must be armed anew."""
+        found = [fault for bond in (self._base, *self._rangers.values()) if (fault := bond.fault(robot_ns))]
+        *others, last = found or [WELL]
+        return Trouble("; ".join([*map(str, others), last.what]), last.remedy)
 
-    def base_fault(self, robot_ns: int) -> str:
-        """Why base's clock is not known now; empty when it is."""
+    def base_fault(self, robot_ns: int) -> Trouble:
+        """Why base's clock is not known now."""
         if self._tick is not None and not self._base.silent(robot_ns):
-            return ""
+            return WELL
         if self._foreign_ns is not None and self._lately(self._foreign_ns, robot_ns):
-            return "base's ticks are late or of another machine's clock; run giraff_guard on base's machine, unburdened"
-        return "base is not heard; start giraff_base on this machine"
+            return _NOT_ITS_CLOCK
+        return _NO_BASE
 
-    def sensor_faults(self, robot_ns: int) -> dict[str, str]:
+    def sensor_faults(self, robot_ns: int) -> dict[str, Trouble]:
         """By sensor: why its readings do not count now, although they come."""
         faults = {}
         for name, bond in self._rangers.items():
             if fault := bond.fault(robot_ns):
                 faults[name] = fault
             elif bond.silent(robot_ns) and name in self._unproven and self._lately(self._unproven[name], robot_ns):
-                faults[name] = (
-                    f"{name}'s readings carry no fresh moment of this robot's clock; check that it hears base"
-                )
+                stale = f"{name}'s readings carry no fresh moment of this robot's clock"
+                faults[name] = Trouble(stale, "check that it hears base")
         return faults
 
     def _fresh(self, tick: RobotTime | None, now: RobotTime) -> bool:

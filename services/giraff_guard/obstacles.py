@@ -14,6 +14,7 @@ from giraff_guard.echoes import Echoes
 from giraff_guard.motion import Motion
 from giraff_guard.sensor import Sensor
 from giraff_schemas.messages import Range, RobotTime, Verdict, Wheels
+from giraff_schemas.trouble import WELL, Trouble
 
 
 class Verdicts(NamedTuple):
@@ -23,8 +24,8 @@ class Verdicts(NamedTuple):
     backward: Verdict
     turn_left: Verdict
     turn_right: Verdict
-    sensors: dict[str, str]
-    """By sensor: why it is not trusted; empty when it is."""
+    sensors: dict[str, Trouble]
+    """By sensor: why it is not trusted."""
 
 
 class Limited(NamedTuple):
@@ -32,8 +33,8 @@ class Limited(NamedTuple):
 
     linear_x: float
     angular_z: float
-    reason: str
-    """Why it is less than asked; empty when it is not."""
+    reason: Trouble
+    """Why it is less than asked."""
     range_tick: RobotTime | None
     """Oldest moment of the readings that the motion asked for relies on, whatever passes; None: it relies on none."""
 
@@ -119,17 +120,18 @@ class Obstacles:
                 # Nothing is left of the curve: the rotation is judged alone, and passes slowly. Never a trap.
                 linear = 0.0
                 angular = math.copysign(min(abs(angular), self._live.config.creep_angular), angular)
-                reason = f"{direction.way} blocked: {why}"
+                reason = why.of(f"{direction.way} blocked")
             elif allowed < abs(linear):
                 share = allowed / abs(linear)  # of both: the curvature is the operator's
                 linear, angular = linear * share, angular * share
-                reason = f"{direction.way} slowed: {why or f'this robot drives at {allowed:g} m/s at most'}"
+                why = why or Trouble(f"this robot drives at {allowed:g} m/s at most")
+                reason = why.of(f"{direction.way} slowed")
             range_tick = direction.relied_on(now)
         if linear == 0.0:
             turn = self._verdicts.turn_left
             if abs(angular) > turn.allowed:
                 angular = math.copysign(turn.allowed, angular)
-                reason = reason or f"turning slowed: {turn.reason}"
+                reason = reason or Trouble(f"turning slowed: {turn.reason}")
         return Limited(linear, angular, reason, range_tick)
 
     def _begin(self) -> None:
@@ -143,7 +145,7 @@ class Obstacles:
         unjudged = Verdict(allowed=0.0, freedom="blocked", sensor="", reason="nothing is judged yet", way_out="wait")
         self._verdicts = Verdicts(unjudged, unjudged, unjudged, unjudged, {})
         self._asked = (0.0, 0.0)  # when it was limited last, and what has passed of it
-        self._passed = Limited(0.0, 0.0, "", None)
+        self._passed = Limited(0.0, 0.0, WELL, None)
 
     def _turn(self) -> Verdict:
         """Turning in place sweeps nothing beyond the footprint's disc; what touches that is turned past slowly."""
@@ -155,19 +157,19 @@ class Obstacles:
         reason = f"{sensor} has heard something that touches the robot's side"
         return Verdict(allowed=creep, freedom="creep", sensor=sensor, reason=reason, way_out="")
 
-    def _within_the_robots_means(self, linear: float, angular: float) -> tuple[float, float, str]:
+    def _within_the_robots_means(self, linear: float, angular: float) -> tuple[float, float, Trouble]:
         largest = self._robot.max_angular_speed
         if abs(angular) <= largest:
-            return linear, angular, ""
+            return linear, angular, WELL
         share = largest / abs(angular)
-        slower = f"slowed: this robot turns at {largest:g} rad/s at most"
+        slower = Trouble(f"slowed: this robot turns at {largest:g} rad/s at most")
         return linear * share, math.copysign(largest, angular), slower
 
     def _on_this_path(
         self, verdict: Verdict, direction: Direction, curvature: float, now: RobotTime
-    ) -> tuple[float, str]:
+    ) -> tuple[float, Trouble]:
         """The speed along a curve and why: a curve sweeps what straight ahead does not."""
-        why = f"{verdict.reason}; {verdict.way_out}" if verdict.way_out else verdict.reason
+        why = Trouble(verdict.reason, verdict.way_out)
         swept = self._echoes.in_the_way(self._motion.place, direction.sign, now.robot_ns, curvature)
         obstruction = min(swept, key=direction.speed_towards, default=None)
         if obstruction is None:
@@ -176,5 +178,5 @@ class Obstacles:
         if allowed >= verdict.allowed:
             return verdict.allowed, why
         side = "left" if obstruction.bearing > 0.0 else "right"
-        why = f"this curve sweeps what {obstruction.sensor} has heard to the {side}; turn the other way"
+        why = Trouble(f"this curve sweeps what {obstruction.sensor} has heard to the {side}", "turn the other way")
         return (allowed if allowed >= self._live.config.slowest else 0.0), why

@@ -19,6 +19,7 @@ from giraff_schemas.messages import (
     Tick,
     Wheels,
 )
+from giraff_schemas.trouble import WELL, Trouble
 
 
 class GuardPolicy:
@@ -34,10 +35,10 @@ class GuardPolicy:
         self._obstacles = Obstacles(live, robot)
         self._floods = FloodWatch()
         self._replacements = 0  # how often `fault` has come to be
-        self.fault = ""
-        """Two processes where one may be, as `decide` found it, with the way out; empty when there are not."""
-        self.flood = ""
-        """Whose commands flood the guard, as `decide` found it, with the way out; empty: nobody's."""
+        self.fault = WELL
+        """Two processes where one may be, as `decide` found it."""
+        self.flood = WELL
+        """Whose commands flood the guard, as `decide` found it."""
 
     @property
     def unranked(self) -> tuple[str, ...]:
@@ -77,7 +78,8 @@ class GuardPolicy:
         asked, refusal = self._asked(now)
         wish = (asked.linear_x, asked.angular_z) if asked is not None else (0.0, 0.0)
         limited = self._obstacles.limit(*wish, now)
-        newest = authority.command
+        newest, reason = authority.command, refusal or limited.reason
+        sensors, who = verdicts.sensors | self._identity.sensor_faults(robot_ns), authority.reason(now)
         command = GuardedCommand(
             linear_x=limited.linear_x,
             angular_z=limited.angular_z,
@@ -89,7 +91,8 @@ class GuardPolicy:
             source="fault" if self.fault or newest is None else newest.source,
             faults=authority.faults + self._replacements,
             hand_neutral=asked is not None and asked.neutral,
-            reason=refusal or limited.reason,
+            reason=str(reason),
+            remedy=reason.remedy,
         )
         state = GuardState(
             forward=verdicts.forward,
@@ -98,18 +101,21 @@ class GuardPolicy:
             turn_right=verdicts.turn_right,
             operator=authority.holder,
             reason=command.reason,
-            sensors=verdicts.sensors | self._identity.sensor_faults(robot_ns),
+            remedy=command.remedy,
+            sensors={name: str(trouble) for name, trouble in sensors.items()},
+            sensor_remedies={name: trouble.remedy for name, trouble in sensors.items()},
         )
         lease = Lease(
             holder=authority.holder,
             operator=authority.operator,
             counter=authority.counter,
-            reason=authority.reason(now),
+            reason=str(who),
+            remedy=who.remedy,
             unranked=self.unranked,
         )
         return command, state, lease
 
-    def _asked(self, now: RobotTime) -> tuple[DriveCommand | None, str]:
+    def _asked(self, now: RobotTime) -> tuple[DriveCommand | None, Trouble]:
         """The operator's command if it counts, else why none does."""
         refusal = self.fault or self._identity.base_fault(now.robot_ns)
         return (None, refusal) if refusal else self._authority.asked(now)

@@ -15,6 +15,7 @@ from giraff_guard.motion import Motion
 from giraff_guard.self_test import SelfTest
 from giraff_guard.silence_trust import SilenceTrust
 from giraff_schemas.messages import Range, RobotTime
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 _KEPT: Final = 4
 """Readings: what was heard the time before last is not alone when it is heard again."""
@@ -92,30 +93,35 @@ class Sensor:
         if both_echoes and follows:
             self.surest = ping
 
-    def blindness(self, now: RobotTime) -> str:
-        """Why the sensor does not count at all; empty when it does."""
+    def blindness(self, now: RobotTime) -> Trouble:
+        """Why the sensor does not count at all."""
         reading = self._reading
         if reading is None:
-            return f"{self.name} has not been heard yet; start giraff_ranger"
+            return Trouble(f"{self.name} has not been heard yet", "start giraff_ranger")
         if reading.state == "fault":
-            return f"{self.name} is faulty: {reading.reason}"
+            return trouble_of(reading).of(f"{self.name} is faulty")
         old = age(reading.tick, now)
         if old > self._live.config.range_budget:
             last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
-            return f"{self.name} is stale ({last}); check giraff_ranger and its board"
+            return Trouble(f"{self.name} is stale ({last})", "check giraff_ranger and its board")
         if self._self_test.frozen:
-            return f"{self.name} is frozen: it repeats one echo while the robot moves; check it, or look for slip"
+            return Trouble(
+                f"{self.name} is frozen: it repeats one echo while the robot moves", "check it, or look for slip"
+            )
         if len(self._pings) < 2:
-            return f"{self.name} has been heard only once since it was silent; wait for its next reading"
-        return ""
+            return Trouble(f"{self.name} has been heard only once since it was silent", "wait for its next reading")
+        return WELL
 
-    def doubt(self, motion: Motion, now: RobotTime) -> str:
-        """Why its silence is worth less than an echo; empty when it is not."""
+    def doubt(self, motion: Motion, now: RobotTime) -> Trouble:
+        """Why its silence is worth less than an echo."""
         if self._self_test.wild:
-            return f"{self.name} jumps as no surface does; face a wall squarely, else check the sensor"
+            return Trouble(f"{self.name} jumps as no surface does", "face a wall squarely, else check the sensor")
         if self._trust.doubt(motion, now) > 0.0:
-            return f"{self.name} has not proved lately that it hears; face a wall within {self._live.config.reach:g} m"
-        return ""
+            return Trouble(
+                f"{self.name} has not proved lately that it hears",
+                f"face a wall within {self._live.config.reach:g} m",
+            )
+        return WELL
 
     def worth(self, motion: Motion, now: RobotTime, most: float) -> float:
         """m/s that its silence allows, `most` where it is not in doubt."""

@@ -77,7 +77,7 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
 def wiring_checked(environment: Mapping[str, str] = os.environ) -> bool:
     """Return whether somebody has checked that the robot moves as it is asked; True where there is no robot file."""
     with contextlib.suppress(ConfigError):
-        return load(BASE.table, BaseConfig, environment, port="").drive.unchecked == ""
+        return not load(BASE.table, BaseConfig, environment, port="").drive.unchecked
     return True
 
 

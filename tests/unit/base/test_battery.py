@@ -7,6 +7,7 @@ import pytest
 
 from giraff_base.battery import BatteryWatch
 from giraff_core.live import Live
+from giraff_schemas.trouble import WELL, Trouble
 from tests.support.robots import DRIVE
 from tests.unit.base.rig import CONFIG, Rig, moving
 
@@ -22,10 +23,10 @@ def test_a_low_battery_halves_the_speed_and_warns() -> None:
     rig.drive(0.6)
     charge(rig, 21.6)
     assert rig.run(4.9)[-1].levels == (70, 70)
-    assert rig.base.faults["battery"] == ""
+    assert rig.base.faults["battery"] == WELL
     assert rig.run(0.2)[-1].levels == (35, 35)
     assert rig.base.state().reason == "slowed: the battery is low at 21.6 V; charge it"
-    assert rig.base.faults["battery"] == "the battery is low at 21.6 V; charge it"
+    assert rig.base.faults["battery"] == Trouble("the battery is low at 21.6 V", "charge it")
     assert rig.base.state().armed
 
 
@@ -39,7 +40,7 @@ def test_a_battery_that_rests_is_not_charged() -> None:
     charge(rig, 22.6)
     assert rig.run(4.9)[-1].levels == (35, 35)
     assert rig.run(1.0)[-1].levels == (70, 70)
-    assert rig.base.faults["battery"] == ""
+    assert rig.base.faults["battery"] == WELL
 
 
 def test_an_empty_battery_stops_after_5_s_until_it_is_charged_and_armed_again() -> None:
@@ -51,7 +52,7 @@ def test_an_empty_battery_stops_after_5_s_until_it_is_charged_and_armed_again() 
     state = rig.base.state()
     assert not state.armed
     assert state.reason == "the battery is empty at 19.8 V; charge it to 22 V"
-    assert rig.base.faults["battery"] == state.reason
+    assert str(rig.base.faults["battery"]) == state.reason
     charge(rig, 21.9)  # it has recovered at rest
     rig.tilt(0.0)
     rig.run(20.0)
@@ -72,7 +73,7 @@ def test_dips_under_load_neither_slow_nor_stop(dip: float) -> None:
         assert rig.run(dip)[-1].levels == (70, 70)
         charge(rig, 24.0)
         assert rig.run(0.05)[-1].levels == (70, 70)
-    assert rig.base.faults["battery"] == ""
+    assert rig.base.faults["battery"] == WELL
 
 
 def test_dips_on_both_sides_of_a_lost_link_are_two() -> None:
@@ -86,7 +87,7 @@ def test_dips_on_both_sides_of_a_lost_link_are_two() -> None:
     rig.connected = True
     rig.base.on_link_opened(session=100)
     rig.run(1.0)
-    assert rig.base.faults["battery"] == ""
+    assert rig.base.faults["battery"] == WELL
 
 
 def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:
@@ -107,7 +108,7 @@ def test_a_battery_whose_divider_is_unknown_says_nothing() -> None:
     rig = Rig(drive=msgspec.structs.replace(DRIVE, battery_volts_per_count=0.0))
     rig.board.battery_adc_counts = 0
     rig.run(10.0)
-    assert rig.base.faults["battery"] == ""
+    assert rig.base.faults["battery"] == WELL
     rig.drive(0.6)
 
 
@@ -115,7 +116,7 @@ def test_limits_that_are_off_never_apply() -> None:
     watch = BatteryWatch(Live(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=0.0)))
     for second in range(100):
         watch.take(0.0, second * 1_000_000_000)
-    assert (watch.share, watch.warning, watch.stops) == (1.0, "", "")
+    assert (watch.share, watch.warning, watch.stops) == (1.0, WELL, WELL)
 
 
 def test_a_cutoff_alone_needs_half_a_volt_more_to_drive_again() -> None:

@@ -8,6 +8,7 @@ import pytest
 from giraff_base.estop import RELEASED, EStopControl, EStopLatch
 from giraff_schemas.messages import RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import ConfigureFrame, DriveFrame, DriveState, EstopFrame, Latch
 from tests.unit.base.rig import EPOCH, Rig, moving
 
@@ -82,6 +83,7 @@ def test_base_that_starts_engaged_stays_so_and_says_by_whom() -> None:
     assert rig.base.state().reason == "emergency stop by keyboard: space bar; to go on: giraff estop reset"
     sample = rig.base.estop()
     assert (sample.engaged, sample.id, sample.by) == (True, 7, "keyboard")
+    assert sample.remedy == rig.base.state().remedy == "to go on: giraff estop reset"
 
 
 def test_a_reset_permits_motion_and_never_causes_it() -> None:
@@ -232,10 +234,16 @@ def test_what_others_write_into_the_latch_steers_no_terminal() -> None:
     engage(rig, by=ODD, reason=ODD)
     told = rig.base.estop()
     assert (told.by, told.reason) == (PLAIN, f"{PLAIN}; to go on: giraff estop reset")
-    assert rig.base.reason.isprintable()
-    assert EStopControl(EStopLatch(engaged=True, id=1, by=ODD, reason=ODD), 1.0).stops.isprintable()
+    assert str(rig.base.reason).isprintable()
+    assert str(EStopControl(EStopLatch(engaged=True, id=1, by=ODD, reason=ODD), 1.0).stops).isprintable()
     rig.base.on_reset(EStopReset(by=ODD, id=rig.base.latch.id, tick=rig.ago(0.0)), rig.now)
     assert (rig.base.latch.engaged, rig.base.latch.by) == (False, PLAIN)
+
+
+@pytest.mark.parametrize("reason", ["left wheel stuck: free it, then giraff estop reset", "a cat; a dog", ""])
+def test_a_latch_without_a_last_part_that_releases_it_is_told_whole(reason: str) -> None:
+    """As an older base has kept it."""
+    assert EStopLatch(engaged=True, id=1, by="", reason=reason).trouble == Trouble(reason)
 
 
 @pytest.mark.parametrize(
@@ -259,7 +267,8 @@ def test_a_latch_of_the_board_becomes_bases_own(latch: Latch, words: tuple[str, 
     assert rig.base.latch.engaged
     assert rig.base.latch.by == "the base board"
     assert all(word in state.reason for word in words)
-    assert state.reason.endswith("then giraff estop reset")
+    assert state.remedy.endswith("then giraff estop reset")
+    assert state.reason.endswith(state.remedy)
     assert rig.board.latch == latch  # base does not paint it over with its own
     assert reset(rig).done
     rig.run(0.1)

@@ -121,8 +121,8 @@ def test_wiring_that_nobody_has_checked_never_arms(drive: WheelsConfig) -> None:
     assert not rig.base.state().armed
     rig.tilt(0.6)
     assert moving(rig.run(2.0)) == []
-    assert rig.base.state().reason == "the wiring is not checked: lift the wheels and run giraff check wheels"
-    assert rig.base.faults["wiring"] == rig.base.state().reason
+    assert rig.base.state().reason == "the wiring is not checked; lift the wheels and run giraff check wheels"
+    assert str(rig.base.faults["wiring"]) == rig.base.state().reason
 
 
 def test_unchecked_wiring_is_named_after_the_link_and_before_the_battery() -> None:

@@ -111,10 +111,10 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
         {"ROBOT": "not yours: joystick drives; WHY says when you may", "WHY": "then press an arrow key or c to ask"},
     ),
     "another's, which gives way": (
-        Desk().holds("you", "demo", f"held by demo (6542d227), which gives way to others: {_HOW_TO_TAKE}"),
+        Desk().holds("you", "demo", f"held by demo (6542d227), which gives way to others; {_HOW_TO_TAKE}"),
         {
             "ROBOT": "not yours: demo drives; WHY says when you may",
-            "WHY": "gives way to others: press an arrow key to take it, then let go of all keys to arm",
+            "WHY": "gives way to others; press an arrow key to take it, then let go of all keys to arm",
         },
     ),
     "not armed": (
@@ -122,7 +122,7 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
         {"ROBOT": "yours, not armed: let go of all keys for 0.2 s", "WHY": "base has just started; let go of all keys"},
     ),
     "never to be armed": (
-        Desk().mine().take(base(armed=False, reason="the wiring is not checked: lift the wheels and run it")),
+        Desk().mine().take(base(armed=False, reason="the wiring is not checked; lift the wheels and run it")),
         {"ROBOT": "yours, not armed: WHY says what is missing", "WHY": "the wiring is not checked"},
     ),
     "armed": (

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from giraff_core.lease import ASK, LeaseClient
 from giraff_schemas.messages import DriveCommand, GuardedCommand, GuardState, RobotTime, Source
+from giraff_schemas.trouble import WELL
 from tests.unit.guard.checks import check_passed
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FIRST_LEASE, Rig
 
@@ -121,7 +122,7 @@ class Witness(Rig):
             and abs(command.linear_x) <= abs(each.linear_x)
             for each in self.said
         )
-        assert self.guard.fault == ""
+        assert self.guard.fault == WELL
 
     def _fresh(self, tick: RobotTime | None, command: GuardedCommand) -> bool:
         assert command.guard_tick is not None

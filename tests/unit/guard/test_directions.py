@@ -10,6 +10,7 @@ import pytest
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import Verdict
+from giraff_schemas.trouble import WELL
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, FRONT, NEAR, ROBOT, Senses, opened, robot_with
 
 WAYS = [("forward", 0.6, FRONT), ("backward", -0.6, ("rear",))]
@@ -26,9 +27,9 @@ def assert_blocked(senses: Senses, way: str, sensor: str, *reasons: str) -> None
     asked = {"forward": 0.6, "backward": -0.6}[way]
     assert senses.passes(asked) == (0.0, 0.0)
     limited = senses.limit(asked, 0.0)
-    assert limited.reason == f"{way} blocked: {judged.reason}; {judged.way_out}"
+    assert str(limited.reason) == f"{way} blocked: {judged.reason}; {judged.way_out}"
     assert senses.passes(0.0, 1.0) == (0.0, 1.0)
-    assert senses.limit(0.0, 1.0).reason == ""
+    assert senses.limit(0.0, 1.0).reason == WELL
 
 
 @each_way
@@ -52,8 +53,8 @@ def test_far_is_free(way: str, asked: float, sensors: tuple[str, ...]) -> None:
     senses = opened()
     assert senses.verdict(way) == Verdict(allowed=0.6, freedom="free", sensor="", reason="", way_out="")
     assert senses.passes(asked, 0.5) == (asked, 0.5)
-    assert senses.limit(asked, 0.5).reason == ""
-    assert senses.judge().sensors == dict.fromkeys(ROBOT.sensors, "")
+    assert senses.limit(asked, 0.5).reason == WELL
+    assert senses.judge().sensors == dict.fromkeys(ROBOT.sensors, WELL)
     assert sensors
 
 
@@ -94,7 +95,7 @@ def test_a_faulty_sensor_blinds_its_way_only(way: str, asked: float, sensors: tu
         senses = opened()
         senses.hear(None, sensor, fault="the echo line stays high; check its wiring")
         assert_blocked(senses, way, sensor, "faulty", "check its wiring")
-        assert "check its wiring" in senses.judge().sensors[sensor]
+        assert "check its wiring" in str(senses.judge().sensors[sensor])
         assert senses.passes(-asked) == (-asked, 0.0)
 
 
@@ -121,7 +122,7 @@ def test_a_stale_sensor_blinds_its_way_only(way: str, asked: float, sensors: tup
         assert senses.verdict(way).freedom != "blocked"
         senses.robot_ns += 1
         assert_blocked(senses, way, sensor, "stale", "0.4 s old", "check giraff_ranger")
-        assert "stale" in senses.judge().sensors[sensor]
+        assert "stale" in str(senses.judge().sensors[sensor])
         assert senses.passes(-asked)[0] == -asked
 
 
@@ -169,7 +170,7 @@ def test_a_sensor_that_the_robot_file_lacks_leaves_creep(way: str, asked: float,
     assert linear == pytest.approx(math.copysign(0.1, asked))
     assert angular == pytest.approx(0.1)
     limited = senses.limit(asked, 0.6)
-    assert f"{way} slowed: no sensor looks {way}" in limited.reason
+    assert f"{way} slowed: no sensor looks {way}" in str(limited.reason)
     assert limited.range_tick is None
 
 
@@ -194,7 +195,7 @@ def test_in_between_the_speed_is_what_stops_before_the_margin(distance: float) -
     linear, angular = senses.passes(0.6, 0.3)
     assert linear == pytest.approx(judged.allowed)
     assert angular / linear == pytest.approx(0.5)
-    assert f"{distance:.2f} m" in senses.limit(0.6, 0.3).reason
+    assert f"{distance:.2f} m" in str(senses.limit(0.6, 0.3).reason)
 
 
 def test_without_a_measured_deceleration_the_robot_creeps() -> None:

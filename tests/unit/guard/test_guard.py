@@ -7,6 +7,7 @@ import pytest
 
 from giraff_core.lease import ASK
 from giraff_schemas.messages import Range, RobotTime, Wheels
+from giraff_schemas.trouble import WELL
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FIRST_LEASE, NEAR, OPERATOR, Rig
 
 
@@ -245,7 +246,7 @@ def test_a_second_base_stops_the_robot_and_is_named_while_both_speak() -> None:
         command, state = rig.decide()
         assert command.neutral
         assert (command.source, command.hand_neutral, command.operator) == ("fault", False, OPERATOR)
-        for text in (command.reason, state.reason, rig.guard.fault):
+        for text in (command.reason, state.reason, str(rig.guard.fault)):
             assert f"base-{EPOCH}/" in text
             assert f"base-{EPOCH + 1}/" in text
     for _ in range(26):
@@ -253,7 +254,7 @@ def test_a_second_base_stops_the_robot_and_is_named_while_both_speak() -> None:
         rig.hear(FAR)
         rig.ask(0.5, 0.5)
     assert rig.decide()[0].linear_x == 0.5
-    assert rig.guard.fault == ""
+    assert rig.guard.fault == WELL
 
 
 def test_a_fault_that_no_command_shows_is_counted() -> None:

@@ -69,11 +69,11 @@ class Air:
 
     @property
     def fault(self) -> str:
-        return self.identity.fault(self.robot_ns)
+        return str(self.identity.fault(self.robot_ns))
 
     @property
     def base_fault(self) -> str:
-        return self.identity.base_fault(self.robot_ns)
+        return str(self.identity.base_fault(self.robot_ns))
 
     def _next(self, seq: int | None) -> int:
         self._seq += 1
@@ -201,7 +201,7 @@ def test_a_second_ranger_is_named_and_not_listened_to(air: Air) -> None:
         assert air.echo(1)
         assert not air.echo(2)
         assert air.fault == "a second ranger for front_left, ranger-2, speaks beside ranger-1; end one of the two"
-        assert air.identity.sensor_faults(air.robot_ns)[SENSOR] == air.fault
+        assert str(air.identity.sensor_faults(air.robot_ns)[SENSOR]) == air.fault
     for _ in range(3):
         air.wait(0.18)
         air.tick()
@@ -264,7 +264,7 @@ def test_readings_without_a_fresh_moment_are_named(air: Air) -> None:
         air.wait(0.1)
         air.tick()
         air.echo(age=-1.0)
-    assert "check that it hears base" in air.identity.sensor_faults(air.robot_ns)[SENSOR]
+    assert "check that it hears base" in str(air.identity.sensor_faults(air.robot_ns)[SENSOR])
 
 
 @given(

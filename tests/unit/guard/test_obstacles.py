@@ -31,7 +31,7 @@ def test_what_the_robot_cannot_do_is_scaled_and_named(
 ) -> None:
     senses = opened()
     assert senses.passes(linear, angular) == pytest.approx(passed)
-    reason = senses.limit(linear, angular).reason
+    reason = str(senses.limit(linear, angular).reason)
     assert (reason == "") is ((linear, angular) == passed)
     assert not reason or "this robot" in reason
 
@@ -43,7 +43,7 @@ def test_rotation_passes_slowly_where_the_way_ahead_is_blocked(angular: float) -
     linear, passed = senses.passes(0.6, angular)
     assert linear == 0.0
     assert passed == pytest.approx(math.copysign(min(abs(angular), 0.35), angular))
-    assert senses.limit(0.6, angular).reason.startswith("forward blocked: front_left sees something at 0.30 m; ")
+    assert str(senses.limit(0.6, angular).reason).startswith("forward blocked: front_left sees something at 0.30 m; ")
 
 
 @pytest.mark.parametrize(("linear", "expected"), [(0.6, 0.15), (-0.6, 0.02), (0.01, 0.15), (0.0, None)])

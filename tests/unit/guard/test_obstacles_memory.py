@@ -72,7 +72,7 @@ def test_turning_in_place_sweeps_nothing_but_what_touches_is_turned_past_slowly(
         assert (judged.allowed, judged.freedom, judged.sensor) == (CONFIG.creep_angular, "creep", "front_left")
         assert "touches" in judged.reason
     assert senses.passes(0.0, 1.0) == (0.0, CONFIG.creep_angular)
-    assert "turning slowed" in senses.limit(0.0, -1.0).reason
+    assert "turning slowed" in str(senses.limit(0.0, -1.0).reason)
     assert senses.passes(0.0, -0.2) == (0.0, -0.2)
 
 
@@ -96,7 +96,7 @@ def test_a_curve_sweeps_what_straight_ahead_does_not() -> None:
     linear, angular = senses.passes(0.5, 1.5)
     assert 0.0 < linear < 0.5
     assert angular / linear == pytest.approx(3.0)
-    assert "this curve sweeps what front_left has heard to the left" in senses.limit(0.5, 1.5).reason
+    assert "this curve sweeps what front_left has heard to the left" in str(senses.limit(0.5, 1.5).reason)
     assert senses.passes(0.5, -1.5)[0] > linear
 
 
@@ -110,7 +110,7 @@ def test_a_curve_that_would_touch_is_a_turn_in_place() -> None:
     senses.linear = senses.angular = 0.0
     senses.report()
     assert senses.passes(0.3, 0.9) == (0.0, CONFIG.creep_angular)
-    assert senses.limit(0.3, 0.9).reason.startswith("forward blocked: ")
+    assert str(senses.limit(0.3, 0.9).reason).startswith("forward blocked: ")
 
 
 def test_it_is_forgotten_when_nothing_answers_from_there_any_more() -> None:
@@ -260,7 +260,7 @@ def test_a_curve_backward_sweeps_the_side_it_turns_to() -> None:
     linear, angular = senses.passes(-0.6, 1.2)
     assert -0.6 < linear < 0.0
     assert angular / linear == pytest.approx(-2.0)
-    assert "this curve sweeps what rear has heard to the right" in senses.limit(-0.6, 1.2).reason
+    assert "this curve sweeps what rear has heard to the right" in str(senses.limit(-0.6, 1.2).reason)
     assert senses.passes(-0.6, -1.2) == (-0.6, -1.2)
 
 

@@ -11,6 +11,7 @@ from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import WIRING, RobotConfig
 from giraff_core.tuning import Tuning
 from giraff_schemas.boards import BASE_BOARD, BoardType
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
 WheelControl = Literal["level", "speed"]
@@ -135,11 +136,11 @@ class WheelsConfig(
         return self.wheel_control == "speed"
 
     @property
-    def unchecked(self) -> str:
-        """Why nobody knows yet whether the robot moves as it is asked, with the remedy; empty: somebody has checked."""
+    def unchecked(self) -> Trouble:
+        """Why nobody knows yet whether the robot moves as it is asked."""
         if all(getattr(self, name) is not None for name in WIRING):
-            return ""
-        return "the wiring is not checked: lift the wheels and run giraff check wheels"
+            return WELL
+        return Trouble("the wiring is not checked", "lift the wheels and run giraff check wheels")
 
     @property
     def wiring(self) -> Wiring:

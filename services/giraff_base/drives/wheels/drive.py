@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from giraff_base.drive import Answer, Report
 from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import WheelsConfig
@@ -11,10 +13,14 @@ from giraff_base.drives.wheels.words import board_state, engaged_by, held, limit
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import BoardState, RobotTime
 from giraff_schemas.topics import WHEELS
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import DriveState, Frame, Latch, Refusal, WheelsFrame
 
 _CONFIGURE_PERIOD_NS = 50_000_000
 _ZERO = (0, 0)
+_BEING_RELEASED: Final = Trouble("the base board is being released")
+_BEING_CONFIGURED: Final = Trouble("the base board is being configured")
+_REFUSES: Final = Trouble("the base board refuses the configuration", "check [base.drive], or reflash the board")
 
 
 class WheelsDrive:
@@ -45,9 +51,9 @@ class WheelsDrive:
         return self._report.battery_adc_counts * self._config.battery_volts_per_count
 
     @property
-    def waits(self) -> str:
+    def waits(self) -> Trouble:
         state = self._newest.drive_state
-        return "" if state == DriveState.ACTIVE else f"the base board is in state {word(DriveState, state)}"
+        return WELL if state == DriveState.ACTIVE else Trouble(f"the base board is in state {word(DriveState, state)}")
 
     def state(self) -> BoardState:
         return board_state(self._report)
@@ -87,7 +93,7 @@ class WheelsDrive:
         if report.session != self._session:
             return self._configure(report, now)
         if self._releasing:
-            return Answer(self._frames.estop(report, self._session, engage=False), "the base board is being released")
+            return Answer(self._frames.estop(report, self._session, engage=False), _BEING_RELEASED)
         return None
 
     def ask(self, linear: float, angular: float) -> Answer:
@@ -112,9 +118,7 @@ class WheelsDrive:
         return tuple(found)
 
     def _configure(self, report: WheelsFrame, now: RobotTime) -> Answer:
-        reason = "the base board is being configured"
-        if report.last_refusal == Refusal.PROTOCOL:
-            reason = "the base board refuses the configuration; check [base.drive], or reflash the board"
+        reason = _REFUSES if report.last_refusal == Refusal.PROTOCOL else _BEING_CONFIGURED
         if now.robot_ns < self._next_configure_ns:
             return Answer(None, reason)
         self._next_configure_ns = now.robot_ns + _CONFIGURE_PERIOD_NS

@@ -8,18 +8,19 @@ from typing import Final
 from giraff_core.estop import RESET_COMMAND
 from giraff_schemas.messages import BoardState
 from giraff_schemas.requests import EStopEngage
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import DriveState, Latch, Refusal, SpeedFlag, WheelsFrame
 
-_STUCK: Final = "wheel stuck: free it, check its motor and its encoder's cable"
-_OPPOSITE: Final = "wheel turned against its motor: lift the wheels and run giraff check wheels"
+_STUCK: Final = "wheel stuck; free it, check its motor and its encoder's cable"
+_OPPOSITE: Final = "wheel turned against its motor; lift the wheels and run giraff check wheels"
 _LATCHED_BY: Final[dict[int, str]] = {
-    Latch.ESTOP: "the board kept an emergency stop from before: see that the robot may move",
+    Latch.ESTOP: "the board kept an emergency stop from before; see that the robot may move",
     Latch.LEFT_STUCK: f"left {_STUCK}",
     Latch.RIGHT_STUCK: f"right {_STUCK}",
     Latch.LEFT_OPPOSITE: f"left {_OPPOSITE}",
     Latch.RIGHT_OPPOSITE: f"right {_OPPOSITE}",
 }
-_AT_LIMIT: Final = "at its limit: the wheels cannot do what is asked; the battery may be low"
+_AT_LIMIT: Final = Trouble("at its limit: the wheels cannot do what is asked; the battery may be low")
 
 
 def word(kind: type[IntEnum], value: int) -> str:
@@ -29,7 +30,7 @@ def word(kind: type[IntEnum], value: int) -> str:
 
 def engaged_by(latch: int) -> EStopEngage:
     """What a latch of the board that base did not order means to base."""
-    why = _LATCHED_BY.get(latch, f"latched for an unknown cause, {latch}: reflash the board")
+    why = _LATCHED_BY.get(latch, f"latched for an unknown cause, {latch}; reflash the board")
     return EStopEngage(by="the base board", reason=f"{why}, then {RESET_COMMAND}")
 
 
@@ -43,9 +44,9 @@ def held(report: WheelsFrame) -> str:
     return f"{which} held: clear the way, or check its encoder, motor and battery"
 
 
-def limit(report: WheelsFrame) -> str:
-    """Why the wheels do less than they are asked for; empty when they need not."""
-    return _AT_LIMIT if report.speed_flags & SpeedFlag.AT_LIMIT else ""
+def limit(report: WheelsFrame) -> Trouble:
+    """Why the wheels do less than they are asked for."""
+    return _AT_LIMIT if report.speed_flags & SpeedFlag.AT_LIMIT else WELL
 
 
 def board_state(report: WheelsFrame | None) -> BoardState:

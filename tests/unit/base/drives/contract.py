@@ -17,6 +17,7 @@ from giraff_base.kinds import drive_of
 from giraff_core.estop import RESET_COMMAND
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
+from giraff_schemas.trouble import WELL
 from giraff_schemas.wire import Frame, HelloFrame, HelloRequestFrame
 from tests.support import robots
 
@@ -110,7 +111,7 @@ class AnyDrive:
         bench.run()
         bench.hear()
         assert bench.drive.settle(bench.now, engaged=False) is None
-        assert bench.drive.waits == ""
+        assert bench.drive.waits == WELL
         return bench
 
     def moving(self, linear: float = 0.3, angular: float = 0.0) -> Bench:
