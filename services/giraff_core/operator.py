@@ -140,7 +140,7 @@ class Operator(RobotLink):
 
     def last_words(self, tick: RobotTime | None) -> DriveCommand:
         """The command of a program that ends. `tick`: of what it has said last."""
-        return self.say(Fault(Trouble(f"the program of {self.name} has ended", "start it again"), tick))
+        return self.say(Fault(Trouble(f"the {self.name} service has ended", "start it again"), tick))
 
     def _counter(self, *, takes: bool) -> int:
         if not (self._asks_from_start or takes or self.holds):

@@ -171,7 +171,7 @@ def test_its_last_word_disarms_and_names_why(script: Script) -> None:
     script.arm()
     last = script.policy.final_command()
     assert (last.source, last.neutral, last.lease_counter) == ("fault", True, COUNTER)
-    assert "script has ended" in last.reason
+    assert "script service has ended" in last.reason
 
 
 def test_it_says_why_it_was_not_armed_in_time(script: Script) -> None:
