@@ -51,9 +51,8 @@ class Told(Protocol):
 
 def read_trouble(line: str, remedy: str) -> Trouble:
     """What the two fields of a message say."""
-    if not (remedy and line.endswith(remedy)):
-        return Trouble(line)
-    return Trouble(line.removesuffix(remedy).removesuffix(_BETWEEN), remedy)
+    tail = f"{_BETWEEN}{remedy}"
+    return Trouble(line.removesuffix(tail), remedy) if remedy and line.endswith(tail) else Trouble(line)
 
 
 def trouble_of(told: Told) -> Trouble:

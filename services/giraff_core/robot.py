@@ -12,14 +12,13 @@ from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.kinematics.parts import ANGLE, PLACE, PartPose, check_parts
-from giraff_core.sensors import Bumper, UltrasonicModel
+from giraff_core.sensors import HC_SR04, Bumper, UltrasonicModel
 from giraff_core.tuning import Tuning
 from giraff_schemas.frames import BASE_FRAME, Transform, range_frame
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS
 
 _STEEPEST: Final = math.pi / 4
-_HC_SR04: Final = UltrasonicModel()
 WIRING: Final = (
     "swap_motors",
     "swap_encoders",
@@ -126,7 +125,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     def model(self, sensor: str) -> UltrasonicModel:
         """What is expected of an ultrasonic sensor."""
-        return self.models.get(sensor, _HC_SR04)
+        return self.models.get(sensor, HC_SR04)
 
     @property
     def kinematics(self) -> DifferentialDrive:

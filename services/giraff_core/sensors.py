@@ -41,6 +41,9 @@ class UltrasonicModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
         check_bounds(self)
 
 
+HC_SR04: Final = UltrasonicModel()
+
+
 class Bumper(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A switch at the robot's rim that opens when something pushes it, on a spare pin of the ranger's board."""
 

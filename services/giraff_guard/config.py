@@ -49,12 +49,12 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """rad/s while the way ahead is blocked."""
     slowest: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 0.5, "m/s")] = 0.03
     """m/s; less is a stop."""
-    reach: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 10.0, "m")] = 4.0
-    """m; what `clear` counts for."""
-    half_cone: Annotated[float, Tuning.READ_ONLY, Bounds(0.001, math.pi / 4, "rad")] = math.radians(7.5)
-    """rad; an echo may come from anywhere this far off the sensor's axis."""
-    incidence: Annotated[float, Tuning.READ_ONLY, Bounds(0.001, math.pi / 2, "rad")] = math.radians(25.0)
-    """rad between a surface's normal and the sensor's axis, up to which an HC-SR04 reads reliably."""
+    reach: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 10.0, "m")] = 10.0
+    """m that `clear` counts for at most, whatever reach the sensor has in the robot file."""
+    half_cone: Annotated[float | None, Tuning.READ_ONLY, Bounds(0.001, math.pi / 4, "rad")] = None
+    """rad; of all ultrasonic sensors, in place of what each has. None: as `[robot.sensors.<name>]` has it."""
+    incidence: Annotated[float | None, Tuning.READ_ONLY, Bounds(0.001, math.pi / 2, "rad")] = None
+    """rad; as of `half_cone`."""
     proof_time: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.5, 60.0, "s")] = 10.0
     """s after a sensor's last plausible echo, up to which its `clear` counts in full."""
     proof_travel: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 5.0, "m")] = 1.2

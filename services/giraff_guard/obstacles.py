@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
+
+import msgspec
 
 from giraff_core.freshness import age
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_guard.directions import Direction, with_way_out
-from giraff_guard.echoes import Echoes
+from giraff_guard.kinds import Sensed, sources_of
+from giraff_guard.limits import Way
 from giraff_guard.motion import Motion
-from giraff_guard.sensor import Sensor
-from giraff_schemas.messages import Range, RobotTime, Verdict, Wheels
+from giraff_guard.source import Source
+from giraff_schemas.messages import RobotTime, Verdict, Wheels
 from giraff_schemas.trouble import WELL, Trouble
+
+_BACK: Final[dict[Way, str]] = {"forward": "back up", "backward": "drive forward"}
+_UNJUDGED: Final = Verdict(allowed=0.0, freedom="blocked", sensor="", reason="nothing is judged yet", way_out="wait")
 
 
 class Verdicts(NamedTuple):
@@ -40,28 +45,24 @@ class Limited(NamedTuple):
 
 
 class Obstacles:
-    """Feed it admitted readings and wheel reports; judge, then limit, once a decision."""
+    """Feed it admitted samples of sensors and wheel reports; judge, then limit, once a decision."""
 
     def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
+        """Raises ValueError for a robot that has a sensor of a type that nobody knows here."""
         self._live = live
         self._robot = robot
         self._begin()
 
-    def on_range(self, reading: Range, now: RobotTime) -> bool:
-        """A reading newer than the last of its sensor. One of a sensor that the robot file lacks says nothing.
+    def on_sensed(self, sample: Sensed, now: RobotTime) -> bool:
+        """A sample newer than the last of its sensor. One of a sensor that the robot file lacks says nothing.
 
         True: less may pass now than has passed last.
         """
-        sensor = self._sensors.get(reading.sensor)
-        if sensor is None:
+        source = next((each for each in self._sources if sample.sensor in each.names), None)
+        if source is None:
             return False
         self._motion.look(now)
-        sensor.on_range(reading, self._motion, now)
-        for direction in (self._forward, self._backward):
-            direction.on_reading(sensor)
-        ping = sensor.newest
-        if ping is not None and self._motion.heard:
-            self._echoes.take(sensor, ping, self._motion.travel)
+        source.take(sample, self._motion, now)
         if self._asked == (0.0, 0.0):
             return False
         self.judge(now)
@@ -75,7 +76,8 @@ class Obstacles:
         breaks = self._motion.breaks
         self._motion.on_wheels(wheels)
         if self._motion.breaks != breaks:
-            self._echoes.clear()  # nobody knows where they are now
+            for source in self._sources:
+                source.lose_place()
         self._motion.look(now)
 
     def forget(self) -> None:
@@ -86,17 +88,15 @@ class Obstacles:
         """The verdict for each direction now."""
         motion = self._motion
         motion.look(now)
-        self._echoes.forget(now.robot_ns, motion.travel)
-        forward = self._forward.judge(motion, self._echoes, now)
-        backward = self._backward.judge(motion, self._echoes, now)
+        forward, backward = (self._straight(way, now) for way in ("forward", "backward"))
         turn = self._turn()
         self._verdicts = Verdicts(
-            forward=with_way_out(forward, self._forward, other_is_free=backward.allowed > 0.0),
-            backward=with_way_out(backward, self._backward, other_is_free=forward.allowed > 0.0),
+            forward=self._with_way_out("forward", forward, other=backward),
+            backward=self._with_way_out("backward", backward, other=forward),
             turn_left=turn,
             turn_right=turn,
             sensors={
-                name: sensor.blindness(now) or sensor.doubt(motion, now) for name, sensor in self._sensors.items()
+                name: trouble for source in self._sources for name, trouble in source.troubles(motion, now).items()
             },
         )
         return self._verdicts
@@ -113,20 +113,21 @@ class Obstacles:
         linear, angular, reason = self._within_the_robots_means(linear_x, angular_z)
         range_tick = None
         if linear != 0.0:
-            direction = self._forward if linear > 0.0 else self._backward
+            way: Way = "forward" if linear > 0.0 else "backward"
             verdict = self._verdicts.forward if linear > 0.0 else self._verdicts.backward
-            allowed, why = self._on_this_path(verdict, direction, angular / linear, now)
+            allowed, why = self._on_this_path(verdict, way, angular / linear, now)
             if allowed == 0.0:
                 # Nothing is left of the curve: the rotation is judged alone, and passes slowly. Never a trap.
                 linear = 0.0
                 angular = math.copysign(min(abs(angular), self._live.config.creep_angular), angular)
-                reason = why.of(f"{direction.way} blocked")
+                reason = why.of(f"{way} blocked")
             elif allowed < abs(linear):
                 share = allowed / abs(linear)  # of both: the curvature is the operator's
                 linear, angular = linear * share, angular * share
                 why = why or Trouble(f"this robot drives at {allowed:g} m/s at most")
-                reason = why.of(f"{direction.way} slowed")
-            range_tick = direction.relied_on(now)
+                reason = why.of(f"{way} slowed")
+            ticks = [tick for source in self._sources if (tick := source.relied_on(way, now)) is not None]
+            range_tick = min(ticks, key=lambda tick: tick.robot_ns, default=None)
         if linear == 0.0:
             turn = self._verdicts.turn_left
             if abs(angular) > turn.allowed:
@@ -135,27 +136,28 @@ class Obstacles:
         return Limited(linear, angular, reason, range_tick)
 
     def _begin(self) -> None:
-        live, robot = self._live, self._robot
-        self._motion = Motion(live, robot)
-        self._echoes = Echoes(live, robot.footprint_radius)
-        self._sensors = {name: Sensor(name, pose, live) for name, pose in robot.sensors.items()}
-        sensors = list(self._sensors.values())
-        self._forward = Direction("forward", live, robot, sensors)
-        self._backward = Direction("backward", live, robot, sensors)
-        unjudged = Verdict(allowed=0.0, freedom="blocked", sensor="", reason="nothing is judged yet", way_out="wait")
-        self._verdicts = Verdicts(unjudged, unjudged, unjudged, unjudged, {})
+        self._motion = Motion(self._live, self._robot)
+        self._sources: list[Source] = sources_of(self._live, self._robot)
+        self._verdicts = Verdicts(_UNJUDGED, _UNJUDGED, _UNJUDGED, _UNJUDGED, {})
         self._asked = (0.0, 0.0)  # when it was limited last, and what has passed of it
         self._passed = Limited(0.0, 0.0, WELL, None)
 
+    def _straight(self, way: Way, now: RobotTime) -> Verdict:
+        """The strictest."""
+        verdicts = [source.straight(way, self._motion, now) for source in self._sources]
+        return min(verdicts, key=lambda each: each.allowed)
+
     def _turn(self) -> Verdict:
-        """Turning in place sweeps nothing beyond the footprint's disc; what touches that is turned past slowly."""
-        largest = self._robot.max_angular_speed
-        creep = self._live.config.creep_angular
-        sensor = self._echoes.touching(self._motion.place)
-        if not sensor or creep >= largest:
-            return Verdict(allowed=largest, freedom="free", sensor="", reason="", way_out="")
-        reason = f"{sensor} has heard something that touches the robot's side"
-        return Verdict(allowed=creep, freedom="creep", sensor=sensor, reason=reason, way_out="")
+        free = Verdict(allowed=self._robot.max_angular_speed, freedom="free", sensor="", reason="", way_out="")
+        return min((source.turn(self._motion) or free for source in self._sources), key=lambda each: each.allowed)
+
+    def _with_way_out(self, way: Way, verdict: Verdict, *, other: Verdict) -> Verdict:
+        """A blocked verdict with what the operator can do instead."""
+        if verdict.freedom != "blocked":
+            return verdict
+        side = next(filter(None, (source.freer_side(way) for source in self._sources)), "")
+        turn = f"turn {side}".strip()
+        return msgspec.structs.replace(verdict, way_out=f"{turn} or {_BACK[way]}" if other.allowed > 0.0 else turn)
 
     def _within_the_robots_means(self, linear: float, angular: float) -> tuple[float, float, Trouble]:
         largest = self._robot.max_angular_speed
@@ -165,18 +167,12 @@ class Obstacles:
         slower = Trouble(f"slowed: this robot turns at {largest:g} rad/s at most")
         return linear * share, math.copysign(largest, angular), slower
 
-    def _on_this_path(
-        self, verdict: Verdict, direction: Direction, curvature: float, now: RobotTime
-    ) -> tuple[float, Trouble]:
+    def _on_this_path(self, verdict: Verdict, way: Way, curvature: float, now: RobotTime) -> tuple[float, Trouble]:
         """The speed along a curve and why: a curve sweeps what straight ahead does not."""
-        why = Trouble(verdict.reason, verdict.way_out)
-        swept = self._echoes.in_the_way(self._motion.place, direction.sign, now.robot_ns, curvature)
-        obstruction = min(swept, key=direction.speed_towards, default=None)
-        if obstruction is None:
-            return verdict.allowed, why
-        allowed = direction.speed_towards(obstruction)
-        if allowed >= verdict.allowed:
-            return verdict.allowed, why
-        side = "left" if obstruction.bearing > 0.0 else "right"
-        why = Trouble(f"this curve sweeps what {obstruction.sensor} has heard to the {side}", "turn the other way")
-        return (allowed if allowed >= self._live.config.slowest else 0.0), why
+        allowed, why = verdict.allowed, Trouble(verdict.reason, verdict.way_out)
+        for source in self._sources:
+            swept = source.curve(way, curvature, self._motion, now)
+            if swept is not None and swept[0] < allowed:
+                allowed, why = swept
+                allowed = allowed if allowed >= self._live.config.slowest else 0.0
+        return allowed, why

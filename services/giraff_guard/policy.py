@@ -8,13 +8,13 @@ from giraff_guard.authority import Authority
 from giraff_guard.config import GuardConfig
 from giraff_guard.flood import FloodWatch
 from giraff_guard.identity import Identity
+from giraff_guard.kinds import Sensed
 from giraff_guard.obstacles import Obstacles
 from giraff_schemas.messages import (
     DriveCommand,
     GuardedCommand,
     GuardState,
     Lease,
-    Range,
     RobotTime,
     Tick,
     Wheels,
@@ -50,11 +50,11 @@ class GuardPolicy:
         if self._identity.on_tick(tick, robot_ns):
             self._obstacles.forget()
 
-    def on_range(self, reading: Range, robot_ns: int) -> bool:
-        """Take a sensor's reading. True: it blocks or slows a direction, which cannot wait for the next decision."""
-        if not self._identity.admits_range(reading, robot_ns):
+    def on_range(self, sample: Sensed, robot_ns: int) -> bool:
+        """Take what a sensor says. True: it blocks or slows a direction, which cannot wait for the next decision."""
+        if not self._identity.admits_range(sample, robot_ns):
             return False
-        return self._obstacles.on_range(reading, self._identity.now(robot_ns))
+        return self._obstacles.on_sensed(sample, self._identity.now(robot_ns))
 
     def on_wheels(self, wheels: Wheels, robot_ns: int) -> None:
         """Take what the wheels do."""

@@ -6,10 +6,15 @@ import math
 from collections.abc import Mapping
 from typing import Final
 
+import msgspec
+
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
+from giraff_guard.limits import Limits
 from giraff_guard.obstacles import Limited, Obstacles, Verdicts
+from giraff_guard.ultrasonic.memory import Echoes
+from giraff_guard.ultrasonic.source import UltrasonicSource
 from giraff_schemas.messages import Range, RobotTime, Verdict, Wheels
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FRONT, NEAR, ROBOT, robot_with
 
@@ -95,7 +100,7 @@ class Senses:
                 reason=fault,
                 tick=self.ago(age) if tick is None else tick,
             )
-            self.obstacles.on_range(reading, self.now)
+            self.obstacles.on_sensed(reading, self.now)
 
     def cycle(self, distances: Mapping[str, float | None] | float | None = FAR, cycles: int = 1) -> None:
         """As the ranger board has it: a sensor each 60 ms, in turn."""
@@ -134,3 +139,14 @@ def opened(robot: RobotConfig = ROBOT, config: GuardConfig = CONFIG, distance: f
     senses.hear(distance)
     senses.judge()
     return senses
+
+
+def echoes_of(senses: Senses) -> Echoes:
+    """What is remembered of what was heard."""
+    (source,) = senses.obstacles._sources
+    assert isinstance(source, UltrasonicSource)
+    return source._echoes
+
+
+def limits(radius: float = ROBOT.footprint_radius) -> Limits:
+    return Limits(Live(CONFIG), msgspec.structs.replace(ROBOT, footprint_radius=radius))

@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from giraff_core.sensors import HC_SR04
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load
 
@@ -42,8 +43,9 @@ def test_what_a_robot_file_leaves_out_is_what_safety_was_reckoned_with() -> None
     assert (default.operator_release, default.fault_release, default.idle_release) == (1.0, 2.0, 30.0)
     assert (default.maker_silence, default.priorities) == (0.5, {"motion": -1, "demo": -2})
     assert (default.creep_linear, default.creep_angular, default.slowest, default.regain) == (0.10, 0.35, 0.03, 0.12)
-    assert (default.reach, default.near, default.frozen_travel) == (4.0, 0.10, 0.20)
-    assert [math.degrees(angle) for angle in (default.half_cone, default.incidence)] == pytest.approx([7.5, 25.0])
+    assert (default.reach, default.near, default.frozen_travel) == (10.0, 0.10, 0.20)
+    assert HC_SR04.reach == 4.0
+    assert [math.degrees(angle) for angle in (HC_SR04.half_cone, HC_SR04.incidence)] == pytest.approx([7.5, 25.0])
     assert (default.agreement, default.person_speed) == (0.10, 1.0)
     assert (default.memory_range, default.memory_time, default.memory_travel) == (1.6, 20.0, 2.0)
     assert (default.memory_margin, default.memory_block) == (0.05, 8.0)

@@ -310,7 +310,7 @@ def test_only_readings_and_wheels_of_those_it_is_bound_to_are_judged(monkeypatch
         judged.append(sample)
         return False
 
-    for name in ("on_range", "on_wheels"):
+    for name in ("on_sensed", "on_wheels"):
         monkeypatch.setattr(rig.guard._obstacles, name, judge)
     rig.hear(NEAR, "rear_right")  # the robot file knows no such sensor
     rig.hear(NEAR, age=0.6)

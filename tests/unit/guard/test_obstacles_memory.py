@@ -14,13 +14,13 @@ from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_guard.config import GuardConfig
-from giraff_guard.directions import Direction
-from giraff_guard.echoes import Echoes, Obstruction
 from giraff_guard.geometry import until_touch
 from giraff_guard.motion import Motion
-from giraff_guard.sensor import Ping, Sensor
+from giraff_guard.ultrasonic.memory import Echoes, Obstruction
+from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_guard.ultrasonic.way import UltrasonicWay
 from giraff_schemas.messages import RobotTime
-from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, opened
+from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, echoes_of, limits, opened
 from tests.unit.odometry.robots import wheels
 
 POST = 0.5  # m before the left sensor, so at (0.75, 0.15)
@@ -41,7 +41,11 @@ def passed_by(forward: float = 0.45, seconds: float = 2.0, config: GuardConfig =
 
 def first(echoes: Echoes, place: Pose, sign: float = 1.0, curvature: float = 0.0) -> Obstruction | None:
     """What is met first."""
-    return min(echoes.in_the_way(place, sign, 0, curvature), key=lambda each: each.distance, default=None)
+    return min(
+        echoes.in_the_way(place, "forward" if sign > 0.0 else "backward", 0, curvature),
+        key=lambda each: each.distance,
+        default=None,
+    )
 
 
 def test_it_blocks_the_way_it_lies_in() -> None:
@@ -117,11 +121,11 @@ def test_it_is_forgotten_when_nothing_answers_from_there_any_more() -> None:
     """From the same place, so that the sensor would hear it wherever in its cone it was."""
     senses = opened(config=MEMORY)
     senses.cycle({"front_left": POST}, cycles=3)
-    assert first(senses.obstacles._echoes, senses.obstacles._motion.place) is not None
+    assert first(echoes_of(senses), senses.obstacles._motion.place) is not None
     senses.cycle(None)
-    assert first(senses.obstacles._echoes, senses.obstacles._motion.place) is not None
+    assert first(echoes_of(senses), senses.obstacles._motion.place) is not None
     senses.cycle(None)
-    assert first(senses.obstacles._echoes, senses.obstacles._motion.place) is None
+    assert first(echoes_of(senses), senses.obstacles._motion.place) is None
 
 
 def test_it_blocks_for_its_time_then_slows_and_then_is_forgotten() -> None:
@@ -138,12 +142,12 @@ def test_it_blocks_for_its_time_then_slows_and_then_is_forgotten() -> None:
 
 
 def test_what_is_old_does_not_hide_what_is_new() -> None:
-    echoes = Echoes(Live(CONFIG), ROBOT.footprint_radius)
+    echoes = Echoes(limits())
     hear(echoes, 0.8)
     motion = Motion(Live(CONFIG), ROBOT)
     motion.place = Pose(0.4, 0.0, 0.0)
     now = RobotTime(epoch=EPOCH, robot_ns=round((CONFIG.memory_block + 1.0) * 1e9))
-    forward = Direction("forward", Live(CONFIG), ROBOT, [])
+    forward = UltrasonicWay("forward", limits(), [])
     assert forward.judge(motion, echoes, now).allowed == CONFIG.creep_linear  # no sensor of its own
     other = Sensor("other", SensorPose(index=1, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
     for _ in range(3):
@@ -166,7 +170,7 @@ def test_it_is_forgotten_after_its_way() -> None:
         senses.wait(0.8)
     senses.linear = 0.0
     senses.cycle(None, cycles=8)
-    assert first(senses.obstacles._echoes, senses.obstacles._motion.place) is None
+    assert first(echoes_of(senses), senses.obstacles._motion.place) is None
     assert "has not proved lately" in senses.verdict().reason
 
 
@@ -289,7 +293,7 @@ def test_what_a_robot_would_touch_on_its_way_is_in_the_way(
     radius: float,
 ) -> None:
     """Driven in small steps, forward or backward, as odometry reckons."""
-    echoes = Echoes(Live(CONFIG), radius)
+    echoes = Echoes(limits(radius))
     for robot_ns in range(3):
         echoes.take(Sensor("only", pose, Live(CONFIG)), Ping(robot_ns, distance, True, heard_from), 0.0)
     sits = heard_from.moved(pose.x, 0.0)._replace(yaw=heard_from.yaw + math.pi / 2.0).moved(pose.y, 0.0)
@@ -325,7 +329,7 @@ def hear(echoes: Echoes, distance: float, *, name: str = "only", y: float = 0.0)
 
 @pytest.mark.parametrize("distances", [(0.6, 1.0), (1.0, 0.6)])
 def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -> None:
-    echoes = Echoes(Live(CONFIG), 0.3)
+    echoes = Echoes(limits(0.3))
     for name, distance, y in zip(("one", "other"), distances, (0.0, 0.2), strict=True):
         hear(echoes, distance, name=name, y=y)
     found = first(echoes, Pose(0.0, 0.0, 0.0))
@@ -335,7 +339,7 @@ def test_of_two_echoes_the_nearer_is_met_first(distances: tuple[float, float]) -
 
 
 def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
-    echoes = Echoes(Live(CONFIG), 0.3)
+    echoes = Echoes(limits(0.3))
     for number in range(4):
         sensor = Sensor(f"sensor {number % 2}", SensorPose(index=0, x=0.0, y=0.0, yaw=0.0), Live(CONFIG))
         echoes.take(sensor, Ping(number, 0.6, True, Pose(0.0, 0.0, 0.0)), 0.0)
@@ -343,13 +347,13 @@ def test_echoes_of_two_sensors_do_not_make_one_sure() -> None:
 
 
 def test_what_is_far_from_the_sensor_is_not_remembered() -> None:
-    echoes = Echoes(Live(CONFIG), 0.3)
+    echoes = Echoes(limits(0.3))
     hear(echoes, CONFIG.memory_range + 0.01)
     assert first(echoes, Pose(0.0, 0.0, 0.0)) is None
 
 
 def test_of_too_many_echoes_the_newest_are_kept() -> None:
-    echoes = Echoes(Live(CONFIG), 0.3)
+    echoes = Echoes(limits(0.3))
     for number in range(100):
         hear(echoes, 1.0, y=float(number))
     assert first(echoes, Pose(0.0, 99.0, 0.0)) is not None

@@ -10,11 +10,13 @@ import pytest
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import SensorPose
+from giraff_core.sensors import HC_SR04
 from giraff_guard.config import GuardConfig
-from giraff_guard.recent_obstacles import RecentObstacles
-from giraff_guard.sensor import Ping, Sensor
+from giraff_guard.limits import Way
 from giraff_guard.stopping import stopping_distance
-from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, opened
+from giraff_guard.ultrasonic.held import RecentObstacles
+from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, limits, opened
 
 FULL = ROBOT.max_wheel_speed
 SLOW = CONFIG.unproved_linear
@@ -143,7 +145,7 @@ def test_the_speed_towards_it_is_what_stops_before_the_margin() -> None:
     senses.cycle(dict.fromkeys(FRONT, None), cycles=5)
     allowed = senses.allowed()
     reach = ROBOT.footprint_radius + CONFIG.held_radius
-    edge = CONFIG.half_cone  # of the cone: where a slanted wall answers from, and nearer to the middle
+    edge = HC_SR04.half_cone  # of the cone: where a slanted wall answers from, and nearer to the middle
     way = 0.25 + 0.5 * math.cos(edge) - math.sqrt(reach**2 - (0.15 - 0.5 * math.sin(edge)) ** 2)
     assert stopping_distance(allowed, 0.1, 1.5) == pytest.approx(way - CONFIG.margin, abs=0.001)
     assert SLOW < allowed < FULL
@@ -231,7 +233,7 @@ def test_one_echo_is_not_held() -> None:
     assert senses.allowed() > SLOW
 
 
-EDGE_X, EDGE_Y = math.cos(CONFIG.half_cone), math.sin(CONFIG.half_cone)
+EDGE_X, EDGE_Y = math.cos(HC_SR04.half_cone), math.sin(HC_SR04.half_cone)
 """m: either edge of the cone of what was heard 1 m away."""
 BESIDE = ROBOT.footprint_radius + CONFIG.held_beside
 
@@ -240,9 +242,9 @@ def place_after(x: float, y: float, yaw: float) -> Pose:
     return Pose(0.0, 0.0, 0.0)._replace(x=x, y=y, yaw=yaw)
 
 
-def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True) -> RecentObstacles:
+def spot(x: float = 1.0, y: float = 0.0, *, is_sure: bool = True, way: Way = "forward") -> RecentObstacles:
     """One thing that was heard, there."""
-    held = RecentObstacles(Live(CONFIG), ROBOT.footprint_radius)
+    held = RecentObstacles(way, limits())
     held.take(named("one"), Ping(0, x, True, Pose(0.0, y, 0.0)), is_sure=is_sure)
     return held
 
@@ -252,46 +254,46 @@ def named(name: str) -> Sensor:
 
 
 @pytest.mark.parametrize(
-    ("place", "sign", "distance"),
+    ("place", "way", "distance"),
     [
-        ((0.0, 0.0, 0.0), 1.0, 0.6),
-        ((0.0, 0.0, 0.0), -1.0, None),
-        ((0.0, 0.0, math.pi), -1.0, 0.6),
-        ((0.5, 0.0, 0.0), 1.0, 0.1),
-        ((0.7, 0.0, 0.0), 1.0, 0.0),
-        ((1.5, 0.0, 0.0), 1.0, None),
-        ((0.0, EDGE_Y + 0.39, 0.0), 1.0, EDGE_X - math.sqrt(0.4**2 - 0.39**2)),
-        ((0.0, -EDGE_Y - 0.39, 0.0), 1.0, EDGE_X - math.sqrt(0.4**2 - 0.39**2)),
-        ((0.0, EDGE_Y + 0.41, 0.0), 1.0, None),
-        ((0.0, 0.0, 0.6), 1.0, None),
+        ((0.0, 0.0, 0.0), "forward", 0.6),
+        ((0.0, 0.0, 0.0), "backward", None),
+        ((0.0, 0.0, math.pi), "backward", 0.6),
+        ((0.5, 0.0, 0.0), "forward", 0.1),
+        ((0.7, 0.0, 0.0), "forward", 0.0),
+        ((1.5, 0.0, 0.0), "forward", None),
+        ((0.0, EDGE_Y + 0.39, 0.0), "forward", EDGE_X - math.sqrt(0.4**2 - 0.39**2)),
+        ((0.0, -EDGE_Y - 0.39, 0.0), "forward", EDGE_X - math.sqrt(0.4**2 - 0.39**2)),
+        ((0.0, EDGE_Y + 0.41, 0.0), "forward", None),
+        ((0.0, 0.0, 0.6), "forward", None),
     ],
 )
 def test_what_lies_ahead_is_met_by_the_footprint(
-    place: tuple[float, float, float], sign: float, distance: float | None
+    place: tuple[float, float, float], way: Way, distance: float | None
 ) -> None:
-    found = spot().ahead(place_after(*place), sign)
+    found = spot(way=way).ahead(place_after(*place))
     assert (None if found is None else found.distance) == (None if distance is None else pytest.approx(distance))
     assert found is None or found.sensor == "one"
 
 
 @pytest.mark.parametrize(
-    ("place", "sign", "distance"),
+    ("place", "way", "distance"),
     [
-        ((0.0, 0.45, 0.0), 1.0, EDGE_X - math.sqrt(BESIDE**2 - (0.45 - EDGE_Y) ** 2)),
-        ((0.0, EDGE_Y + BESIDE + 0.01, 0.0), 1.0, None),
-        ((1.0, EDGE_Y + BESIDE - 0.01, 0.0), 1.0, 0.0),
-        ((1.0, EDGE_Y + BESIDE + 0.01, 0.0), 1.0, None),
-        ((1.0, -EDGE_Y - BESIDE + 0.01, 0.0), 1.0, 0.0),
-        ((1.25, 0.45, 0.0), 1.0, 0.0),
-        ((1.35, 0.45, 0.0), 1.0, None),
-        ((1.35, 0.45, 0.0), -1.0, 0.0),
-        ((0.65, 0.45, 0.0), -1.0, None),
+        ((0.0, 0.45, 0.0), "forward", EDGE_X - math.sqrt(BESIDE**2 - (0.45 - EDGE_Y) ** 2)),
+        ((0.0, EDGE_Y + BESIDE + 0.01, 0.0), "forward", None),
+        ((1.0, EDGE_Y + BESIDE - 0.01, 0.0), "forward", 0.0),
+        ((1.0, EDGE_Y + BESIDE + 0.01, 0.0), "forward", None),
+        ((1.0, -EDGE_Y - BESIDE + 0.01, 0.0), "forward", 0.0),
+        ((1.25, 0.45, 0.0), "forward", 0.0),
+        ((1.35, 0.45, 0.0), "forward", None),
+        ((1.35, 0.45, 0.0), "backward", 0.0),
+        ((0.65, 0.45, 0.0), "backward", None),
     ],
 )
 def test_a_wall_goes_on_beside_where_it_was_heard(
-    place: tuple[float, float, float], sign: float, distance: float | None
+    place: tuple[float, float, float], way: Way, distance: float | None
 ) -> None:
-    found = spot().beside(place_after(*place), sign)
+    found = spot(way=way).beside(place_after(*place))
     assert (None if found is None else found.distance) == (None if distance is None else pytest.approx(distance))
     assert found is None or found.sensor == "one"
 
@@ -323,18 +325,18 @@ def test_along_a_wall_that_was_heard_the_robot_is_slow() -> None:
 
 def test_what_was_heard_now_and_then_counts_ahead_and_not_beside() -> None:
     held = spot(is_sure=False)
-    assert held.ahead(Pose(0.0, 0.0, 0.0), 1.0) is not None
-    assert held.beside(Pose(0.0, 0.0, 0.0), 1.0) is None
+    assert held.ahead(Pose(0.0, 0.0, 0.0)) is not None
+    assert held.beside(Pose(0.0, 0.0, 0.0)) is None
 
 
 @pytest.mark.parametrize("is_sure", [True, False])
 def test_what_was_sure_stays_so_when_it_is_heard_now_and_then(is_sure: bool) -> None:
     held = spot(is_sure=is_sure)
     held.take(named("one"), Ping(10**9, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=False)
-    assert (held.beside(Pose(0.0, 0.0, 0.0), 1.0) is not None) is is_sure
+    assert (held.beside(Pose(0.0, 0.0, 0.0)) is not None) is is_sure
     held.forget(round((CONFIG.held_time + 0.5) * 1e9))
-    assert held.beside(Pose(0.0, 0.0, 0.0), 1.0) is None
-    assert held.ahead(Pose(0.0, 0.0, 0.0), 1.0) is not None
+    assert held.beside(Pose(0.0, 0.0, 0.0)) is None
+    assert held.ahead(Pose(0.0, 0.0, 0.0)) is not None
 
 
 def test_beside_what_was_heard_now_and_then_the_way_is_free() -> None:
@@ -349,7 +351,7 @@ def test_of_two_the_nearer_is_met_first() -> None:
     held = spot(1.0)
     for x in (0.8, 1.4):
         held.take(named("two"), Ping(0, x, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
-    found = held.ahead(Pose(0.0, 0.0, 0.0), 1.0)
+    found = held.ahead(Pose(0.0, 0.0, 0.0))
     assert found is not None
     assert found.sensor == "two"
     assert found.distance == pytest.approx(0.4)
@@ -362,6 +364,6 @@ def test_the_oldest_of_too_many_go_and_one_that_is_heard_again_stays() -> None:
         held.take(sensor, Ping(number, 1.0, True, Pose(float(number), 0.0, math.pi / 2.0)), is_sure=True)
         held.take(sensor, Ping(number, 1.0, True, Pose(0.0, 0.0, 0.0)), is_sure=True)
     assert len(held._spots) == 128
-    assert held.ahead(Pose(0.0, 0.0, 0.0), 1.0) is not None
-    assert held.ahead(Pose(999.0, 0.0, math.pi / 2.0), 1.0) is not None
-    assert held.ahead(Pose(5.0, 0.0, math.pi / 2.0), 1.0) is None
+    assert held.ahead(Pose(0.0, 0.0, 0.0)) is not None
+    assert held.ahead(Pose(999.0, 0.0, math.pi / 2.0)) is not None
+    assert held.ahead(Pose(5.0, 0.0, math.pi / 2.0)) is None

@@ -11,9 +11,9 @@ import pytest
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import SensorPose
-from giraff_guard.sensor import Ping, Sensor
+from giraff_guard.ultrasonic.sensor import Ping, Sensor
 from giraff_schemas.trouble import WELL
-from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, opened
+from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, echoes_of, opened
 
 
 def test_silence_of_a_sensor_that_proved_nothing_is_worth_little() -> None:
@@ -305,7 +305,7 @@ def test_what_is_remembered_has_an_end() -> None:
     choose = random.Random(4)
     for _ in range(2000):
         senses.hear(choose.uniform(0.02, 1.0), "front_left")
-    assert len(senses.obstacles._echoes._echoes) <= 65
+    assert len(echoes_of(senses)._echoes) <= 65
 
 
 @pytest.mark.parametrize("yaw", [0.0, math.pi])

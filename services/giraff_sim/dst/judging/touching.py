@@ -38,7 +38,7 @@ class Touching:
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
         self._guard = settings.guard
-        self._sensors = settings.robot.sensors
+        self._robot, self._sensors = settings.robot, settings.robot.sensors
         self._new = NewPings(world, settings.robot)
         self._pings: dict[str, deque[_Ping]] = {name: deque(maxlen=3) for name in self._sensors}
         self._lost: dict[str, _Lost] = {}
@@ -51,7 +51,7 @@ class Touching:
             self._pings[name].append(_Ping(now_us, pose, sonar.told))
             self._look(name, self._sensors[name].yaw)
         for name, lost in list(self._lost.items()):
-            if self._is_away(lost, pose, self._sensors[name].yaw):
+            if self._is_away(name, lost, pose):
                 del self._lost[name]
 
     def is_possible(self, way: float) -> bool:
@@ -74,10 +74,11 @@ class Touching:
         if _farther(last, newest, axis) > _EARLIER * (self._guard.agreement + walked):
             self._lost[name] = _Lost(last.pose, last.told)
 
-    def _is_away(self, lost: _Lost, pose: Pose, axis: float) -> bool:
-        away = lost.distance - _nearer(lost.pose, pose, axis)
+    def _is_away(self, name: str, lost: _Lost, pose: Pose) -> bool:
+        away = lost.distance - _nearer(lost.pose, pose, self._sensors[name].yaw)
+        half_cone = self._guard.half_cone or self._robot.model(name).half_cone
         turned = abs(math.remainder(pose.yaw - lost.pose.yaw, math.tau))
-        return away >= _LATER * 2.0 * self._guard.near or turned >= _LATER * 4.0 * self._guard.half_cone
+        return away >= _LATER * 2.0 * self._guard.near or turned >= _LATER * 4.0 * half_cone
 
 
 def _nearer(then: Pose, now: Pose, axis: float) -> float:

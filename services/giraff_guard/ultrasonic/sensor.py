@@ -10,10 +10,11 @@ from giraff_core.freshness import age
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import SensorPose
+from giraff_core.sensors import HC_SR04, UltrasonicModel
 from giraff_guard.config import GuardConfig
 from giraff_guard.motion import Motion
-from giraff_guard.self_test import SelfTest
-from giraff_guard.silence_trust import SilenceTrust
+from giraff_guard.ultrasonic.self_test import SelfTest
+from giraff_guard.ultrasonic.silence_trust import SilenceTrust
 from giraff_schemas.messages import Range, RobotTime
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
@@ -34,7 +35,7 @@ class Ping(NamedTuple):
 class Sensor:
     """The newest few good readings without a gap or fault between, and what more is known of the sensor."""
 
-    def __init__(self, name: str, pose: SensorPose, live: Live[GuardConfig]) -> None:
+    def __init__(self, name: str, pose: SensorPose, live: Live[GuardConfig], model: UltrasonicModel = HC_SR04) -> None:
         self.name = name
         self.pose = pose
         self.offset = pose.x * math.cos(pose.yaw) + pose.y * math.sin(pose.yaw)
@@ -42,6 +43,7 @@ class Sensor:
         self.aside = pose.y * math.cos(pose.yaw) - pose.x * math.sin(pose.yaw)
         """m it sits to the left of base_link, seen along its axis."""
         self._live = live
+        self._model = model
         self._pings: deque[Ping] = deque(maxlen=_KEPT)
         self._reading: Range | None = None
         self._trust = SilenceTrust(live)
@@ -51,6 +53,21 @@ class Sensor:
         """The last one that follows from an echo just before it."""
         self._lost: tuple[Pose, float] | None = None  # where the robot was when a touching echo was lost, m
         self._self_test = SelfTest(live)
+
+    @property
+    def half_cone(self) -> float:
+        """rad off its axis from which an echo may come."""
+        return self._live.config.half_cone or self._model.half_cone
+
+    @property
+    def incidence(self) -> float:
+        """rad up to which a slanted surface is heard reliably."""
+        return self._live.config.incidence or self._model.incidence
+
+    @property
+    def reach(self) -> float:
+        """m that its `clear` counts for."""
+        return min(self._live.config.reach, self._model.reach)
 
     @property
     def tick(self) -> RobotTime | None:
@@ -71,7 +88,7 @@ class Sensor:
             return
         ping = Ping(
             robot_ns=reading.tick.robot_ns,
-            distance=min(config.reach, reading.range if reading.range is not None else config.reach),
+            distance=min(self.reach, reading.range if reading.range is not None else self.reach),
             echo=reading.state == "echo",
             place=motion.place_at(reading.tick.robot_ns),
         )
@@ -119,7 +136,7 @@ class Sensor:
         if self._trust.doubt(motion, now) > 0.0:
             return Trouble(
                 f"{self.name} has not proved lately that it hears",
-                f"face a wall within {self._live.config.reach:g} m",
+                f"face a wall within {self.reach:g} m",
             )
         return WELL
 
@@ -148,7 +165,7 @@ class Sensor:
             return False
         config, (place, distance) = self._live.config, self._lost
         away = distance - place.ahead(motion.place, self.pose.yaw)
-        if away >= 2.0 * config.near or abs(motion.place.yaw - place.yaw) >= 4.0 * config.half_cone:
+        if away >= 2.0 * config.near or abs(motion.place.yaw - place.yaw) >= 4.0 * self.half_cone:
             self._lost = None
         return self._lost is not None
 

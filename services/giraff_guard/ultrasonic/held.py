@@ -6,13 +6,16 @@ import math
 from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.live import Live
-from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import Point, View, until_touch
-from giraff_guard.sensor import Ping, Sensor
+from giraff_guard.limits import SIGN, Limits, Way
+from giraff_guard.motion import Motion
+from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_schemas.messages import RobotTime, Verdict
 
 _MOST: Final = 128
 """Spots kept, whatever comes."""
+_STUTTER: Final = 1.5
+"""Times the speed that is allowed: a robot that is hardly too fast is slowed by its level, not braked in turns."""
 
 
 class _Spot(NamedTuple):
@@ -42,41 +45,65 @@ class RecentObstacles:
     stood, or nearly.
     """
 
-    def __init__(self, live: Live[GuardConfig], footprint_radius: float) -> None:
-        self._footprint_radius = footprint_radius
-        self._live = live
+    def __init__(self, way: Way, limits: Limits) -> None:
+        self._sign = SIGN[way]
+        self._limits = limits
         self._spots: list[_Spot] = []
 
     def take(self, sensor: Sensor, ping: Ping, *, is_sure: bool) -> None:
         """An echo that its sensor has heard twice. `is_sure`: at one ping and the next."""
-        if ping.distance > self._live.config.held_range:
+        config = self._limits.config
+        if ping.distance > config.held_range:
             return
-        view, half_cone = View(sensor.pose, ping.place), self._live.config.half_cone
+        view, half_cone = View(sensor.pose, ping.place), sensor.half_cone
         points = tuple(view.point(ping.distance, off) for off in (0.0, -half_cone, half_cone))
-        near = self._live.config.agreement
+        near = config.agreement
         kept = [spot for spot in self._spots if spot.is_sure > is_sure or math.dist(spot.points[0], points[0]) >= near]
         self._spots = [*kept[1 - _MOST :], _Spot(points, sensor.name, ping.robot_ns, is_sure)]
 
     def forget(self, robot_ns: int) -> None:
         """Drop what is too old."""
-        oldest_ns = robot_ns - round(self._live.config.held_time * 1e9)
+        oldest_ns = robot_ns - round(self._limits.config.held_time * 1e9)
         self._spots = [spot for spot in self._spots if spot.robot_ns >= oldest_ns]
 
-    def ahead(self, place: Pose, sign: float) -> Heard | None:
-        """What a footprint that drives straight forward (1) or backward (-1) meets first."""
-        return self._first(self._spots, place, sign, self._live.config.held_radius, 0.0)
+    def verdicts(self, silent: list[Sensor], motion: Motion, now: RobotTime) -> list[Verdict]:
+        """Towards where something was heard until lately: what hears nothing there now may have gone deaf.
 
-    def beside(self, place: Pose, sign: float) -> Heard | None:
+        It blocks for a moment, and says so; then it may be approached as slowly as what no sensor has proved.
+        """
+        limits, config, names = self._limits, self._limits.config, " and ".join(sensor.name for sensor in silent)
+        slow = config.unproved_linear
+        verdicts = []
+        if heard := self.ahead(motion.place):
+            room, speed = heard.distance - config.margin, motion.speed(self._sign)
+            reason = f"{names}: silent where {heard.sensor} heard something until lately"
+            if limits.stops_within(speed) > room and (
+                speed > _STUTTER * slow or min(sensor.quiet(now) for sensor in silent) < config.held_block
+            ):
+                verdicts.append(limits.block(silent[0].name, reason))
+            else:
+                allowed = max(slow, limits.fastest(room))
+                verdicts.append(limits.allow(allowed, silent[0].name, reason))
+        if heard := self.beside(motion.place):
+            reason = f"{names}: silent beside where {heard.sensor} heard something until lately"
+            verdicts.append(limits.allow(max(slow, limits.fastest(heard.distance)), silent[0].name, reason))
+        return verdicts
+
+    def ahead(self, place: Pose) -> Heard | None:
+        """What a footprint that drives straight on meets first."""
+        return self._first(self._spots, place, self._limits.config.held_radius, 0.0)
+
+    def beside(self, place: Pose) -> Heard | None:
         """What it comes to, or is, close beside: the surface goes on there, and one driven along may be grazed.
 
         Only what is sure: a slanted wall that answers now and then, far beside the way, would slow at every turn.
         """
         sure = [spot for spot in self._spots if spot.is_sure]
-        return self._first(sure, place, sign, self._live.config.held_beside, self._footprint_radius)
+        return self._first(sure, place, self._limits.config.held_beside, self._limits.footprint_radius)
 
-    def _first(self, spots: list[_Spot], place: Pose, sign: float, margin: float, behind: float) -> Heard | None:
+    def _first(self, spots: list[_Spot], place: Pose, margin: float, behind: float) -> Heard | None:
         """What the footprint and `margin` m around it meet first, or cover from `behind` m behind its middle on."""
-        reach = self._footprint_radius + margin
+        sign, reach = self._sign, self._limits.footprint_radius + margin
         found: Heard | None = None
         for spot in spots:
             for point in spot.points:

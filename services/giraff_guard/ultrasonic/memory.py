@@ -9,10 +9,11 @@ from typing import Final, NamedTuple
 import msgspec
 
 from giraff_core.kinematics.pose import Pose
-from giraff_core.live import Live
-from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import Point, View, until_touch
-from giraff_guard.sensor import Ping, Sensor
+from giraff_guard.limits import SIGN, Limits, Way
+from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_schemas.messages import Verdict
+from giraff_schemas.trouble import Trouble
 
 _MOST: Final = 64
 """Echoes kept, whatever comes."""
@@ -50,9 +51,8 @@ class Obstruction(NamedTuple):
 class Echoes:
     """Remembers, merges and forgets."""
 
-    def __init__(self, live: Live[GuardConfig], footprint_radius: float) -> None:
-        self._footprint_radius = footprint_radius
-        self._live = live
+    def __init__(self, limits: Limits) -> None:
+        self._limits = limits
         self._echoes: list[_Echo] = []
 
     def clear(self) -> None:
@@ -65,8 +65,7 @@ class Echoes:
         What the sensor would hear now, wherever in its cone it was, and does not, is gone at the second reading.
         """
         view = View(sensor.pose, ping.place)
-        config = self._live.config
-        half_cone = config.half_cone
+        config, half_cone = self._limits.config, sensor.half_cone
         for echo in self._echoes:
             if all(view.holds(x, y, 1.02 * half_cone, ping.distance - config.agreement) for x, y in echo.ends):
                 echo.contradicted += 1
@@ -90,23 +89,56 @@ class Echoes:
         self._echoes = [
             echo
             for echo in self._echoes
-            if (robot_ns - echo.robot_ns) * 1e-9 <= self._live.config.memory_time
-            and travel - echo.travel <= self._live.config.memory_travel
+            if (robot_ns - echo.robot_ns) * 1e-9 <= self._limits.config.memory_time
+            and travel - echo.travel <= self._limits.config.memory_travel
         ]
 
-    def in_the_way(self, place: Pose, sign: float, robot_ns: int, curvature: float = 0.0) -> Iterator[Obstruction]:
-        """What a footprint driving forward (1) or backward (-1) meets.
+    def verdicts(self, place: Pose, way: Way, robot_ns: int) -> list[Verdict]:
+        """Of what lies straight on, the one that limits most; empty: nothing does."""
+        obstruction = min(self.in_the_way(place, way, robot_ns), key=self.speed_towards, default=None)
+        if obstruction is None:
+            return []
+        limits, allowed = self._limits, self.speed_towards(obstruction)
+        side = "left" if obstruction.bearing > 0.0 else "right"
+        reason = f"{obstruction.sensor} has heard something to the {side}, where no sensor looks now"
+        if allowed < limits.config.slowest:
+            return [limits.block(obstruction.sensor, reason)]
+        return [limits.allow(allowed, obstruction.sensor, reason)]
+
+    def curve(self, place: Pose, way: Way, robot_ns: int, curvature: float) -> tuple[float, Trouble] | None:
+        """m/s at which a curve may be driven, and why; None: it meets nothing."""
+        swept = self.in_the_way(place, way, robot_ns, curvature)
+        obstruction = min(swept, key=self.speed_towards, default=None)
+        if obstruction is None:
+            return None
+        side = "left" if obstruction.bearing > 0.0 else "right"
+        what = f"this curve sweeps what {obstruction.sensor} has heard to the {side}"
+        return self.speed_towards(obstruction), Trouble(what, "turn the other way")
+
+    def speed_towards(self, obstruction: Obstruction) -> float:
+        """m/s from which the robot stops `margin` before what is remembered; slow at least where that is old.
+
+        Of that margin the strip that is swept already holds `memory_margin`; beside it, no more is kept: a way past
+        what was heard stays one.
+        """
+        config = self._limits.config
+        room = obstruction.distance - max(0.0, config.margin - config.memory_margin)
+        allowed = self._limits.fastest(room)
+        return max(allowed, config.unproved_linear) if obstruction.is_old else allowed
+
+    def in_the_way(self, place: Pose, way: Way, robot_ns: int, curvature: float = 0.0) -> Iterator[Obstruction]:
+        """What a footprint driving this way meets.
 
         `curvature`: angular_z / linear_x, 1/m: the arc's centre lies 1/curvature to the left, whichever way it goes.
         """
-        reach = self._reach
+        sign, reach = SIGN[way], self._reach
         for echo in self._echoes:
             if echo.seen < _SURE:
                 continue
             x, y = place.sees(echo.x, echo.y)
             distance = until_touch(x * sign, y, curvature, reach)
             if distance is not None:
-                is_old = (robot_ns - echo.robot_ns) * 1e-9 > self._live.config.memory_block
+                is_old = (robot_ns - echo.robot_ns) * 1e-9 > self._limits.config.memory_block
                 yield Obstruction(distance, echo.sensor, math.atan2(y, x), is_old)
 
     def touching(self, place: Pose) -> str:
@@ -119,4 +151,4 @@ class Echoes:
     @property
     def _reach(self) -> float:
         """m from the robot's middle, within which an echo is in its way."""
-        return self._footprint_radius + self._live.config.memory_margin
+        return self._limits.footprint_radius + self._limits.config.memory_margin

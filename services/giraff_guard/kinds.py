@@ -1,0 +1,23 @@
+"""The guard's senses, by the types of sensors that a robot file may have."""
+
+from __future__ import annotations
+
+from giraff_core.live import Live
+from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
+from giraff_guard.source import Source
+from giraff_guard.ultrasonic.source import UltrasonicSource
+from giraff_schemas.messages import Range
+from giraff_schemas.topics import RANGE
+
+Sensed = Range
+"""What sensors say."""
+SENSED = (RANGE,)
+"""Where they say it."""
+
+
+def sources_of(live: Live[GuardConfig], robot: RobotConfig) -> list[Source]:
+    """All of one robot, the one that is named first where two allow the same. Raises ValueError."""
+    for name, kind in robot.unknown_sensors.items():
+        raise ValueError(f"[robot.sensors.{name}] is of the type {kind!r}, which this guard does not know")
+    return [UltrasonicSource(live, robot)]

@@ -1,0 +1,63 @@
+"""How fast the robot may go towards something, and the verdicts that say so."""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+from giraff_core.live import Live
+from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
+from giraff_guard.stopping import fastest, stopping_distance
+from giraff_schemas.messages import Freedom, Verdict
+
+Way = Literal["forward", "backward"]
+
+SIGN: Final[dict[Way, float]] = {"forward": 1.0, "backward": -1.0}
+_UNMEASURED: Final = 0.5
+"""m/s² that a robot of unknown deceleration is taken to brake with from creeping."""
+
+
+class Limits:
+    """Of one robot."""
+
+    def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
+        self._live = live
+        self._robot = robot
+
+    @property
+    def config(self) -> GuardConfig:
+        """As it is now."""
+        return self._live.config
+
+    @property
+    def most(self) -> float:
+        """m/s."""
+        return self._robot.max_wheel_speed
+
+    @property
+    def footprint_radius(self) -> float:
+        """m."""
+        return self._robot.footprint_radius
+
+    def fastest(self, room: float, old: float = 0.0) -> float:
+        """m/s from which the robot stops within `room` m, by what is `old` s old."""
+        return fastest(room, self.config.reaction_time + old, self.config.deceleration or _UNMEASURED)
+
+    def stops_within(self, speed: float) -> float:
+        """m that it takes to stop from `speed` (m/s)."""
+        return stopping_distance(speed, self.config.reaction_time, self.config.deceleration or _UNMEASURED)
+
+    def block(self, sensor: str, reason: str) -> Verdict:
+        """Nothing passes."""
+        return Verdict(allowed=0.0, freedom="blocked", sensor=sensor, reason=reason, way_out="")
+
+    def creep(self, sensor: str, reason: str) -> Verdict:
+        """As slowly as where nobody looks."""
+        return self.allow(self.config.creep_linear, sensor, reason)
+
+    def allow(self, allowed: float, sensor: str = "", reason: str = "") -> Verdict:
+        """Up to `allowed` m/s; what the robot cannot do anyway is free."""
+        if allowed >= self.most:
+            return Verdict(allowed=self.most, freedom="free", sensor="", reason="", way_out="")
+        freedom: Freedom = "creep" if allowed <= self.config.creep_linear else "slow"
+        return Verdict(allowed=allowed, freedom=freedom, sensor=sensor, reason=reason, way_out="")

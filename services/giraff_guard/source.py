@@ -1,0 +1,52 @@
+"""A sense of the guard: what it allows in a direction and why, and how blind it is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+from giraff_guard.limits import Way
+from giraff_guard.motion import Motion
+from giraff_schemas.messages import RobotTime, Verdict
+from giraff_schemas.trouble import Trouble
+
+
+class Source(Protocol):
+    """All sensors of one type. It is pure: what is heard, where the robot is and what time it is are arguments."""
+
+    @property
+    def names(self) -> Mapping[str, object]:
+        """Of its sensors."""
+        ...
+
+    def take(self, sample: Any, motion: Motion, now: RobotTime) -> None:
+        """A fresh sample of one of its sensors, newer than the last, of the one process that may tell it."""
+        ...
+
+    def lose_place(self) -> None:
+        """Nobody knows where the robot has come to: the wheels could not be followed."""
+        ...
+
+    def straight(self, way: Way, motion: Motion, now: RobotTime) -> Verdict:
+        """For driving straight, once a decision. One that is blind blocks its way, or lets the robot creep."""
+        ...
+
+    def curve(self, way: Way, curvature: float, motion: Motion, now: RobotTime) -> tuple[float, Trouble] | None:
+        """m/s and why, where a curve (angular_z / linear_x, 1/m) meets what straight ahead does not; None: nowhere."""
+        ...
+
+    def turn(self, motion: Motion) -> Verdict | None:
+        """For turning in place; None: nothing is in its way."""
+        ...
+
+    def relied_on(self, way: Way, now: RobotTime) -> RobotTime | None:
+        """The oldest of the newest moments that driving this way relies on, robot_ns 0 for one that never came."""
+        ...
+
+    def troubles(self, motion: Motion, now: RobotTime) -> dict[str, Trouble]:
+        """By sensor: why it is not trusted."""
+        ...
+
+    def freer_side(self, way: Way) -> str:
+        """Where a blocked robot may turn to: left, right, or empty."""
+        ...

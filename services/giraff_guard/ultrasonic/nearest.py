@@ -1,0 +1,70 @@
+"""What the sensors of one way hear: the speed from which the robot stops before it, and blindness."""
+
+from __future__ import annotations
+
+import math
+
+from giraff_core.freshness import age
+from giraff_guard.limits import SIGN, Limits, Way
+from giraff_guard.motion import Motion
+from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_schemas.messages import RobotTime, Verdict
+
+
+class Nearest:
+    """Of one way."""
+
+    def __init__(self, way: Way, limits: Limits, sensors: list[Sensor]) -> None:
+        self._sign = SIGN[way]
+        self._limits = limits
+        self._sensors = sensors
+
+    def verdict(self, sensor: Sensor, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict:
+        """By one sensor. `blocked`: the way was, and takes more room to be opened again."""
+        limits, config = self._limits, self._limits.config
+        if blindness := sensor.blindness(now):
+            return limits.block(sensor.name, str(blindness))
+        if sensor.lost(motion):
+            return limits.block(sensor.name, f"{sensor.name} lost something nearer than {config.near:g} m")
+        believed = sensor.believed([other for other in self._sensors if other is not sensor])
+        # The newest first, so that of equal ones it is the one named.
+        verdicts = (self._by_ping(sensor, ping, motion, now, blocked=blocked) for ping in believed)
+        verdict = min(verdicts, key=lambda each: each.allowed)
+        if verdict.allowed <= config.creep_linear:
+            return verdict
+        if doubt := sensor.doubt(motion, now):
+            allowed = sensor.worth(motion, now, limits.most)
+            return limits.allow(allowed, sensor.name, str(doubt)) if allowed < verdict.allowed else verdict
+        return verdict
+
+    def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict:
+        limits, config = self._limits, self._limits.config
+        room = self._clearance(sensor, ping.distance) - config.margin
+        came = ping.place.ahead(motion.place, sensor.pose.yaw)
+        allowed = limits.fastest(room - came)
+        if ping is sensor.newest and sensor.tick is not None:
+            # As if it had gone on at that speed since the reading, whatever the wheels say.
+            allowed = min(allowed, limits.fastest(room, age(sensor.tick, now)))
+        seen = f"{sensor.name} sees something at {ping.distance:.2f} m"
+        too_close = room - came < config.release if blocked else room <= 0.0
+        if too_close or allowed < config.slowest:
+            return limits.block(sensor.name, seen)
+        if came + limits.stops_within(motion.speed(self._sign)) > room:
+            # The robot is faster than it may be: power off brakes harder than a lower level does.
+            return limits.block(sensor.name, f"{seen}, braking")
+        return limits.allow(allowed, sensor.name, seen)
+
+    def _clearance(self, sensor: Sensor, distance: float) -> float:
+        """m between the footprint and what `distance` told, at the least.
+
+        The worst of a flat surface at up to `incidence`: the echo then comes from the cone's near edge, and the
+        surface is nearest beside the sensor's axis. A sensor off the middle is charged for its offset only where no
+        other one sits farther over: a surface that is nearer on that side is nearer to the other sensor there.
+        """
+        incidence, half_cone = sensor.incidence, sensor.half_cone
+        ahead = min(sensor.offset, sensor.offset * math.cos(incidence))
+        aside = abs(sensor.aside)
+        if any(other.aside * sensor.aside < sensor.aside**2 for other in self._sensors):
+            aside = 0.0
+        slanted = distance * math.cos(max(0.0, incidence - half_cone))
+        return slanted + ahead - aside * math.sin(incidence) - self._limits.footprint_radius

@@ -1,0 +1,73 @@
+"""The ultrasonic sensors as one sense of the guard."""
+
+from __future__ import annotations
+
+from giraff_core.live import Live
+from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
+from giraff_guard.limits import Limits, Way
+from giraff_guard.motion import Motion
+from giraff_guard.ultrasonic.memory import Echoes
+from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.ultrasonic.way import UltrasonicWay
+from giraff_schemas.messages import Range, RobotTime, Verdict
+from giraff_schemas.trouble import Trouble
+
+
+class UltrasonicSource:
+    """Of all sensors of one robot: a `Source`."""
+
+    def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
+        self._live = live
+        self._largest = robot.max_angular_speed
+        limits = Limits(live, robot)
+        self.names = {name: Sensor(name, pose, live, robot.model(name)) for name, pose in robot.sensors.items()}
+        self._echoes = Echoes(limits)
+        sensors = list(self.names.values())
+        self._ways = {
+            "forward": UltrasonicWay("forward", limits, sensors),
+            "backward": UltrasonicWay("backward", limits, sensors),
+        }
+
+    def take(self, sample: Range, motion: Motion, now: RobotTime) -> None:
+        """A reading."""
+        sensor = self.names[sample.sensor]
+        sensor.on_range(sample, motion, now)
+        for way in self._ways.values():
+            way.on_reading(sensor)
+        if sensor.newest is not None and motion.heard:
+            self._echoes.take(sensor, sensor.newest, motion.travel)
+
+    def lose_place(self) -> None:
+        """Nobody knows where the echoes are now."""
+        self._echoes.clear()
+
+    def straight(self, way: Way, motion: Motion, now: RobotTime) -> Verdict:
+        """By what is heard, remembered, and no longer heard."""
+        self._echoes.forget(now.robot_ns, motion.travel)
+        return self._ways[way].judge(motion, self._echoes, now)
+
+    def curve(self, way: Way, curvature: float, motion: Motion, now: RobotTime) -> tuple[float, Trouble] | None:
+        """By what is remembered: no sensor looks along a curve."""
+        return self._echoes.curve(motion.place, way, now.robot_ns, curvature)
+
+    def turn(self, motion: Motion) -> Verdict | None:
+        """Turning in place sweeps nothing beyond the footprint's disc; what touches that is turned past slowly."""
+        creep = self._live.config.creep_angular
+        sensor = self._echoes.touching(motion.place)
+        if not sensor or creep >= self._largest:
+            return None
+        reason = f"{sensor} has heard something that touches the robot's side"
+        return Verdict(allowed=creep, freedom="creep", sensor=sensor, reason=reason, way_out="")
+
+    def relied_on(self, way: Way, now: RobotTime) -> RobotTime | None:
+        """Of this way's sensors."""
+        return self._ways[way].relied_on(now)
+
+    def troubles(self, motion: Motion, now: RobotTime) -> dict[str, Trouble]:
+        """By sensor: why it does not count, or why its silence does not."""
+        return {name: sensor.blindness(now) or sensor.doubt(motion, now) for name, sensor in self.names.items()}
+
+    def freer_side(self, way: Way) -> str:
+        """Where they see farther."""
+        return self._ways[way].freer_side()

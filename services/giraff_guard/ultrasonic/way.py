@@ -1,0 +1,79 @@
+"""How fast the robot may drive forward or backward by its ultrasonic sensors, and why not faster."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_guard.limits import SIGN, Limits, Way
+from giraff_guard.motion import Motion
+from giraff_guard.ultrasonic.held import RecentObstacles
+from giraff_guard.ultrasonic.memory import Echoes
+from giraff_guard.ultrasonic.nearest import Nearest
+from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_schemas.messages import RobotTime, Verdict
+
+_ASIDE: Final = 0.10
+"""m of difference between left and right from which one side counts as the freer one."""
+
+
+class UltrasonicWay:
+    """One way along x, judged by the sensors that look along it.
+
+    A way that was blocked is released to creep, and each further reading of the sensor that blocked it adds speed.
+    """
+
+    def __init__(self, way: Way, limits: Limits, sensors: list[Sensor]) -> None:
+        self._way = way
+        self._limits = limits
+        self.sensors = [sensor for sensor in sensors if SIGN[way] * math.cos(sensor.pose.yaw) > 0.7]
+        self._nearest = Nearest(way, limits, self.sensors)
+        self._held = RecentObstacles(way, limits)
+        self._blocked = True
+        self._blocker = ""
+        """The sensor that blocked this way last."""
+        self._regained = 0.0
+        """m/s beyond creeping that its readings since then allow."""
+
+    def on_reading(self, sensor: Sensor) -> None:
+        """A sensor was heard."""
+        if not self._blocked and sensor.name == self._blocker:
+            self._regained += self._limits.config.regain
+        ping = sensor.heard
+        if sensor in self.sensors and ping is not None and ping is sensor.newest:
+            self._held.take(sensor, ping, is_sure=ping is sensor.surest)
+
+    def judge(self, motion: Motion, echoes: Echoes, now: RobotTime) -> Verdict:
+        """The verdict for now."""
+        limits = self._limits
+        verdicts = [self._nearest.verdict(sensor, motion, now, blocked=self._blocked) for sensor in self.sensors]
+        verdicts.extend(echoes.verdicts(motion.place, self._way, now.robot_ns))
+        self._held.forget(now.robot_ns)
+        if silent := [sensor for sensor in self.sensors if sensor.is_silent]:
+            verdicts.extend(self._held.verdicts(silent, motion, now))
+        if not self.sensors:
+            verdicts.append(limits.creep("", f"no sensor looks {self._way}"))
+        if limits.config.deceleration is None:
+            verdicts.append(limits.creep("", "deceleration has not been measured; measure it, and set it in [guard]"))
+        verdict = min(verdicts, key=lambda each: each.allowed)
+        self._blocked = verdict.freedom == "blocked"
+        if self._blocked:
+            self._blocker, self._regained = verdict.sensor, 0.0
+        elif (allowed := limits.config.creep_linear + self._regained) < verdict.allowed:
+            return limits.allow(allowed, verdict.sensor, "this way was blocked until just now; speeding up")
+        return verdict
+
+    def relied_on(self, now: RobotTime) -> RobotTime | None:
+        """The oldest moment among the newest readings of this way's sensors, robot_ns 0 for one that never came."""
+        never = RobotTime(epoch=now.epoch, robot_ns=0)
+        ticks = [sensor.tick or never for sensor in self.sensors]
+        return min(ticks, key=lambda tick: tick.robot_ns, default=None)
+
+    def freer_side(self) -> str:
+        """Where the sensors see farther: left, right, or neither."""
+        left = [s.newest.distance for s in self.sensors if s.newest is not None and s.pose.y > 0.0]
+        right = [s.newest.distance for s in self.sensors if s.newest is not None and s.pose.y < 0.0]
+        difference = min(left, default=0.0) - min(right, default=0.0)
+        if not left or not right or abs(difference) < _ASIDE:
+            return ""
+        return "left" if difference > 0.0 else "right"
