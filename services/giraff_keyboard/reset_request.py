@@ -9,16 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
+from giraff_core.estop_release import EStopRelease
 from giraff_core.estop_request import Request
 from giraff_keyboard.policy import Key
-from giraff_schemas.messages import EStop, RobotTime, Sample
+from giraff_schemas.messages import EStop, RobotTime
 
 READ_FIRST: Final = 0.5
 """s after the question within which a yes is no answer to it: words that are typed have R and Y, too."""
 ASKS_FOR: Final = 5.0
 """s that the question stands."""
-_STATE_LASTS: Final = 1.5  # s that base's word of its stop is of now
-_GIVES_UP: Final = 2.0  # s; base takes no reset whose tick is older than a second
 
 
 class _Question(NamedTuple):
@@ -27,53 +26,33 @@ class _Question(NamedTuple):
     """When, s."""
 
 
-class ResetRequest:
+class ResetRequest(EStopRelease):
     """Times are monotonic, s."""
 
     def __init__(self, ask: Callable[[EStop, RobotTime], Request]) -> None:
         """`ask` begins to ask base to clear the latch that is shown so; with the robot's time of the human's wish."""
-        self.text = ""
-        """What the person at the keyboard must know; empty: nothing."""
-        self._ask = ask
-        self._states: dict[str, tuple[EStop, float]] = {}
-        """By base, its newest word, and when it came."""
+        super().__init__()
+        self._begin = ask
         self._question: _Question | None = None
-        self._request: Request | None = None
-        self._requested = 0.0
-
-    def on_sample(self, sample: Sample, now: float) -> None:
-        """Take what base says of its stop."""
-        if isinstance(sample, EStop):
-            self._states[sample.instance] = sample, now
 
     def on_key(self, key: Key, moment: RobotTime | None, now: float, *, stopping: bool) -> None:
         """Take a press. `moment`: the robot's time now, None while it is lost; `stopping`: a stop is not confirmed."""
         question, self._question, self.text = self._question, None, ""
         if key is Key.STOP:
-            self._request = None  # who wants a stop wants no release any more
-        elif stopping or self._request is not None:
+            self.withdraw()  # who wants a stop wants no release any more
+        elif stopping or self.is_asked:
             pass
         elif key is Key.RESET:
-            self._begin(now)
+            self._ask_person(now)
         elif key is Key.YES and question is not None:
             self._answer(question, moment, now)
 
-    def poll(self, now: float) -> None:
-        """Go on asking base, and end what is over."""
+    def poll(self, now: float) -> bool:
         if self._question is not None and now - self._question.asked > ASKS_FOR:
             self._question, self.text = None, ""
-        if self._request is None:
-            return
-        answer = self._request.poll(now)
-        if answer is not None:
-            self.text = "" if answer.done and not answer.engaged else f"STILL STOPPED: {answer.reason}"
-            self._request = None
-        elif now - self._requested > _GIVES_UP:
-            why = self._request.fault or "base does not answer"
-            self.text = f"RELEASE NOT CONFIRMED: {why}; press r to ask again"
-            self._request = None
+        return super().poll(now)
 
-    def _begin(self, now: float) -> None:
+    def _ask_person(self, now: float) -> None:
         latch, self.text = self._shown(now)
         if latch is not None:
             self._question = _Question(latch, now)
@@ -91,13 +70,11 @@ class ResetRequest:
         elif moment is None:
             self.text = "Nothing is released: the robot is not heard; press r when it is"
         else:
-            self._request, self._requested = self._ask(latch, moment), now
-            self.text = "RELEASING, not confirmed yet"
+            self.ask(self._begin(latch, moment), now)
 
     def _shown(self, now: float) -> tuple[EStop | None, str]:
         """The latch that is engaged now; else why there is none to release."""
-        self._states = {base: heard for base, heard in self._states.items() if now - heard[1] <= _STATE_LASTS}
-        states = [state for state, _ in self._states.values()]
+        states = [state for state, _ in self.states(now)]
         if not states:
             return None, "Nothing is released: base is not heard"
         if len(states) > 1:

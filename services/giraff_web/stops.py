@@ -11,15 +11,14 @@ import math
 from collections.abc import Callable
 from typing import Final
 
+from giraff_core.estop_release import EStopRelease
 from giraff_core.estop_request import EStopRequest, Request
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopReset
 from giraff_web.limited_log import LimitedLog
 
-_STATE_LASTS: Final = 1.5  # s that base's word of its stop is of now
 _STANDS: Final = 2.5  # s: a reset may be 1 s old, and then wait 1 s for base's disk
 _ONE_WISH: Final = 1.0  # s; a page says each stop in two ways, and again until it is shown
-_GIVES_UP: Final = 2.0  # s; base takes no reset whose tick is older than a second
 
 
 class Stops:
@@ -35,10 +34,7 @@ class Stops:
         self._device = ""
         self._stop = EStopRequest(lambda settles: engage(self._device, settles), "release it on a page that may drive")
         self._ask_reset = reset
-        self._reset: tuple[Request, float] | None = None
-        self._reset_text = ""
-        self._states: dict[str, tuple[EStop, float]] = {}
-        """By base, its newest word, and when it came."""
+        self._release = EStopRelease()
         self._stands_since: float | None = None
         """When a stop was asked for that base's word has answered; None: none that a release could still cross."""
         self._begun = "", -math.inf
@@ -54,12 +50,12 @@ class Stops:
     @property
     def text(self) -> str:
         """What became of a stop or a release that was asked for; empty: nothing is open."""
-        return self._stop.text if self.asked else self._reset_text
+        return self._stop.text if self.asked else self._release.text
 
     def stop(self, device: str, now: float) -> None:
         """Somebody asks for the emergency stop."""
         self._device = device
-        self._reset, self._reset_text = None, ""  # who wants a stop wants no release any more
+        self._release.withdraw()  # who wants a stop wants no release any more
         self._log.say("stop", f"{device} asks for the emergency stop", now)
         if not self._engaged(now):
             self._stop.engage()
@@ -71,55 +67,43 @@ class Stops:
         """Return base's newest word if a stop stands, and base has said or confirmed that in this very turn."""
         if self.asked or not self._engaged(now):
             return None
-        word, heard = max(self._states.values(), key=lambda state: state[1])
+        word, heard = max(self._release.states(now), key=lambda state: state[1])
         return word if now in (heard, self._confirmed_at) else None
 
     def on_estop(self, state: EStop, now: float) -> None:
         """Take what base says of its stop."""
-        self._states[state.instance] = state, now
+        self._release.on_sample(state, now)
         self._stop.on_sample(state)
         since = self._stands_since
         if state.engaged:
             if since is not None and now - since >= _STANDS:
                 self._stands_since = None
             return
-        if self._reset is None:
-            self._reset_text = ""
+        if not self._release.is_asked:
+            self._release.text = ""
         if since is not None:
             self._stands_since = None
-            self._reset_text = f"STILL STOPPED: {self._device} asked for STOP meanwhile; release it again"
+            self._release.text = f"STILL STOPPED: {self._device} asked for STOP meanwhile; release it again"
             self._stop.engage()
 
     def reset(self, device: str, asked: EStopReset, now: float) -> None:
         """Somebody asks for the release of the latch that he was shown: he knows of each stop before."""
         self._log.say("release", f"{device} asks for the release of the emergency stop", now)
         if self.asked:
-            self._reset_text = "STILL STOPPED: a stop was not confirmed yet; release it again when it is"
+            self._release.text = "STILL STOPPED: a stop was not confirmed yet; release it again when it is"
             return
         self._stands_since = None
-        self._reset = self._ask_reset(asked), math.inf
-        self._reset_text = "RELEASING, not confirmed yet"
+        self._release.ask(self._ask_reset(asked), now)
 
     def poll(self, now: float) -> bool:
         """Go on asking; whether base has confirmed a stop just now."""
         confirmed = self._stop.poll(now)
         if confirmed:
             self._confirmed_at = now
-        if self._reset is not None:
-            self._go_on(*self._reset, now)
+        if self._release.poll(now):
+            self._log.say("released", self._release.text or "the emergency stop is released", now)
         return confirmed
 
-    def _go_on(self, request: Request, until: float, now: float) -> None:
-        self._reset = request, min(until, now + _GIVES_UP)
-        answer = request.poll(now)
-        if answer is not None:
-            self._reset_text = "" if answer.done and not answer.engaged else f"STILL STOPPED: {answer.reason}"
-            self._log.say("released", self._reset_text or "the emergency stop is released", now)
-            self._reset = None
-        elif now > until:
-            self._reset_text = f"RELEASE NOT CONFIRMED: {request.fault or 'base does not answer'}; ask again"
-            self._reset = None
-
     def _engaged(self, now: float) -> bool:
-        self._states = {base: heard for base, heard in self._states.items() if now - heard[1] <= _STATE_LASTS}
-        return bool(self._states) and all(state.engaged for state, _ in self._states.values())
+        states = self._release.states(now)
+        return bool(states) and all(state.engaged for state, _ in states)

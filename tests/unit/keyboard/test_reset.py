@@ -172,7 +172,7 @@ def test_a_release_that_is_refused_or_unanswered_says_so_and_is_not_asked_for_ev
     base.press(Key.YES)
     base.fault = "estop/reset: nobody there"
     base.wait(3.0)
-    assert base.keys.text == "RELEASE NOT CONFIRMED: estop/reset: nobody there; press r to ask again"
+    assert base.keys.text == "RELEASE NOT CONFIRMED: estop/reset: nobody there; ask again"
     base.press(Key.RESET)
     base.wait(1.0)
     base.answer = EStopAnswer(done=False, engaged=True, id=5, reason="latch 4 is not the one engaged")

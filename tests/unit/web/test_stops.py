@@ -197,17 +197,6 @@ def test_a_release_names_what_was_shown_and_tells_what_base_says() -> None:
     assert base.stops.text == ""
 
 
-def test_a_release_that_base_does_not_answer_is_given_up() -> None:
-    base = Base()
-    base.stops.reset("phone", RESET, 0.0)
-    base.stops.poll(0.0)
-    base.stops.poll(2.1)
-    assert "NOT CONFIRMED: nobody answers" in base.stops.text
-    attempts = base.asked[0].attempts
-    base.stops.poll(2.2)
-    assert base.asked[0].attempts == attempts
-
-
 def test_who_wants_a_stop_wants_no_release_any_more() -> None:
     base = Base()
     base.stops.reset("phone", RESET, 0.0)
