@@ -6,7 +6,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_core.estop import RELEASED, RESET_COMMAND, EStopLatch
+from giraff_core.estop.latch import RELEASED, RESET_COMMAND, EStopLatch
 from giraff_core.freshness import age
 from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset

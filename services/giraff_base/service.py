@@ -5,7 +5,7 @@ from __future__ import annotations
 from giraff_base.config import BaseConfig
 from giraff_base.estop_server import EStopServer
 from giraff_base.policy import BasePolicy
-from giraff_core.estop import LATCH_FILE, LatchSaver, load_latch
+from giraff_core.estop.latch import LATCH_FILE, LatchSaver, load_latch
 from giraff_core.io import IO
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig

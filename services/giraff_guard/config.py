@@ -49,7 +49,7 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """rad/s while the way ahead is blocked."""
     slowest: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 0.5, "m/s")] = 0.03
     """m/s; less is a stop."""
-    reach: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 10.0, "m")] = 10.0
+    reach: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.1, 20.0, "m")] = 10.0
     """m that `clear` counts for at most, whatever reach the sensor has in the robot file."""
     half_cone: Annotated[float | None, Tuning.READ_ONLY, Bounds(0.001, math.pi / 4, "rad")] = None
     """rad; of all ultrasonic sensors, in place of what each has. None: as `[robot.sensors.<name>]` has it."""

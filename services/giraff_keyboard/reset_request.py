@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
-from giraff_core.estop_release import EStopRelease
-from giraff_core.estop_request import Request
+from giraff_core.estop.release import EStopRelease
+from giraff_core.estop.request import Request
 from giraff_keyboard.policy import Key
 from giraff_schemas.messages import EStop, RobotTime
 

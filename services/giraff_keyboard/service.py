@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Final, Protocol
 
-from giraff_core.estop_request import EStopRequest, Request
+from giraff_core.estop.request import EStopRequest, Request
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO, Selectable
 from giraff_core.operator import OperatorService

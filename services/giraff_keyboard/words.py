@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_core.estop import RESET_COMMAND
+from giraff_core.estop.latch import RESET_COMMAND
 
 _OF_KEYS: Final = {
     "hold the hand level": "let go of all keys",

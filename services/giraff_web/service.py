@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Final
 
-from giraff_core.estop_request import Request
+from giraff_core.estop.request import Request
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.operator import Fault, OperatorService, Wish

@@ -11,8 +11,8 @@ import math
 from collections.abc import Callable
 from typing import Final
 
-from giraff_core.estop_release import EStopRelease
-from giraff_core.estop_request import EStopRequest, Request
+from giraff_core.estop.release import EStopRelease
+from giraff_core.estop.request import EStopRequest, Request
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopReset
 from giraff_web.limited_log import LimitedLog

@@ -9,7 +9,7 @@ import msgspec
 
 from giraff_base.policy import BasePolicy
 from giraff_base.service import Base
-from giraff_core.estop import RELEASED
+from giraff_core.estop.latch import RELEASED
 from giraff_core.live import Live
 from giraff_core.operator import Fault, Wish
 from giraff_guard.policy import GuardPolicy

@@ -14,7 +14,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Final, Self
 
-from giraff_core.estop import RELEASED
+from giraff_core.estop.latch import RELEASED
 from giraff_node.process.state import write_latch
 from giraff_sim.board import ROOT
 from tests.hosts.hardware import ROBOT, Hardware

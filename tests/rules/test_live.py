@@ -13,7 +13,7 @@ import msgspec
 import pytest
 
 from giraff_base.policy import BasePolicy
-from giraff_core.estop import RELEASED
+from giraff_core.estop.latch import RELEASED
 from giraff_core.live import Live
 from giraff_core.parameters.table import ParamError, Parameters
 from giraff_core.robot import RobotConfig

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from giraff_cli.network.ports import free_port
 from giraff_cli.run.processes import ProcessGroup
-from giraff_core.estop import RELEASED
+from giraff_core.estop.latch import RELEASED
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import load
 from giraff_node.network.session import session_config

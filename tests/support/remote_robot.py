@@ -11,7 +11,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_core.estop import RELEASED
+from giraff_core.estop.latch import RELEASED
 from giraff_node.process.state import write_latch
 from giraff_sim.board import ROOT
 from giraff_sim.bodies.wheels.known import KNOWN

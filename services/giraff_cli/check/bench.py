@@ -15,7 +15,7 @@ from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import by_levels
 from giraff_cli.check.wiring import Counted
 from giraff_core.counters import signed32
-from giraff_core.estop import RESET_COMMAND
+from giraff_core.estop.latch import RESET_COMMAND
 from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.wire import (

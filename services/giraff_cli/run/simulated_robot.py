@@ -17,7 +17,7 @@ from giraff_cli.run.page import ROOM_FILE, Page, write_room
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.processes import Ended, ProcessGroup
 from giraff_cli.terminal.signals import StopSignal
-from giraff_core.estop import RELEASED
+from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_cli.why.chain import ChainState, Link, link_from, several
-from giraff_core.estop import RESET_COMMAND
+from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.latest import Latest
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict

@@ -10,7 +10,7 @@ from typing import Any, Final, Generic
 import msgspec
 import zenoh
 
-from giraff_core.estop_request import StopConfirmation
+from giraff_core.estop.request import StopConfirmation
 from giraff_core.retry import RetriedRequest
 from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of

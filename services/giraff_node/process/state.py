@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from queue import SimpleQueue
 
-from giraff_core.estop import LATCH_FILE, EStopLatch, latch_bytes
+from giraff_core.estop.latch import LATCH_FILE, EStopLatch, latch_bytes
 
 
 def state_directory(robot: str, environment: Mapping[str, str] = os.environ) -> Path:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
-from giraff_core.estop import is_confirmed_stop
+from giraff_core.estop.latch import is_confirmed_stop
 from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
 from giraff_joystick.service import Joystick

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Final
 
-from giraff_core.estop import LATCH_FILE, RELEASED, latch_bytes
+from giraff_core.estop.latch import LATCH_FILE, RELEASED, latch_bytes
 from giraff_sim.hosts.event_queue import Action, EventQueue
 
 _WRITE_US: Final = 8_000  # file, folder and their fsync, on a flash card

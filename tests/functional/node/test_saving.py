@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_core.estop import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, load_latch
+from giraff_core.estop.latch import LATCH_FILE, RELEASED, EStopLatch, LatchSaver, load_latch
 from giraff_node.process.state import Folder, write_file_durably
 from tests.support.waiting import wait
 

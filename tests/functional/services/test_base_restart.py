@@ -14,7 +14,7 @@ import zenoh
 
 from giraff_cli.network.ports import free_port
 from giraff_cli.run.processes import ProcessGroup
-from giraff_core.estop import RELEASED, load_latch
+from giraff_core.estop.latch import RELEASED, load_latch
 from giraff_core.network import NetworkConfig
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.session import close_session, open_session

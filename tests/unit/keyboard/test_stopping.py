@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from giraff_core.estop_request import EStopRequest
+from giraff_core.estop.request import EStopRequest
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
 

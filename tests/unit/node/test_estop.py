@@ -3,8 +3,8 @@
 import msgspec
 import pytest
 
-from giraff_core.estop import is_confirmed_stop
-from giraff_core.estop_request import StopConfirmation
+from giraff_core.estop.latch import is_confirmed_stop
+from giraff_core.estop.request import StopConfirmation
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
 from tests.unit.node.test_repeating import Request

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from giraff_core.estop import LATCH_FILE, RELEASED, EStopLatch, load_latch
+from giraff_core.estop.latch import LATCH_FILE, RELEASED, EStopLatch, load_latch
 from giraff_node.process.state import Folder, state_directory, write_file_durably, write_latch
 
 LOST = 41

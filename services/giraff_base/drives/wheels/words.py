@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import Final
 
-from giraff_core.estop import RESET_COMMAND
+from giraff_core.estop.latch import RESET_COMMAND
 from giraff_schemas.messages import BoardState
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble

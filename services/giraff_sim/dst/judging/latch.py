@@ -6,7 +6,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_core.estop import LATCH_FILE, EStopLatch
+from giraff_core.estop.latch import LATCH_FILE, EStopLatch
 from giraff_schemas.requests import EStopAnswer
 from giraff_sim.dst.judging.stops import ROBOT_US
 from giraff_sim.hosts.disk import Disk

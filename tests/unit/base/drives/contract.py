@@ -14,7 +14,7 @@ import pytest
 from giraff_base.config import DriveConfig
 from giraff_base.drive import Answer, Drive, Report
 from giraff_base.kinds import drive_of
-from giraff_core.estop import RESET_COMMAND
+from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.trouble import WELL

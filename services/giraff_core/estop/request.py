@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from giraff_core.estop import is_confirmed_stop
+from giraff_core.estop.latch import is_confirmed_stop
 from giraff_schemas.messages import EStop, Sample
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import printable

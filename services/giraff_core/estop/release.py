@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_core.estop_request import Request
+from giraff_core.estop.request import Request
 from giraff_schemas.messages import EStop, Sample
 
 _STATE_LASTS: Final = 1.5  # s that base's word of its stop is of now
