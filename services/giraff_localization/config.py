@@ -12,7 +12,7 @@ from giraff_core.tuning import Tuning
 
 
 class LocalizationConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The map, and what is expected of an ultrasonic sensor: the defaults are of an HC-SR04."""
+    """The map, and what the filter may take."""
 
     map: Annotated[str, Tuning.READ_ONLY] = ""
     """Path of the floor plan on this host: a room (`.toml`) or a grid of ROS's map_server (`.yaml`); empty: none."""
@@ -20,16 +20,12 @@ class LocalizationConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     """While it is known where the robot is."""
     most_particles: Annotated[int, Tuning.READ_ONLY, Bounds(100, 1_000_000)] = 40_000
     """While it is looked for anywhere."""
-    reach: Annotated[float, Tuning.READ_ONLY, Bounds(0.5, 10.0, "m")] = 4.0
-    """m beyond which nothing is heard."""
-    half_cone: Annotated[float, Tuning.READ_ONLY, Bounds(math.radians(1.0), math.radians(45.0), "rad")] = math.radians(
-        7.5
-    )
-    """rad off the axis within which a sensor hears."""
-    incidence: Annotated[float, Tuning.READ_ONLY, Bounds(math.radians(5.0), math.radians(85.0), "rad")] = math.radians(
-        25.0
-    )
-    """rad between a wall's normal and the sound beyond which the wall gives no echo."""
+    reach: Annotated[float | None, Tuning.READ_ONLY, Bounds(0.5, 10.0, "m")] = None
+    """m; of all sensors, in place of what each has. None: as `[robot.sensors.<name>]` has it."""
+    half_cone: Annotated[float | None, Tuning.READ_ONLY, Bounds(math.radians(1.0), math.radians(45.0), "rad")] = None
+    """rad; as of `reach`."""
+    incidence: Annotated[float | None, Tuning.READ_ONLY, Bounds(math.radians(5.0), math.radians(85.0), "rad")] = None
+    """rad; as of `reach`."""
 
     def __post_init__(self) -> None:
         check_bounds(self)

@@ -8,6 +8,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from giraff_core.robot import RobotConfig
+from giraff_core.sensors import HC_SR04
 from giraff_localization.beam_model import beam_model
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.free_space import FreeSpace
@@ -25,7 +27,8 @@ _SMALLEST: Final = 0.5
 class Floor:
     """Raises MapError for a plan that no robot of this size drives on. Of no use until it is built."""
 
-    def __init__(self, plan: FloorPlan, config: LocalizationConfig, footprint_radius: float) -> None:
+    def __init__(self, plan: FloorPlan, config: LocalizationConfig, robot: RobotConfig) -> None:
+        footprint_radius = robot.footprint_radius
         self.plan = plan
         self.is_built = False
         bounds = plan.bounds
@@ -41,11 +44,27 @@ class Floor:
                 f"the map {plan.name!r}, {width:.2f} m by {depth:.2f} m, has no room for a robot of "
                 f"{2.0 * footprint_radius:.2f} m across: is it in metres?"
             )
-        self.table = RangeTable(plan, self.space, Cone(config.reach, config.half_cone, config.incidence))
-        self.model: npt.NDArray[np.float32] = beam_model(config.reach, self.table.bin)
+        cone = _cone(config, robot)
+        self.reach = cone.reach
+        self.table = RangeTable(plan, self.space, cone)
+        self.model: npt.NDArray[np.float32] = beam_model(cone.reach, self.table.bin)
 
     def build(self) -> Iterator[float]:
         """Compute it bit by bit; tells the share that is done after each."""
         if not self.is_built:
             yield from self.table.build()
             self.is_built = True
+
+
+def _cone(config: LocalizationConfig, robot: RobotConfig) -> Cone:
+    """What is expected of every sensor: there is one table for all. Raises MapError where that cannot be."""
+    cones = {
+        Cone(config.reach or model.reach, config.half_cone or model.half_cone, config.incidence or model.incidence)
+        for model in ([robot.model(sensor) for sensor in robot.sensors] or [HC_SR04])
+    }
+    if len(cones) > 1:
+        raise MapError(
+            "the ultrasonic sensors of [robot.sensors] differ, and localization takes all to be alike: set reach, "
+            "half_cone and incidence of [localization] to what is true of most"
+        )
+    return cones.pop()

@@ -77,7 +77,7 @@ class LocalizationPolicy:
         """The one is where in the frame of the way the newest update was, the other where that frame is in `map`."""
         self._covariance = _NOWHERE
         self._transform: Transform | None = None
-        self._readings = Readings({}, config.reach, 1.0)
+        self._readings = Readings({}, 1.0, 1.0)
 
     def on_odometry(self, odometry: Odometry) -> None:
         """Take where the robot is in `odom`."""
@@ -216,7 +216,7 @@ class LocalizationPolicy:
         self._searches += 1
         self._filter = Filter(floor, self._config, self._robot, self._seed + self._searches, told)
         self._updating = None
-        self._readings = Readings(self._robot.sensors, self._config.reach, floor.table.bin)
+        self._readings = Readings(self._robot.sensors, floor.reach, floor.table.bin)
         self._way.take()
         begun = self._filter.begun
         self._way_in_map, self._covariance = _origin_in(begun.pose, self._way.pose), begun.covariance
@@ -244,7 +244,7 @@ def _floor(plan: FloorPlan | Floor | Trouble, config: LocalizationConfig, robot:
     if not isinstance(plan, FloorPlan):
         return plan
     try:
-        return Floor(plan, config, robot.footprint_radius)
+        return Floor(plan, config, robot)
     except MapError as error:
         return Trouble(str(error))
 

@@ -13,6 +13,6 @@ from giraff_maps.floor_plan import FloorPlan, MapError
 def floor_of(path: Path, plan: FloorPlan, config: LocalizationConfig, robot: RobotConfig) -> Floor:
     """Raises MapError where no robot of this size drives on it."""
     try:
-        return Floor(plan, config, robot.footprint_radius)
+        return Floor(plan, config, robot)
     except MapError as error:
         raise MapError(f"{path}: {error}") from error

@@ -54,7 +54,7 @@ KINDS: Final = {
 @cache
 def floor_of(world: str, config: LocalizationConfig) -> Floor:
     """What localization makes of a map: once, for all that look for a robot on it."""
-    made = Floor(read_map(FILES[world]), config, ROBOT.footprint_radius)
+    made = Floor(read_map(FILES[world]), config, ROBOT)
     for _ in made.build():
         pass
     return made

@@ -130,7 +130,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> Here:
 
 def shown(here: Here, node: Node, place: Place | None = HERE, seconds: float | None = None) -> ShownLocalization:
     plan = FloorPlan("hall", ((0.0, 0.0, 6.0, 0.0), (6.0, 0.0, 6.0, 5.0), (6.0, 5.0, 0.0, 5.0), (0.0, 5.0, 0.0, 0.0)))
-    floor = Floor(plan, LocalizationConfig(), ROBOT.footprint_radius)
+    floor = Floor(plan, LocalizationConfig(), ROBOT)
     return ShownLocalization(cast(Any, node), floor, here.hearing, place, seconds)
 
 

@@ -11,9 +11,10 @@ import pytest
 from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import SensorPose
+from giraff_core.sensors import UltrasonicModel
 from giraff_guard.ultrasonic.sensor import Ping, Sensor
 from giraff_schemas.trouble import WELL
-from tests.unit.guard.senses import CONFIG, CYCLE, FAR, Senses, echoes_of, opened
+from tests.unit.guard.senses import CONFIG, CYCLE, FAR, ROBOT, Senses, echoes_of, opened
 
 
 def test_silence_of_a_sensor_that_proved_nothing_is_worth_little() -> None:
@@ -28,11 +29,17 @@ def test_silence_of_a_sensor_that_proved_nothing_is_worth_little() -> None:
     assert "has not proved" in str(senses.judge().sensors["rear"])
 
 
-def test_silence_of_a_proven_sensor_counts_for_its_reach() -> None:
+@pytest.mark.parametrize("bounded_by", ["its own table", "[guard]"])
+def test_silence_of_a_proven_sensor_counts_for_its_reach(bounded_by: str) -> None:
     senses = opened()
     senses.cycle(None, cycles=5)
     assert senses.verdict().freedom == "free"
-    short = opened(config=msgspec.structs.replace(CONFIG, reach=0.5, held_range=0.1), distance=0.45)
+    robot, config = ROBOT, msgspec.structs.replace(CONFIG, held_range=0.1)
+    if bounded_by == "[guard]":
+        config = msgspec.structs.replace(config, reach=0.5)
+    else:
+        robot = msgspec.structs.replace(ROBOT, models=dict.fromkeys(ROBOT.sensors, UltrasonicModel(reach=0.5)))
+    short = opened(robot, config, distance=0.45)
     short.cycle(None, cycles=5)
     assert short.verdict().freedom in ("slow", "creep")
     assert "0.50 m" in short.verdict().reason

@@ -28,7 +28,7 @@ ROOM: Final = FloorPlan("room", outline((0.0, 0.0), (5.0, 0.0), (5.0, 3.0), (0.0
 @cache
 def floor(plan: FloorPlan = ROOM) -> Floor:
     """With its table."""
-    made = Floor(plan, CONFIG, ROBOT.footprint_radius)
+    made = Floor(plan, CONFIG, ROBOT)
     for _ in made.build():
         pass
     return made

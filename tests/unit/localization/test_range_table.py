@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from itertools import product
 
+import msgspec
 import numpy as np
 import pytest
 
 from giraff_core.kinematics.pose import Pose
+from giraff_core.sensors import HC_SR04, UltrasonicModel
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.floor import Floor
 from giraff_localization.range_table import CLEAR, SLANTED, SOLID
 from giraff_maps.floor_plan import FloorPlan, MapError
-from tests.unit.localization.rooms import CONFIG, ROOM, floor, outline
+from tests.support.robots import ROBOT
+from tests.unit.localization.rooms import ROOM, floor, outline
 
 MIDDLE = (2.475, 1.525)
 SLANTED_WALL = FloorPlan("slanted", (*ROOM.walls, (3.0, 0.0, 4.0, 3.0)))
@@ -70,7 +73,7 @@ def test_it_agrees_with_rays_cast_one_by_one() -> None:
             if abs(math.remainder(normal - axis, math.pi)) <= limit:
                 nearest = min(nearest, distance)
         found = int(table.expected(np.array([x]), np.array([y]), np.array([axis]))[0])
-        is_echo = nearest < CONFIG.reach
+        is_echo = nearest < HC_SR04.reach
         same.append(
             abs(found * table.bin - nearest) < 0.06 if is_echo and found < CLEAR else is_echo == (found < CLEAR)
         )
@@ -111,4 +114,13 @@ def test_a_plan_with_an_open_door_has_room_all_the_same() -> None:
 def test_a_map_of_another_scale_is_refused(scale: float, words: str) -> None:
     scaled = FloorPlan("room", tuple((a * scale, b * scale, c * scale, d * scale) for a, b, c, d in ROOM.walls))
     with pytest.raises(MapError, match=words):
-        Floor(scaled, LocalizationConfig(), 0.3)
+        Floor(scaled, LocalizationConfig(), ROBOT)
+
+
+def test_sensors_that_differ_take_one_figure_for_all() -> None:
+    robot = msgspec.structs.replace(ROBOT, models={"rear": UltrasonicModel(reach=2.0)})
+    with pytest.raises(MapError, match=r"differ.*set reach, half_cone and incidence of \[localization\]"):
+        Floor(ROOM, LocalizationConfig(), robot)
+    assert Floor(ROOM, LocalizationConfig(reach=3.0), robot).reach == 3.0
+    alike = msgspec.structs.replace(ROBOT, models=dict.fromkeys(ROBOT.sensors, UltrasonicModel(reach=2.0)))
+    assert Floor(ROOM, LocalizationConfig(), alike).reach == 2.0
