@@ -64,9 +64,9 @@ class BasePolicy:
         self._drive.open(session)
         self._lose_board("the serial link was opened anew")
 
-    def on_link_lost(self, fault: Trouble | str) -> None:
+    def on_link_lost(self, fault: Trouble) -> None:
         """There is no board now, and why."""
-        self._link_fault = fault if isinstance(fault, Trouble) else Trouble(fault)
+        self._link_fault = fault
         self._drive.lose()
         self._lose_board("the serial link was lost")
 

@@ -47,7 +47,7 @@ class Base:
             self._opened = link.opened
             policy.on_link_opened(session=self._io.token())
         if link.fault:
-            policy.on_link_lost(str(link.fault))
+            policy.on_link_lost(link.fault)
         robot_time = RobotTime(epoch=self._epoch, robot_ns=self._io.robot_ns())
         for command in self._commands.take():
             policy.on_command(command, robot_time)

@@ -155,11 +155,11 @@ class IO(Protocol):
         """A random number of 32 bits, not 0."""
         ...
 
-    def set_fault(self, name: str, trouble: Trouble | str) -> None:
+    def set_fault(self, name: str, trouble: Trouble) -> None:
         """State what is wrong with `name` of this service itself, or with WELL that nothing is."""
         ...
 
-    def set_notice(self, name: str, trouble: Trouble | str) -> None:
+    def set_notice(self, name: str, trouble: Trouble) -> None:
         """State what is wrong elsewhere or awaited, or with WELL that nothing is: this service is well all the same."""
         ...
 

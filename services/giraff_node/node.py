@@ -305,14 +305,14 @@ class Node(Generic[ConfigT]):
         """
         return self._process.turns(*timers, *self._boards, link=link, look=self._look)
 
-    def set_fault(self, name: str, trouble: Trouble | str) -> None:
+    def set_fault(self, name: str, trouble: Trouble) -> None:
         """State what is wrong with `name` of this service itself, or with WELL that nothing is.
 
         Logged on a change, told by health, which is then not `ok`.
         """
         self._process.condition.set_fault(name, trouble)
 
-    def set_notice(self, name: str, trouble: Trouble | str) -> None:
+    def set_notice(self, name: str, trouble: Trouble) -> None:
         """State what is wrong elsewhere or awaited, or with WELL that nothing is: this service is well all the same."""
         self._process.condition.set_notice(name, trouble)
 

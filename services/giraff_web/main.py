@@ -17,6 +17,7 @@ from giraff_node.network.host_addresses import host_addresses
 from giraff_node.process.state import state_directory
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.health import WebPage
+from giraff_schemas.trouble import Trouble
 from giraff_web.config import WebConfig
 from giraff_web.messages import Room
 from giraff_web.server.host import RIGHTS, HostSocket, own_socket
@@ -77,8 +78,10 @@ def _host_socket(node: Node[WebConfig]) -> Iterator[HostSocket | None]:
     except OSError as error:
         node.set_notice(
             "devices",
-            f"{path}: giraff web --devices cannot ask there: {error.strerror or error}; let XDG_RUNTIME_DIR name a "
-            "directory with a short path that this user may write to",
+            Trouble(
+                f"{path}: giraff web --devices cannot ask there: {error.strerror or error}",
+                "let XDG_RUNTIME_DIR name a directory with a short path that this user may write to",
+            ),
         )
         yield None
         return

@@ -29,11 +29,11 @@ class HealthState:
         self.answers: list[str] = []
         self.page: WebPage | None = None
 
-    def set_fault(self, name: str, trouble: Trouble | str) -> None:
+    def set_fault(self, name: str, trouble: Trouble) -> None:
         """State what is wrong with `name` of this service itself, or with WELL that nothing is."""
         self._set(self._faults, name, trouble)
 
-    def set_notice(self, name: str, trouble: Trouble | str) -> None:
+    def set_notice(self, name: str, trouble: Trouble) -> None:
         """State what keeps the service from being of use and is not its own doing, or with WELL that nothing does."""
         self._set(self._notices, name, trouble)
 
@@ -65,9 +65,7 @@ class HealthState:
         """One line for people."""
         return "; ".join(map(str, (*self._faults.values(), *self._notices.values()))) or "well"
 
-    def _set(self, told: dict[str, Trouble], name: str, trouble: Trouble | str) -> None:
-        if isinstance(trouble, str):
-            trouble = Trouble(trouble)
+    def _set(self, told: dict[str, Trouble], name: str, trouble: Trouble) -> None:
         if told.get(name, WELL) == trouble:
             return
         trouble = Trouble(_text(trouble.what), _text(trouble.remedy))

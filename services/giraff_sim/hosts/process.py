@@ -147,10 +147,10 @@ class Process:
     def token(self) -> int:
         return self._random.randrange(1, 1 << 32)
 
-    def set_fault(self, name: str, trouble: Trouble | str) -> None:
+    def set_fault(self, name: str, trouble: Trouble) -> None:
         self.told[name] = str(trouble)
 
-    def set_notice(self, name: str, trouble: Trouble | str) -> None:
+    def set_notice(self, name: str, trouble: Trouble) -> None:
         self.told[name] = str(trouble)
 
     def leave(self) -> None:

@@ -21,6 +21,7 @@ from giraff_keys.files import KeyFileError, is_pair, read_certificate, read_key
 from giraff_keys.folder import holding, lay_down
 from giraff_keys.host_names import Address, require_address, with_local
 from giraff_node.network.key_bundle import CA_CERTIFICATE, EXPIRES_SOON, HOST_CERTIFICATE, HOST_KEY
+from giraff_schemas.trouble import WELL, Trouble
 
 FOLDER: Final = "web-keys"
 """In the service's state folder."""
@@ -63,7 +64,9 @@ def host_certificate(folder: Path) -> Certificate:
     return _loaded(folder, "copy this host's bundle there again; `giraff keys list` shows what is wrong with it")
 
 
-def made_certificate(state: Path, hostname: str, names: Iterable[Address], now: datetime) -> tuple[Certificate, str]:
+def made_certificate(
+    state: Path, hostname: str, names: Iterable[Address], now: datetime
+) -> tuple[Certificate, Trouble]:
     """That of the last start if it still fits, else a new one; and why it will not be known again, if it could not be
     kept. `state`: the service's state folder."""
     wanted = with_local(names)
@@ -72,23 +75,24 @@ def made_certificate(state: Path, hostname: str, names: Iterable[Address], now: 
         with holding(state):
             if not _fits(state / FOLDER, wanted, now):
                 _make(state / FOLDER, hostname, wanted, now)
-        return _loaded(state / FOLDER, "remove the folder, and start again"), ""
+        return _loaded(state / FOLDER, "remove the folder, and start again"), WELL
     except OSError as error:
         with tempfile.TemporaryDirectory() as passing:
             _make(Path(passing) / FOLDER, hostname, wanted, now)
-            why = (
+            why = Trouble(
                 f"{error.filename or state}: {error.strerror or error}: the certificate cannot be kept, and devices "
-                "must trust another one after each start; correct the folder's rights"
+                "must trust another one after each start",
+                "correct the folder's rights",
             )
             return _loaded(Path(passing) / FOLDER, "start again"), why
 
 
 def for_this_host(
     network: NetworkConfig, state: Path, hostname: str, names: Iterable[Address], now: datetime
-) -> tuple[Certificate, str]:
+) -> tuple[Certificate, Trouble]:
     """The one that counts on this network, and what is to be told of it. Raises CertificateProblemError."""
     if is_secured(network):
-        return host_certificate(Path(network.keys)), ""
+        return host_certificate(Path(network.keys)), WELL
     return made_certificate(state, hostname, names, now)
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from giraff_base.estop import EStopLatch
 from giraff_schemas.messages import GuardedCommand, RobotTime
 from giraff_schemas.requests import EStopEngage, EStopReset
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, Latch, SpeedFlag, SpeedFrame
 from tests.support.robots import BY_SPEED, DRIVE
 from tests.unit.base.rig import EPOCH, Board, Rig, Sent, demand
@@ -169,7 +170,7 @@ class Events:
         self.judge.releasing = False
 
     def lose(self) -> None:
-        self.rig.base.on_link_lost("unplugged")
+        self.rig.base.on_link_lost(Trouble("unplugged"))
         self.judge.reset_ns = self.rig.robot_ns + 1
         self.judge.releasing = False
 

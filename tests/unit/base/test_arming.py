@@ -8,6 +8,7 @@ from itertools import pairwise
 import msgspec
 import pytest
 
+from giraff_schemas.trouble import Trouble
 from tests.unit.base.rig import EPOCH, Rig, moving
 
 
@@ -122,7 +123,7 @@ def reopen(rig: Rig) -> None:
 
 
 def lose(rig: Rig) -> None:
-    rig.base.on_link_lost("unplugged")
+    rig.base.on_link_lost(Trouble("unplugged"))
     rig.connected = False
     rig.run(0.1)
     rig.connected = True

@@ -81,7 +81,7 @@ def test_dips_on_both_sides_of_a_lost_link_are_two() -> None:
     rig.drive(0.6)
     charge(rig, 15.0)
     rig.run(1.0)
-    rig.base.on_link_lost("unplugged")
+    rig.base.on_link_lost(Trouble("unplugged"))
     rig.connected = False
     rig.run(5.0)
     rig.connected = True

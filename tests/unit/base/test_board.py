@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from giraff_base.drives.wheels.drive import WheelsDrive
 from giraff_schemas.messages import Wheels
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import (
     PROTOCOL_HASH,
     WHEELS_PERIOD_MS,
@@ -205,7 +206,7 @@ def test_without_a_report_there_is_nothing_to_send() -> None:
         rig.say(rig.command())
         frames.append(rig.base.next_frame(rig.now))
     assert [frame is not None for frame in frames] == [True] + [False] * 9
-    rig.base.on_link_lost("unplugged")
+    rig.base.on_link_lost(Trouble("unplugged"))
     rig.say(rig.command())
     assert rig.base.next_frame(rig.now) is None
 
@@ -332,7 +333,7 @@ def test_state_is_the_newest_frame_and_report() -> None:
     rig.board.refusal = Refusal.STALE
     rig.run(0.02)
     assert rig.base.state().board.last_refusal == "stale"
-    rig.base.on_link_lost("the port is gone; plug it in")
+    rig.base.on_link_lost(Trouble("the port is gone", "plug it in"))
     state = rig.base.state()
     assert (state.armed, state.driving, state.reason) == (False, False, "the port is gone; plug it in")
     assert (state.round_trip, state.budget_left) == (None, None)

@@ -327,7 +327,7 @@ def test_a_release_is_of_the_board_there_was_when_it_was_asked_for(break_off: st
     if break_off == "reboot":
         rig.board.reset()
     elif break_off == "lose":
-        rig.base.on_link_lost("unplugged")
+        rig.base.on_link_lost(Trouble("unplugged"))
     else:
         rig.base.on_link_opened(session=100)
     rig.board.engage(Latch.LEFT_STUCK)
@@ -340,7 +340,7 @@ def test_a_release_is_of_the_board_there_was_when_it_was_asked_for(break_off: st
 def test_without_a_board_engaging_and_resetting_work() -> None:
     rig = Rig()
     rig.connected = False
-    rig.base.on_link_lost("the port is gone; plug it in")
+    rig.base.on_link_lost(Trouble("the port is gone", "plug it in"))
     engage(rig)
     assert rig.base.state().reason.startswith("emergency stop by keyboard")
     assert rig.base.next_frame(rig.now) is None

@@ -10,6 +10,7 @@ import pytest
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import WIRING
 from giraff_schemas.requests import EStopEngage
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import DriveState, Latch
 from tests.support.robots import DRIVE
 from tests.unit.base.rig import Rig, moving
@@ -22,7 +23,7 @@ def engage(rig: Rig) -> None:
 
 
 def lose_link(rig: Rig) -> None:
-    rig.base.on_link_lost("the port is gone; plug it in")
+    rig.base.on_link_lost(Trouble("the port is gone", "plug it in"))
     rig.connected = False
 
 

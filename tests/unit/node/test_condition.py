@@ -7,27 +7,29 @@ import msgspec
 from giraff_node.process.health import HealthState
 from giraff_node.process.logs import service_logger
 from giraff_schemas.health import Health
+from giraff_schemas.trouble import WELL, Trouble
 
 
 def test_a_condition_is_its_own_faults_and_what_it_notices() -> None:
     condition = HealthState("base", "1", service_logger("base"))
     assert condition.summary == "well"
-    condition.set_notice("link", "no robot")
+    condition.set_notice("link", Trouble("no robot", "start one"))
     assert condition.health().ok
-    assert condition.health().notices == ("no robot",)
-    condition.set_fault("board", "unplugged")
-    condition.set_fault("disk", "full")
+    assert condition.health().notices == ("no robot; start one",)
+    assert condition.health().noticed == (Trouble("no robot", "start one"),)
+    condition.set_fault("board", Trouble("unplugged"))
+    condition.set_fault("disk", Trouble("full"))
     assert not condition.health().ok
     assert condition.health().faults == ("unplugged", "full")
-    assert condition.summary == "unplugged; full; no robot"
-    condition.set_fault("board", "")
-    condition.set_fault("disk", "")
-    condition.set_notice("link", "")
+    assert condition.summary == "unplugged; full; no robot; start one"
+    condition.set_fault("board", WELL)
+    condition.set_fault("disk", WELL)
+    condition.set_notice("link", WELL)
     assert condition.health().ok
     assert condition.summary == "well"
 
 
 def test_a_fault_that_is_no_text_is_told_all_the_same() -> None:
     condition = HealthState("base", "1", service_logger("base"))
-    condition.set_fault("board", "/dev/\udcff: no such port")
+    condition.set_fault("board", Trouble("/dev/\udcff: no such port"))
     assert msgspec.json.decode(msgspec.json.encode(condition.health()), type=Health).faults == ("/dev/?: no such port",)

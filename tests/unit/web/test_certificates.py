@@ -16,6 +16,7 @@ from giraff_core.network import NetworkConfig
 from giraff_keys.certificates import addresses_of
 from giraff_keys.files import read_certificate
 from giraff_keys.host_names import Address
+from giraff_schemas.trouble import WELL
 from giraff_web.server.certificates import (
     FOLDER,
     CertificateProblemError,
@@ -36,7 +37,7 @@ def leaf(state: Path) -> x509.Certificate:
 def made(state: Path, names: tuple[Address, ...] = NAMES, now: timedelta = timedelta()) -> x509.Certificate:
     """The host's certificate after a start then."""
     _, problem = made_certificate(state, "desk", names, NOW + now)
-    assert problem == ""
+    assert problem == WELL
     return leaf(state)
 
 
@@ -113,14 +114,14 @@ def test_where_it_cannot_be_kept_there_is_one_all_the_same(tmp_path: Path) -> No
     (tmp_path / "state").write_text("no folder")
     got, problem = made_certificate(tmp_path / "state", "desk", NAMES, NOW)
     assert got.authority.startswith(b"-----BEGIN CERTIFICATE-----")
-    assert "must trust another one after each start" in problem
+    assert "must trust another one after each start" in str(problem)
 
 
 def test_a_secured_network_has_its_own(tmp_path: Path) -> None:
     keys = authority(tmp_path / "keys")
     network = NetworkConfig(mode="secured", keys=str(bundle(keys)), access=AccessConfig(robot=("robot",)))
     got, problem = for_this_host(network, tmp_path / "state", "desk", NAMES, NOW)
-    assert (got.authority, problem) == ((keys / "ca.pem").read_bytes(), "")
+    assert (got.authority, problem) == ((keys / "ca.pem").read_bytes(), WELL)
     assert not (tmp_path / "state").exists()
 
 

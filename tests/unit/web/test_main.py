@@ -68,4 +68,4 @@ def test_a_run_directory_that_cannot_be_used_is_told_and_the_page_is_served_all_
             assert host is None
         name, notice = node.set_notice.call_args.args
         assert name == "devices"
-        assert f"giraff web --devices cannot ask there: {told}; let XDG_RUNTIME_DIR name" in notice
+        assert f"giraff web --devices cannot ask there: {told}; let XDG_RUNTIME_DIR name" in str(notice)
