@@ -18,16 +18,17 @@ class Service(msgspec.Struct, frozen=True, kw_only=True):
     """As in `alive/<name>`, `health/<name>`, `param/<name>`, its compose service and its unit giraff@<name>."""
     host: Literal["robot", "operator", "any", "router"]
     """Where it runs."""
-    package: str = ""
-    """`python -m <package>`; empty: a tool that only has a token on the network."""
-    table: str = ""
-    """Of the robot file, read as `<package>.config:<Table>Config`."""
+    entry: Literal["service", "main", ""] = "service"
+    """Module of its package that `python -m giraff_node <name>` runs. `service` has the class `<Name>`, whose turns a
+    `Node` makes, and `main` a function `main`. Empty: a tool that has a token on the network, and no package."""
     publishes: tuple[Topic[Any], ...] = ()
     subscribes: tuple[Topic[Any], ...] = ()
     answers: tuple[Query[Any, Any], ...] = ()
     """Beside those of its parameters and health."""
     board: BoardKind | None = None
     """At its serial port."""
+    missing: tuple[Literal["fault", "warning"], str] | None = None
+    """How bad it is for a robot when it does not run, and what follows; None: `doctor` does not miss it."""
     optional: bool = False
     """A robot is whole without it."""
     simulated: bool = False
@@ -35,12 +36,20 @@ class Service(msgspec.Struct, frozen=True, kw_only=True):
     inside: bool = False
     """It listens to processes of its own host alone."""
 
+    @property
+    def package(self) -> str:
+        """Its import package, `giraff_<name>`. Empty: it has none."""
+        return f"giraff_{self.name}" if self.entry else ""
+
+    @property
+    def table(self) -> str:
+        """Its table of the robot file, read as `<package>.config:<Name>Config`. Empty: it has none."""
+        return self.name if self.entry else ""
+
 
 JOYSTICK: Final = Service(
     name="joystick",
     host="operator",
-    package="giraff_joystick",
-    table="joystick",
     publishes=(t.OPERATOR_CMD_VEL, t.TILT),
     subscribes=(t.TICK, t.LEASE),
     board=BoardKind.JOYSTICK,
@@ -49,16 +58,14 @@ JOYSTICK: Final = Service(
 KEYBOARD: Final = Service(
     name="keyboard",
     host="operator",
-    package="giraff_keyboard",
-    table="keyboard",
+    entry="main",
     publishes=(t.OPERATOR_CMD_VEL,),
     subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.RANGE),
 )
 WEB: Final = Service(
     name="web",
     host="operator",
-    package="giraff_web",
-    table="web",
+    entry="main",
     publishes=(t.OPERATOR_CMD_VEL,),
     subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.RANGE),
     optional=True,
@@ -67,6 +74,7 @@ WEB: Final = Service(
 CLIENT: Final = Service(
     name="client",
     host="operator",
+    entry="",
     publishes=(t.OPERATOR_CMD_VEL, t.MOTION_HOLD),
     subscribes=(t.TICK, t.LEASE, t.BASE, t.ESTOP, t.BATTERY, t.GUARD, t.ODOM, t.POSE, t.RANGE, t.MOTION),
 )
@@ -74,8 +82,7 @@ CLIENT: Final = Service(
 BASE: Final = Service(
     name="base",
     host="robot",
-    package="giraff_base",
-    table="base",
+    missing=("fault", "nothing moves"),
     publishes=(t.TICK, t.WHEELS, t.BASE, t.ESTOP, t.BATTERY),
     subscribes=(t.CMD_VEL,),
     answers=(t.ESTOP_ENGAGE, t.ESTOP_RESET),
@@ -86,8 +93,7 @@ BASE: Final = Service(
 GUARD: Final = Service(
     name="guard",
     host="robot",
-    package="giraff_guard",
-    table="guard",
+    missing=("fault", "nothing moves: base obeys the guard alone"),
     publishes=(t.CMD_VEL, t.LEASE, t.GUARD),
     subscribes=(t.TICK, t.RANGE, t.WHEELS, t.OPERATOR_CMD_VEL),
     simulated=True,
@@ -96,8 +102,7 @@ GUARD: Final = Service(
 RANGER: Final = Service(
     name="ranger",
     host="robot",
-    package="giraff_ranger",
-    table="ranger",
+    missing=("fault", "the robot is blind, and guard stops it"),
     publishes=(t.RANGE,),
     subscribes=(t.TICK,),
     board=BoardKind.RANGER,
@@ -107,8 +112,7 @@ RANGER: Final = Service(
 ODOMETRY: Final = Service(
     name="odometry",
     host="robot",
-    package="giraff_odometry",
-    table="odometry",
+    missing=("warning", "nobody knows where the robot is"),
     publishes=(t.ODOM,),
     subscribes=(t.WHEELS,),
     answers=(t.ODOM_RESET, t.ODOM_SET_POSE),
@@ -118,8 +122,6 @@ ODOMETRY: Final = Service(
 MOTION: Final = Service(
     name="motion",
     host="robot",
-    package="giraff_motion",
-    table="motion",
     publishes=(t.OPERATOR_CMD_VEL, t.MOTION),
     subscribes=(t.TICK, t.LEASE, t.ODOM, t.POSE, t.BASE, t.ESTOP, t.GUARD, t.MOTION_HOLD),
     answers=t.MOTION_QUERIES,
@@ -131,53 +133,36 @@ MOTION: Final = Service(
 LOCALIZATION: Final = Service(
     name="localization",
     host="any",
-    package="giraff_localization",
-    table="localization",
+    entry="main",
     publishes=(t.POSE, t.PARTICLES, t.MAP),
     subscribes=(t.ODOM, t.RANGE),
     answers=(t.LOCALIZATION_SET_POSE, t.LOCALIZATION_GLOBAL),
     optional=True,
 )
 """Tells where the robot is on a map. No part of what keeps it from obstacles."""
-RECORDER: Final = Service(name="recorder", host="any", package="giraff_recorder", table="recorder", optional=True)
+RECORDER: Final = Service(name="recorder", host="any", entry="main", optional=True)
 """Hears all that there is."""
-DOOR: Final = Service(name="door", host="robot", package="giraff_door", table="door", optional=True)
+DOOR: Final = Service(
+    name="door", host="robot", missing=("fault", "other machines do not find the robot"), entry="main", optional=True
+)
 """The process of the robot that other hosts find, and through which their commands hear all of it."""
-SENTRY: Final = Service(name="sentry", host="robot", package="giraff_sentry", table="sentry", optional=True)
+SENTRY: Final = Service(name="sentry", host="robot", entry="main", optional=True)
 GATEWAY: Final = Service(
     name="gateway",
     host="any",
-    package="giraff_gateway",
-    table="gateway",
+    entry="main",
     publishes=(t.SERIAL,),
     subscribes=(t.SERIAL_WRITE,),
     optional=True,
 )
-ROUTER: Final = Service(name="router", host="router", package="giraff_router", table="router", optional=True)
-RUN: Final = Service(name="run", host="any", publishes=(t.TRUE_POSE,), optional=True)
+ROUTER: Final = Service(name="router", host="router", entry="main", optional=True)
+RUN: Final = Service(name="run", host="any", entry="", publishes=(t.TRUE_POSE,), optional=True)
 """`giraff run`: a simulated robot, of which it knows the truth."""
-PLAY: Final = Service(name="play", host="any", optional=True)
+PLAY: Final = Service(name="play", host="any", entry="", optional=True)
 """`giraff play`: a robot that is played from a recording."""
 
-SERVICES: Final = (
-    JOYSTICK,
-    KEYBOARD,
-    WEB,
-    CLIENT,
-    BASE,
-    GUARD,
-    RANGER,
-    ODOMETRY,
-    MOTION,
-    LOCALIZATION,
-    RECORDER,
-    DOOR,
-    SENTRY,
-    GATEWAY,
-    ROUTER,
-    RUN,
-    PLAY,
-)
+SERVICES: Final = tuple(row for row in [*globals().values()] if isinstance(row, Service))
+"""All rows, in the order above."""
 
 OPERATORS: Final = tuple(service for service in SERVICES if service.host == "operator")
 """Who may ask to drive."""
@@ -192,7 +177,12 @@ ROBOTS_OWN: Final = tuple(service.name for service in SERVICES if service.host =
 WATCHED: Final = (*ROBOTS_OWN, JOYSTICK.name)
 """Names of those whose end is an incident while the robot is armed."""
 INSTALLED: Final = (DOOR.name, *(service.name for service in SERVICES if service.inside))
-"""Names of those that are started on a robot's computer unless somebody says otherwise: `robot` of the compose file and
-of `make install`."""
+"""Names of those that are started on a robot's computer unless somebody says otherwise."""
+ROLES: Final = {
+    "robot": INSTALLED,
+    "laptop": tuple(service.name for service in OPERATORS if service.board is not None),
+    "": (),
+}
+"""Names of those that `make install ROLE=…` starts, and the compose file with this profile."""
 SIMULATED: Final = tuple(service.name for service in SERVICES if service.simulated)
 """Names of those that `giraff run` starts."""

@@ -1,3 +1,3 @@
-from giraff_guard.main import main
+from giraff_node.start import start
 
-main()
+start("guard")

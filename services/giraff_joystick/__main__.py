@@ -1,3 +1,3 @@
-from giraff_joystick.main import main
+from giraff_node.start import start
 
-main()
+start("joystick")

@@ -1,3 +1,3 @@
-from giraff_motion.main import main
+from giraff_node.start import start
 
-main()
+start("motion")

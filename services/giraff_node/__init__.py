@@ -2,7 +2,7 @@
 
 import os
 
-# Read once, when zenoh is imported: as many receiving threads as links that can die at one moment, because a dead
+# Read once, when the first session opens: as many receiving threads as links that can die at one moment, because a dead
 # link's close blocks its thread for up to 10 s and would freeze the healthy links that share it.
 os.environ.setdefault("ZENOH_RUNTIME", "(rx: (worker_threads: 16))")
 

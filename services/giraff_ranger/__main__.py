@@ -1,3 +1,3 @@
-from giraff_ranger.main import main
+from giraff_node.start import start
 
-main()
+start("ranger")

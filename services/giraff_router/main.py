@@ -22,6 +22,9 @@ from giraff_router.config import RouterConfig
 from giraff_router.policy import Visitors, gateway, rules
 
 _LOOK_HZ = 2.0  # at who is there
+# A place whose connection ends takes all its links with it at one moment, and a dead link's close blocks a receiving
+# thread for up to 10 s: with 16 threads, 60 links that went froze all others as long.
+_RUNTIME = "(rx: (worker_threads: 64))"
 
 
 def router_config(router: RouterConfig) -> dict[str, Any]:
@@ -38,6 +41,7 @@ def router_config(router: RouterConfig) -> dict[str, Any]:
 
 
 def main() -> None:
+    os.environ["ZENOH_RUNTIME"] = _RUNTIME  # read once, when the first session opens
     process = Process("router")  # before the session: opening it takes a moment
     try:
         router = load("router", RouterConfig)

@@ -21,6 +21,7 @@ from giraff_odometry.config import OdometryConfig
 from giraff_odometry.service import Odometry
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.service import Ranger
+from giraff_schemas.services import SERVICES
 
 
 class Settings(msgspec.Struct, frozen=True, kw_only=True):
@@ -46,14 +47,7 @@ class Services(NamedTuple):
     motion: Callable[[IO, MotionConfig, RobotConfig], Service] = Motion
 
 
-MACHINES: Final = {
-    "joystick": "operator",
-    "ranger": "robot",
-    "guard": "robot",
-    "base": "robot",
-    "odometry": "robot",
-    "motion": "robot",
-}
+MACHINES: Final = {name: service.host for name in Services._fields for service in SERVICES if service.name == name}
 """By service: the machine it runs on."""
 STARTED: Final = tuple(service for service in MACHINES if service != "motion")
 """Those that run from the beginning: a motion drives nothing until somebody asks for one."""

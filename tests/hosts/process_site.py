@@ -82,7 +82,7 @@ class ProcessSite:
 
     def start(self, network: Mapping[str, str], *services: str, host: str = "robot") -> None:
         for service in services:
-            self.begin(service, host, [*PYTHON, "-m", f"giraff_{service}"], network)
+            self.begin(service, host, [*PYTHON, "-m", "giraff_node", service], network)
 
     def begin(self, name: str, host: str, command: list[str], network: Mapping[str, str]) -> subprocess.Popen[bytes]:
         """Start a program on a host; its log is NAME.log, its standard output NAME.out."""

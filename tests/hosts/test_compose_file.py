@@ -10,13 +10,14 @@ from typing import Any
 
 import pytest
 
+from giraff_schemas.services import ROLES
 from tests.hosts.clone import clone, write_env
 from tests.hosts.images import CURRENT_COMPOSE
 from tests.hosts.machine import BIN
 
 COMPOSE = {"1.29": "/usr/bin/docker-compose", "current": str(CURRENT_COMPOSE)}
 UP = {
-    "robot": {"door", "base", "ranger", "guard", "odometry", "motion"},
+    "robot": set(ROLES["robot"]),
     "laptop": {"joystick", "watch"},
     "desk": {"watch"},
     "sim": {"sim"},

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from giraff_schemas.services import SERVICES, Service
 from tests.rules.repository import ROOT, SOURCE_ROOTS, packages, pyproject, services
 from tests.rules.test_policies import parts
 from tests.support.tools import finished
@@ -55,14 +56,14 @@ def test_contracts_hold() -> None:
 
 PLANTED = [
     ("giraff_base.policy", "giraff_guard.policy"),
-    ("giraff_guard.main", "giraff_ranger.config"),
-    ("giraff_odometry.main", "giraff_sim"),
+    ("giraff_guard.service", "giraff_ranger.config"),
+    ("giraff_odometry.service", "giraff_sim"),
     ("giraff_node", "giraff_base.policy"),
     ("giraff_schemas", "giraff_node"),
-    ("giraff_sim.main", "giraff_base.main"),
+    ("giraff_sim.main", "giraff_router.main"),
     ("giraff_sim.main", "giraff_base.policy"),
     ("giraff_cli.main", "giraff_base.service"),
-    ("giraff_cli.main", "giraff_joystick.main"),
+    ("giraff_cli.main", "giraff_gateway.main"),
     ("giraff_cli.run.plan", "giraff_web.service"),
     ("giraff_cli.run.plan", "giraff_localization.service"),
     ("giraff_client.robot", "giraff_cli.network.connection"),
@@ -103,11 +104,10 @@ def test_contracts_name_every_package() -> None:
     assert sorted(contract("acyclic_siblings")["ancestors"]) == packages()
 
 
-@pytest.mark.parametrize("package", services())
-def test_a_service_is_configuration_policy_and_main(package: str) -> None:
-    modules = {path.name for path in (ROOT / "services" / package).iterdir()}
-    pure = {f"{part}.py" for part in parts(package)}
-    assert {"__init__.py", "__main__.py", "main.py"} | pure <= modules
+@pytest.mark.parametrize("service", [service for service in SERVICES if service.entry], ids=lambda each: each.name)
+def test_a_service_is_configuration_policy_and_entry(service: Service) -> None:
+    modules = {path.name for path in (ROOT / "services" / service.package).iterdir()}
+    assert {"__init__.py", *(f"{part}.py" for part in (*parts(service.package), service.entry))} <= modules
 
 
 LOAD = """

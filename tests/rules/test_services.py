@@ -11,34 +11,33 @@ from unittest.mock import MagicMock
 
 import pytest
 
-from giraff_cli.doctor.findings import NEEDED
-from giraff_cli.run.simulated_robot import START_ORDER
 from giraff_keyboard.view import DriveView
 from giraff_node.config import misplaced
 from giraff_node.config.robot_file import TABLES, load
 from giraff_schemas import topics
 from giraff_schemas.boards import BOARDS
-from giraff_schemas.services import CLIENT, DOOR, HANDS, INSTALLED, ROBOTS_OWN, SERVICES, SIMULATED, Service
+from giraff_schemas.services import CLIENT, DOOR, KEYBOARD, ROBOTS_OWN, ROLES, SERVICES, SIMULATED, WATCHED, Service
 from giraff_schemas.trouble import Trouble
-from giraff_sim.dst.faults import machine, robot
-from giraff_sim.settings import MACHINES, Services, Settings
+from giraff_sim.dst.faults import machine
+from giraff_sim.settings import Services, Settings
 from tests.rules.repository import ROOT, packages, sources
 from tests.support.robots import ROBOT
 
-IN_PACKAGES = [service for service in SERVICES if service.package]
+IN_PACKAGES = [service for service in SERVICES if service.entry]
 TURNING = [service for service in IN_PACKAGES if (ROOT / "services" / service.package / "service.py").exists()]
 COMPOSE = (ROOT / "docker-compose.yml").read_text()
 COMPOSED = dict(
     re.findall(r"^  (\w+):\n((?:    .*\n|\n|  #.*\n)+)", COMPOSE.partition("\nservices:\n")[2], re.MULTILINE)
 )
 """By name: its lines in the compose file."""
-PROFILES = dict.fromkeys(INSTALLED, "robot") | {"joystick": "laptop"}
+PROFILES = {service: role for role, services in ROLES.items() for service in services}
 """Others have one of their own, by which they are added to a host."""
 
 
 def test_each_package_of_a_service_is_in_the_table() -> None:
     def is_service(package: str) -> bool:
-        return all((ROOT / "services" / package / f"{part}.py").exists() for part in ("config", "policy", "main"))
+        modules = {path.stem for path in (ROOT / "services" / package).glob("*.py")}
+        return {"config", "policy"} <= modules and not modules.isdisjoint({"service", "main"})
 
     packaged = {package for package in packages() if is_service(package)}
     assert {service.package for service in IN_PACKAGES} == packaged | {DOOR.package}  # which decides nothing
@@ -56,65 +55,66 @@ def needed(service: Service) -> dict[str, str]:
     return {f"GIRAFF_{service.table.upper()}_{field}": value for field, value in (given | port).items()}
 
 
+def require(holds: bool, file: str, lines: str) -> None:
+    """Fail with the lines that a file lacks, as they can be copied into it."""
+    if not holds:
+        pytest.fail(f"{file} lacks:\n\n{lines}\n", pytrace=False)
+
+
 @pytest.mark.parametrize("service", IN_PACKAGES, ids=lambda service: service.name)
 def test_the_shipped_robot_file_has_its_table(service: Service) -> None:
     tables = tomllib.loads((ROOT / "deploy" / "robot.toml").read_text())
-    assert service.table in tables or service.host == "router"
+    require(service.table in tables or service.host == "router", "deploy/robot.toml", f"[{service.table}]")
 
 
 @pytest.mark.parametrize("service", IN_PACKAGES, ids=lambda service: service.name)
 def test_compose_starts_it(service: Service) -> None:
-    lines = COMPOSED[service.name]
-    assert f"command: [python, -m, {service.package}]\n" in lines
-    assert f"profiles: [{PROFILES.get(service.name, service.name)}]\n" in lines
-    asks = f"giraff_health/ask.py, {service.name}]"
-    assert (asks in lines) is (service.name != "keyboard")  # which a person looks at
-    assert ("<<: *board" in lines) is (service.board is not None or service.name == "gateway")
+    has_port = service.board is not None or service.name == "gateway"
+    wanted = f"""  {service.name}:
+    <<: *{"board" if has_port else "service"}
+    profiles: [{PROFILES.get(service.name, service.name)}]
+    command: [python, -m, giraff_node, {service.name}]
+"""
+    if service != KEYBOARD:  # which a person looks at
+        wanted += f"""    healthcheck:
+      <<: *health
+      interval: 5.2s  # one that no other service of the host has
+      test: [CMD, python, -I, -S, /opt/giraff/src/services/giraff_health/ask.py, {service.name}]
+"""
+    there = f"  {service.name}:\n{COMPOSED.get(service.name, '')}".replace("*control", "*service").splitlines()
+    has_all = all(line in there for line in wanted.splitlines() if "interval" not in line)
+    require(has_all, "docker-compose.yml", wanted)
 
 
 def test_compose_asks_each_part_of_a_simulated_robot_how_it_is() -> None:
     asked = re.search(r"for service in ([\w ]+);", COMPOSED["sim"])
     assert asked is not None
-    assert set(asked[1].split()) == set(SIMULATED)
+    wanted = f"          for service in {' '.join(SIMULATED)};"
+    require({*asked[1].split()} == {*SIMULATED}, "docker-compose.yml, at sim,", wanted)
 
 
-def test_install_starts_what_a_robots_computer_runs_and_the_hand_with_a_board() -> None:
-    install = (ROOT / "scripts" / "install").read_text()
-    roles = {role: set(names.split()) for role, names in re.findall(r"(\w+)\) SERVICES=\(([\w ]+)\)", install)}
-    boards = {service.name for service in SERVICES if service.host == "operator" and service.board is not None}
-    assert roles == {"robot": set(INSTALLED), "laptop": boards}
+@pytest.mark.parametrize("name", SIMULATED)
+def test_it_is_a_part_of_the_simulated_robot(name: str) -> None:
+    made = name.capitalize()
+    lines = f"""from giraff_{name}.config import {made}Config
+from giraff_{name}.service import {made}
+    {name}: {made}Config = {made}Config()
+    {name}: Callable[[IO, {made}Config, RobotConfig], Service] = {made}"""
+    there = {*Services._fields} & {*Settings.__struct_fields__}
+    require(name in there, "services/giraff_sim/settings.py", lines)
 
 
-def test_the_units_file_names_them() -> None:
-    unit = (ROOT / "deploy" / "systemd" / "giraff@.service").read_text().splitlines()[0]
-    robots, laptops = unit.partition(" on the robot")[::2]
-    assert set(re.findall(r"@(\w+)", robots)) == set(INSTALLED)
-    assert set(re.findall(r"@(\w+)", laptops)) == {"joystick"}
+def test_the_simulated_robot_has_no_other_part() -> None:
+    assert {*Services._fields} == {*Settings.__struct_fields__} - {"robot"}
+    assert {*Services._fields} <= {*SIMULATED}
 
 
-def test_the_same_run_everywhere() -> None:
-    assert set(MACHINES) == set(Services._fields) == set(START_ORDER) == set(SIMULATED)
-    assert set(Settings.__struct_fields__) == {"robot", *SIMULATED}
-
-
-@pytest.mark.parametrize("service", [service for service in SERVICES if service.simulated], ids=lambda one: one.name)
-def test_each_runs_on_its_machine(service: Service) -> None:
-    assert MACHINES[service.name] == service.host
-
-
-def test_faults_are_drawn_of_services_that_are_there() -> None:
-    boards = {service.name: service.host for service in SERVICES if service.board is not None}
-    assert {name: host for host, names in machine.WITH_A_BOARD.items() for name in names} == boards
-    assert {service.board: service.name for service in SERVICES if service.board is not None} == robot.SERVED
-    assert set(machine.IN_THE_CHAIN) == set(SIMULATED) - {"odometry", "motion"}
+def test_faults_end_what_drives_the_robot() -> None:
+    assert {*machine.IN_THE_CHAIN} == {*WATCHED} - {"odometry"}
 
 
 def test_doctor_tells_what_follows_where_one_is_missing() -> None:
-    assert set(NEEDED) == {*ROBOTS_OWN, DOOR.name}
-
-
-def test_a_hand_is_what_a_person_drives_by() -> None:
-    assert HANDS == ("joystick", "keyboard", "web")
+    assert {service.name for service in SERVICES if service.missing is not None} == {*ROBOTS_OWN, DOOR.name}
 
 
 @pytest.mark.parametrize("service", TURNING, ids=lambda service: service.name)

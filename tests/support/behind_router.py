@@ -73,7 +73,7 @@ class BehindRouter:
             f"mode = {json.dumps(self._mode)}\nlisten = {json.dumps(listen)}\n"
             + "".join(_table(f"router.robots.{robot}", access) for robot, access in self._access.items())
         )
-        command = self._sites.command(ROUTER, sys.executable, "-m", "giraff_router")
+        command = self._sites.command(ROUTER, sys.executable, "-m", "giraff_node", "router")
         with self.router_log.open("ab") as log:
             self._router = subprocess.Popen(command, env=_environment(path), stderr=log)
 

@@ -120,7 +120,7 @@ class ProcessRobot:
             self._end = end.pop_all()
 
     def start(self, service: str) -> None:
-        self._processes.start(service, f"giraff_{service}", (), self._apart(service))
+        self._processes.start(service, "giraff_node", (service,), self._apart(service))
 
     def _apart(self, service: str) -> dict[str, str]:
         """The environment of whatever runs where this service does."""
@@ -132,7 +132,7 @@ class ProcessRobot:
     def start_second(self, service: str, **changes: str) -> None:
         """Another process of a service beside the first, "second SERVICE", that has joined the network."""
         name = f"second {service}"
-        self._processes.start(name, f"giraff_{service}", (), self.environment | changes)
+        self._processes.start(name, "giraff_node", (service,), self.environment | changes)
         self.wait(f"a {name}", lambda: "robot sim-test" in self.log(name), PATIENCE)
 
     def start_second_hand(self) -> SimulatorClient:

@@ -134,7 +134,7 @@ class RemoteRobot:
 
         self.wait(f"the simulator of {host}", is_ready)
         for service in services:
-            self._start(service, site, environment, f"giraff_{service}")
+            self._start(service, site, environment, "giraff_node", service)
         return SimulatorClient(control, timeout=PATIENCE)
 
     def _start(self, name: str, site: str, environment: dict[str, str], module: str, *words: str) -> None:

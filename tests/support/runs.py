@@ -17,12 +17,12 @@ from typing import Any
 
 import msgspec
 
-from giraff_cli.run.simulated_robot import START_ORDER
+from giraff_schemas.services import SIMULATED
 from giraff_sim.board import ROOT
 from tests.support.process_robot import PATIENCE
 
 GIRAFF = Path(sys.executable).with_name("giraff")
-PROCESSES = len(START_ORDER) + 2  # with the simulator, and the one that started all
+PROCESSES = len(SIMULATED) + 2  # with the simulator, and the one that started all
 SMALL_ROOM = """
 name = "small"
 start = { x = 0.0, y = 0.0, yaw_deg = 0.0 }

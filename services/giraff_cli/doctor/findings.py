@@ -23,7 +23,7 @@ from giraff_cli.terminal.text import json_page
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS
-from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, RUN
+from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, RUN, SERVICES
 from giraff_schemas.trouble import Trouble, trouble_of
 from giraff_telemetry.describe import START_A_HAND
 
@@ -38,14 +38,7 @@ _FEW: Final = 5  # samples that tell nothing about a rate
 
 _SEE_LOG: Final = "see its log"
 _START: Final = "systemctl enable --now giraff@{service}, or docker-compose up -d {service}"
-
-NEEDED: Final = {
-    "base": ("fault", "nothing moves"),
-    "guard": ("fault", "nothing moves: base obeys the guard alone"),
-    "ranger": ("fault", "the robot is blind, and guard stops it"),
-    "odometry": ("warning", "nobody knows where the robot is"),
-    "door": ("fault", "other machines do not find the robot"),
-}
+_MISSED: Final = {service.name: service.missing for service in SERVICES if service.missing is not None}
 
 
 class Finding(msgspec.Struct, frozen=True, kw_only=True):
@@ -205,10 +198,10 @@ def _of_network(look: Inspection) -> Iterator[Finding]:
 def _of_services(robot: Robot, network: Network) -> Iterator[Finding]:
     doors = (DOOR.name, RUN.name, PLAY.name)
     has_door = not network.has_doors or any(robot.services.get(each) for each in doors)
-    for service, (severity, so) in NEEDED.items():
+    for service, (severity, so) in _MISSED.items():
         if not robot.services.get(service) and not (service == DOOR.name and has_door):
             yield Finding(
-                severity="fault" if severity == "fault" else "warning",
+                severity=severity,
                 about=service,
                 what=f"giraff_{service} is not running, or hangs: {so}",
                 fix=f"start it on the robot's machine: {_START.format(service=service)}",

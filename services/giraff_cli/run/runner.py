@@ -18,7 +18,7 @@ from giraff_cli.run.driver import Driver
 from giraff_cli.run.joystick import Joystick
 from giraff_cli.run.plan import Plan
 from giraff_cli.run.screen import Frame, RunView
-from giraff_cli.run.simulated_robot import SIMULATOR, START_ORDER, SimulatedRobot, StartError
+from giraff_cli.run.simulated_robot import SIMULATOR, SimulatedRobot, StartError
 from giraff_cli.run.summary import summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_cli.terminal import addresses
@@ -28,7 +28,7 @@ from giraff_node import robot_now_ns
 from giraff_node.network.query_client import request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
-from giraff_schemas.services import DEMONSTRATION, LOCALIZATION, WEB
+from giraff_schemas.services import DEMONSTRATION, LOCALIZATION, SIMULATED, WEB
 from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
@@ -81,7 +81,7 @@ class Run:
         self._announcer: Announcer | None = None
         self._driver: Driver | None = None
         self._page = robot.page
-        self._awaited = (*START_ORDER, LOCALIZATION.name) if plan.localize else START_ORDER
+        self._awaited = (*SIMULATED, LOCALIZATION.name) if plan.localize else SIMULATED
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
         self._began_ns: int | None = None
@@ -210,7 +210,7 @@ class Run:
         now_ns = robot_now_ns()
         told = () if self._page is None else self._page.addresses
         hints = [f"drive it: {told[0]}", *self._hints[1:]] if told else self._hints
-        services = START_ORDER if self._page is None else (*START_ORDER, WEB.name)
+        services = SIMULATED if self._page is None else (*SIMULATED, WEB.name)
         frame = Frame(
             robot=self._plan.robot.name,
             boards=self._plan.boards,

@@ -21,12 +21,11 @@ from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_schemas.services import LOCALIZATION, SERVICES, WEB
+from giraff_schemas.services import LOCALIZATION, SERVICES, SIMULATED, WEB
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 from giraff_sim.world.room import read_room
 
-START_ORDER: Final = ("joystick", "guard", "base", "ranger", "odometry", "motion")
 SIMULATOR: Final = "simulator"
 
 _BOARDS: Final = tuple(service.name for service in SERVICES if service.simulated and service.board is not None)
@@ -100,12 +99,15 @@ class SimulatedRobot:
         environment |= {f"GIRAFF_{board.upper()}_PORT": ports[board] for board in _BOARDS}
         environment["STATE_DIRECTORY"] = str(self._directory / "state")
         write_latch(self._directory / "state", RELEASED)  # nobody can be hurt by a robot that is none
-        for service in START_ORDER:
-            self._processes.start(service, f"giraff_{service}", [], environment)
+        for service in SIMULATED:
+            self._start(service, environment)
         if self._plan.localize:
-            self._processes.start(LOCALIZATION.name, LOCALIZATION.package, [], environment | self._map())
+            self._start(LOCALIZATION.name, environment | self._map())
         if self.page is not None:
             self._start_page(environment)
+
+    def _start(self, service: str, environment: dict[str, str]) -> None:
+        self._processes.start(service, "giraff_node", [service], environment)
 
     def _map(self) -> dict[str, str]:
         """The room itself, whatever map the robot file names."""
@@ -117,7 +119,7 @@ class SimulatedRobot:
         write_room(read_room(self._plan.world), room)
         own = {name: value for name, value in environment.items() if name != "STATE_DIRECTORY"}
         given = {name: value for name, value in self._plan.environment.items() if name == "STATE_DIRECTORY"}
-        self._processes.start(WEB.name, WEB.package, [], own | given | {"GIRAFF_WEB_ROOM": str(room)})
+        self._start(WEB.name, own | given | {"GIRAFF_WEB_ROOM": str(room)})
 
     def truth(self) -> Truth:
         """The robot as the world has it now. Raises SimulatorError."""
@@ -158,7 +160,7 @@ class SimulatedRobot:
 
     def stop(self) -> list[str]:
         """End the services, then the simulator. Bounded. Returns what went wrong."""
-        troubles = self._processes.stop((*START_ORDER, LOCALIZATION.name, WEB.name), _GRACE)
+        troubles = self._processes.stop((*SIMULATED, LOCALIZATION.name, WEB.name), _GRACE)
         if self._client is not None:
             self._client.close()
         return troubles + self._processes.stop([SIMULATOR], _GRACE)

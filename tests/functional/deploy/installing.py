@@ -21,7 +21,7 @@ case $1 in
     -m)
         mkdir -p "$3/bin" "$3/lib"
         echo "home = $3" >"$3/pyvenv.cfg"
-        printf '#!/bin/sh\\nexec {TRUE_PYTHON} "$@"\\n' >"$3/bin/python"
+        printf '#!/bin/sh\\nexec {sys.executable} "$@"\\n' >"$3/bin/python"
         printf '#!/bin/sh\\n# %s\\ntest -z "$PIP_FAILS"\\n' "$3" >"$3/bin/pip"
         touch "$3/bin/giraff"
         chmod +x "$3/bin/python" "$3/bin/pip"

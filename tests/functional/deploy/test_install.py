@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from giraff_schemas.services import ROLES
 from giraff_sim.board import ROOT
 from tests.functional.deploy.installing import TRUE_PYTHON, Tree
 from tests.support.waiting import wait
@@ -31,14 +32,12 @@ def test_a_service_of_the_installed_tree_runs_and_is_well(tree: Tree, tmp_path: 
     named = [path for path in (*made.glob("bin/*"), made / "pyvenv.cfg") if str(tree.target) in readable(path)]
     assert named == []  # it will be elsewhere
     assert not (made / "bin" / "giraff").exists()
-    assert list(made.glob("lib/python3*/site-packages/giraff_base/__pycache__/main.*.pyc"))
+    assert list(made.glob("lib/python3*/site-packages/giraff_base/__pycache__/service.*.pyc"))
     typed = {path.parent.name for path in made.glob("lib/python3*/site-packages/giraff_*/py.typed")}
     assert typed == {path.parent.name for root in ("schemas", "services") for path in ROOT.glob(f"{root}/*/py.typed")}
     assert "giraff_client" in typed
     wants = tree.installed("/etc/systemd/system/giraff.target.wants")
-    assert {path.name for path in wants.iterdir()} == {
-        f"giraff@{service}.service" for service in ("door", "base", "ranger", "guard", "odometry", "motion")
-    }
+    assert {path.name for path in wants.iterdir()} == {f"giraff@{service}.service" for service in ROLES["robot"]}
     environment = {
         "GIRAFF_CONFIG": str(tree.installed(CONFIGURATION)),
         "GIRAFF_NETWORK_LOCAL": "true",
@@ -46,8 +45,9 @@ def test_a_service_of_the_installed_tree_runs_and_is_well(tree: Tree, tmp_path: 
         "RUNTIME_DIRECTORY": str(tmp_path),
     }
     python = [str(made / "bin" / "python"), "-I"]
+    command = [*python, "-m", "giraff_node", "odometry"]
     with (tmp_path / "log").open("wb") as log:
-        service = subprocess.Popen([*python, "-m", "giraff_odometry"], env=environment, cwd=tmp_path, stderr=log)
+        service = subprocess.Popen(command, env=environment, cwd=tmp_path, stderr=log)
     try:
 
         def is_there() -> bool:
@@ -145,17 +145,12 @@ def test_what_fails_halfway_leaves_the_old_one(tree: Tree) -> None:
     assert [path.name for path in tree.installed("/opt").iterdir()] == ["giraff"]
 
 
-@pytest.mark.parametrize("role", ["robot", "laptop", ""])
+@pytest.mark.parametrize("role", ROLES)
 def test_a_role_enables_its_services_and_the_target(tree: Tree, role: str) -> None:
     code, words = tree.install(ROLE=role)
     assert code == 0, words
     enabled = {path.name for path in tree.installed("/etc/systemd/system").glob("giraff.target.wants/*")}
-    expected = {
-        "robot": {"door", "base", "ranger", "guard", "odometry", "motion"},
-        "laptop": {"joystick"},
-        "": set[str](),
-    }[role]
-    assert enabled == {f"giraff@{service}.service" for service in expected}
+    assert enabled == {f"giraff@{service}.service" for service in ROLES[role]}
     assert {path.name for path in tree.installed("/etc/systemd/system").glob("multi-user.target.wants/*")} == (
         {"giraff.target"} if role else set()  # and no rules of a firewall, which are only offered
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 import subprocess
 from collections.abc import Iterator
@@ -13,15 +12,10 @@ import pytest
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
+from giraff_schemas.services import KEYBOARD, SERVICES
 from giraff_sim.board import ROOT
 
 UNITS = ROOT / "deploy" / "systemd"
-ROLES = {
-    role: services.split()
-    for role, services in re.findall(r"(\w+)\) SERVICES=\(([\w ]+)\)", (ROOT / "scripts" / "install").read_text())
-}
-BY_HAND = ("gateway", "localization", "recorder", "router", "sentry", "web")
-"""Services that `systemctl enable --now giraff@SERVICE` adds to a machine."""
 DROP_INS = [path.name for path in UNITS.glob("*.service.d")]
 FIREWALL = "giraff-firewall.service"
 MOST_EXPOSED = 20  # tenths of systemd's own scale, which ends at 100; 17 when this was written
@@ -71,10 +65,9 @@ def edit(machine: Path, old: str, new: str) -> None:
 
 
 def test_systemd_finds_nothing_wrong(machine: Path) -> None:
-    services = sorted({service for services in ROLES.values() for service in services} | {*BY_HAND})
-    run = analyze(machine, "verify", *(f"giraff@{service}.service" for service in services), "giraff.target", FIREWALL)
+    units = [f"giraff@{service.name}.service" for service in SERVICES if service.entry and service != KEYBOARD]
+    run = analyze(machine, "verify", *units, "giraff.target", FIREWALL)
     assert (run.returncode, run.stderr) == (0, "")
-    assert [name for name in services if not (ROOT / "services" / f"giraff_{name}" / "__main__.py").exists()] == []
 
 
 @pytest.mark.parametrize(
@@ -105,10 +98,6 @@ def test_systemd_calls_it_little_exposed(machine: Path) -> None:
     edit(machine, "DynamicUser=yes", "DynamicUser=no")
     edit(machine, "User=giraff-%i", "User=root")
     assert analyze(machine, *judge).returncode != 0
-
-
-def test_the_roles_are_the_two_sides_of_the_robot() -> None:
-    assert ROLES == {"robot": ["door", "base", "ranger", "guard", "odometry", "motion"], "laptop": ["joystick"]}
 
 
 def test_the_examples_of_the_environment_file_are_settings() -> None:

@@ -121,7 +121,7 @@ def as_nobody(robot: ProcessRobot, service: str, port: str) -> Iterator[None]:
     mode = device.stat().st_mode
     device.chmod(0o600 if os.geteuid() == 0 else 0)
     plain = ["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] if os.geteuid() == 0 else []
-    command = [*plain, sys.executable, "-P", "-m", f"giraff_{service}"]
+    command = [*plain, sys.executable, "-P", "-m", "giraff_node", service]
     with tempfile.TemporaryDirectory() as state:  # of its own: the robot's is none that nobody may look into
         Path(state).chmod(0o777)
         environment = robot.environment | {port: str(device), "STATE_DIRECTORY": state}

@@ -29,7 +29,7 @@ from tests.support.waiting import wait
 def running(service: str, environment: dict[str, str], log: Path, before: tuple[str, ...] = ()) -> Iterator[None]:
     """A process of a robot, somewhere."""
     with log.open("wb") as out:
-        command = [*before, sys.executable, "-P", "-m", f"giraff_{service}"]
+        command = [*before, sys.executable, "-P", "-m", "giraff_node", service]
         process = subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=out, stderr=out)
     try:
         yield

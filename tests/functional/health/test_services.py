@@ -31,7 +31,7 @@ def start(tmp_path: Path) -> Iterator[Start]:
             "RUNTIME_DIRECTORY": str(tmp_path),
             "STATE_DIRECTORY": str(tmp_path),
         }
-        command = [sys.executable, "-m", f"giraff_{service}"]
+        command = [sys.executable, "-m", "giraff_node", service]
         with (tmp_path / "log").open("wb") as log:
             started.append(subprocess.Popen(command, env=os.environ | given | variables, stderr=log))
 

@@ -13,9 +13,9 @@ import pytest
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.ports import free_port
-from giraff_cli.run.simulated_robot import START_ORDER
 from giraff_core.network import NetworkConfig
 from giraff_node.network.session import open_session
+from giraff_schemas.services import SIMULATED
 from giraff_schemas.topics import TRUE_POSE, alive_key
 from giraff_sim.board import ROOT
 from giraff_sim.truth import Truth, TruthRanges, draw_truth
@@ -87,7 +87,7 @@ def test_a_service_that_dies_is_named_and_the_others_go_on_until_their_world_end
     options = ["--boards", "host", "--seed", "7", "--tilt-script", "script.csv", "--world", "world.toml"]
     with command.start(*options, "--summary", "summary.json") as process:
         line_of(process, "base driving")
-        os.kill(command.pid("giraff_odometry"), signal.SIGKILL)
+        os.kill(command.pid("giraff_node odometry"), signal.SIGKILL)
         for _ in range(2):  # the first may be from before
             line_of(process, "base driving")  # losing odometry changes no motion
         os.kill(command.pid("giraff_sim"), signal.SIGKILL)
@@ -102,7 +102,7 @@ def test_a_service_that_dies_is_named_and_the_others_go_on_until_their_world_end
     assert msgspec.convert(told["drawn"], Truth) == draw_truth("calibrated", TruthRanges(), 7)
     [kept] = command.left.iterdir()
     assert f"the logs are in {kept}" in err
-    assert {f"{name}.log" for name in ("simulator", *START_ORDER)} <= {file.name for file in kept.iterdir()}
+    assert {f"{name}.log" for name in ("simulator", *SIMULATED)} <= {file.name for file in kept.iterdir()}
     assert not command.pids()
 
 

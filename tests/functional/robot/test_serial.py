@@ -42,7 +42,7 @@ def test_noise_and_torn_frames_are_survived_and_named(board: BoardName, robot: P
     children = ProcessGroup(tmp_path / "noise")
     (tmp_path / "noise").mkdir()
     port = {f"GIRAFF_{board.upper()}_PORT": os.ttyname(slave), "GIRAFF_ROBOT_NAME": "sim-noise"}
-    children.start("service", f"giraff_{board}", (), robot.environment | port)
+    children.start("service", "giraff_node", (board,), robot.environment | port)
     robot.wait("its start", lambda: "sim-noise" in children.log("service").read_text(), PATIENCE)
     noise = random.Random(1)
     hello = encode(HelloFrame(0, 0, 9, 0, 1, 1).pack())

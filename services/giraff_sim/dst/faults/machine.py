@@ -5,6 +5,7 @@ from __future__ import annotations
 from random import Random
 from typing import Final
 
+from giraff_schemas.services import SERVICES
 from giraff_sim.dst.drill import Course, Drill, Kind, fault
 from giraff_sim.dst.hands import Fingers
 from giraff_sim.dst.judging.stops import BEYOND_US, ROBOT_US
@@ -33,7 +34,6 @@ _PARAMETERS: Final = (
     ("joystick", "full_tilt_deg", 45.0, 15.0),
 )
 """Service, name, a tighter value and one that is looser than the robot file's."""
-WITH_A_BOARD: Final = {"operator": ("joystick",), "robot": ("base", "ranger")}
 
 
 def _bound(name: str) -> tuple[int, Way]:
@@ -75,7 +75,7 @@ def pause(drill: Drill, chance: Random) -> Course:
 def suspend(drill: Drill, chance: Random) -> Course:
     name = chance.choice(("operator", "robot"))
     host = drill.loop.hosts[name]
-    cables = [drill.cable(service) for service in WITH_A_BOARD[name]]
+    cables = [drill.cable(each.name) for each in SERVICES if each.board is not None and each.host == name]
     if not drill.claims(*cables, *(service for service, on in MACHINES.items() if on == name)):
         return
     host.suspend()

@@ -7,6 +7,7 @@ from functools import partial
 from random import Random
 from typing import Final
 
+from giraff_schemas.services import SERVICES
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.dst.drill import Course, Drill, Kind, fault
@@ -19,7 +20,7 @@ from giraff_sim.world.sonar import SonarFault
 
 KINDS: Final[list[Kind]] = []
 
-SERVED: Final = {BoardKind.BASE: "base", BoardKind.JOYSTICK: "joystick", BoardKind.RANGER: "ranger"}
+SERVED: Final = {kind: service.name for kind in BoardKind for service in SERVICES if service.board is kind}
 _CUTOFF_US: Final = 5_500_000  # 5 s of reports below the cut-off, and a stop
 _FLAT_VOLTS: Final = 19.0
 _LOW_VOLTS: Final = 21.0

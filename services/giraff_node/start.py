@@ -1,0 +1,49 @@
+"""python -m giraff_node NAME: the process of a service, by its row of the table.
+
+Services stand above this package: what one is made of is imported by name.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Any
+
+from giraff_node.config.robot_file import read_known, suggestion
+from giraff_node.node import Node
+from giraff_schemas.services import BASE, SERVICES, Service
+
+_STARTED = {service.name: service for service in SERVICES if service.entry}
+
+
+def main(words: Sequence[str]) -> int:
+    """Run the service that the words name; the exit code."""
+    match words:
+        case [name] if name in _STARTED:
+            return start(name)
+        case [name]:
+            problem = f"there is no service {name!r}{suggestion(name, [*_STARTED])}"
+        case _:
+            problem = f"give the name of one service{suggestion('', [*_STARTED])}"
+    print(f"giraff_node: {problem}", file=sys.stderr)
+    return 2
+
+
+def start(name: str) -> int:
+    """Run the service of this name until its end; the exit code."""
+    service = _STARTED[name]
+    entry = _module(service, service.entry)
+    if service.entry == "main":
+        return entry.main() or 0
+    config = getattr(_module(service, "config"), f"{name.capitalize()}Config")
+    with Node(name, config) as node:
+        if service is BASE:  # its table is the one that fields have moved to
+            for each in read_known().moved:
+                node.log.warning("%s", each)
+        node.run(getattr(entry, name.capitalize())(node, node.config, node.robot))
+    return 0
+
+
+def _module(service: Service, part: str) -> Any:
+    return import_module(f"{service.package}.{part}")
