@@ -44,5 +44,13 @@ def services() -> list[str]:
     return sorted(service.package for service in SERVICES if service.package)
 
 
+def contracts() -> str:
+    """Who may import whom, as import-linter reads it: with the names for which imports.toml has a word."""
+    text = (ROOT / "tests" / "rules" / "imports.toml").read_text()
+    for word, names in (("EACH PACKAGE", packages()), ("EACH SERVICE", services())):
+        text = text.replace(f'"{word}"', ", ".join(f'"{name}"' for name in names))
+    return text.replace("ANY SERVICE", " | ".join(services()))
+
+
 def pyproject() -> dict[str, Any]:
     return tomllib.loads((ROOT / "pyproject.toml").read_text())

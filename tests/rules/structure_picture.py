@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import tomllib
 from html import escape
 from typing import Final
 
 import grimp
 
-from tests.rules.repository import ROOT, packages, pyproject
+from tests.rules.repository import ROOT, contracts, packages
 
 _BOX_HEIGHT, _ROW, _GAP, _MARGIN, _CHARACTER = 46, 86, 14, 16, 7.2
 _LANE, _SIDE = 18, 64
+_SERVICES: Final = "services"
+"""One box for all of them: they stand beside each other and none imports another."""
 _TITLES: Final = {
     "giraff_client": "a script of yours",
     "giraff_cli": "the giraff command",
     "giraff_sim": "world, boards, faults",
+    _SERVICES: "one package each; none imports another",
     "giraff_keys": "certificates",
     "giraff_maps": "floor plans",
     "giraff_mcap": "recordings",
@@ -25,15 +29,13 @@ _TITLES: Final = {
     "giraff_schemas": "messages, topics, services, wire",
     "giraff_health": "asks a process how it is",
 }
-_SERVICES: Final = "services"
-"""One box for all of them: they stand beside each other and none imports another."""
 
 
 def layers() -> list[list[str]]:
     """Packages by layer, the highest first, as the import contracts have them; services as one."""
     [contract] = [
         each
-        for each in pyproject()["tool"]["importlinter"]["contracts"]
+        for each in tomllib.loads(contracts())["tool"]["importlinter"]["contracts"]
         if each["type"] == "layers" and "containers" not in each
     ]
     rows = [row.split(" | ") for row in contract["layers"]]
@@ -65,9 +67,7 @@ def imports() -> set[tuple[str, str]]:
 def draw() -> str:
     """As SVG."""
     rows = layers()
-    services = [name for name in packages() if name not in {each for row in rows for each in row}]
-    texts = {name: (name, _TITLES[name]) for row in rows for name in row if name != _SERVICES}
-    texts[_SERVICES] = "services", "  ".join(name.removeprefix("giraff_") for name in services)
+    texts = {name: (name, _TITLES[name]) for row in rows for name in row}
     sizes = {name: max(map(len, lines)) * _CHARACTER + 24 for name, lines in texts.items()}
     width = max(sum(sizes[name] for name in row) + _GAP * (len(row) - 1) for row in rows) + 2 * _SIDE
     places: dict[str, tuple[float, float]] = {}
