@@ -18,9 +18,10 @@ class Service(msgspec.Struct, frozen=True, kw_only=True):
     """As in `alive/<name>`, `health/<name>`, `param/<name>`, its compose service and its unit giraff@<name>."""
     host: Literal["robot", "operator", "any", "router"]
     """Where it runs."""
-    entry: Literal["service", "main", ""] = "service"
+    entry: Literal["service", "hand", "main", ""] = "service"
     """Module of its package that `python -m giraff_node <name>` runs. `service` has the class `<Name>`, whose turns a
-    `Node` makes, and `main` a function `main`. Empty: a tool that has a token on the network, and no package."""
+    `Node` makes, `hand` has the operator's device `<Name>`, a `Hand` for which that service is there, and `main` a
+    function `main`. Empty: a tool that has a token on the network, and no package."""
     publishes: tuple[Topic[Any], ...] = ()
     subscribes: tuple[Topic[Any], ...] = ()
     answers: tuple[Query[Any, Any], ...] = ()

@@ -10,6 +10,9 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import Any
 
+from giraff_core.io import IO
+from giraff_core.operator import OperatorService
+from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import read_known, suggestion
 from giraff_node.node import Node
 from giraff_schemas.services import BASE, SERVICES, Service
@@ -33,16 +36,28 @@ def main(words: Sequence[str]) -> int:
 def start(name: str) -> int:
     """Run the service of this name until its end; the exit code."""
     service = _STARTED[name]
-    entry = _module(service, service.entry)
     if service.entry == "main":
-        return entry.main() or 0
+        return _module(service, "main").main() or 0
     config = getattr(_module(service, "config"), f"{name.capitalize()}Config")
     with Node(name, config) as node:
         if service is BASE:  # its table is the one that fields have moved to
             for each in read_known().moved:
                 node.log.warning("%s", each)
-        node.run(getattr(entry, name.capitalize())(node, node.config, node.robot))
+        try:
+            made = build(service, node, node.config, node.robot)
+        except ValueError as error:  # the robot file asks for what this service does not have
+            node.log.error("%s", error)
+            return 2
+        node.run(made)
     return 0
+
+
+def build(service: Service, io: IO, config: Any, robot: RobotConfig, *more: Any) -> Any:
+    """What a `Node` turns. `more`: what a service with a `main` of its own gives to it. Raises ValueError."""
+    name = service.name.capitalize()
+    if service.entry == "hand":
+        return OperatorService(io, getattr(_module(service, "hand"), name)(config, robot, io.instance))
+    return getattr(_module(service, "service"), name)(io, config, robot, *more)
 
 
 def _module(service: Service, part: str) -> Any:

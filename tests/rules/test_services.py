@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import tomllib
 from collections import Counter
-from importlib import import_module
 from typing import Any
 from unittest.mock import MagicMock
 
@@ -14,6 +13,7 @@ import pytest
 from giraff_keyboard.view import DriveView
 from giraff_node.config import misplaced
 from giraff_node.config.robot_file import TABLES, load
+from giraff_node.start import build
 from giraff_schemas import topics
 from giraff_schemas.boards import BOARDS
 from giraff_schemas.services import CLIENT, DOOR, KEYBOARD, ROBOTS_OWN, ROLES, SERVICES, SIMULATED, WATCHED, Service
@@ -24,7 +24,11 @@ from tests.rules.repository import ROOT, packages, sources
 from tests.support.robots import ROBOT
 
 IN_PACKAGES = [service for service in SERVICES if service.entry]
-TURNING = [service for service in IN_PACKAGES if (ROOT / "services" / service.package / "service.py").exists()]
+TURNING = [
+    service
+    for service in IN_PACKAGES
+    if service.entry == "hand" or (ROOT / "services" / service.package / "service.py").exists()
+]
 COMPOSE = (ROOT / "docker-compose.yml").read_text()
 COMPOSED = dict(
     re.findall(r"^  (\w+):\n((?:    .*\n|\n|  #.*\n)+)", COMPOSE.partition("\nservices:\n")[2], re.MULTILINE)
@@ -120,7 +124,6 @@ def test_doctor_tells_what_follows_where_one_is_missing() -> None:
 @pytest.mark.parametrize("service", TURNING, ids=lambda service: service.name)
 def test_it_declares_what_the_table_says(service: Service) -> None:
     config = misplaced.config_of(service.table)
-    made = getattr(import_module(f"{service.package}.service"), service.name.capitalize())
     io = MagicMock(instance="one", hostname="host")
     io.store.read.side_effect = FileNotFoundError
     io.token.return_value = 1
@@ -130,7 +133,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
         "localization": (Trouble("there is none"),),  # its map
     }
     given = load(service.table, config, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), **needed(service)})
-    made(io, given, ROBOT, *people.get(service.name, ()))
+    build(service, io, given, ROBOT, *people.get(service.name, ()))
     for method, rows in ((io.publisher, service.publishes), (io.inbox, service.subscribes)):
         assert {topics.topic_of(call.args[0].key) for call in method.call_args_list} == set(rows)
     assert {call.args[0] for call in io.requests.call_args_list} == set(service.answers)
