@@ -6,19 +6,11 @@ import math
 from collections import deque
 from typing import Final
 
+from giraff_core.latest import LatestSamples
 from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
-from giraff_schemas.messages import (
-    BaseState,
-    Battery,
-    EStop,
-    GuardState,
-    Odometry,
-    Range,
-    Sample,
-    Verdict,
-)
-from giraff_schemas.topics import BATTERY, RANGE, SampleT
+from giraff_schemas.messages import EStop, GuardState, Odometry, Range, Sample, Verdict
+from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
 from giraff_schemas.trouble import WELL, trouble_of
 from giraff_web.messages import Direction, Echo, Latch, Part, State, moment
 from giraff_web.policy import WebPolicy
@@ -28,20 +20,13 @@ STALE: Final = 1.5
 _POINTS: Final = 2000
 _APART: Final = 0.03  # m between two points of the path
 
-_Heard = tuple[SampleT | None, float]
-
 
 class Picture:
     """Times are seconds of any one monotonic clock."""
 
     def __init__(self, robot: RobotConfig) -> None:
         self._robot = robot
-        self._base: _Heard[BaseState] = None, -math.inf
-        self._guard: _Heard[GuardState] = None, -math.inf
-        self._estop: _Heard[EStop] = None, -math.inf
-        self._battery: _Heard[Battery] = None, -math.inf
-        self._odom: _Heard[Odometry] = None, -math.inf
-        self._ranges: dict[str, tuple[Range, float]] = {}
+        self._latest = LatestSamples()
         self._trail: deque[tuple[float, float]] = deque(maxlen=_POINTS)
         self._origin: tuple[str, int] | None = None
         self._n = 0
@@ -58,27 +43,17 @@ class Picture:
 
     def take(self, sample: Sample, now: float) -> None:
         """Take what the robot says."""
-        match sample:
-            case BaseState():
-                self._base = sample, now
-            case GuardState():
-                self._guard = sample, now
-            case EStop():
-                self._estop = sample, now
-            case Battery():
-                self._battery = sample, now
-            case Odometry():
-                self._odom = sample, now
-                self._go_on(sample)
-            case Range() if sample.sensor in self._robot.sensors:
-                self._ranges[sample.sensor] = sample, now
+        if isinstance(sample, Range) and sample.sensor not in self._robot.sensors:
+            return
+        self._latest.take(sample, now)
+        if isinstance(sample, Odometry):
+            self._go_on(sample)
 
     def state(self, policy: WebPolicy, stop_text: str, now: float) -> State:
         """The next state. `stop_text`: of what was asked for here."""
         self._n += 1
-        base, guard = _fresh(self._base, now), _fresh(self._guard, now)
-        odom, battery = _fresh(self._odom, now), _fresh(self._battery, now, 3.0 / BATTERY.rate_hz)
-        estop = _fresh(self._estop, now)
+        base, guard, estop = self._newest(BASE, now), self._newest(GUARD, now), self._newest(ESTOP, now)
+        odom, battery = self._newest(ODOM, now), self._newest(BATTERY, now, 3.0 / BATTERY.rate_hz)
         operator, asked = policy.operator, policy.poll(now)
         age = now - operator.heard
         driver = policy.driver if operator.holds else None
@@ -114,18 +89,18 @@ class Picture:
             self._trail.append(here)
 
     def _echo(self, sensor: str, now: float) -> Echo:
-        heard = self._ranges.get(sensor)
-        if heard is None:
+        latest = self._latest.latest(RANGE.at(sensor), round(now * 1e9))
+        if latest is None:
             return Echo(state="silent", range=None, reason="never heard; check that giraff_ranger runs")
-        reading, when = heard
-        if now - when > max(STALE, 3.0 / RANGE.rate_hz):
-            return Echo(state="silent", range=None, reason=f"silent for {now - when:.0f} s; check giraff_ranger")
+        if latest.age > max(STALE, 3.0 / RANGE.rate_hz):
+            return Echo(state="silent", range=None, reason=f"silent for {latest.age:.0f} s; check giraff_ranger")
+        reading = latest.sample
         return Echo(state=reading.state, range=reading.range, reason=reading.reason)
 
-
-def _fresh(heard: _Heard[SampleT], now: float, lasts: float = STALE) -> SampleT | None:
-    sample, when = heard
-    return sample if now - when <= lasts else None
+    def _newest(self, topic: Topic[SampleT], now: float, lasts: float = STALE) -> SampleT | None:
+        """None: what was heard last says nothing of now."""
+        latest = self._latest.latest(topic, round(now * 1e9))
+        return latest.sample if latest is not None and latest.age <= lasts else None
 
 
 def _latch(state: EStop) -> Latch:
