@@ -361,8 +361,10 @@ class GuardState(Sample, frozen=True, kw_only=True):
     reason: str
     """Why the newest command was cut; empty when it was not."""
     sensors: dict[str, str]
-    """By sensor: why it is not trusted; empty when it is."""
+    """By ultrasonic sensor: why it is not trusted; empty when it is."""
     remedy: str = ""
     """Tail of `reason`: what to do about it."""
     sensor_remedies: dict[str, str] = {}
-    """By sensor, the same of `sensors`."""
+    """By sensor, the same of both `sensors` and `other_sensors`."""
+    other_sensors: dict[str, str] = {}
+    """As `sensors`, of those that say no range."""

@@ -20,6 +20,7 @@ ULTRASONIC: Final = "hc-sr04"
 """The type of a sensor that names none."""
 _TABLES: Final = {"bumper": "bumpers"}
 """By type, the table of `RobotConfig` that holds all of it."""
+TYPES: Final = (*_TABLES, ULTRASONIC)
 
 
 class UltrasonicModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
+from giraff_core.sensors import TYPES
 from giraff_guard.config import GuardConfig
 from giraff_guard.source import Source
 from giraff_guard.ultrasonic.source import UltrasonicSource
@@ -19,5 +20,8 @@ SENSED = (RANGE,)
 def sources_of(live: Live[GuardConfig], robot: RobotConfig) -> list[Source]:
     """All of one robot, the one that is named first where two allow the same. Raises ValueError."""
     for name, kind in robot.unknown_sensors.items():
-        raise ValueError(f"[robot.sensors.{name}] is of the type {kind!r}, which this guard does not know")
+        known = ", ".join(TYPES)
+        raise ValueError(
+            f"[robot.sensors.{name}] is of the type {kind!r}, which the guard does not know; known are: {known}"
+        )
     return [UltrasonicSource(live, robot)]

@@ -34,6 +34,7 @@ class GuardPolicy:
         self._authority = Authority(live, first_lease)
         self._obstacles = Obstacles(live, robot)
         self._floods = FloodWatch()
+        self._ultrasonic = robot.sensors
         self._replacements = 0  # how often `fault` has come to be
         self.fault = WELL
         """Two processes where one may be, as `decide` found it."""
@@ -102,7 +103,8 @@ class GuardPolicy:
             operator=authority.holder,
             reason=command.reason,
             remedy=command.remedy,
-            sensors={name: str(trouble) for name, trouble in sensors.items()},
+            sensors={name: str(trouble) for name, trouble in sensors.items() if name in self._ultrasonic},
+            other_sensors={name: str(trouble) for name, trouble in sensors.items() if name not in self._ultrasonic},
             sensor_remedies={name: trouble.remedy for name, trouble in sensors.items()},
         )
         lease = Lease(

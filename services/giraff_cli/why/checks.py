@@ -134,7 +134,9 @@ def guard(chain: ChainState) -> Link:
         text = "; ".join(_judged(way, verdict) for way, verdict in blocked)
         return link_from("guard", "waits" if chain.broken("ranger") else "STOPS", heard, text)
     limits = [_judged(way, verdict) for way, verdict in verdicts(state) if verdict.freedom in ("blocked", "creep")]
-    limits += [f"{sensor} is not trusted: {why}" for sensor, why in state.sensors.items() if why]
+    limits += [
+        f"{sensor} is not trusted: {why}" for sensor, why in (state.sensors | state.other_sensors).items() if why
+    ]
     if limits:
         return link_from("guard", "limits", heard, "; ".join(limits))
     return link_from("guard", "ok", heard, state.reason or "no direction is blocked")

@@ -166,6 +166,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "remedy": "",
         "sensors": {"rear": ""},
         "sensor_remedies": {"rear": ""},
+        "other_sensors": {"front": ""},
     },
     lo.MapPose: _START
     | {
