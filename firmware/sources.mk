@@ -9,7 +9,7 @@ START_VALUES ?= common/start_values.c
 COMMON := boot clock cobs crc frame hello link uart watchdog
 base_PROGRAM := base drive encoders held latch motors speed speedometer turning
 joystick_PROGRAM := bno055 bus joystick tick
-ranger_PROGRAM := echo ranger sonars tick
+ranger_PROGRAM := bumpers echo ranger sonars tick
 PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM) start_values
 
 HASH := $(shell $(PYTHON) generate_codec.py --hash)

@@ -9,7 +9,7 @@
 #define GIRAFF_BOARD_MODEL_H
 #include <stdint.h>
 
-enum { BOARD_MOTORS = 2, BOARD_SONARS = 3 };
+enum { BOARD_MOTORS = 2, BOARD_SONARS = 3, BOARD_BUMPERS = 2 };
 enum { BOARD_RUNNING = 0, BOARD_STOPPED = 1, BOARD_CRASHED = 2 };
 
 /* An H bridge and the encoder on its shaft; 0 is motor A (PD6, PC6) with the encoder PD3+PC7, 1 is motor B
@@ -30,6 +30,7 @@ struct board_model {
     uint64_t twi_reads;     /* out: bytes read */
     int slave_reset;        /* out: 1 while the board holds the slave's reset line low */
     int button;             /* in: 1 = pressed */
+    int bumper_open[2];     /* in: 1 = the switch is open, or its wire is cut */
     double battery_volts;   /* in: at the ADC pin, 0..5 V */
     unsigned tx_len;        /* out: bytes that board_uart_read would give */
     unsigned rx_free;       /* out: room for board_uart_write */

@@ -1,4 +1,4 @@
-/* The ranger board's parts: three HC-SR04. */
+/* The ranger board's parts: three HC-SR04, two bumpers. */
 #include "hal_ranger.h"
 #include "machine.h"
 #include "protocol.h"
@@ -69,6 +69,15 @@ bool hal_echo_line(uint8_t sensor)
 
 void hal_start_sonars(void)
 {
+}
+
+void hal_start_bumpers(void)
+{
+}
+
+bool hal_bumper_is_open(uint8_t bumper)
+{
+    return machine_board->bumper_open[bumper];
 }
 
 void parts_open(void)

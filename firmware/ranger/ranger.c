@@ -1,5 +1,7 @@
-/* The ranger board: a ping each slot, and its result up to the host as soon as it is known. */
+/* The ranger board: a ping each slot, and its result up to the host as soon as it is known; bumpers when asked. */
 #include "boot.h"
+#include "bumper_protocol.h"
+#include "bumpers.h"
 #include "clock.h"
 #include "firmware.h"
 #include "hal.h"
@@ -13,6 +15,7 @@
 static const struct link_handler handlers[] = {
     { FRAME_HELLO_REQUEST, sizeof(struct hello_request), hello_on_request },
     { FRAME_TICK, sizeof(struct tick), tick_on_frame },
+    { FRAME_BUMPER_REQUEST, sizeof(struct bumper_request), bumpers_on_request },
 };
 
 static uint32_t slot_ms;
@@ -42,6 +45,7 @@ void firmware_setup(void)
     clock_start();
     link_start();
     sonars_start();
+    bumpers_start();
     slot_ms = clock_ms();
     watchdog_start();
     hal_enable_interrupts();
@@ -60,6 +64,7 @@ void firmware_poll(void)
         sonars_ping(next);
         next = (uint8_t)((next + 1) % RANGE_SENSORS);
     }
+    bumpers_poll();
     watchdog_poll();
 }
 

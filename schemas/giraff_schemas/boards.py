@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
+from giraff_schemas import bumper_wire
 from giraff_schemas.wire import (
     BASE_BAUD,
     FRAME_CLASSES,
@@ -31,6 +32,8 @@ class BoardType(NamedTuple):
 
 BASE_BOARD: Final = BoardType("base", BoardKind.BASE, BASE_BAUD)
 JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
-RANGER_BOARD: Final = BoardType("ranger", BoardKind.RANGER, RANGER_BAUD)
+RANGER_BOARD: Final = BoardType(
+    "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES
+)
 BOARDS: Final = {BoardKind(board.number): board for board in (BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD)}
 """By the role that a board has for a stock robot. Another drive may name another board for base."""

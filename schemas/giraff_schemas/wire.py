@@ -158,7 +158,7 @@ class ResetCause(IntFlag):
 class Frame(msgspec.Struct, frozen=True):
     """What every frame has: its type, its sender's sequence number, and a packed little-endian layout."""
 
-    type: ClassVar[FrameType]
+    type: ClassVar[int]
     layout: ClassVar[struct.Struct]
 
     seq: int
@@ -176,7 +176,7 @@ class Frame(msgspec.Struct, frozen=True):
 class HelloFrame(Frame, frozen=True):
     """struct hello"""
 
-    type: ClassVar[FrameType] = FrameType.HELLO
+    type: ClassVar[int] = FrameType.HELLO
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIBIIB")
 
     board_us: int
@@ -189,7 +189,7 @@ class HelloFrame(Frame, frozen=True):
 class WheelsFrame(Frame, frozen=True):
     """struct wheels"""
 
-    type: ClassVar[FrameType] = FrameType.WHEELS
+    type: ClassVar[int] = FrameType.WHEELS
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIiihhBBBHHHHiiB")
 
     board_us: int
@@ -215,7 +215,7 @@ class WheelsFrame(Frame, frozen=True):
 class TiltFrame(Frame, frozen=True):
     """struct tilt"""
 
-    type: ClassVar[FrameType] = FrameType.TILT
+    type: ClassVar[int] = FrameType.TILT
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIQhhhBBBBH")
 
     board_us: int
@@ -235,7 +235,7 @@ class TiltFrame(Frame, frozen=True):
 class RangeFrame(Frame, frozen=True):
     """struct range"""
 
-    type: ClassVar[FrameType] = FrameType.RANGE
+    type: ClassVar[int] = FrameType.RANGE
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIQBBBIH")
 
     board_us: int
@@ -252,14 +252,14 @@ class RangeFrame(Frame, frozen=True):
 class HelloRequestFrame(Frame, frozen=True):
     """struct hello_request"""
 
-    type: ClassVar[FrameType] = FrameType.HELLO_REQUEST
+    type: ClassVar[int] = FrameType.HELLO_REQUEST
     layout: ClassVar[struct.Struct] = struct.Struct("<BH")
 
 
 class ConfigureFrame(Frame, frozen=True):
     """struct configure"""
 
-    type: ClassVar[FrameType] = FrameType.CONFIGURE
+    type: ClassVar[int] = FrameType.CONFIGURE
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIIBBBIIIIIBHHBBBHHHH")
 
     protocol_hash: int
@@ -289,7 +289,7 @@ class ConfigureFrame(Frame, frozen=True):
 class DriveFrame(Frame, frozen=True):
     """struct drive"""
 
-    type: ClassVar[FrameType] = FrameType.DRIVE
+    type: ClassVar[int] = FrameType.DRIVE
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIIhh")
 
     boot_id: int
@@ -301,7 +301,7 @@ class DriveFrame(Frame, frozen=True):
 class SpeedFrame(Frame, frozen=True):
     """struct speed"""
 
-    type: ClassVar[FrameType] = FrameType.SPEED
+    type: ClassVar[int] = FrameType.SPEED
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIIii")
 
     boot_id: int
@@ -313,7 +313,7 @@ class SpeedFrame(Frame, frozen=True):
 class EstopFrame(Frame, frozen=True):
     """struct estop"""
 
-    type: ClassVar[FrameType] = FrameType.ESTOP
+    type: ClassVar[int] = FrameType.ESTOP
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIIIB")
 
     boot_id: int
@@ -325,7 +325,7 @@ class EstopFrame(Frame, frozen=True):
 class TickFrame(Frame, frozen=True):
     """struct tick"""
 
-    type: ClassVar[FrameType] = FrameType.TICK
+    type: ClassVar[int] = FrameType.TICK
     layout: ClassVar[struct.Struct] = struct.Struct("<BHIQ")
 
     epoch: int

@@ -13,9 +13,8 @@ import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.tuning import Tuning
+from giraff_schemas.bumper_wire import BUMPERS
 
-BUMPERS: Final = 2
-"""Pins for them on the ranger's board."""
 ULTRASONIC: Final = "hc-sr04"
 """The type of a sensor that names none."""
 _TABLES: Final = {"bumper": "bumpers"}

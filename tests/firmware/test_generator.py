@@ -49,6 +49,13 @@ def test_anything_else_changes_it(old: str, new: str) -> None:
     assert generator.protocol_hash(HEADER.replace(old, new)) != generator.protocol_hash(HEADER)
 
 
+def test_a_header_beside_another_has_frame_types_of_its_own() -> None:
+    beside = HEADER.replace("frame_type", "ping_frame_type")
+    assert generator.parse(beside.replace("0x01", "0x02"), generator.parse(HEADER)).types.members == {"FRAME_PING": 2}
+    with pytest.raises(generator.HeaderError, match=r"number of protocol\.h"):
+        generator.parse(beside, generator.parse(HEADER))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [

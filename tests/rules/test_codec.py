@@ -1,4 +1,4 @@
-"""The committed codec is what the protocol header gives."""
+"""Each committed codec is what its header gives."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 from tests.rules.repository import ROOT
 from tests.support.tools import finished
 
-HEADER = Path("firmware/common/protocol.h")
+HEADERS = Path("firmware/common/protocol.h"), Path("firmware/ranger/bumper_protocol.h")
 GENERATOR = Path("firmware/generate_codec.py")
-CODEC = Path("schemas/giraff_schemas/wire.py")
+CODECS = Path("schemas/giraff_schemas/wire.py"), Path("schemas/giraff_schemas/bumper_wire.py")
 
 
 def check(tree: Path) -> tuple[int, str]:
@@ -26,10 +26,13 @@ def test_the_codec_is_generated_from_the_header() -> None:
 
 
 def test_an_edited_codec_shows(tmp_path: Path) -> None:
-    for path in (HEADER, GENERATOR, CODEC):
+    for path in (*HEADERS, GENERATOR, *CODECS):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / path, tmp_path / path)
-    assert check(tmp_path)[0] == 0
-    with (tmp_path / CODEC).open("a") as codec:
-        codec.write("EXTRA = 1\n")
-    assert check(tmp_path)[0] != 0
+    for edited in CODECS:
+        text = (tmp_path / edited).read_text()
+        (tmp_path / edited).write_text(text + "EXTRA = 1\n")
+        code, words = check(tmp_path)
+        assert code != 0
+        assert words.startswith(str(tmp_path / edited))
+        (tmp_path / edited).write_text(text)

@@ -8,6 +8,7 @@ from typing import TypeVar
 import msgspec
 
 from giraff_base.drives.wheels.config import by_levels
+from giraff_schemas.boards import BOARDS
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     BoardKind,
@@ -35,7 +36,7 @@ class Line:
         self.received = bytearray()
         """Every byte the board has sent."""
         self._kind = kind
-        self._decoder = Decoder()
+        self._decoder = Decoder(BOARDS[kind].frames)
         self._queued = b""
 
     @property

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from giraff_schemas.bumper_wire import BumperFrame, BumperRequestFrame
 from giraff_schemas.wire import BoardKind, HelloFrame, RangeFault, RangeFrame, RangeState, ResetCause, TickFrame
 from giraff_sim.board import Board, Implementation
 from giraff_sim.simulation import simulation
@@ -48,6 +49,28 @@ def test_it_pings_one_sensor_in_60_ms_in_turn(ranger: Line) -> None:
     assert all(frame.echo_us == pytest.approx(175 * US_PER_CM, abs=US_PER_CM / 2) for frame in told if frame.sensor < 2)
     assert {frame.state for frame in told if frame.sensor == 2} == {RangeState.CLEAR}
     assert ranger.simulation.world.sonars[0].pings == pytest.approx(ranger.simulation.world.sonars[2].pings, abs=1)
+
+
+def test_a_bumpers_pin_comes_up_once_the_board_is_asked(ranger: Line) -> None:
+    pins = ranger.simulation.boards[BoardKind.RANGER].model.bumper_open
+    pins[1] = 1
+    ranger.run(0.3)
+    assert ranger.all(BumperFrame) == []
+    ranger.send(BumperRequestFrame(seq=1))
+    ranger.run(0.3)
+    assert {frame.open for frame in ranger.all(BumperFrame)} == {2}
+    pins[0] = 1
+    ranger.simulation.reset(BoardKind.RANGER, ResetCause.WATCHDOG)
+    ranger.frames.clear()
+    ranger.run(0.3)
+    assert ranger.all(BumperFrame) == []
+    ranger.send(BumperRequestFrame(seq=2))
+    ranger.run(0.3)
+    pins[1] = 0
+    ranger.run(0.1)
+    assert [pushed for pushed, _ in itertools.groupby(frame.open for frame in ranger.all(BumperFrame))] == [3, 1]
+    assert ranger.damaged == 0
+    assert len(ranger.all(RangeFrame)) == pytest.approx(11, abs=1)
 
 
 def test_2_to_395_cm_come_out_within_a_centimetre(ranger: Line) -> None:

@@ -8,4 +8,6 @@
 #define ECHO_1 5                    /* PE5 = D3 = INT5 */
 #define ECHO_2 3                    /* PD3 = D18 = INT3 */
 
+#define BUMPER_0 0                  /* PC0 = D37; 1 follows on PC1 = D36 */
+
 #endif

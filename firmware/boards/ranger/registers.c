@@ -36,6 +36,16 @@ bool hal_echo_line(uint8_t sensor)
     }
 }
 
+void hal_start_bumpers(void)
+{
+    PORTC |= _BV(BUMPER_0) | _BV(BUMPER_0 + 1);     /* pull-ups: a wire that is off reads as pushed */
+}
+
+bool hal_bumper_is_open(uint8_t bumper)
+{
+    return PINC & _BV(BUMPER_0 + bumper);
+}
+
 ISR(INT4_vect)
 {
     sonars_on_edge(0, hal_echo_line(0));

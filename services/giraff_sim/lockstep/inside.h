@@ -64,7 +64,7 @@ struct board_private {
     uint8_t twi_pointer;
     avr_irq_t *battery;         /* NULL: none wired */
     int battery_mv;
-    struct pin button, slave_reset;
+    struct pin button, slave_reset, bumper[BOARD_BUMPERS];
     struct motor motor[BOARD_MOTORS];
     struct sonar sonar[BOARD_SONARS];
 };

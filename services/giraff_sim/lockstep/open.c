@@ -25,6 +25,8 @@ static const struct { const char *trigger, *echo; } SONARS[BOARD_SONARS] = {
     { "A2", "D3" },
 };
 
+static const char *const BUMPERS_AT[BOARD_BUMPERS] = { "C0", "C1" };
+
 static const char JOYSTICK_SLAVE_RESET[] = "D7", JOYSTICK_BUTTON[] = "D4";
 
 avr_io_t *io_next(avr_t *avr, const char *kind, avr_io_t *after)
@@ -113,6 +115,8 @@ static int wire(struct board_model *b, int kind)
     } else {
         for (int k = 0; k < BOARD_SONARS; k++)
             sonar_wire(b, k, SONARS[k].trigger, SONARS[k].echo);
+        for (int k = 0; k < BOARD_BUMPERS; k++)
+            b->inside->bumper[k] = pin_named(avr, BUMPERS_AT[k]);
     }
     return 0;
 }

@@ -44,6 +44,9 @@ static void inputs(struct board_model *b)
     struct board_private *in = b->inside;
     if (in->button.port)
         pin_drive(b, in->button, !b->button);           /* to ground, against a pull-up */
+    for (int k = 0; k < BOARD_BUMPERS; k++)
+        if (in->bumper[k].port)
+            pin_drive(b, in->bumper[k], b->bumper_open[k]); /* closed to ground, or the pull-up */
     int battery_mv = (int)(b->battery_volts * 1000 + 0.5);
     if (in->battery && battery_mv != in->battery_mv) {
         in->battery_mv = battery_mv;
