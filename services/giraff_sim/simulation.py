@@ -38,8 +38,9 @@ class Simulation:
                 f"{world.seed}/bno055",
                 world.truth.accelerometer_offset,
             )
-        if (ranger := self.boards.get(BoardKind.RANGER)) is not None:
-            ranger.on_ping(world.echo_us)
+        self._ranger = self.boards.get(BoardKind.RANGER)
+        if self._ranger is not None:
+            self._ranger.on_ping(world.echo_us)
 
     def step(self) -> None:
         """Advance everything by the world's step."""
@@ -91,6 +92,9 @@ class Simulation:
             model = self._joystick.model
             model.twi_address = self.bno055.step(self.now_us, bool(model.slave_reset), world.acceleration)
             model.button = int(world.button)
+        if self._ranger is not None:
+            for number, bumper in world.bumpers.items():
+                self._ranger.model.bumper_open[number] = int(bumper.is_open(world.plant.pose))
 
 
 @contextmanager

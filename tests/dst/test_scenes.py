@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from typing import Final
 
+import msgspec
 import pytest
 
-from giraff_sim.dst.drill import Outcome
+from giraff_sim.dst.drill import Outcome, Scenario, play
+from giraff_sim.dst.faults.robot import bumper
+from giraff_sim.dst.scenarios import draw
 from giraff_sim.world.bno055 import GRAVITY, Bno055Fault, Vector
 from giraff_sim.world.hand import LEVEL, ScriptedHand
 from tests.dst.courses import fail_tilt_sensor
-from tests.dst.stage import SET_OFF, at, rules, stage
+from tests.dst.stage import SET_OFF, SETTINGS, at, hall, level, rules, stage
+from tests.support.robots import BUMPED
 
 
 def _tilted(forward: float, left: float = 0.0) -> Vector:
@@ -39,3 +43,12 @@ SCENES: Final = {"(g) reverse into a turn": _reverse_into_a_turn, "(c) let go wh
 @pytest.mark.parametrize("scene", SCENES)
 def test_no_rule_is_broken(scene: str) -> None:
     assert rules(SCENES[scene]()) == set()
+
+
+def test_the_wire_of_a_bumper_is_cut_where_the_robot_has_one() -> None:
+    assert any(each.kind.begin is bumper for seed in range(40) for each in draw(seed).befalls)
+    bumped = msgspec.structs.replace(SETTINGS.robot, bumpers=BUMPED.bumpers)
+    for robot, times in ((SETTINGS.robot, 0), (bumped, 1)):
+        scenario = Scenario(1, hall(), level(), 0.1, (at(0.04, bumper, 0.04),))
+        outcome = play(scenario, msgspec.structs.replace(SETTINGS, robot=robot))
+        assert outcome.counts.get("fault: staged", 0) == times

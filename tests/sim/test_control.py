@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from giraff_sim.bodies.kinds import world_of
 from giraff_sim.control import messages
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.control.control import Control
@@ -16,7 +17,8 @@ from giraff_sim.simulation import Simulation
 from giraff_sim.truth import TruthRanges, draw_truth
 from giraff_sim.world.hand import Hand, StillHand
 from giraff_sim.world.sonar import SonarFault
-from tests.sim.robots import room_with_wall, world_in
+from tests.sim.robots import EXACT, room_with_wall, world_in
+from tests.support.robots import BUMPED, DRIVE
 from tests.support.wheels import wheels_of
 
 
@@ -98,6 +100,14 @@ def test_tilt_hand_and_button(simulation: Simulation, control: Control) -> None:
     assert simulation.world.button
 
 
+def test_a_bumpers_wire_is_cut_and_mended() -> None:
+    world = world_of(room_with_wall(2.0), BUMPED, DRIVE, EXACT, StillHand(), 1)
+    control = Control(Simulation({}, world), {}, WallPacer(), make_hand)
+    for cut in (True, False):
+        assert ask(control, op="bumper", number=1, cut=cut).ok
+        assert [world.bumpers[number].is_cut for number in (0, 1)] == [False, cut]
+
+
 def test_faults(simulation: Simulation, control: Control) -> None:
     assert ask(control, op="sonar", number=2, fault="stuck").ok
     assert simulation.world.sonars[2].fault is SonarFault.STUCK
@@ -125,6 +135,7 @@ def test_faults(simulation: Simulation, control: Control) -> None:
         (b'{"op": "place", "x": 1, "y": 2, "w": 3}', "unknown field `w`"),
         (b'{"op": "place", "x": 1e999, "y": 2}', "not a request"),
         (b'{"op": "sonar", "number": 7, "fault": "dead"}', "no sonar 7; there are [0, 1, 2]"),
+        (b'{"op": "bumper", "number": 0, "cut": true}', "no bumper 0; there are []"),
         (b'{"op": "sonar", "number": 0, "fault": "sad"}', "Invalid enum value 'sad'"),
         (b'{"op": "remove_wall", "name": "sofa"}', "no wall or post 'sofa'; there are wall"),
         (b'{"op": "add_wall", "name": "w", "points": [[0, 1]]}', "needs two or more"),

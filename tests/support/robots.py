@@ -7,6 +7,7 @@ import msgspec
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig, SensorPose
+from giraff_core.sensors import Bumper
 
 ROBOT = RobotConfig(
     name="sim-test",
@@ -21,6 +22,11 @@ ROBOT = RobotConfig(
         "rear": SensorPose(index=2, x=-0.25, y=0.0, yaw=math.pi),
     },
 )
+
+BUMPED = msgspec.structs.replace(
+    ROBOT, bumpers={"front": Bumper(index=0, way="forward"), "back": Bumper(index=1, way="backward")}
+)
+"""The same with a bumper at each half of its rim."""
 
 DRIVE = WheelsConfig(
     max_level=70,

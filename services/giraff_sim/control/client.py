@@ -109,6 +109,10 @@ class SimulatorClient:
         """Break a sonar, or mend it; `wild_share` of its pings, for WILD_SOME."""
         return self._ask(messages.FailSonar(number=number, fault=fault, wild_share=wild_share)).now_us
 
+    def cut_bumper(self, number: int, *, cut: bool) -> int:
+        """Cut a bumper's wire, or mend it."""
+        return self._ask(messages.CutBumper(number=number, cut=cut)).now_us
+
     def block_wheel(self, wheel: Wheel, *, blocked: bool) -> int:
         """Hold a wheel so that it does not turn, or let it go."""
         return self._ask(messages.BlockWheel(wheel=wheel, blocked=blocked)).now_us

@@ -53,6 +53,7 @@ class Control:
             messages.RemoveWall: self._remove_wall,
             messages.FailBno055: self._fail_bno055,
             messages.FailSonar: self._fail_sonar,
+            messages.CutBumper: self._cut_bumper,
             messages.CutEncoder: self._cut_encoder,
             messages.BlockWheel: self._block_wheel,
             messages.BrakeWheel: self._brake_wheel,
@@ -153,6 +154,12 @@ class Control:
             raise ValueError(f"wild_share is {request.wild_share}: it must be in 0..1")
         sonars[request.number].fault = request.fault
         sonars[request.number].wild_share = request.wild_share
+
+    def _cut_bumper(self, request: messages.CutBumper) -> None:
+        bumpers = self._simulation.world.bumpers
+        if request.number not in bumpers:
+            raise ValueError(f"there is no bumper {request.number}; there are {sorted(bumpers)}")
+        bumpers[request.number].is_cut = request.cut
 
     def _cut_encoder(self, request: messages.CutEncoder) -> None:
         self._wired_wheels.cut_encoder(_WHEELS[request.wheel], is_cut=request.cut)

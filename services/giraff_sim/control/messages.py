@@ -98,6 +98,13 @@ class FailSonar(Request, frozen=True, kw_only=True, tag="sonar"):
     """Of the pings, for the fault `wild_some`."""
 
 
+class CutBumper(Request, frozen=True, kw_only=True, tag="bumper"):
+    """Cut a bumper's wire, or mend it."""
+
+    number: int
+    cut: bool
+
+
 class CutEncoder(Request, frozen=True, kw_only=True, tag="encoder"):
     """Cut a wheel encoder's wires, or mend them."""
 
@@ -165,6 +172,7 @@ AnyRequest = (
     | RemoveWall
     | FailBno055
     | FailSonar
+    | CutBumper
     | CutEncoder
     | BlockWheel
     | BrakeWheel

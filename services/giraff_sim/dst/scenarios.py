@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 from typing import Final
 
-from giraff_sim.dst.drill import SECONDS, SIM, Befall, Kind, Scenario
+from giraff_sim.dst.drill import SECONDS, SIM, Befall, Begin, Kind, Scenario
 from giraff_sim.dst.faults import machine as machine_faults
 from giraff_sim.dst.faults import network as network_faults
 from giraff_sim.dst.faults import robot as robot_faults
@@ -22,6 +22,7 @@ _RESTS_FROM: Final = 0.9  # s: the demonstration's hand rests until all has star
 _RESTLESS: Final = 0.5  # share of the hands that follow no room
 _CLUTCHES: Final = 0.3  # share of the runs in which the joystick's button is pressed
 _DEAF: Final = 0.15  # share of the runs in which a sensor is deaf for a time
+_CUT_BUMPER: Final = 0.15  # share of the runs in which a bumper's wire is cut for a time, where the robot has one
 _FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
 _LAST_FAULT: Final = 1.5  # s before the end
 
@@ -42,7 +43,8 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
         )
         for _ in range(chance.randint(*_FAULTS))
     )
-    befalls += _deafness(Random(f"{seed}/deaf"), seconds)
+    befalls += _beside(robot_faults.deaf, _DEAF, Random(f"{seed}/deaf"), seconds)
+    befalls += _beside(robot_faults.bumper, _CUT_BUMPER, Random(f"{seed}/bumper"), seconds)
     presses: tuple[tuple[float, float], ...] = ()
     clutch = Random(f"{seed}/clutch")  # a chance of its own: all others stay what they were without it
     if clutch.random() < _CLUTCHES:
@@ -51,9 +53,9 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
     return Scenario(seed, room, hand, seconds, befalls, draw_truth("uncalibrated", SIM.truth, seed), presses)
 
 
-def _deafness(chance: Random, seconds: float) -> tuple[Befall, ...]:
-    """In some runs a sensor that is deaf, by a chance of its own: all others stay what they were without it."""
-    if chance.random() >= _DEAF:
+def _beside(begin: Begin, share: float, chance: Random, seconds: float) -> tuple[Befall, ...]:
+    """Draw a fault in a share of the runs, by a chance of its own: all others stay what they were without it."""
+    if chance.random() >= share:
         return ()
-    kind = next(each for each in KINDS if each.begin is robot_faults.deaf)
+    kind = next(each for each in (*KINDS, *robot_faults.OF_BUMPERS) if each.begin is begin)
     return (Befall(kind, chance.uniform(_FIRST_FAULT, seconds - _LAST_FAULT), Random(chance.getrandbits(64))),)

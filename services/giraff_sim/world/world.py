@@ -10,6 +10,7 @@ from giraff_sim.config import SimConfig
 from giraff_sim.truth import Truth
 from giraff_sim.world.bno055 import Vector
 from giraff_sim.world.body import Body
+from giraff_sim.world.bumper import Bumper
 from giraff_sim.world.hand import LEVEL, Hand, Tremor
 from giraff_sim.world.room import Room, RoomError
 from giraff_sim.world.sonar import SILENT_US, sonars
@@ -46,6 +47,8 @@ class World:
             radius = robot.footprint_radius
             raise RoomError(f"room {room.name!r}: the robot, a disc of {radius:g} m, does not fit at its start")
         self.sonars = sonars(robot.sensors, room, sim, seed, truth)
+        self.bumpers = {mount.index: Bumper(mount, robot.footprint_radius, room) for mount in robot.bumpers.values()}
+        """By their number on the ranger board."""
         self.hand = hand
         self._tremor = Tremor(sim.hand_tremor, seed)
         self.acceleration: Vector = LEVEL

@@ -74,6 +74,8 @@ def test_a_client_speaks_in_types(socket_path: Path, simulation: Simulation) -> 
         client.button(pressed=True)
         client.fail_sonar(1, SonarFault.WILD)
         client.fail_sonar(2, SonarFault.WILD_SOME, 0.05)
+        with pytest.raises(SimulatorError, match="no bumper 0"):
+            client.cut_bumper(0, cut=True)
         client.block_wheel("left", blocked=True)
         client.battery(23.0)
         with pytest.raises(SimulatorError, match="no base board here"):

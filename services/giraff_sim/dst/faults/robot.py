@@ -19,6 +19,8 @@ from giraff_sim.world.body import Way
 from giraff_sim.world.sonar import SonarFault
 
 KINDS: Final[list[Kind]] = []
+OF_BUMPERS: Final[list[Kind]] = []
+"""Apart, since no seed of the stock robot, which has no bumper, can be asked to reach them."""
 
 SERVED: Final = {kind: service.name for kind in BoardKind for service in SERVICES if service.board is kind}
 _CUTOFF_US: Final = 5_500_000  # 5 s of reports below the cut-off, and a stop
@@ -102,6 +104,21 @@ def deaf(drill: Drill, chance: Random) -> Course:
     yield f"{' and '.join(names)} hear nothing" if len(names) > 1 else f"{names[0]} hears nothing"
     for sensor in sensors:
         sensor.fault = SonarFault.NONE
+
+
+@fault(OF_BUMPERS, weight=0.0, lasts=(0.3, 6.0), calm_after=11.0)
+def bumper(drill: Drill, chance: Random) -> Course:
+    """Not drawn among the others, but beside them."""
+    mounted = drill.loop.settings.robot.bumpers
+    if not mounted:
+        return
+    name, mount = chance.choice(tuple(mounted.items()))
+    switch = drill.loop.simulation.world.bumpers[mount.index]
+    if not drill.claims(switch):
+        return
+    switch.is_cut = True
+    yield f"the wire of the bumper {name} is cut"
+    switch.is_cut = False
 
 
 @fault(KINDS, weight=2.0, lasts=(0.2, 3.0))
