@@ -14,6 +14,7 @@ from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
 from giraff_schemas import params as p
 from giraff_schemas import requests as r
+from giraff_schemas.bumper import Bump
 
 SampleT = TypeVar("SampleT", bound=m.Sample)
 
@@ -64,6 +65,7 @@ TILT = Topic("tilt", m.Tilt, 50, "state")
 OPERATOR_CMD_VEL = Topic("cmd_vel/*", m.DriveCommand, 50, "control", "operator")
 LEASE = Topic("lease", m.Lease, 10, "control")
 RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control", "sensor", inside=True)
+BUMPER = Topic("bumper/*", Bump, 20, "control", "sensor", inside=True)
 CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control", inside=True)
 WHEELS = Topic("wheels", m.Wheels, 100, "control", inside=True)
 ODOM = Topic("odom", m.Odometry, 100, "state")
@@ -86,6 +88,7 @@ TOPICS: tuple[Topic[Any], ...] = (
     OPERATOR_CMD_VEL,
     LEASE,
     RANGE,
+    BUMPER,
     CMD_VEL,
     WHEELS,
     ODOM,

@@ -7,6 +7,7 @@ from typing import Final
 from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
+from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import Range, RobotTime, Tick, Wheels
 from giraff_schemas.trouble import WELL, Trouble
 
@@ -71,7 +72,8 @@ class Identity:
     def __init__(self, config: GuardConfig, robot: RobotConfig) -> None:
         self._silence = config.maker_silence
         self._base = Bond("base", config.maker_silence)
-        self._rangers = {name: Bond(f"ranger for {name}", config.maker_silence) for name in robot.sensors}
+        sensors = (*robot.sensors, *robot.bumpers)
+        self._rangers = {name: Bond(f"ranger for {name}", config.maker_silence) for name in sensors}
         self._tick: Tick | None = None
         self._wheels_seq = -1
         self._foreign_ns: int | None = None
@@ -102,7 +104,7 @@ class Identity:
             self._tick = tick
         return False
 
-    def admits_range(self, reading: Range, robot_ns: int) -> bool:
+    def admits_sensed(self, reading: Range | Bump, robot_ns: int) -> bool:
         """Whether a reading counts."""
         bond = self._rangers.get(reading.sensor)
         if bond is None:

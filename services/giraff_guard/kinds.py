@@ -5,15 +5,17 @@ from __future__ import annotations
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import TYPES
+from giraff_guard.bumper import BumperSource
 from giraff_guard.config import GuardConfig
 from giraff_guard.source import Source
 from giraff_guard.ultrasonic.source import UltrasonicSource
+from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import Range
-from giraff_schemas.topics import RANGE
+from giraff_schemas.topics import BUMPER, RANGE
 
-Sensed = Range
+Sensed = Range | Bump
 """What sensors say."""
-SENSED = (RANGE,)
+SENSED = (RANGE, BUMPER)
 """Where they say it."""
 
 
@@ -24,4 +26,4 @@ def sources_of(live: Live[GuardConfig], robot: RobotConfig) -> list[Source]:
         raise ValueError(
             f"[robot.sensors.{name}] is of the type {kind!r}, which the guard does not know; known are: {known}"
         )
-    return [UltrasonicSource(live, robot)]
+    return [UltrasonicSource(live, robot), *([BumperSource(live, robot)] if robot.bumpers else [])]

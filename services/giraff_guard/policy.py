@@ -51,9 +51,9 @@ class GuardPolicy:
         if self._identity.on_tick(tick, robot_ns):
             self._obstacles.forget()
 
-    def on_range(self, sample: Sensed, robot_ns: int) -> bool:
+    def on_sensed(self, sample: Sensed, robot_ns: int) -> bool:
         """Take what a sensor says. True: it blocks or slows a direction, which cannot wait for the next decision."""
-        if not self._identity.admits_range(sample, robot_ns):
+        if not self._identity.admits_sensed(sample, robot_ns):
             return False
         return self._obstacles.on_sensed(sample, self._identity.now(robot_ns))
 

@@ -1,19 +1,23 @@
-"""The guard: cmd_vel/<operator> + range/* -> cmd_vel."""
+"""The guard: cmd_vel/<operator> + what its sensors say -> cmd_vel."""
 
 from __future__ import annotations
 
+from typing import Any
+
+from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.lease import unranked_notice
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer, Timer
 from giraff_guard.config import GuardConfig
+from giraff_guard.kinds import SENSED
 from giraff_guard.policy import GuardPolicy
-from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, RANGE, TICK, WHEELS
+from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, WHEELS
 
 
 class Guard:
-    """Reads `tick`, `wheels`, `range/*` and `cmd_vel/*`; writes `cmd_vel`, and `lease` and `guard` about it.
+    """Reads `tick`, `wheels`, what sensors say and `cmd_vel/*`; writes `cmd_vel`, and `lease` and `guard` about it.
 
     It decides at once on a word of who drives and on a reading that lets less pass, and else at its rate.
     """
@@ -28,7 +32,8 @@ class Guard:
         self._policy = policy(live, robot, first_lease=io.token())
         io.on_reconfigured = live.replace
         # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
-        self._ticks, self._ranges = io.inbox(TICK, wakes=False), io.inbox(RANGE)
+        self._ticks = io.inbox(TICK, wakes=False)
+        self._sensed: list[Inbox[Any]] = [io.inbox(topic) for topic in SENSED]
         self._wheels, self._commands = io.inbox(WHEELS, wakes=False), io.inbox(OPERATOR_CMD_VEL)
         self._guarded, self._states, self._leases = io.publisher(CMD_VEL), io.publisher(GUARD), io.publisher(LEASE)
         self._timer = PromptTimer(CMD_VEL.rate_hz)
@@ -40,8 +45,8 @@ class Guard:
         policy, clock = self._policy, self._io.robot_ns
         for tick in self._ticks.take():
             policy.on_tick(tick, clock())
-        for reading in self._ranges.take():
-            if policy.on_range(reading, clock()):
+        for sample in (sample for inbox in self._sensed for sample in inbox.take()):
+            if policy.on_sensed(sample, clock()):
                 self._timer.hurry("range", now)
         for report in self._wheels.take():
             policy.on_wheels(report, clock())

@@ -15,6 +15,7 @@ from giraff_base.service import Base
 from giraff_core.io import IO
 from giraff_core.live import Live
 from giraff_core.operator import Fault, Wish
+from giraff_guard.kinds import Sensed
 from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
@@ -99,32 +100,32 @@ class LateRanger(RangerPolicy):
 class OptimisticGuard(GuardPolicy):
     """Believes everything to be 0.6 m farther away."""
 
-    def on_range(self, reading: Range, robot_ns: int) -> bool:
-        if reading.range is not None:
+    def on_sensed(self, reading: Sensed, robot_ns: int) -> bool:
+        if isinstance(reading, Range) and reading.range is not None:
             reading = msgspec.structs.replace(reading, range=reading.range + 0.6)
-        return super().on_range(reading, robot_ns)
+        return super().on_sensed(reading, robot_ns)
 
 
 class TurnedGuard(GuardPolicy):
     """Takes the sensors in front for the one behind, and the other way round."""
 
-    def on_range(self, reading: Range, robot_ns: int) -> bool:
+    def on_sensed(self, reading: Sensed, robot_ns: int) -> bool:
         names = {"front_left": ["rear"], "front_right": [], "rear": ["front_left", "front_right"]}
         hurries = False
         for name in names[reading.sensor]:
-            hurries |= super().on_range(msgspec.structs.replace(reading, sensor=name), robot_ns)
+            hurries |= super().on_sensed(msgspec.structs.replace(reading, sensor=name), robot_ns)
         return hurries
 
 
 class HalfGuard(GuardPolicy):
     """Takes what the left sensor hears for what the right one does, too."""
 
-    def on_range(self, reading: Range, robot_ns: int) -> bool:
+    def on_sensed(self, reading: Sensed, robot_ns: int) -> bool:
         if reading.sensor == "front_right":
             return False
-        hurries = super().on_range(reading, robot_ns)
+        hurries = super().on_sensed(reading, robot_ns)
         if reading.sensor == "front_left":
-            hurries |= super().on_range(msgspec.structs.replace(reading, sensor="front_right"), robot_ns)
+            hurries |= super().on_sensed(msgspec.structs.replace(reading, sensor="front_right"), robot_ns)
         return hurries
 
 

@@ -12,6 +12,7 @@ from giraff_base.service import Base
 from giraff_core.estop.latch import RELEASED
 from giraff_core.live import Live
 from giraff_core.operator import Fault, Wish
+from giraff_guard.kinds import Sensed
 from giraff_guard.policy import GuardPolicy
 from giraff_guard.service import Guard
 from giraff_joystick.policy import JoystickPolicy
@@ -132,10 +133,10 @@ class AmnesiacBase(BasePolicy):
 class BlindGuard(GuardPolicy):
     """Takes what is near for far."""
 
-    def on_range(self, reading: Range, robot_ns: int) -> bool:
-        if reading.range is not None:
+    def on_sensed(self, reading: Sensed, robot_ns: int) -> bool:
+        if isinstance(reading, Range) and reading.range is not None:
             reading = msgspec.structs.replace(reading, range=reading.range + 2.0)
-        return super().on_range(reading, robot_ns)
+        return super().on_sensed(reading, robot_ns)
 
 
 class GrudgingGuard(GuardPolicy):

@@ -20,6 +20,7 @@ from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy
+from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import (
     DriveCommand,
     GuardedCommand,
@@ -211,7 +212,8 @@ class _Guard:
         policy = self._policy
         take: dict[type[Sample], Callable[[Any, int], object]] = {
             Tick: policy.on_tick,
-            Range: policy.on_range,
+            Range: policy.on_sensed,
+            Bump: policy.on_sensed,
             Wheels: policy.on_wheels,
             DriveCommand: policy.on_command,
         }

@@ -88,7 +88,7 @@ class Rig:
         self.hurries = False
         for name in [sensor] if sensor else self.robot.sensors:
             measured = None if fault else distance
-            self.hurries |= self.guard.on_range(
+            self.hurries |= self.guard.on_sensed(
                 Range(
                     seq=self._seq if seq is None else seq,
                     instance=ranger,

@@ -48,7 +48,7 @@ class Air:
             reason="",
             tick=self.ago(age, epoch) if age >= 0.0 else None,
         )
-        return self.identity.admits_range(reading, self.robot_ns)
+        return self.identity.admits_sensed(reading, self.robot_ns)
 
     def wheels(self, number: int = 1, age: float = 0.0, seq: int | None = None, epoch: int = 1) -> bool:
         """A report of the wheels of the base `number`."""

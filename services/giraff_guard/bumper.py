@@ -1,0 +1,120 @@
+"""Bumpers as a sense of the guard: one that is pushed stops its way, until the robot has moved away from there."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_core.freshness import age
+from giraff_core.kinematics.pose import Pose
+from giraff_core.live import Live
+from giraff_core.robot import RobotConfig
+from giraff_core.sensors import Bumper
+from giraff_guard.config import GuardConfig
+from giraff_guard.limits import SIGN, Limits, Way
+from giraff_guard.motion import Motion
+from giraff_schemas.bumper import Bump
+from giraff_schemas.messages import RobotTime, Verdict
+from giraff_schemas.trouble import WELL, Trouble
+
+_TURNED_AWAY: Final = math.pi / 2.0
+"""rad, from which on a bumper of half the rim looks elsewhere."""
+_NEVER: Final = "start giraff_ranger, and flash the ranger board if it is older than its bumpers"
+
+
+class BumperSource:
+    """Of all bumpers of one robot: a `Source`."""
+
+    def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
+        self._limits = Limits(live, robot)
+        self.names = {name: _Switch(name, bumper) for name, bumper in robot.bumpers.items()}
+
+    def take(self, sample: Bump, motion: Motion, now: RobotTime) -> None:
+        """What one says."""
+        del now
+        self.names[sample.sensor].take(sample, motion)
+
+    def lose_place(self) -> None:
+        """The robot may have come nearer: it has to move away from where it is now."""
+        for switch in self.names.values():
+            switch.lose_place()
+
+    def straight(self, way: Way, motion: Motion, now: RobotTime) -> Verdict:
+        """Nothing, or all."""
+        limits = self._limits
+        for switch in self._of(way):
+            if why := str(switch.blindness(limits.config.range_budget, now)) or switch.push(motion, limits.config.near):
+                return limits.block(switch.name, why)
+        return limits.allow(limits.most)
+
+    def curve(self, way: Way, curvature: float, motion: Motion, now: RobotTime) -> None:
+        """It looks nowhere."""
+
+    def turn(self, motion: Motion) -> None:
+        """Turning is how one gets away from what it has touched."""
+
+    def relied_on(self, way: Way, now: RobotTime) -> RobotTime | None:
+        """Of this way's bumpers."""
+        never = RobotTime(epoch=now.epoch, robot_ns=0)
+        ticks = (switch.tick or never for switch in self._of(way))
+        return min(ticks, key=lambda tick: tick.robot_ns, default=None)
+
+    def troubles(self, motion: Motion, now: RobotTime) -> dict[str, Trouble]:
+        """By bumper: why it is not known whether it is pushed."""
+        del motion
+        budget = self._limits.config.range_budget
+        return {name: switch.blindness(budget, now) for name, switch in self.names.items()}
+
+    def freer_side(self, way: Way) -> str:
+        """It looks nowhere."""
+        del way
+        return ""
+
+    def _of(self, way: Way) -> list[_Switch]:
+        return [switch for switch in self.names.values() if switch.way == way]
+
+
+class _Switch:
+    def __init__(self, name: str, bumper: Bumper) -> None:
+        self.name = name
+        self.way: Way = bumper.way
+        self._newest: Bump | None = None
+        self._touched: Pose | None = None
+        """Where the robot was when it was pushed last, until it has moved away from there."""
+        self._is_anywhere = False
+
+    @property
+    def tick(self) -> RobotTime | None:
+        return self._newest.tick if self._newest is not None else None
+
+    def take(self, sample: Bump, motion: Motion) -> None:
+        self._newest = sample
+        if sample.pressed:
+            self._touched = motion.place
+
+    def lose_place(self) -> None:
+        self._is_anywhere = True
+
+    def blindness(self, budget: float, now: RobotTime) -> Trouble:
+        """Why it is not known whether it is pushed. `budget`: s that its word counts."""
+        if self._newest is None:
+            return Trouble(f"{self.name} has not been heard yet", _NEVER)
+        if (old := age(self._newest.tick, now)) > budget:
+            last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
+            return Trouble(f"{self.name} is stale ({last})", "check giraff_ranger and its board")
+        return WELL
+
+    def push(self, motion: Motion, near: float) -> str:
+        """Why something stands at it; empty: nothing does. `near`: m; twice as much is away."""
+        if self._newest is not None and self._newest.pressed:
+            return f"{self.name} is pushed: something touches it, or its wire is cut"
+        if self._touched is None:
+            return ""
+        if self._is_anywhere:
+            self._touched, self._is_anywhere = motion.place, False
+        axis = 0.0 if SIGN[self.way] > 0.0 else math.pi
+        backed = -self._touched.ahead(motion.place, axis)
+        if backed >= 2.0 * near or abs(motion.place.yaw - self._touched.yaw) >= _TURNED_AWAY:
+            self._touched = None
+            return ""
+        return f"{self.name} was pushed here, and the robot has not come {2.0 * near:g} m away"

@@ -1,0 +1,104 @@
+"""A bumper stops its way at once and holds it until the robot has moved away; it knows nothing of any other way."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+
+from giraff_core.live import Live
+from giraff_core.sensors import Bumper
+from giraff_guard.obstacles import Obstacles
+from giraff_schemas.bumper import Bump
+from tests.unit.guard.senses import CONFIG, ROBOT, Senses, opened
+
+BUMPED = msgspec.structs.replace(ROBOT, bumpers={"front": Bumper(index=0, way="forward")})
+
+
+def bump(senses: Senses, *, pressed: bool, age: float = 0.0) -> bool:
+    return senses.obstacles.on_sensed(Bump(sensor="front", pressed=pressed, tick=senses.ago(age)), senses.now)
+
+
+def driving() -> Senses:
+    """Forward, with every sensor heard."""
+    senses = opened(BUMPED)
+    bump(senses, pressed=False)
+    assert senses.verdict().freedom == "free"
+    senses.linear = 0.3
+    senses.asked = (0.3, 0.0)
+    senses.wait(0.04)
+    return senses
+
+
+def drive_on(senses: Senses, linear: float, seconds: float, *, pressed: bool = False, angular: float = 0.0) -> None:
+    senses.linear, senses.angular = linear, angular
+    for _ in range(round(seconds / 0.02)):
+        senses.wait(0.02)
+        bump(senses, pressed=pressed)
+        senses.hear(None)
+    senses.linear = senses.angular = 0.0
+
+
+def test_a_push_stops_its_way_at_once_and_no_other() -> None:
+    senses = driving()
+    assert bump(senses, pressed=True), "it cannot wait for the next decision"
+    judged = senses.verdict()
+    assert (judged.freedom, judged.sensor, judged.allowed) == ("blocked", "front", 0.0)
+    assert judged.reason == "front is pushed: something touches it, or its wire is cut"
+    assert judged.way_out == "turn or back up"
+    assert (senses.allowed("backward"), senses.allowed("turn_left")) == (0.6, ROBOT.max_angular_speed)
+    assert senses.passes(0.5, 0.0) == (0.0, 0.0)
+
+
+def test_its_way_stays_blocked_until_the_robot_has_backed_away() -> None:
+    senses = driving()
+    drive_on(senses, 0.0, 0.1, pressed=True)
+    drive_on(senses, 0.0, 0.3)
+    assert "was pushed here" in senses.verdict().reason
+    drive_on(senses, -0.2, 0.9)
+    assert senses.verdict().freedom == "blocked"
+    drive_on(senses, -0.2, 0.2)
+    assert senses.verdict().sensor != "front"
+
+
+def test_turning_away_frees_it() -> None:
+    senses = driving()
+    drive_on(senses, 0.0, 0.1, pressed=True)
+    drive_on(senses, 0.0, 1.5, angular=1.0)
+    assert senses.verdict().sensor == "front"
+    drive_on(senses, 0.0, 0.1, angular=1.0)
+    assert senses.verdict().sensor != "front"
+
+
+def test_where_the_wheels_cannot_be_followed_it_has_to_back_away_anew() -> None:
+    senses = driving()
+    drive_on(senses, 0.0, 0.1, pressed=True)
+    drive_on(senses, -0.2, 0.9)
+    senses.report(boot_id=2)
+    drive_on(senses, -0.2, 0.2)
+    assert senses.verdict().sensor == "front"
+
+
+@pytest.mark.parametrize(("age", "why"), [(None, "has not been heard yet"), (0.45, "is stale (0.5 s old)")])
+def test_one_that_is_not_heard_blocks_its_way(age: float | None, why: str) -> None:
+    senses = opened(BUMPED)
+    if age is not None:
+        bump(senses, pressed=False, age=age)
+    judged = senses.verdict()
+    assert (judged.freedom, judged.sensor) == ("blocked", "front")
+    assert why in judged.reason
+    assert why in str(senses.judge().sensors["front"])
+    assert senses.allowed("backward") == 0.6
+
+
+def test_what_drives_its_way_relies_on_it() -> None:
+    senses = opened(BUMPED)
+    bump(senses, pressed=False, age=0.35)
+    senses.judge()
+    assert senses.limit(0.3).range_tick == senses.ago(0.35)
+    assert senses.limit(-0.3).range_tick != senses.ago(0.35)
+
+
+def test_a_sensor_of_a_type_that_nobody_knows_is_never_passed_over() -> None:
+    robot = msgspec.structs.replace(ROBOT, unknown_sensors={"nose": "bumber"})
+    with pytest.raises(ValueError, match=r"sensors.nose\] is of the type 'bumber', .* known are: bumper, hc-sr04"):
+        Obstacles(Live(CONFIG), robot)
