@@ -1,1 +1,1 @@
-"""Giraff PC: the ultrasonic sensors of the ranger board become ranges."""
+"""Giraff PC: the ultrasonic sensors of the ranger board become ranges, its bumpers bumps."""

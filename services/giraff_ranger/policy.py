@@ -1,4 +1,4 @@
-"""What the pings of the ranger board say about each sensor of the robot."""
+"""What the frames of the ranger board say about each sensor of the robot."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ from typing import Final
 
 from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickRelay, tick_of
+from giraff_schemas.bumper import Bump
+from giraff_schemas.bumper_wire import BumperFrame, BumperRequestFrame
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Range, RangeState, Tick
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
@@ -14,6 +16,10 @@ from giraff_schemas.wire import RangeState as WireState
 
 LONGEST_ECHO_US: Final = 38_000
 """How long an HC-SR04 waits for an answer: a longer pulse is no echo."""
+
+_ASK_AFTER: Final = 0.2  # s without a frame of the bumpers; the board sends one every 50 ms
+_PATIENCE: Final = 5  # requests without an answer, until it is a fault
+_NO_BUMPERS: Final = Trouble("the ranger board tells nothing of bumpers", "flash it (make flash BOARD=ranger)")
 
 _STATES: Final[dict[int, RangeState]] = {WireState.ECHO: "echo", WireState.CLEAR: "clear"}
 
@@ -32,6 +38,9 @@ class RangerPolicy:
     def __init__(self, robot: RobotConfig) -> None:
         self._sensors = robot.sensors
         self._names = {pose.index: name for name, pose in robot.sensors.items()}
+        self._bumpers = robot.bumpers
+        self._ask_at = 0.0
+        self._unanswered = 0
         self._tick_down = TickRelay()
         self.faults: dict[str, Trouble] = {}
         """What the newest frame of each sensor complains of; WELL when it does not."""
@@ -57,6 +66,28 @@ class RangerPolicy:
         sample = reading(name, frame)
         self.faults[f"sensor {name}"] = trouble_of(sample)
         return sample
+
+    def bumper_request(self, now: float) -> BumperRequestFrame | None:
+        """Return what to ask of a board that has just said something; None while nothing is to be asked.
+
+        A board tells nothing of its bumpers before it is asked, after each of its resets anew. `now`: monotonic, s.
+        """
+        if not self._bumpers or now < self._ask_at:
+            return None
+        self._ask_at = now + _ASK_AFTER
+        self._unanswered += 1
+        if self._unanswered > _PATIENCE:
+            self.faults["bumpers"] = _NO_BUMPERS
+        return BumperRequestFrame(seq=self._unanswered & 0xFFFF)
+
+    def on_bumpers(self, frame: BumperFrame, now: float) -> list[Bump]:
+        """Return what the frame says of each bumper of the robot file."""
+        self._ask_at, self._unanswered = now + _ASK_AFTER, 0
+        self.faults["bumpers"] = WELL
+        return [
+            Bump(sensor=name, pressed=bool(frame.open >> bumper.index & 1), tick=tick_of(frame))
+            for name, bumper in self._bumpers.items()
+        ]
 
 
 def reading(name: str, frame: RangeFrame) -> Range:

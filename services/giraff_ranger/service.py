@@ -1,4 +1,4 @@
-"""The ranger: ultrasonic pings to `range/<sensor>`."""
+"""The ranger: ultrasonic pings to `range/<sensor>`, switches to `bumper/<name>`."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from giraff_core.robot import RobotConfig
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import RangerPolicy
 from giraff_schemas.boards import RANGER_BOARD
-from giraff_schemas.topics import RANGE, TICK
+from giraff_schemas.bumper_wire import BumperFrame
+from giraff_schemas.topics import BUMPER, RANGE, TICK
 from giraff_schemas.wire import RangeFrame
 
 
 class Ranger:
-    """Reads the ranger board and `tick`, which it hands down to the board; writes `range/<sensor>`.
+    """Reads the ranger board and `tick`, which it hands down to the board; writes `range/<sensor>`
+    and `bumper/<name>`.
 
     While the board is silent so is this service: what that means for the robot is the guard's to judge.
     """
@@ -29,12 +31,19 @@ class Ranger:
         for transform in self._policy.transforms():
             io.frame(transform.child, transform)
         self._ranges = {name: io.publisher(RANGE.at(name)) for name in robot.sensors}
+        self._bumps = {name: io.publisher(BUMPER.at(name)) for name in robot.bumpers}
 
     def turn(self, now: float) -> None:
         policy, link = self._policy, self.link
-        for frame in link.poll(now):
+        frames = list(link.poll(now))
+        for frame in frames:
             if isinstance(frame, RangeFrame) and (sample := policy.on_frame(frame)) is not None:
                 self._ranges[sample.sensor].put(sample)
+            elif isinstance(frame, BumperFrame):
+                for bump in policy.on_bumpers(frame, now):
+                    self._bumps[bump.sensor].put(bump)
+        if frames and (request := policy.bumper_request(now)) is not None:
+            link.send(request)
         for tick in self._clock.take():
             if (down := policy.on_tick(tick, now)) is not None:
                 link.send(down)

@@ -21,7 +21,7 @@ from giraff_schemas.trouble import Trouble
 from giraff_sim.dst.faults import machine
 from giraff_sim.settings import Services, Settings
 from tests.rules.repository import ROOT, packages, sources
-from tests.support.robots import ROBOT
+from tests.support.robots import BUMPED
 
 IN_PACKAGES = [service for service in SERVICES if service.entry]
 TURNING = [
@@ -133,7 +133,7 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
         "localization": (Trouble("there is none"),),  # its map
     }
     given = load(service.table, config, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), **needed(service)})
-    build(service, io, given, ROBOT, *people.get(service.name, ()))
+    build(service, io, given, BUMPED, *people.get(service.name, ()))
     for method, rows in ((io.publisher, service.publishes), (io.inbox, service.subscribes)):
         assert {topics.topic_of(call.args[0].key) for call in method.call_args_list} == set(rows)
     assert {call.args[0] for call in io.requests.call_args_list} == set(service.answers)

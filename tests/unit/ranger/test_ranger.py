@@ -13,10 +13,13 @@ from giraff_node.config.robot_file import load
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import LONGEST_ECHO_US, RangerPolicy
 from giraff_schemas import frames
+from giraff_schemas.bumper import Bump
+from giraff_schemas.bumper_wire import BumperFrame
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import Range, RobotTime, Tick
 from giraff_schemas.trouble import trouble_of
 from giraff_schemas.wire import FrameType, RangeFault, RangeFrame, RangeState, TickFrame
+from tests.support.robots import BUMPED
 
 ROBOT = msgspec.structs.replace(
     load("robot", RobotConfig, {"GIRAFF_CONFIG": str(Path(__file__).parents[3] / "deploy" / "robot.toml")}),
@@ -112,6 +115,40 @@ def test_a_sensor_that_the_robot_file_does_not_know_is_named() -> None:
     (message,) = map(str, ranger.faults.values())
     for words in ("sensor 1", "0 = front_left, 2 = rear", "[robot.sensors]"):
         assert words in message
+
+
+def bumper_frame(is_open: int, epoch: int = 7) -> BumperFrame:
+    return BumperFrame(seq=0, board_us=0, boot_id=1, tick_epoch=epoch, tick_robot_ns=42, open=is_open)
+
+
+def test_each_bumper_goes_by_its_bit_and_has_the_boards_tick() -> None:
+    ranger = RangerPolicy(BUMPED)
+    tick = RobotTime(epoch=7, robot_ns=42)
+    for is_open, pressed in ((0, (False, False)), (1, (True, False)), (2, (False, True)), (0xFF, (True, True))):
+        assert ranger.on_bumpers(bumper_frame(is_open), 0.0) == [
+            Bump(sensor="front", pressed=pressed[0], tick=tick),
+            Bump(sensor="back", pressed=pressed[1], tick=tick),
+        ]
+    assert {bump.tick for bump in ranger.on_bumpers(bumper_frame(0, epoch=0), 0.0)} == {None}
+
+
+def test_a_board_is_asked_while_it_tells_nothing_and_an_old_one_is_a_fault() -> None:
+    ranger = RangerPolicy(BUMPED)
+    assert [eighth for eighth in range(10) if ranger.bumper_request(eighth / 8.0)] == [0, 2, 4, 6, 8]
+    assert not any(ranger.faults.values())
+    assert ranger.bumper_request(1.25)
+    assert str(ranger.faults["bumpers"]) == (
+        "the ranger board tells nothing of bumpers; flash it (make flash BOARD=ranger)"
+    )
+    ranger.on_bumpers(bumper_frame(0), 1.26)
+    assert not any(ranger.faults.values())
+    assert ranger.bumper_request(1.45) is None
+    assert ranger.bumper_request(1.47) is not None
+    assert not any(ranger.faults.values())
+
+
+def test_a_robot_without_bumpers_asks_for_none() -> None:
+    assert RangerPolicy(ROBOT).bumper_request(9.0) is None
 
 
 def test_a_ping_made_before_the_robot_was_heard_has_no_tick() -> None:

@@ -7,6 +7,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import msgspec
 from hypothesis import strategies as st
 
+from giraff_schemas import bumper as b
 from giraff_schemas import localization as lo
 from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
@@ -116,6 +117,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "remedy": "",
     },
     m.Range: _START | {"sensor": "rear", "state": "echo", "range": 1.25, "echo_us": 7250, "tick": _TIME} | _SAYS,
+    b.Bump: _START | {"sensor": "front", "pressed": True, "tick": _TIME},
     m.Wheels: _START
     | {
         "left_ticks": -5,

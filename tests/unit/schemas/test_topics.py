@@ -72,6 +72,7 @@ def test_motion_and_what_it_is_judged_by_go_before_all_else() -> None:
         "cmd_vel/*",
         "cmd_vel",
         "range/*",
+        "bumper/*",
         "wheels",
         "lease",
         "estop",

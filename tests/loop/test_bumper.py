@@ -1,0 +1,47 @@
+"""A robot that is driven against a wall says so by its bumper, and one without bumpers says nothing of them."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import msgspec
+
+from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_sim.world.room import Pose
+from giraff_sim.world.sonar import SonarFault
+from tests.loop.loops import FULL_TILT, SETTINGS, arm, closed_loop, hold
+from tests.sim.robots import room_with_wall
+from tests.support.robots import BUMPED
+
+WALL: Final = 2.0
+NEAR: Final = Pose(WALL - BUMPED.footprint_radius - 0.05, 0.0, 0.0)
+
+
+def test_a_wall_that_no_sonar_hears_pushes_the_front_bumper() -> None:
+    settings = msgspec.structs.replace(SETTINGS, robot=BUMPED)
+    with closed_loop(room_with_wall(WALL, NEAR), settings) as loop:
+        for sonar in loop.simulation.world.sonars.values():
+            sonar.fault = SonarFault.DEAF
+        arm(loop)
+        front, back = loop.newest["bumper/front"], loop.newest["bumper/back"]
+        assert (front.pressed, back.pressed) == (False, False)
+        hold(loop, x=FULL_TILT)
+        touched_ns = 0
+        while not loop.newest["bumper/front"].pressed and loop.simulation.now_us < 6e6:
+            loop.step()
+            if loop.simulation.world.bumpers[0].is_open(loop.simulation.world.plant.pose):
+                touched_ns = touched_ns or loop.robot_ns
+        pushed = loop.newest["bumper/front"]
+        assert touched_ns > 0
+        assert (pushed.pressed, loop.newest["bumper/back"].pressed) == (True, False)
+        assert abs(pushed.tick.robot_ns - touched_ns) < 40_000_000
+        loop.simulation.reset(BoardKind.RANGER, ResetCause.WATCHDOG)
+        loop.run(0.5)
+        asked_anew = loop.newest["bumper/front"]
+        assert (asked_anew.pressed, asked_anew.seq > pushed.seq + 2) == (True, True)
+
+
+def test_a_robot_without_bumpers_says_nothing_of_them() -> None:
+    with closed_loop(room_with_wall(WALL)) as loop:
+        loop.run(0.3)
+        assert [key for key in loop.newest if key.startswith("bumper")] == []
