@@ -35,10 +35,37 @@ def test_a_wall_that_no_sonar_hears_pushes_the_front_bumper() -> None:
         assert touched_ns > 0
         assert (pushed.pressed, loop.newest["bumper/back"].pressed) == (True, False)
         assert abs(pushed.tick.robot_ns - touched_ns) < 40_000_000
+        pushed_us = loop.simulation.now_us
+        loop.run(0.6)
+        last = loop.simulation.record.verdict(pushed_us, loop.simulation.now_us).last_driven_us
+        assert last is None or last - pushed_us < 60_000, "it still pushes against the wall"
+        assert "front is pushed" in loop.newest["guard"].forward.reason
         loop.simulation.reset(BoardKind.RANGER, ResetCause.WATCHDOG)
         loop.run(0.5)
         asked_anew = loop.newest["bumper/front"]
         assert (asked_anew.pressed, asked_anew.seq > pushed.seq + 2) == (True, True)
+
+
+def test_a_cut_wire_stops_its_way_and_no_other() -> None:
+    settings = msgspec.structs.replace(SETTINGS, robot=BUMPED)
+    with closed_loop(room_with_wall(6.0), settings) as loop:
+        arm(loop)
+        hold(loop, x=FULL_TILT)
+        loop.run(0.8)
+        loop.simulation.world.bumpers[0].is_cut = True
+        cut_us = loop.simulation.now_us
+        loop.run(0.6)
+        last = loop.simulation.record.verdict(cut_us, loop.simulation.now_us).last_driven_us
+        assert last is not None
+        assert (last - cut_us) * 1e-6 <= 0.45
+        hold(loop, x=-FULL_TILT)
+        loop.run(0.4)
+        assert loop.newest["wheels"].left_velocity < -0.1
+        loop.simulation.world.bumpers[0].is_cut = False
+        loop.run(1.6)  # as slowly as a rear sensor that has proved nothing allows
+        hold(loop, x=FULL_TILT)
+        loop.run(0.8)
+        assert loop.newest["wheels"].left_velocity > 0.1
 
 
 def test_a_robot_without_bumpers_says_nothing_of_them() -> None:

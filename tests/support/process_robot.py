@@ -7,7 +7,7 @@ import math
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any, Final
@@ -81,9 +81,18 @@ class ProcessRobot:
     """Starts, kills and watches the processes; the world is the simulator's control socket."""
 
     def __init__(
-        self, directory: Path, world: Path, boards: str, truth: Level = "calibrated", *, apart: bool = False
+        self,
+        directory: Path,
+        world: Path,
+        boards: str,
+        truth: Level = "calibrated",
+        *,
+        apart: bool = False,
+        parts: Mapping[str, str] | None = None,
     ) -> None:
         """`truth`: how far it differs from its file; `apart`: the operator's side is another host, behind `cables`.
+
+        `parts`: variables of more than its file has.
 
         One that does not come about leaves nothing open, and says why.
         """
@@ -103,6 +112,7 @@ class ProcessRobot:
             "GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT": "0.03",
             "GIRAFF_ROBOT_FRAMES": "{ laser = { x = -0.115, z = 0.226, pitch = 0.1 } }",
             "STATE_DIRECTORY": str(self.state),
+            **(parts or {}),
             **{f"GIRAFF_{name.upper()}_PORT": str(self.ports / name) for name in ("joystick", "base", "ranger")},
         }
         self._processes = ProcessGroup(directory)
@@ -366,11 +376,12 @@ def process_robot(
     truth: Level = "calibrated",
     *,
     apart: bool = False,
+    parts: Mapping[str, str] | None = None,
 ) -> Iterator[ProcessRobot]:
     """A robot with all its services; they end with the block. `apart`: the operator is on another host."""
     path = directory / "world.toml"
     path.write_text(world)
-    robot = ProcessRobot(directory, path, boards, truth, apart=apart)
+    robot = ProcessRobot(directory, path, boards, truth, apart=apart, parts=parts)
     try:
         for service in SERVICES:
             robot.start(service)

@@ -7,8 +7,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Final, Literal
 
 from giraff_node.network.query_client import QueryClient
@@ -64,6 +64,8 @@ class Scenario:
     tilt: tuple[float, float] = FORWARD
     by: Literal["hand", "motion"] = "hand"
     """What drives it: a tilted joystick, or a motion that `giraff move` has asked for."""
+    parts: Mapping[str, str] = field(default_factory=dict)
+    """Variables of a robot that has what breaks, where the stock one does not."""
     loads: bool = False
     """The fault is that this machine stalls: such runs are not repeated."""
 
@@ -128,6 +130,14 @@ def sonar(number: int, fault: SonarFault) -> Fault:
         f"sonar {number} {fault}",
         lambda robot: robot.simulator.fail_sonar(number, fault),
         lambda robot: robot.simulator.fail_sonar(number, SonarFault.NONE),
+    )
+
+
+def bumper_cut(name: str, number: int) -> Fault:
+    return Fault(
+        f"{name} bumper's wire cut",
+        lambda robot: robot.simulator.cut_bumper(number, cut=True),
+        lambda robot: robot.simulator.cut_bumper(number, cut=False),
     )
 
 

@@ -21,6 +21,7 @@ from tests.timing.faults import (
     TWO_AT_ONCE,
     Scenario,
     battery,
+    bumper_cut,
     deaf,
     disk_full,
     encoder_cut,
@@ -113,6 +114,8 @@ _TURNED_BACK: Final = 3.5
 _FRONT: Final = ((0, FORWARD), (1, FORWARD))
 _ALL: Final = (*_FRONT, (2, BACKWARD))
 
+_BUMPER: Final = {"GIRAFF_ROBOT_SENSORS__BUMPER": '{ type = "bumper", index = 0, way = "forward" }'}
+
 _SENSORS: Final = (
     *(
         Scenario(faults=(sonar(number, fault),), bound=OPERATORS, rearms=False, tilt=tilt)
@@ -153,6 +156,7 @@ _SENSORS: Final = (
         )
         for numbers, tilt in (((0, 1), FORWARD), ((2,), BACKWARD))
     ),
+    Scenario(faults=(bumper_cut("front", 0),), bound=OPERATORS, rearms=False, parts=_BUMPER),
     Scenario(faults=(sonar_flickers(0, 2.5),), bound=OPERATORS, lasts=2.5, rearms=False),
     *(
         Scenario(faults=(tilt_sensor(fault),), bound=OPERATORS)

@@ -70,6 +70,7 @@ SIMULATED: Final = {
     "joystick dropped": f"{_MISHAPS}[dropped]",
     "joystick shaken": f"{_MISHAPS}[shaken]",
     "joystick laid down": f"{_MISHAPS}[laid down]",
+    "front bumper's wire cut": "tests/loop/test_bumper.py::test_a_cut_wire_stops_its_way_and_no_other",
     "sonar 0 deaf": f"{_DEAF}[132]",
     "sonar 2 deaf": f"{_DEAF}[338]",
     "sonar 0 and 1 deaf": f"{_DEAF}[17]",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, nullcontext
 from pathlib import Path
 
@@ -57,14 +57,18 @@ class Stand:
         self._running = ExitStack()
         self._robot: ProcessRobot | None = None
         self._started = 0
+        self._parts: Mapping[str, str] = {}
 
-    def robot(self) -> ProcessRobot:
-        """The running robot, or a new one."""
+    def robot(self, parts: Mapping[str, str]) -> ProcessRobot:
+        """The running robot, if it has these parts, or a new one."""
+        if self._parts != parts:
+            self.discard()
         if self._robot is None:
+            self._parts = parts
             self._started += 1
             directory = self._directory / str(self._started)
             directory.mkdir()
-            self._robot = self._running.enter_context(process_robot(directory, ARENA, apart=True))
+            self._robot = self._running.enter_context(process_robot(directory, ARENA, apart=True, parts=parts))
             self._robot.start("motion")
         return self._robot
 
@@ -75,7 +79,7 @@ class Stand:
     def tried(self, scenario: Scenario, phase: float = 0.0, take: Callable[[Figures], object] = print) -> None:
         """A trial of `scenario`, judged. `phase`: s that shift its begin; `take` is given the figures before."""
         try:
-            robot, begin_ns = self.robot(), time.monotonic_ns()
+            robot, begin_ns = self.robot(scenario.parts), time.monotonic_ns()
             figures = run_trial(robot, scenario, phase)
             take(figures)
             judge_levels(scenario, figures)
