@@ -24,7 +24,7 @@ class UltrasonicSource:
         self.names = {name: Sensor(name, pose, live, robot.model(name)) for name, pose in robot.sensors.items()}
         self._echoes = Echoes(limits)
         sensors = list(self.names.values())
-        self._ways = {
+        self._ways: dict[Way, UltrasonicWay] = {
             "forward": UltrasonicWay("forward", limits, sensors),
             "backward": UltrasonicWay("backward", limits, sensors),
         }

@@ -24,7 +24,7 @@ class UltrasonicWay:
     """
 
     def __init__(self, way: Way, limits: Limits, sensors: list[Sensor]) -> None:
-        self._way = way
+        self._way: Way = way
         self._limits = limits
         self.sensors = [sensor for sensor in sensors if SIGN[way] * math.cos(sensor.pose.yaw) > 0.7]
         self._nearest = Nearest(way, limits, self.sensors)

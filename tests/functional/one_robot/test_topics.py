@@ -41,6 +41,7 @@ PUBLISHERS = {
 
 KEYS: Final = {
     *PUBLISHERS,
+    "bumper/*",
     "motion",
     "motion/hold",
     "pose",
@@ -50,7 +51,7 @@ KEYS: Final = {
     "serial/*",
     "serial_write/*",
 }
-"""All that a list has. There is no motion, no localization, no gateway, and no `giraff run`, which tells the truth."""
+"""All that a list has. There is no bumper, motion, localization, gateway, nor `giraff run`, which tells the truth."""
 
 
 def is_whole_list(rows: Any) -> bool:

@@ -117,7 +117,9 @@ def bumper(drill: Drill, chance: Random) -> Course:
     if not drill.claims(switch):
         return
     switch.is_cut = True
-    yield f"the wire of the bumper {name} is cut"
+    told = f"the wire of the bumper {name} is cut"
+    with drill.stops(told, BEYOND_US, mount.way):
+        yield told
     switch.is_cut = False
 
 
