@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import TYPES
@@ -11,12 +13,15 @@ from giraff_guard.source import Source
 from giraff_guard.ultrasonic.source import UltrasonicSource
 from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import Range
-from giraff_schemas.topics import BUMPER, RANGE
+from giraff_schemas.topics import BUMPER, RANGE, Topic
 
 Sensed = Range | Bump
 """What sensors say."""
-SENSED = (RANGE, BUMPER)
-"""Where they say it."""
+
+
+def sensed_by(robot: RobotConfig) -> list[Topic[Any]]:
+    """Where they say it."""
+    return [RANGE, *([BUMPER] if robot.bumpers else [])]
 
 
 def sources_of(live: Live[GuardConfig], robot: RobotConfig) -> list[Source]:

@@ -11,7 +11,7 @@ from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer, Timer
 from giraff_guard.config import GuardConfig
-from giraff_guard.kinds import SENSED
+from giraff_guard.kinds import sensed_by
 from giraff_guard.policy import GuardPolicy
 from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, WHEELS
 
@@ -33,7 +33,7 @@ class Guard:
         io.on_reconfigured = live.replace
         # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
         self._ticks = io.inbox(TICK, wakes=False)
-        self._sensed: list[Inbox[Any]] = [io.inbox(topic) for topic in SENSED]
+        self._sensed: list[Inbox[Any]] = [io.inbox(topic) for topic in sensed_by(robot)]
         self._wheels, self._commands = io.inbox(WHEELS, wakes=False), io.inbox(OPERATOR_CMD_VEL)
         self._guarded, self._states, self._leases = io.publisher(CMD_VEL), io.publisher(GUARD), io.publisher(LEASE)
         self._timer = PromptTimer(CMD_VEL.rate_hz)
