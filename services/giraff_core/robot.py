@@ -123,6 +123,11 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
                 raise ValueError(f"sensors share an index: {sorted(indices)}")
         check_parts(self.frames, [range_frame(sensor) for sensor in self.sensors])
 
+    @property
+    def sensor_names(self) -> tuple[str, ...]:
+        """All that the guard listens to."""
+        return *self.sensors, *self.bumpers
+
     def model(self, sensor: str) -> UltrasonicModel:
         """What is expected of an ultrasonic sensor."""
         return self.models.get(sensor, HC_SR04)

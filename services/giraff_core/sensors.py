@@ -20,6 +20,8 @@ ULTRASONIC: Final = "hc-sr04"
 _TABLES: Final = {"bumper": "bumpers"}
 """By type, the table of `RobotConfig` that holds all of it."""
 TYPES: Final = (*_TABLES, ULTRASONIC)
+TABLES: Final = ("sensors", "models", *_TABLES.values())
+"""Of `RobotConfig`, what `[robot.sensors]` of a file is put into."""
 
 
 class UltrasonicModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -64,7 +66,7 @@ def by_type(robot: Mapping[str, Any]) -> dict[str, Any]:
     sensors = robot.get("sensors")
     if not isinstance(sensors, Mapping):
         return dict(robot)
-    found: dict[str, dict[str, Any]] = {"sensors": {}, "models": {}, "bumpers": {}, "unknown_sensors": {}}
+    found: dict[str, dict[str, Any]] = {table: {} for table in (*TABLES, "unknown_sensors")}
     for name, entry in sensors.items():
         if not isinstance(entry, Mapping):
             found["sensors"][name] = entry  # refused there

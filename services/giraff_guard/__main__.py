@@ -1,3 +1,5 @@
+import sys
+
 from giraff_node.start import start
 
-start("guard")
+sys.exit(start("guard"))

@@ -1,3 +1,5 @@
+import sys
+
 from giraff_node.start import start
 
-start("motion")
+sys.exit(start("motion"))

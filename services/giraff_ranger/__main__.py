@@ -1,3 +1,5 @@
+import sys
+
 from giraff_node.start import start
 
-start("ranger")
+sys.exit(start("ranger"))

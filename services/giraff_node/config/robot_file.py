@@ -17,6 +17,7 @@ from typing import Any, Final, NamedTuple, TypeVar, get_type_hints
 import msgspec
 import msgspec.inspect
 
+from giraff_core.sensors import TABLES as SENSOR_TABLES
 from giraff_core.sensors import by_type
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
 from giraff_schemas.services import SERVICES
@@ -32,6 +33,7 @@ _DEEPEST: Final = 20
 _TOO_DEEP: Final = "it is nested too deeply"
 _BITS: Final = 63  # besides the sign
 _PLACE: Final = re.compile(r"at `\$\.([^`]*)`")
+_OF_SENSORS: Final = re.compile(rf"\$\.({'|'.join(SENSOR_TABLES)})\.")
 _UNKNOWN: Final = re.compile(r"unknown field `([^`]*)`")
 _NO_DRIVE: Final = "Object missing required field `drive`"
 DEFAULT_FILE = Path("deploy/robot.toml")
@@ -67,7 +69,7 @@ class RawSettings(NamedTuple):
             return msgspec.convert(values, config, strict=False)
         except msgspec.ValidationError as error:
             told = _with_key(str(error), values, config)
-            shown = told.replace("$.bumpers.", "$.sensors.").replace("$.models.", "$.sensors.")
+            shown = _OF_SENSORS.sub("$.sensors.", told)
             if (name, told) == ("base", _NO_DRIVE):
                 shown = "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"
             raise ConfigError(f"{self.place(name)}: {shown}{_hint(values, config, told)}") from error
