@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import starmap, zip_longest
+from itertools import chain, repeat
 
 import msgspec
 
@@ -58,9 +58,14 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def troubles(self) -> tuple[Trouble, ...]:
         """What is wrong with the service itself: `faults`, each with its remedy where its version tells it."""
-        return tuple(starmap(read_trouble, zip_longest(self.faults, self.fault_remedies, fillvalue="")))
+        return _troubles(self.faults, self.fault_remedies)
 
     @property
     def noticed(self) -> tuple[Trouble, ...]:
         """The same of `notices`."""
-        return tuple(starmap(read_trouble, zip_longest(self.notices, self.notice_remedies, fillvalue="")))
+        return _troubles(self.notices, self.notice_remedies)
+
+
+def _troubles(lines: tuple[str, ...], remedies: tuple[str, ...]) -> tuple[Trouble, ...]:
+    """Those of an earlier version have no remedies."""
+    return tuple(map(read_trouble, lines, chain(remedies, repeat(""))))

@@ -52,7 +52,8 @@ class Told(Protocol):
 def read_trouble(line: str, remedy: str) -> Trouble:
     """What the two fields of a message say."""
     tail = f"{_BETWEEN}{remedy}"
-    return Trouble(line.removesuffix(tail), remedy) if remedy and line.endswith(tail) else Trouble(line)
+    what = line.removesuffix(tail)
+    return Trouble(what, remedy) if remedy and what not in ("", line) else Trouble(line)
 
 
 def trouble_of(told: Told) -> Trouble:

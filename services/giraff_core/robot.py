@@ -117,6 +117,8 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             require_chunk(sensor)
             if not 0 <= pose.index < RANGE_SENSORS:
                 raise ValueError(f"sensor {sensor} has index {pose.index}: the ranger board has 0..{RANGE_SENSORS - 1}")
+        for sensor in (*self.bumpers, *self.unknown_sensors):
+            require_chunk(sensor)
         for mounted in (self.sensors, self.bumpers):
             indices = [each.index for each in mounted.values()]
             if len(set(indices)) != len(indices):

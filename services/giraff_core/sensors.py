@@ -62,7 +62,13 @@ class Bumper(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
 
 def by_type(robot: Mapping[str, Any]) -> dict[str, Any]:
-    """The table `[robot]` of a file, with each sensor in the table of its type, as `RobotConfig` has them."""
+    """The table `[robot]` of a file, with each sensor in the table of its type, as `RobotConfig` has them.
+
+    Raises ValueError.
+    """
+    for table in (*TABLES[1:], "unknown_sensors"):
+        if table in robot:
+            raise ValueError(f"{table} is no table of a file; write [robot.sensors.<name>], with its type")
     sensors = robot.get("sensors")
     if not isinstance(sensors, Mapping):
         return dict(robot)
@@ -77,6 +83,8 @@ def by_type(robot: Mapping[str, Any]) -> dict[str, Any]:
             found["sensors"][name] = rest
             found["models"] |= {name: model} if model else {}
         else:
+            if not isinstance(kind, str):
+                raise ValueError(f"the type of the sensor {name} is {kind!r}, which is no text")
             table = _TABLES.get(kind, "unknown_sensors")
-            found[table][name] = rest if kind in _TABLES else str(kind)
+            found[table][name] = rest if kind in _TABLES else kind
     return {**robot, **{table: entries for table, entries in found.items() if entries or table == "sensors"}}

@@ -25,6 +25,8 @@ _NEVER: Final = "start giraff_ranger, and flash the ranger board if it is older 
 class BumperSource:
     """Of all bumpers of one robot: a `Source`."""
 
+    takes = Bump
+
     def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
         self._limits = Limits(live, robot)
         self.names = {name: _Switch(name, bumper) for name, bumper in robot.bumpers.items()}
@@ -33,6 +35,11 @@ class BumperSource:
         """What one says."""
         del now
         self.names[sample.sensor].take(sample, motion)
+
+    def forget(self) -> None:
+        """Begin anew. Where one was pushed something may still stand: the robot has to move away from where it is."""
+        for switch in self.names.values():
+            switch.forget()
 
     def lose_place(self) -> None:
         """The robot may have come nearer: it has to move away from where it is now."""
@@ -95,6 +102,9 @@ class _Switch:
     def lose_place(self) -> None:
         self._is_anywhere = True
 
+    def forget(self) -> None:
+        self._newest, self._is_anywhere = None, True
+
     def blindness(self, budget: float, now: RobotTime) -> Trouble:
         """Why it is not known whether it is pushed. `budget`: s that its word counts."""
         if self._newest is None:
@@ -110,8 +120,8 @@ class _Switch:
             return f"{self.name} is pushed: something touches it, or its wire is cut"
         if self._touched is None:
             return ""
-        if self._is_anywhere:
-            self._touched, self._is_anywhere = motion.place, False
+        if self._is_anywhere or not motion.heard:  # what was only asked for takes it away from nothing
+            self._touched, self._is_anywhere = motion.place, not motion.heard
         axis = 0.0 if SIGN[self.way] > 0.0 else math.pi
         backed = -self._touched.ahead(motion.place, axis)
         if backed >= 2.0 * near or abs(motion.place.yaw - self._touched.yaw) >= _TURNED_AWAY:

@@ -51,6 +51,7 @@ class Obstacles:
         """Raises ValueError for a robot that has a sensor of a type that nobody knows here."""
         self._live = live
         self._robot = robot
+        self._sources: list[Source] = sources_of(live, robot)
         self._begin()
 
     def on_sensed(self, sample: Sensed, now: RobotTime) -> bool:
@@ -58,7 +59,8 @@ class Obstacles:
 
         True: less may pass now than has passed last.
         """
-        source = next((each for each in self._sources if sample.sensor in each.names), None)
+        heard = (each for each in self._sources if sample.sensor in each.names and isinstance(sample, each.takes))
+        source = next(heard, None)
         if source is None:
             return False
         self._motion.look(now)
@@ -82,6 +84,8 @@ class Obstacles:
 
     def forget(self) -> None:
         """A new epoch: nothing that was remembered has a known age."""
+        for source in self._sources:
+            source.forget()
         self._begin()
 
     def judge(self, now: RobotTime) -> Verdicts:
@@ -137,7 +141,6 @@ class Obstacles:
 
     def _begin(self) -> None:
         self._motion = Motion(self._live, self._robot)
-        self._sources: list[Source] = sources_of(self._live, self._robot)
         self._verdicts = Verdicts(_UNJUDGED, _UNJUDGED, _UNJUDGED, _UNJUDGED, {})
         self._asked = (0.0, 0.0)  # when it was limited last, and what has passed of it
         self._passed = Limited(0.0, 0.0, WELL, None)

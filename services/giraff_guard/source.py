@@ -7,12 +7,17 @@ from typing import Any, Protocol
 
 from giraff_guard.limits import Way
 from giraff_guard.motion import Motion
-from giraff_schemas.messages import RobotTime, Verdict
+from giraff_schemas.messages import RobotTime, Sample, Verdict
 from giraff_schemas.trouble import Trouble
 
 
 class Source(Protocol):
     """All sensors of one type. It is pure: what is heard, where the robot is and what time it is are arguments."""
+
+    @property
+    def takes(self) -> type[Sample]:
+        """What its sensors say."""
+        ...
 
     @property
     def names(self) -> Mapping[str, object]:
@@ -21,6 +26,13 @@ class Source(Protocol):
 
     def take(self, sample: Any, motion: Motion, now: RobotTime) -> None:
         """A fresh sample of one of its sensors, newer than the last, of the one process that may tell it."""
+        ...
+
+    def forget(self) -> None:
+        """Begin anew, in another epoch of the robot's clock and another frame of its places.
+
+        Nothing has a known age now; what must be moved away from has to be so all the same.
+        """
         ...
 
     def lose_place(self) -> None:

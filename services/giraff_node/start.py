@@ -47,7 +47,7 @@ def start(name: str) -> int:
             made = build(service, node, node.config, node.robot)
         except ValueError as error:  # the robot file asks for what this service does not have
             node.log.error("%s", error)
-            return 2
+            sys.exit(2)
         node.run(made)
     return 0
 

@@ -17,9 +17,16 @@ from giraff_schemas.trouble import Trouble
 class UltrasonicSource:
     """Of all sensors of one robot: a `Source`."""
 
+    takes = Range
+
     def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
-        self._live = live
+        self._live, self._robot = live, robot
         self._largest = robot.max_angular_speed
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew: nothing that was heard has a known age."""
+        live, robot = self._live, self._robot
         limits = Limits(live, robot)
         self.names = {name: Sensor(name, pose, live, robot.model(name)) for name, pose in robot.sensors.items()}
         self._echoes = Echoes(limits)

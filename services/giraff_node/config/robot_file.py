@@ -63,7 +63,10 @@ class RawSettings(NamedTuple):
         """The checked table as a `config`, whose fields' defaults stand for what is left out. Raises ConfigError."""
         values = self.tables.get(name, {})
         if name == "robot":
-            values = by_type(values)
+            try:
+                values = by_type(values)
+            except ValueError as error:
+                raise ConfigError(f"{self.place(name)}: {error}") from error
         try:
             # Not strict, because the environment's values are text: "70" is a number, "true" a truth.
             return msgspec.convert(values, config, strict=False)

@@ -141,6 +141,7 @@ def test_a_service_says_what_its_hand_asks_and_tells_why_it_is_not_obeyed() -> N
     service.end()
     assert (room.said, room.told) == ([], {}), "a hand that has nothing to say asks for nothing, and has no last words"
     lever.moved = lever.operator.tick
+    room.inbox(TICK).accept(Tick(epoch=1, robot_ns=100))
     service.turn(0.181)
     assert [(said.linear_x, said.lease_counter, said.tick) for said in room.said] == [(0.2, ASK, lever.moved)]
     assert "the guard is not heard" in room.told["lease"].what

@@ -47,9 +47,19 @@ def test_other_types_have_tables_of_their_own_and_an_unknown_one_is_passed_over(
         ("type = 'bumper'\nindex = 0\nway = 'forwards'", "did you mean 'forward'"),
         ("type = 'bumper'\nindexx = 0\nway = 'forward'", "did you mean 'index'"),
         (f"{POSE}half_cone = 7.5", "half_cone"),
+        (f"{POSE}type = ['bumper']", "the type of the sensor front is .*, which is no text"),
+        (
+            "type = 'bumper'\nindex = 0\nway = 'forward'\n[robot.bumpers.back]\nindex = 1",
+            "bumpers is no table of a file",
+        ),
     ],
 )
 def test_a_mistake_is_told_with_the_sensors_name(tmp_path: Path, entry: str, wrong: str) -> None:
     with pytest.raises(ConfigError, match=wrong) as refused:
         robot(tmp_path, f"[robot.sensors.front]\n{entry}\n")
-    assert "sensors.front" in str(refused.value)
+    assert "front" in str(refused.value) or "[robot.sensors" in str(refused.value)
+
+
+def test_a_bumpers_name_is_one_that_a_key_can_have(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="a/b"):
+        robot(tmp_path, "[robot.sensors.'a/b']\ntype = 'bumper'\nindex = 0\nway = 'forward'\n")

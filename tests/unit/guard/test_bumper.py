@@ -54,7 +54,8 @@ def test_its_way_stays_blocked_until_the_robot_has_backed_away() -> None:
     drive_on(senses, 0.0, 0.1, pressed=True)
     drive_on(senses, 0.0, 0.3)
     assert "was pushed here" in senses.verdict().reason
-    drive_on(senses, -0.2, 0.9)
+    drive_on(senses, 0.2, 0.9)  # pushed along by hand: nearer is not away
+    drive_on(senses, -0.2, 1.8)
     assert senses.verdict().freedom == "blocked"
     drive_on(senses, -0.2, 0.2)
     assert senses.verdict().sensor != "front"
@@ -78,6 +79,39 @@ def test_where_the_wheels_cannot_be_followed_it_has_to_back_away_anew() -> None:
     assert senses.verdict().sensor == "front"
 
 
+def test_what_was_only_asked_for_takes_the_robot_away_from_nothing() -> None:
+    """The wheels are not heard, and the robot stands."""
+    senses = driving()
+    drive_on(senses, 0.0, 0.1, pressed=True)
+    senses.asked = (-0.3, 0.0)
+    for _ in range(150):
+        senses.wait(0.02, wheels=False)
+        bump(senses, pressed=False)
+        senses.hear(None)
+    senses.asked = (0.0, 0.0)
+    drive_on(senses, 0.0, 0.2)
+    assert senses.verdict().sensor == "front"
+
+
+def test_a_new_epoch_does_not_open_the_way() -> None:
+    senses = driving()
+    drive_on(senses, 0.0, 0.1, pressed=True)
+    drive_on(senses, 0.0, 0.1)
+    senses.obstacles.forget()
+    drive_on(senses, 0.0, 0.3)
+    assert "was pushed here" in senses.verdict().reason
+
+
+def test_a_sample_of_another_type_under_its_name_says_nothing() -> None:
+    senses = opened(BUMPED)
+    bump(senses, pressed=False)
+    before = senses.judge()
+    wrong = Bump(sensor="rear", pressed=True, tick=senses.now)
+    assert not senses.obstacles.on_sensed(wrong, senses.now)
+    senses.hear(0.3, "front")
+    assert senses.judge() == before
+
+
 @pytest.mark.parametrize(("age", "why"), [(None, "has not been heard yet"), (0.45, "is stale (0.5 s old)")])
 def test_one_that_is_not_heard_blocks_its_way(age: float | None, why: str) -> None:
     senses = opened(BUMPED)
@@ -96,6 +130,9 @@ def test_what_drives_its_way_relies_on_it() -> None:
     senses.judge()
     assert senses.limit(0.3).range_tick == senses.ago(0.35)
     assert senses.limit(-0.3).range_tick != senses.ago(0.35)
+    unheard = opened(BUMPED).limit(0.3).range_tick
+    assert unheard is not None
+    assert unheard.robot_ns == 0
 
 
 def test_a_sensor_of_a_type_that_nobody_knows_is_never_passed_over() -> None:

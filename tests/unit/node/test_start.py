@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from unittest.mock import MagicMock
+
 import pytest
 
+from giraff_node import start as it
 from giraff_node.start import main
 
 
@@ -18,3 +21,14 @@ from giraff_node.start import main
 def test_what_is_no_service_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(words) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_robot_file_that_a_service_refuses_ends_it_with_2(monkeypatch: pytest.MonkeyPatch) -> None:
+    node = MagicMock()
+    monkeypatch.setattr(it, "Node", node)
+    monkeypatch.setattr(it, "build", MagicMock(side_effect=ValueError("it has a sensor of no known type")))
+    node.return_value.__exit__.return_value = False
+    with pytest.raises(SystemExit, match="2"):
+        it.start("guard")
+    log = node.return_value.__enter__.return_value.log
+    assert "no known type" in str(log.error.call_args)
