@@ -350,6 +350,7 @@ def newest_odom(script: Robot) -> Odometry:
 
 def test_odometry_is_told_where_the_robot_is(named: ProcessRobot, script: Robot) -> None:
     """By the command with numbers as they are typed, and by a script, which reads what it has set."""
+    script.stop()  # the test before this one leaves it as it begins to drive, which looks like standing
     named.wait("standstill", lambda: abs(newest_odom(script).linear_x) < 0.001, PATIENCE)
     before = newest_odom(script)
     script.set_odom(2.0, -3.0, 7.0, 0.1, 0.2)
