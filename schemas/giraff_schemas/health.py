@@ -51,7 +51,7 @@ class Health(msgspec.Struct, frozen=True, kw_only=True):
     page: WebPage | None = None
     """Of giraff_web; None for every other service."""
     fault_remedies: tuple[str, ...] = ()
-    """Of each of `faults` its tail that says what to do."""
+    """The tail of each of `faults`, which says what to do."""
     notice_remedies: tuple[str, ...] = ()
     """The same of `notices`."""
 

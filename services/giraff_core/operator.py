@@ -42,7 +42,7 @@ class Wish(NamedTuple):
     angular_z: float
     """rad/s."""
     tick: RobotTime | None
-    """Of the moment at which it was measured or pressed, never a newer one; None: the robot was not heard yet."""
+    """The newest when it was measured or pressed, and no newer one; None: the robot was not heard yet."""
     takes: bool = False
     """Somebody asks to drive now, which also asks for a lease that was lost."""
 

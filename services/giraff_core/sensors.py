@@ -21,7 +21,7 @@ _TABLES: Final = {"bumper": "bumpers"}
 """By type, the table of `RobotConfig` that holds all of it."""
 TYPES: Final = (*_TABLES, ULTRASONIC)
 TABLES: Final = ("sensors", "models", *_TABLES.values())
-"""Of `RobotConfig`, what `[robot.sensors]` of a file is put into."""
+"""The fields of `RobotConfig` that hold what `[robot.sensors]` of a file says."""
 
 
 class UltrasonicModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -54,7 +54,7 @@ class Bumper(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     index: int
     """Number of the pin on the ranger board."""
     way: Literal["forward", "backward"]
-    """In which the robot drives when it meets something with it."""
+    """The way that the robot drives when it meets something with it."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.index < BUMPERS:

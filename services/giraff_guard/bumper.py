@@ -23,7 +23,7 @@ _NEVER: Final = "start giraff_ranger, and flash the ranger board if it is older 
 
 
 class BumperSource:
-    """Of all bumpers of one robot: a `Source`."""
+    """All bumpers of one robot: a `Source`."""
 
     takes = Bump
 
@@ -47,7 +47,7 @@ class BumperSource:
             switch.lose_place()
 
     def straight(self, way: Way, motion: Motion, now: RobotTime) -> Verdict:
-        """Nothing, or all."""
+        """Full speed, or none."""
         limits = self._limits
         for switch in self._of(way):
             if why := str(switch.blindness(limits.config.range_budget, now)) or switch.push(motion, limits.config.near):
@@ -61,7 +61,7 @@ class BumperSource:
         """Turning is how one gets away from what it has touched."""
 
     def relied_on(self, way: Way, now: RobotTime) -> RobotTime | None:
-        """Of this way's bumpers."""
+        """The oldest word of this way's bumpers."""
         never = RobotTime(epoch=now.epoch, robot_ns=0)
         ticks = (switch.tick or never for switch in self._of(way))
         return min(ticks, key=lambda tick: tick.robot_ns, default=None)
@@ -88,7 +88,7 @@ class _Switch:
         self._newest: Bump | None = None
         self._touched: Pose | None = None
         """Where the robot was when it was pushed last, until it has moved away from there."""
-        self._is_anywhere = False
+        self._place_is_lost = False
 
     @property
     def tick(self) -> RobotTime | None:
@@ -97,13 +97,13 @@ class _Switch:
     def take(self, sample: Bump, motion: Motion) -> None:
         self._newest = sample
         if sample.pressed:
-            self._touched = motion.place
+            self._touch(motion)
 
     def lose_place(self) -> None:
-        self._is_anywhere = True
+        self._place_is_lost = True
 
     def forget(self) -> None:
-        self._newest, self._is_anywhere = None, True
+        self._newest, self._place_is_lost = None, True
 
     def blindness(self, budget: float, now: RobotTime) -> Trouble:
         """Why it is not known whether it is pushed. `budget`: s that its word counts."""
@@ -118,13 +118,19 @@ class _Switch:
         """Why something stands at it; empty: nothing does. `near`: m; twice as much is away."""
         if self._newest is not None and self._newest.pressed:
             return f"{self.name} is pushed: something touches it, or its wire is cut"
-        if self._touched is None:
+        touched = self._touched
+        if touched is None:
             return ""
-        if self._is_anywhere or not motion.heard:  # what was only asked for takes it away from nothing
-            self._touched, self._is_anywhere = motion.place, not motion.heard
+        if self._place_is_lost or not motion.heard:
+            touched = self._touch(motion)
         axis = 0.0 if SIGN[self.way] > 0.0 else math.pi
-        backed = -self._touched.ahead(motion.place, axis)
-        if backed >= 2.0 * near or abs(motion.place.yaw - self._touched.yaw) >= _TURNED_AWAY:
+        backed = -touched.ahead(motion.place, axis)
+        if backed >= 2.0 * near or abs(motion.place.yaw - touched.yaw) >= _TURNED_AWAY:
             self._touched = None
             return ""
         return f"{self.name} was pushed here, and the robot has not come {2.0 * near:g} m away"
+
+    def _touch(self, motion: Motion) -> Pose:
+        """Take where the robot is for where it was pushed. While no wheels are heard, that place is not certain."""
+        self._touched, self._place_is_lost = motion.place, not motion.heard
+        return motion.place

@@ -18,7 +18,7 @@ _UNMEASURED: Final = 0.5
 
 
 class Limits:
-    """Of one robot."""
+    """The limits of one robot."""
 
     def __init__(self, live: Live[GuardConfig], robot: RobotConfig) -> None:
         self._live = live
@@ -26,7 +26,7 @@ class Limits:
 
     @property
     def config(self) -> GuardConfig:
-        """As it is now."""
+        """The configuration in force."""
         return self._live.config
 
     @property

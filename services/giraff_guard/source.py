@@ -21,7 +21,7 @@ class Source(Protocol):
 
     @property
     def names(self) -> Mapping[str, object]:
-        """Of its sensors."""
+        """The names of its sensors."""
         ...
 
     def take(self, sample: Any, motion: Motion, now: RobotTime) -> None:

@@ -94,7 +94,7 @@ class Echoes:
         ]
 
     def verdicts(self, place: Pose, way: Way, robot_ns: int) -> list[Verdict]:
-        """Of what lies straight on, the one that limits most; empty: nothing does."""
+        """The verdict of what limits most, straight on; empty: nothing does."""
         obstruction = min(self.in_the_way(place, way, robot_ns), key=self.speed_towards, default=None)
         if obstruction is None:
             return []

@@ -12,7 +12,7 @@ from giraff_schemas.messages import RobotTime, Verdict
 
 
 class Nearest:
-    """Of one way."""
+    """Judges the sensors of one way."""
 
     def __init__(self, way: Way, limits: Limits, sensors: list[Sensor]) -> None:
         self._sign = SIGN[way]
@@ -20,7 +20,7 @@ class Nearest:
         self._sensors = sensors
 
     def verdict(self, sensor: Sensor, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict:
-        """By one sensor. `blocked`: the way was, and takes more room to be opened again."""
+        """What one sensor allows. `blocked`: the way was blocked, and needs more room to be opened again."""
         limits, config = self._limits, self._limits.config
         if blindness := sensor.blindness(now):
             return limits.block(sensor.name, str(blindness))

@@ -15,7 +15,7 @@ from giraff_schemas.trouble import Trouble
 
 
 class UltrasonicSource:
-    """Of all sensors of one robot: a `Source`."""
+    """All ultrasonic sensors of one robot: a `Source`."""
 
     takes = Range
 
@@ -50,12 +50,12 @@ class UltrasonicSource:
         self._echoes.clear()
 
     def straight(self, way: Way, motion: Motion, now: RobotTime) -> Verdict:
-        """By what is heard, remembered, and no longer heard."""
+        """What is heard, remembered, and no longer heard allows so much."""
         self._echoes.forget(now.robot_ns, motion.travel)
         return self._ways[way].judge(motion, self._echoes, now)
 
     def curve(self, way: Way, curvature: float, motion: Motion, now: RobotTime) -> tuple[float, Trouble] | None:
-        """By what is remembered: no sensor looks along a curve."""
+        """What is remembered allows so much: no sensor looks along a curve."""
         return self._echoes.curve(motion.place, way, now.robot_ns, curvature)
 
     def turn(self, motion: Motion) -> Verdict | None:
@@ -68,7 +68,7 @@ class UltrasonicSource:
         return Verdict(allowed=creep, freedom="creep", sensor=sensor, reason=reason, way_out="")
 
     def relied_on(self, way: Way, now: RobotTime) -> RobotTime | None:
-        """Of this way's sensors."""
+        """The oldest of the newest readings of this way's sensors."""
         return self._ways[way].relied_on(now)
 
     def troubles(self, motion: Motion, now: RobotTime) -> dict[str, Trouble]:

@@ -93,6 +93,19 @@ def test_what_was_only_asked_for_takes_the_robot_away_from_nothing() -> None:
     assert senses.verdict().sensor == "front"
 
 
+def test_where_it_was_pushed_is_not_known_while_the_wheels_are_not_heard() -> None:
+    """The guard reckons on by what it has passed, and base has stopped the robot."""
+    senses = driving()
+    senses.linear = 0.0
+    for step in range(100):
+        senses.wait(0.02, wheels=False)
+        bump(senses, pressed=step > 50)
+        senses.hear(None)
+    senses.asked = (0.0, 0.0)
+    drive_on(senses, 0.0, 0.2)
+    assert "was pushed here" in senses.verdict().reason
+
+
 def test_a_new_epoch_does_not_open_the_way() -> None:
     senses = driving()
     drive_on(senses, 0.0, 0.1, pressed=True)
