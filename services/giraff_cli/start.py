@@ -1,14 +1,16 @@
 """Entry point of the `giraff` command: ready for Ctrl-C before anything slow is imported."""
 
-import contextlib
+import atexit
 import io
 import os
 import signal
 import sys
-import threading
+from typing import Final, NoReturn
+
+_UNTOLD: Final = 1
 
 
-def main() -> None:
+def main() -> NoReturn:
     # Python's own handler would raise in whatever is being imported, and show that. A command that has something to
     # end first takes the signals over when it begins.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -18,12 +20,20 @@ def main() -> None:
             stream.reconfigure(errors="backslashreplace")
     from giraff_cli.main import app  # noqa: PLC0415
     from giraff_cli.usage import obey  # noqa: PLC0415
-    from giraff_node.network.session import OPENS  # noqa: PLC0415
 
-    code = obey(app)
-    if any(thread.name == OPENS for thread in threading.enumerate()):
-        for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(OSError, ValueError):
-                stream.flush()
-        os._exit(code)
-    sys.exit(code)
+    end(obey(app))
+
+
+def end(code: int) -> NoReturn:
+    """End the process, without what Python does after a program's last line.
+
+    Zenoh's threads live on for a while after their session's close, and as soon as one of them calls into a Python
+    that is being taken down, the C library aborts the process: a stop that is not confirmed would end with 134.
+    """
+    atexit._run_exitfuncs()  # noqa: SLF001  of libraries: there is no public way
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):  # what was told has gone nowhere
+            code = code or _UNTOLD
+    os._exit(code)

@@ -15,7 +15,7 @@ from giraff_cli.network.pages import PageKeeper
 from giraff_core.network import NetworkConfig, addresses, link_of, with_port
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import OPENS, NobodyError, close_session, open_clients
+from giraff_node.network.session import NobodyError, close_session, open_clients
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
@@ -127,7 +127,7 @@ class RobotConnection:
         It takes seconds where an address is silent, so it is done in a thread, which calls `on_door`.
         """
         if self.waited is None and not self.network.session_file and len(addresses(self.network)) > 1:
-            self._looking = threading.Thread(target=self._open_other_doors, args=(on_door,), name=OPENS, daemon=True)
+            self._looking = threading.Thread(target=self._open_other_doors, args=(on_door,), daemon=True)
             self._looking.start()
 
     @property

@@ -32,8 +32,6 @@ from giraff_schemas.topics import alive_key
 _FILES: Final = Path(__file__).parents[1] / "zenoh"
 _CLOSE_TIMEOUT: Final = 1.0  # s
 _ANSWERS_WITHIN: Final = 0.3  # s in which a door tells who is there
-OPENS: Final = "opens a session"
-"""Name of the threads that Zenoh may hold for seconds, and in which it aborts a process that ends."""
 _GIVES_UP: Final = 3.0  # s without an answer at any way; Zenoh goes on trying a process that hangs
 _NEXT_WAY: Final = 0.3  # s until the next port of a door is tried, too
 
@@ -202,7 +200,7 @@ def _open_first(config: dict[str, Any], ways: Sequence[str]) -> zenoh.Session:
     for way in (*ways, ""):
         if way:
             # No daemon: Zenoh aborts a process that ends while a session is being opened.
-            threading.Thread(target=_try, args=(config, way, answers), name=OPENS).start()
+            threading.Thread(target=_try, args=(config, way, answers)).start()
             open_ways += 1
         with contextlib.suppress(Empty):
             while open_ways and isinstance(found, zenoh.ZError):
@@ -211,7 +209,7 @@ def _open_first(config: dict[str, Any], ways: Sequence[str]) -> zenoh.Session:
         if not isinstance(found, zenoh.ZError):
             break
     if open_ways:
-        threading.Thread(target=_close_late, args=(answers, open_ways), name=OPENS).start()
+        threading.Thread(target=_close_late, args=(answers, open_ways)).start()
     if isinstance(found, BaseException):
         raise found
     return found

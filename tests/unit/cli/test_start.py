@@ -1,0 +1,37 @@
+"""How a command ends."""
+
+from __future__ import annotations
+
+import atexit
+import io
+from typing import NoReturn
+
+import pytest
+
+from giraff_cli import start
+from giraff_cli.usage import obey
+
+
+class _Full(io.StringIO):
+    def flush(self) -> None:
+        raise OSError("no space left on device")
+
+
+@pytest.mark.parametrize(("told_to", "code", "ended"), [(io.StringIO, 2, 2), (io.StringIO, 0, 0), (_Full, 0, 1)])
+def test_a_command_ends_without_taking_python_down(
+    told_to: type[io.StringIO], code: int, ended: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Zenoh's threads would abort the process then. Libraries are still told, and what cannot be told counts."""
+
+    def leave(code: int) -> NoReturn:
+        raise StopIteration(code)
+
+    told: list[str] = []
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    monkeypatch.setattr("os._exit", leave)
+    monkeypatch.setattr("sys.stdout", told_to())
+    monkeypatch.setattr(atexit, "_run_exitfuncs", lambda: told.append("exit"))
+    monkeypatch.setattr(f"{obey.__module__}.obey", lambda _: code)
+    with pytest.raises(StopIteration) as end:
+        start.main()
+    assert (end.value.value, told) == (ended, ["exit"])
