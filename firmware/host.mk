@@ -10,7 +10,7 @@ LIBRARY := $(BUILD)/host/$(BOARD).so
 MACHINE := machine processor $(FIRMWARE)_parts
 OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/machine/%.o,$(MACHINE) $(notdir $(HOST_EXTRA:.c=)))
 
-FLAGS += -O2 -g -fPIC -fvisibility=hidden -Ihost
+FLAGS += -O2 -g -fPIC -fvisibility=hidden -Ihost -DBOARD='"$(BOARD)"'
 ifneq ($(SANITIZE),)
 FLAGS += -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 endif
@@ -36,6 +36,6 @@ $(OUT)/machine/%.o: %.c $(MAKEFILE_LIST)
 
 .PHONY: check
 check:
-	$(CHECK) --platform=unix64 $(MACHINE:%=host/%.c)
+	$(CHECK) --platform=unix64 -DBOARD='"$(BOARD)"' $(MACHINE:%=host/%.c)
 
 -include $(OBJECTS:.o=.d)

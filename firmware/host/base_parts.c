@@ -7,8 +7,6 @@
 #include "machine.h"
 #include "protocol.h"
 
-const int parts_kind = BOARD_BASE;
-
 static struct motor {
     /* bridge */
     int forward, connected, counts;

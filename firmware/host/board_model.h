@@ -12,11 +12,11 @@
 enum { BOARD_MOTORS = 2, BOARD_SONARS = 3, BOARD_BUMPERS = 2 };
 enum { BOARD_RUNNING = 0, BOARD_STOPPED = 1, BOARD_CRASHED = 2 };
 
-/* An H bridge and the encoder on its shaft; 0 is motor A (PD6, PC6) with the encoder PD3+PC7, 1 is motor B
- * (PD4, PB4) with the encoder PD2+PC0. Forward is positive, as facts about the real board have it. */
+/* A motor with what drives it, by its number on the board, and the encoder of that number; boards/<board>/pins.h has
+ * their pins. Forward is positive, as facts about the real board have it. */
 struct motor_model {
     double position;        /* in: encoder position at the end of the next slice, in quadrature states (4x) */
-    double drive;           /* out: mean of the signed duty over the last slice, PWM counts -255..255 */
+    double drive;           /* out: mean of the signed duty over the last slice, -255..255, as the driver gives it */
     int drive_peak;         /* out: largest |duty| since the world last zeroed it: no pulse is too short to be seen */
     int encoder_cut;        /* in: 1 = the encoder's wires are cut, its pins stay as they are */
     int64_t states;         /* out: quadrature states sent to the pins so far */
@@ -32,6 +32,7 @@ struct board_model {
     int button;             /* in: 1 = pressed */
     int bumper_open[2];     /* in: 1 = the switch is open, or its wire is cut */
     double battery_volts;   /* in: at the ADC pin, 0..5 V */
+    double limit_volts;     /* in: the same of the potentiometer that limits the level; 5 V where there is none */
     unsigned tx_len;        /* out: bytes that board_uart_read would give */
     unsigned rx_free;       /* out: room for board_uart_write */
     uint64_t tx_total, rx_total, tx_lost;
@@ -47,9 +48,9 @@ struct board_model {
     struct board_private *inside;
 };
 
-/* image: the ELF to run; the host-compiled boards ignore it. kind: enum board_kind of protocol.h.
+/* image: the ELF to run; the host-compiled boards ignore it. board: its folder in firmware/boards.
  * NULL: cannot, and message (160 bytes) says why. */
-struct board_model *board_open(const char *image, int kind, char *message);
+struct board_model *board_open(const char *image, const char *board, char *message);
 void board_close(struct board_model *b);
 int board_run(struct board_model *b, uint64_t until_us);   /* the state */
 int board_uart_read(struct board_model *b, uint8_t *to, int room);

@@ -4,8 +4,6 @@
 #include "machine.h"
 #include "protocol.h"
 
-const int parts_kind = BOARD_JOYSTICK;
-
 enum { BUS_BYTE_NS = 90000 };       /* 9 bits at 100 kHz */
 
 static struct {

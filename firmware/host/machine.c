@@ -99,11 +99,11 @@ static void fire(enum source source)
     firmware_poll();
 }
 
-EXPORT struct board_model *board_open(const char *image, int kind, char *message)
+EXPORT struct board_model *board_open(const char *image, const char *board, char *message)
 {
     (void)image;
-    if (kind != parts_kind) {
-        snprintf(message, MESSAGE_SIZE, "this library is board %d, not %d", parts_kind, kind);
+    if (strcmp(board, BOARD)) {
+        snprintf(message, MESSAGE_SIZE, "this library is the board %s, not %s", BOARD, board);
         return NULL;
     }
     if (machine_board) {
@@ -111,6 +111,7 @@ EXPORT struct board_model *board_open(const char *image, int kind, char *message
         return NULL;
     }
     machine_board = calloc(1, sizeof *machine_board);
+    machine_board->limit_volts = 5;
     memset(machine_eeprom, 0xFF, sizeof machine_eeprom);        /* as delivered: erased */
     now_ns = 0;
     for (enum source source = PART_0; source < SOURCES; source++)

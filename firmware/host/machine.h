@@ -28,7 +28,6 @@ void processor_reset(void);
 void processor_on_event(enum source source);
 
 /* What is soldered to it: base_parts.c, joystick_parts.c, ranger_parts.c. */
-extern const int parts_kind;                    /* enum board_kind */
 void parts_open(void);
 void parts_reset(void);                         /* the processor's pins are inputs again */
 void parts_begin(uint64_t until_ns);            /* of a slice */

@@ -4,8 +4,6 @@
 #include "protocol.h"
 #include "sonars.h"
 
-const int parts_kind = BOARD_RANGER;
-
 enum { BURST_NS = 450000 };         /* from the trigger to the echo line's rise */
 
 static struct sonar {

@@ -35,5 +35,6 @@ JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
 RANGER_BOARD: Final = BoardType(
     "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES
 )
+ARDROS_BOARD: Final = BoardType("ardros", BoardKind.BASE, BASE_BAUD)
 BOARDS: Final = {BoardKind(board.number): board for board in (BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD)}
 """By the role that a board has for a stock robot. Another drive may name another board for base."""

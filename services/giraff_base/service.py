@@ -28,7 +28,7 @@ class Base:
         self._policy = policy(live, robot, load_latch(io.store, io.token()))
         io.on_reconfigured = live.replace
         self._server = EStopServer(self._policy, LatchSaver(io.store.writer(LATCH_FILE)), io.instance)
-        self.link = io.board(config.port, config.drive.board)
+        self.link = io.board(config.port, config.drive.board_type)
         self._opened = 0
         self._commands = io.inbox(CMD_VEL)
         self._engages, self._resets = io.requests(ESTOP_ENGAGE), io.requests(ESTOP_RESET)

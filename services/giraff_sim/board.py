@@ -12,15 +12,15 @@ from typing import Any, Final
 
 import cffi
 
-from giraff_schemas.boards import BOARDS
-from giraff_schemas.wire import BoardKind, ResetCause
+from giraff_schemas.boards import BoardType
+from giraff_schemas.wire import ResetCause
 
 ROOT: Final = Path(__file__).resolve().parents[2]
 BUILD: Final = ROOT / "build"
 _HEADER: Final = ROOT / "firmware" / "host" / "board_model.h"
 _READ_BYTES: Final = 65536
 _MESSAGE_BYTES: Final = 160
-_EEPROM_BYTES: Final = {BoardKind.BASE: 2048, BoardKind.JOYSTICK: 1024, BoardKind.RANGER: 4096}
+_EEPROM_BYTES: Final = {"base": 2048, "ardros": 4096, "joystick": 1024, "ranger": 4096}
 
 _ffi = cffi.FFI()
 
@@ -60,7 +60,7 @@ def _declare() -> None:
 class Board:
     """One board. `model` is its `struct board_model`: the world's side of the pins, as plain attributes."""
 
-    def __init__(self, kind: BoardKind, library: Path, image: Path | None = None) -> None:
+    def __init__(self, board: BoardType, library: Path, image: Path | None = None) -> None:
         """`library` implements board_model.h; `image` is the ELF, where it runs one."""
         if not library.is_file():
             raise BoardError(f"{library} is missing: run make")
@@ -71,10 +71,10 @@ class Board:
                 raise BoardError(f"{built} was built before {source.resolve()} changed: run make setup")
         if "board_model" not in _declared_types():
             _declare()
-        self.kind = kind
+        self.type = board
         self._library: Any = _open_privately(library)
         message = _ffi.new("char[]", _MESSAGE_BYTES)
-        self.model: Any = self._library.board_open(str(image or "").encode(), int(kind), message)
+        self.model: Any = self._library.board_open(str(image or "").encode(), board.name.encode(), message)
         if not self.model:
             text = _ffi.string(message)
             raise BoardError(text.decode(errors="replace") if isinstance(text, bytes) else text)
@@ -132,7 +132,7 @@ class Board:
     @property
     def eeprom(self) -> bytes:
         """What the board keeps without power; empty when it keeps nothing."""
-        size = _EEPROM_BYTES[self.kind]
+        size = _EEPROM_BYTES[self.type.name]
         cells = _ffi.new("uint8_t[]", size)
         missing = self._library.board_eeprom(self.model, cells, size, 0)
         return b"" if missing else bytes(_ffi.buffer(cells))
@@ -140,7 +140,7 @@ class Board:
     def keep_from(self, cells: bytes) -> None:
         """Power the board on with what a board of its kind kept: the `eeprom` of an earlier one."""
         if self._library.board_eeprom(self.model, _ffi.new("uint8_t[]", cells), len(cells), 1):
-            raise BoardError(f"these {len(cells)} bytes are not what a {self.kind.name.lower()} board keeps")
+            raise BoardError(f"these {len(cells)} bytes are not what a board of type {self.type.name} keeps")
         self.reset(ResetCause.POWER_ON)
 
     def close(self) -> None:
@@ -178,12 +178,13 @@ def _open_privately(library: Path) -> Any:
             raise BoardError(f"{library} cannot be loaded: {error}; is libsimavr2 installed?") from error
 
 
-def open_board(kind: BoardKind, implementation: Implementation, build: Path = BUILD, name: str = "") -> Board:
-    """Open a board as it leaves the build: build/firmware, build/lockstep and build/host.
+def open_board(board: BoardType, implementation: Implementation, build: Path = BUILD) -> Board:
+    """Open a board as it leaves the build: build/firmware, build/lockstep and build/host."""
+    return Board(board, *(build / name for name in files_of(board, implementation)))
 
-    `name`: of the image; empty: the one of a stock robot.
-    """
-    name = name or BOARDS[kind].name
+
+def files_of(board: BoardType, implementation: Implementation) -> tuple[str, ...]:
+    """Return what a board is run from, below the build directory: the library, and where it runs one, the image."""
     if implementation is Implementation.HOST:
-        return Board(kind, build / "host" / f"{name}.so")
-    return Board(kind, build / "lockstep" / "lockstep.so", build / "firmware" / f"{name}.elf")
+        return (f"host/{board.name}.so",)
+    return "lockstep/lockstep.so", f"firmware/{board.name}.elf"

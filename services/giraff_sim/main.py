@@ -115,7 +115,7 @@ class Eeprom:
 
     def __init__(self, board: Board, directory: Path) -> None:
         self._board = board
-        self._path = directory / f"{board.kind.name.lower()}.eeprom"
+        self._path = directory / f"{board.type.name}.eeprom"
         self._kept = b""
         with suppress(FileNotFoundError):
             board.keep_from(self._path.read_bytes())

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
+from giraff_schemas.boards import BOARDS
 from giraff_schemas.wire import BoardKind, ResetCause
 from giraff_sim.board import BUILD, Board, Implementation, open_board
 from giraff_sim.record import Record
@@ -108,8 +109,8 @@ def simulation(
     boards: dict[BoardKind, Board] = {}
     try:
         for kind in kinds:
-            name = world.body.board.name if kind is BoardKind.BASE else ""
-            boards[kind] = open_board(kind, implementation, build, name)
+            board_type = world.body.board if kind is BoardKind.BASE else BOARDS[kind]
+            boards[kind] = open_board(board_type, implementation, build)
         yield Simulation(boards, world)
     finally:
         for board in boards.values():

@@ -8,7 +8,6 @@ from typing import Any, TypeVar
 import msgspec
 
 from giraff_base.drives.wheels.config import by_levels
-from giraff_schemas.boards import BOARDS
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     ECHO_MAX_AGE_MS,
@@ -38,7 +37,7 @@ class Bench:
         self.arrived_ms: list[int] = []
         """When each frame had arrived, whole."""
         self.before_each_ms: Callable[[], None] = lambda: None
-        self._decoder = Decoder(BOARDS[board.kind].frames)
+        self._decoder = Decoder(board.type.frames)
 
     @property
     def model(self) -> Any:

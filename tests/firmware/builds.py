@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final
 
-from giraff_schemas.wire import BoardKind
+from giraff_schemas.boards import BoardType
 from giraff_sim import board
 from giraff_sim.board import BUILD, ROOT, Board, Implementation
 from tests.support.tools import finished
@@ -27,8 +27,8 @@ def compiled(variant: str = "", *settings: str, target: str = "host") -> Path:
     return build
 
 
-def open_board(kind: BoardKind, build: Path) -> Board:
-    return board.open_board(kind, Implementation.HOST, build)
+def open_board(type_: BoardType, build: Path) -> Board:
+    return board.open_board(type_, Implementation.HOST, build)
 
 
 def near_wraps() -> Path:

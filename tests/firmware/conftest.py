@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from giraff_schemas.wire import BoardKind
+from giraff_schemas.boards import BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD
 from tests.firmware.bench import BaseBench, Bench, SpeedBench
 from tests.firmware.builds import compiled, open_board
 
@@ -12,7 +12,7 @@ from tests.firmware.builds import compiled, open_board
 @pytest.fixture
 def base() -> Iterator[BaseBench]:
     """A base board that was powered on 15 ms ago."""
-    board = open_board(BoardKind.BASE, compiled())
+    board = open_board(BASE_BOARD, compiled())
     yield BaseBench(board)
     board.close()
 
@@ -20,20 +20,20 @@ def base() -> Iterator[BaseBench]:
 @pytest.fixture
 def robot() -> Iterator[SpeedBench]:
     """A base board that was powered on 15 ms ago, with wheels that turn by what their motors get."""
-    board = open_board(BoardKind.BASE, compiled())
+    board = open_board(BASE_BOARD, compiled())
     yield SpeedBench(board)
     board.close()
 
 
 @pytest.fixture
 def joystick() -> Iterator[Bench]:
-    board = open_board(BoardKind.JOYSTICK, compiled())
+    board = open_board(JOYSTICK_BOARD, compiled())
     yield Bench(board)
     board.close()
 
 
 @pytest.fixture
 def ranger() -> Iterator[Bench]:
-    board = open_board(BoardKind.RANGER, compiled())
+    board = open_board(RANGER_BOARD, compiled())
     yield Bench(board)
     board.close()

@@ -11,7 +11,8 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from giraff_schemas.wire import BoardKind, ConfigureFrame
+from giraff_schemas.boards import BASE_BOARD
+from giraff_schemas.wire import ConfigureFrame
 from giraff_sim.board import Board
 from tests.firmware.bench import SpeedBench
 
@@ -81,7 +82,7 @@ def drive(bench: SpeedBench, chance: random.Random, frame: ConfigureFrame) -> bo
 
 def main() -> int:
     library, chance, sessions = Path(sys.argv[1]), random.Random(sys.argv[2]), int(sys.argv[3])
-    bench = SpeedBench(Board(BoardKind.BASE, library))
+    bench = SpeedBench(Board(BASE_BOARD, library))
     opened = driven = 0
     for session in range(1, sessions + 1):
         frame = bench.configure_frame(session=session, **settings(chance))

@@ -10,6 +10,7 @@ import random
 import sys
 from pathlib import Path
 
+from giraff_schemas.boards import BOARDS
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     FRAME_CLASSES,
@@ -52,7 +53,7 @@ def main() -> int:
     library, seed, milliseconds = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
     chance = random.Random(seed)
     kind = BoardKind[library.stem.upper()]
-    board = Board(kind, library)
+    board = Board(BOARDS[kind], library)
     board.on_ping(lambda _sensor: chance.choice([0.0, -1.0, chance.uniform(0, 200_000)]))
     decoder = Decoder()
     errors = 0

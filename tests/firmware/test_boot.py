@@ -4,6 +4,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from giraff_schemas.boards import BASE_BOARD, BOARDS, RANGER_BOARD
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,
@@ -29,7 +30,7 @@ WATCHDOG_MS = 250
 def fragile() -> Iterator[BaseBench]:
     """A base board whose main loop or clock can be stopped, by the battery's voltage."""
     board = open_board(
-        BoardKind.BASE, with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", target="host-base")
+        BASE_BOARD, with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", target="host-base")
     )
     board.model.battery_volts = NOTHING_STOPS
     yield BaseBench(board)
@@ -38,7 +39,7 @@ def fragile() -> Iterator[BaseBench]:
 
 @pytest.mark.parametrize("kind", [*BoardKind])
 def test_a_board_introduces_itself_at_power_on_and_on_request(kind: BoardKind) -> None:
-    board = open_board(kind, compiled())
+    board = open_board(BOARDS[kind], compiled())
     bench = Bench(board)
     bench.run(10)
     hello = bench.last(HelloFrame)
@@ -146,5 +147,5 @@ def test_bytes_that_find_no_room_are_counted_and_cost_only_their_own_frames(frag
 
 def test_a_library_is_one_kind_of_board() -> None:
     library = compiled() / "host" / "base.so"
-    with pytest.raises(BoardError, match="this library is board 1, not 3"):
-        Board(BoardKind.RANGER, library)
+    with pytest.raises(BoardError, match="this library is the board base, not ranger"):
+        Board(RANGER_BOARD, library)

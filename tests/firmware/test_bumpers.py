@@ -4,8 +4,9 @@ import itertools
 
 import pytest
 
+from giraff_schemas.boards import RANGER_BOARD
 from giraff_schemas.bumper_wire import BUMPER_PERIOD_MS, BUMPER_REST_MS, BumperFrame, BumperRequestFrame
-from giraff_schemas.wire import BoardKind, RangeFrame, TickFrame
+from giraff_schemas.wire import RangeFrame, TickFrame
 from tests.firmware.bench import Bench
 from tests.firmware.builds import compiled, open_board
 
@@ -27,7 +28,7 @@ def measured(board: Bench) -> list[tuple[int, ...]]:
 
 
 def test_a_board_is_silent_before_it_is_asked_and_its_ranges_stay_the_same(ranger: Bench) -> None:
-    silent = Bench(open_board(BoardKind.RANGER, compiled()))
+    silent = Bench(open_board(RANGER_BOARD, compiled()))
     for board in (silent, ranger):
         board.board.on_ping(lambda sensor: 5800.0 + sensor)
         board.model.bumper_open[1] = 1

@@ -6,10 +6,10 @@ from contextlib import contextmanager
 
 import pytest
 
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.wire import (
     ECHO_MAX_AGE_MS,
     STUCK_MS,
-    BoardKind,
     DriveState,
     EstopFrame,
     Latch,
@@ -45,7 +45,7 @@ def release(base: BaseBench, **changes: int) -> None:
 @contextmanager
 def powered_on_with(cells: tuple[int, int]) -> Iterator[BaseBench]:
     """A base board that was powered on with these two cells."""
-    board = open_board(BoardKind.BASE, compiled())
+    board = open_board(BASE_BOARD, compiled())
     board.keep_from(bytes((7, 0, 0, 0, *cells)))
     yield BaseBench(board)
     board.close()
@@ -282,7 +282,7 @@ def test_at_no_instant_of_a_change_does_a_torn_write_release(base: BaseBench) ->
 
 def test_eeprom_is_written_when_the_latch_changes_and_only_then() -> None:
     board = open_board(
-        BoardKind.BASE, with_fault("eeprom_writes", "hal_keep_latch", "hal_eeprom_is_ready", target="host-base")
+        BASE_BOARD, with_fault("eeprom_writes", "hal_keep_latch", "hal_eeprom_is_ready", target="host-base")
     )
     base = BaseBench(board)
     assert base.model.pings[0] == 2, "a first boot writes what an erased EEPROM means"

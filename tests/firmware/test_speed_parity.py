@@ -12,7 +12,8 @@ import cffi
 import msgspec
 import pytest
 
-from giraff_schemas.wire import SPEED_PERIOD_MS, STAMPS_PER_MS, BoardKind, ConfigureFrame, SpeedFlag
+from giraff_schemas.boards import BASE_BOARD
+from giraff_schemas.wire import SPEED_PERIOD_MS, STAMPS_PER_MS, ConfigureFrame, SpeedFlag
 from giraff_sim.board import BUILD, Board
 from tests.firmware.builds import FIRMWARE, HERE, built, shared_library
 from tests.support.robots import BY_SPEED, ROBOT
@@ -60,7 +61,7 @@ class Processor:
     SLICE_US: Final = 200
 
     def __init__(self, image: Path) -> None:
-        self.board = Board(BoardKind.BASE, BUILD / "lockstep" / "lockstep.so", image)
+        self.board = Board(BASE_BOARD, BUILD / "lockstep" / "lockstep.so", image)
         self._now_us = 1000
         self.board.run(self._now_us)
 

@@ -4,7 +4,8 @@ import itertools
 
 import pytest
 
-from giraff_schemas.wire import TILT_PERIOD_MS, BoardKind, TickFrame, TiltFrame, TiltStatus
+from giraff_schemas.boards import JOYSTICK_BOARD
+from giraff_schemas.wire import TILT_PERIOD_MS, TickFrame, TiltFrame, TiltStatus
 from tests.firmware.bench import Bench
 from tests.firmware.bno055 import ACCONLY, CONFIG, OPR_MODE, UNIT_SEL, Bno055
 from tests.firmware.builds import open_board, with_fault
@@ -185,7 +186,7 @@ def test_a_sensor_that_has_reset_itself_is_noticed(joystick: Bench, sensor: Bno0
 
 
 def test_a_bus_that_stands_still_is_let_go_of() -> None:
-    board = open_board(BoardKind.JOYSTICK, with_fault("stuck_bus", "parts_on_event", target="host-joystick"))
+    board = open_board(JOYSTICK_BOARD, with_fault("stuck_bus", "parts_on_event", target="host-joystick"))
     joystick = Bench(board)
     sensor = Bno055(joystick)
     run_until_running(joystick)

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import pytest
 
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.framing import encode
 from giraff_schemas.wire import (
     OPPOSITE_MS,
     STUCK_EDGES,
     STUCK_MS,
-    BoardKind,
     DriveState,
     Latch,
     Refusal,
@@ -295,7 +295,7 @@ def test_both_wheels_of_swapped_encoders_are_opposite_when_the_robot_turns_on_th
 def test_a_fault_is_found_without_the_main_loop_and_kept() -> None:
     stops_all, loop_hangs_unwatched = 1.0, 4.0  # the voltages of faults/hung_loop.c
     board = open_board(
-        BoardKind.BASE, with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", target="host-base")
+        BASE_BOARD, with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", target="host-base")
     )
     board.model.battery_volts = stops_all
     base = BaseBench(board)

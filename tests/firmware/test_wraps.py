@@ -5,11 +5,11 @@ from collections.abc import Iterator
 
 import pytest
 
+from giraff_schemas.boards import BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD
 from giraff_schemas.wire import (
     ECHO_MAX_AGE_MS,
     RANGE_SLOT_MS,
     TILT_PERIOD_MS,
-    BoardKind,
     DriveState,
     Latch,
     RangeFrame,
@@ -30,7 +30,7 @@ U32 = 1 << 32
 
 @pytest.fixture
 def base() -> Iterator[BaseBench]:
-    board = open_board(BoardKind.BASE, near_wraps())
+    board = open_board(BASE_BOARD, near_wraps())
     yield BaseBench(board)
     board.close()
 
@@ -140,7 +140,7 @@ def test_a_wheel_whose_ticks_wrap_is_judged_as_any_other(base: BaseBench, ticks_
 
 
 def test_an_echo_across_the_wrap_of_board_us_is_as_long_as_it_is() -> None:
-    board = open_board(BoardKind.RANGER, near_wraps())
+    board = open_board(RANGER_BOARD, near_wraps())
     ranger = Bench(board)
     board.on_ping(lambda _sensor: 22_000.0)
     ranger.run(2000)
@@ -157,7 +157,7 @@ def test_an_echo_across_the_wrap_of_board_us_is_as_long_as_it_is() -> None:
 @pytest.mark.parametrize("delay_ms", [0, 20, 200, 700])
 def test_a_bring_up_across_the_wrap_of_board_ms_takes_no_longer(delay_ms: int) -> None:
     """The count wraps in the reset, in the sensor's start, or while it is already read."""
-    board = open_board(BoardKind.JOYSTICK, near_wraps())
+    board = open_board(JOYSTICK_BOARD, near_wraps())
     joystick = Bench(board)
     sensor = Bno055(joystick)
     sensor.start_ms = 200 + delay_ms

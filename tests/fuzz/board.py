@@ -15,6 +15,7 @@ from typing import Final
 import msgspec
 
 from giraff_base.drives.wheels.config import by_levels
+from giraff_schemas import boards
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     ECHO_MAX_AGE_MS,
@@ -120,7 +121,7 @@ def fuzz(library: Path, seed: str, wanted: int, growth: Growth | None = None) ->
     """Throw `wanted` bytes at the board of this library."""
     chance = random.Random(seed)
     kind = BoardKind[library.stem.upper()]
-    board = Board(kind, library)
+    board = Board(boards.BOARDS[kind], library)
     board.on_ping(lambda _sensor: chance.choice((0.0, -1.0, chance.uniform(0, 200_000))))
     board.model.twi_address = 0x28
     host = SoundHost() if kind is BoardKind.BASE else None

@@ -51,7 +51,7 @@ def test_each_is_fixed_while_base_runs_and_has_a_range_for_each_number(kind: typ
 @pytest.mark.parametrize("path", [ROOT / "deploy" / "robot.toml", *(ROOT / "deploy" / "robots").glob("*.toml")])
 def test_each_robot_file_of_the_tree_is_sound(path: Path) -> None:
     given = {"GIRAFF_CONFIG": str(path)}
-    assert load("base", BaseConfig, given).drive.board.frames
+    assert load("base", BaseConfig, given).drive.board_type.frames
     assert load("robot", RobotConfig, given).sensors
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from giraff_schemas.boards import BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import BoardKind, HelloFrame, HelloRequestFrame, RangeFrame, ResetCause, WheelsFrame
 from giraff_sim.board import BUILD, Board, BoardError, Implementation, RunState, open_board
@@ -23,11 +24,11 @@ def boot_of(board: Board, until_us: int) -> HelloFrame:
 
 def test_what_is_missing_is_named_with_the_way_out(tmp_path: Path) -> None:
     with pytest.raises(BoardError, match=r"lockstep\.so is missing: run make"):
-        open_board(BoardKind.BASE, Implementation.AVR, tmp_path)
+        open_board(BASE_BOARD, Implementation.AVR, tmp_path)
     with pytest.raises(BoardError, match=r"ranger\.so is missing: run make"):
-        open_board(BoardKind.RANGER, Implementation.HOST, tmp_path)
+        open_board(RANGER_BOARD, Implementation.HOST, tmp_path)
     with pytest.raises(BoardError, match=r"base\.elf is missing: run make -C firmware"):
-        Board(BoardKind.BASE, LOCKSTEP, tmp_path / "base.elf")
+        Board(BASE_BOARD, LOCKSTEP, tmp_path / "base.elf")
 
 
 def test_what_was_built_from_other_sources_is_refused(tmp_path: Path) -> None:
@@ -41,7 +42,7 @@ def test_what_was_built_from_other_sources_is_refused(tmp_path: Path) -> None:
         copy.with_suffix(".sources").write_text(f".\n{made.stem}.o: {source.name} \\\n common.h\n")
         is_image = made.suffix == ".elf"
         with pytest.raises(BoardError, match=f"{copy} was built before .*/{source.name} changed: run make setup"):
-            Board(BoardKind.BASE, LOCKSTEP if is_image else copy, copy if is_image else None)
+            Board(BASE_BOARD, LOCKSTEP if is_image else copy, copy if is_image else None)
 
 
 def test_what_is_no_firmware_is_refused(tmp_path: Path) -> None:
@@ -49,11 +50,11 @@ def test_what_is_no_firmware_is_refused(tmp_path: Path) -> None:
     for content in (b"", b"\x7fELF", b"not an ELF file, but long enough to hold a header"):
         image.write_bytes(content)
         with pytest.raises(BoardError, match=r"base\.elf is no AVR ELF file"):
-            Board(BoardKind.BASE, LOCKSTEP, image)
+            Board(BASE_BOARD, LOCKSTEP, image)
     with pytest.raises(BoardError, match="is no AVR ELF file"):
-        Board(BoardKind.BASE, LOCKSTEP, LOCKSTEP)
+        Board(BASE_BOARD, LOCKSTEP, LOCKSTEP)
     with pytest.raises(BoardError, match=r"base\.elf cannot be loaded"):
-        Board(BoardKind.BASE, image)
+        Board(BASE_BOARD, image)
 
 
 def test_an_image_for_a_larger_processor_is_refused(tmp_path: Path) -> None:
@@ -61,11 +62,11 @@ def test_an_image_for_a_larger_processor_is_refused(tmp_path: Path) -> None:
     source.write_text('int main(void) {}\nasm(".section .text\\n.space 70000");\n')
     image = compiled_for_avr(source, "atmega2560")
     with pytest.raises(BoardError, match=r"large\.elf is larger than the atmega644"):
-        Board(BoardKind.BASE, LOCKSTEP, image)
+        Board(BASE_BOARD, LOCKSTEP, image)
 
 
 def test_boards_of_one_kind_share_nothing(implementation: Implementation) -> None:
-    first, second = (open_board(BoardKind.BASE, implementation) for _ in range(2))
+    first, second = (open_board(BASE_BOARD, implementation) for _ in range(2))
     try:
         first.run(500_000)
         second.run(200_000)
@@ -78,20 +79,20 @@ def test_boards_of_one_kind_share_nothing(implementation: Implementation) -> Non
 
 
 def test_eeprom_outlives_the_board(implementation: Implementation) -> None:
-    board = open_board(BoardKind.JOYSTICK, implementation)
+    board = open_board(JOYSTICK_BOARD, implementation)
     boot_id = boot_of(board, 100_000).boot_id
     kept = board.eeprom
     assert kept
     board.close()
     board.close()
-    board = open_board(BoardKind.JOYSTICK, implementation)
+    board = open_board(JOYSTICK_BOARD, implementation)
     board.keep_from(kept)
     assert boot_of(board, 100_000).boot_id == boot_id + 1
     board.close()
 
 
 def test_an_error_in_the_world_comes_out_of_run(implementation: Implementation) -> None:
-    board = open_board(BoardKind.RANGER, implementation)
+    board = open_board(RANGER_BOARD, implementation)
 
     def fails(_sonar: int) -> float:
         raise ZeroDivisionError("in the world")
@@ -106,7 +107,7 @@ def test_an_error_in_the_world_comes_out_of_run(implementation: Implementation) 
 
 
 def test_the_adapter_takes_what_it_has_room_for(implementation: Implementation) -> None:
-    board = open_board(BoardKind.BASE, implementation)
+    board = open_board(BASE_BOARD, implementation)
     board.run(20_000)
     board.read()
     request = encode(HelloRequestFrame(seq=1).pack())
@@ -151,7 +152,7 @@ def test_a_program_that_hangs_with_its_motors_running_is_stopped_by_the_watchdog
     source, image = tmp_path / "hangs.c", tmp_path / "firmware" / "base.elf"
     source.write_text(HANGS_ON_REVERSE)
     built(tmp_path, source, "avr-base")
-    board = Board(BoardKind.BASE, LOCKSTEP, image)
+    board = Board(BASE_BOARD, LOCKSTEP, image)
     base = BaseLine(Simulation({BoardKind.BASE: board}, world_in(empty_room())))
     base.start()
     base.drive(40, 40, 0.3)
@@ -181,7 +182,7 @@ int main(void) { %s; }
 def test_a_processor_that_stands_is_told_and_a_reset_starts_it(tmp_path: Path, statement: str, state: RunState) -> None:
     source = tmp_path / "stands.c"
     source.write_text(CRASHES % statement)
-    board = Board(BoardKind.JOYSTICK, LOCKSTEP, compiled_for_avr(source, "atmega328p"))
+    board = Board(JOYSTICK_BOARD, LOCKSTEP, compiled_for_avr(source, "atmega328p"))
     board.run(10_000)
     assert board.state is state
     board.reset()

@@ -99,7 +99,7 @@ def _board_of(service: str, usual: BoardType, environment: Mapping[str, str]) ->
     """Return the board of a service. Of base, its drive names it."""
     if service == BASE.name:
         with contextlib.suppress(ConfigError):
-            return load(BASE.table, BaseConfig, environment, port="").drive.board
+            return load(BASE.table, BaseConfig, environment, port="").drive.board_type
     return usual
 
 

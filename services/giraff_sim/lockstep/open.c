@@ -1,4 +1,4 @@
-/* Making the three boards: processor, clock, image, and what is soldered to which pin. */
+/* Making the boards: processor, clock, image, and what is soldered to which pin. */
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,13 +8,7 @@
 #include "avr_eeprom.h"
 #include "inside.h"
 
-static const struct processor { const char *mcu; uint32_t hz; } PROCESSORS[] = {
-    [BOARD_BASE] = { "atmega644", 18432000 },
-    [BOARD_JOYSTICK] = { "atmega328p", 16000000 },
-    [BOARD_RANGER] = { "atmega2560", 16000000 },
-};
-
-static const struct motor_wiring MOTORS[BOARD_MOTORS] = {
+static const struct motor_wiring BASE_MOTORS[BOARD_MOTORS] = {
     { '2', 'B', "D6", "C6", "D3", "C7", .forward = 1, .mirrored = 0 },
     { '1', 'B', "D4", "B4", "D2", "C0", .forward = 0, .mirrored = 1 },
 };
@@ -98,39 +92,60 @@ static void free_image(elf_firmware_t *firmware)
     free(firmware->eeprom);
 }
 
-static int wire(struct board_model *b, int kind)
+static int wire_base(struct board_model *b)
 {
-    avr_t *avr = b->inside->avr;
-    if (uart_wire(b))
-        return -1;
-    if (kind == BOARD_BASE) {
-        for (int k = 0; k < BOARD_MOTORS; k++)
-            if (motor_wire(b, k, &MOTORS[k]))
-                return -1;
-        b->inside->battery = avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0);
-    } else if (kind == BOARD_JOYSTICK) {
-        b->inside->slave_reset = pin_named(avr, JOYSTICK_SLAVE_RESET);
-        b->inside->button = pin_named(avr, JOYSTICK_BUTTON);
-        return twi_wire(b);
-    } else {
-        for (int k = 0; k < BOARD_SONARS; k++)
-            sonar_wire(b, k, SONARS[k].trigger, SONARS[k].echo);
-        for (int k = 0; k < BOARD_BUMPERS; k++)
-            b->inside->bumper[k] = pin_named(avr, BUMPERS_AT[k]);
-    }
+    for (int k = 0; k < BOARD_MOTORS; k++)
+        if (motor_wire(b, k, &BASE_MOTORS[k]))
+            return -1;
+    b->inside->battery = avr_io_getirq(b->inside->avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0);
     return 0;
 }
 
-struct board_model *board_open(const char *image, int kind, char *message)
+static int wire_joystick(struct board_model *b)
 {
-    if (kind < BOARD_BASE || kind > BOARD_RANGER) {
-        snprintf(message, MESSAGE_SIZE, "there is no board of kind %d", kind);
+    b->inside->slave_reset = pin_named(b->inside->avr, JOYSTICK_SLAVE_RESET);
+    b->inside->button = pin_named(b->inside->avr, JOYSTICK_BUTTON);
+    return twi_wire(b);
+}
+
+static int wire_ranger(struct board_model *b)
+{
+    for (int k = 0; k < BOARD_SONARS; k++)
+        sonar_wire(b, k, SONARS[k].trigger, SONARS[k].echo);
+    for (int k = 0; k < BOARD_BUMPERS; k++)
+        b->inside->bumper[k] = pin_named(b->inside->avr, BUMPERS_AT[k]);
+    return 0;
+}
+
+static const struct board {
+    const char *name, *mcu;
+    uint32_t hz;
+    int (*wire)(struct board_model *);      /* what is soldered to it beside the UART; 0, or -1 */
+} BOARDS[] = {
+    { "base", "atmega644", 18432000, wire_base },
+    { "joystick", "atmega328p", 16000000, wire_joystick },
+    { "ranger", "atmega2560", 16000000, wire_ranger },
+};
+
+static const struct board *board_named(const char *name)
+{
+    for (size_t k = 0; k < sizeof BOARDS / sizeof *BOARDS; k++)
+        if (!strcmp(BOARDS[k].name, name))
+            return &BOARDS[k];
+    return NULL;
+}
+
+struct board_model *board_open(const char *image, const char *name, char *message)
+{
+    const struct board *board = board_named(name);
+    if (!board) {
+        snprintf(message, MESSAGE_SIZE, "there is no board %s", name);
         return NULL;
     }
     avr_global_logger_set(on_log);      /* the only state simavr shares between cores */
-    avr_t *avr = avr_make_mcu_by_name(PROCESSORS[kind].mcu);
+    avr_t *avr = avr_make_mcu_by_name(board->mcu);
     if (!avr) {
-        snprintf(message, MESSAGE_SIZE, "this simavr has no %s", PROCESSORS[kind].mcu);
+        snprintf(message, MESSAGE_SIZE, "this simavr has no %s", board->mcu);
         return NULL;
     }
     elf_firmware_t firmware;
@@ -141,19 +156,20 @@ struct board_model *board_open(const char *image, int kind, char *message)
     struct board_model *b = calloc(1, sizeof *b);
     b->inside = calloc(1, sizeof *b->inside);
     b->inside->avr = avr;
+    b->limit_volts = 5;
     avr->custom.data = b;
     avr_init(avr);
     avr_load_firmware(avr, &firmware);
     free_image(&firmware);
-    avr->frequency = PROCESSORS[kind].hz;
+    avr->frequency = board->hz;
     avr->vcc = avr->avcc = avr->aref = 5000;
     avr->log = LOG_ERROR;
     avr->sleep = no_sleep;
     b->inside->core_reset = avr->reset;
     avr->reset = on_reset;
     b->inside->was_reset = 1;
-    if (wire(b, kind)) {
-        snprintf(message, MESSAGE_SIZE, "this simavr's %s lacks a part the board needs", PROCESSORS[kind].mcu);
+    if (uart_wire(b) || board->wire(b)) {
+        snprintf(message, MESSAGE_SIZE, "this simavr's %s lacks a part the board needs", board->mcu);
         board_close(b);
         return NULL;
     }

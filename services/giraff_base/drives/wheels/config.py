@@ -10,10 +10,13 @@ import msgspec
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import WIRING, RobotConfig
 from giraff_core.tuning import Tuning
-from giraff_schemas.boards import BASE_BOARD, BoardType
+from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD, BoardType
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 
+_BOARDS: Final = {board.name: board for board in (BASE_BOARD, ARDROS_BOARD)}
+BoardName = Literal["base", "ardros"]
+"""A board for which `firmware/base` is built: its folder in `firmware/boards`."""
 WheelControl = Literal["level", "speed"]
 """`level`: open loop, a level stands for a speed. `speed`: the board's loops hold what is asked."""
 
@@ -95,6 +98,9 @@ class WheelsConfig(
 
     LIVE: ClassVar = Tuning.READ_ONLY
 
+    board: BoardName = "base"
+    """What drives the motors and counts the edges: an ATmega644 with two H bridges, or an Arduino Mega with servo
+    pulses. Nothing on the wire tells one from the other."""
     max_level: Annotated[int, Bounds(1, 255)]
     """Largest PWM level asked of a motor, of 255: the one that stands for `max_wheel_speed`."""
     battery_volts_per_count: Annotated[float, Bounds(0.0, 0.5, "V")]
@@ -126,9 +132,9 @@ class WheelsConfig(
             self._check_speed_control()
 
     @property
-    def board(self) -> BoardType:
+    def board_type(self) -> BoardType:
         """The board that base speaks with, and that the simulator runs."""
-        return BASE_BOARD
+        return _BOARDS[self.board]
 
     @property
     def asks_for_speeds(self) -> bool:

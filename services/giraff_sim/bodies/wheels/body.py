@@ -29,7 +29,7 @@ class WheelsBody:
 
     def __init__(self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
         self.drive = drive
-        self.board = drive.board
+        self.board = drive.board_type
         self.plant = Plant(robot, drive, sim, room, truth)
         self.activity = 0
         """Largest duty of either motor in the last step, of 255."""

@@ -141,7 +141,7 @@ class AnyDrive:
         assert {type(sample) for sample in samples} <= {topic.schema for topic in bench.drive.topics}
 
     def test_its_board_knows_what_it_reports_and_what_it_is_sent(self) -> None:
-        bench, frames = self.settled(), self.config.board.frames.values()
+        bench, frames = self.settled(), self.config.board_type.frames.values()
         asked = bench.drive.ask(0.1, 0.0).frame
         assert {type(bench.board.report()), type(asked), HelloFrame, HelloRequestFrame} <= set(frames)
 
