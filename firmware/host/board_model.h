@@ -19,6 +19,8 @@ struct motor_model {
     double drive;           /* out: mean of the signed duty over the last slice, -255..255, as the driver gives it */
     int drive_peak;         /* out: largest |duty| since the world last zeroed it: no pulse is too short to be seen */
     int encoder_cut;        /* in: 1 = the encoder's wires are cut, its pins stay as they are */
+    int signal_cut;         /* in: 1 = the wire from a servo output to the motor driver is off; no other board has it */
+    double pulse_us;        /* out: width of the newest whole pulse at a servo output's pin; 0 = none yet */
     int64_t states;         /* out: quadrature states sent to the pins so far */
 };
 
@@ -33,12 +35,15 @@ struct board_model {
     int bumper_open[2];     /* in: 1 = the switch is open, or its wire is cut */
     double battery_volts;   /* in: at the ADC pin, 0..5 V */
     double limit_volts;     /* in: the same of the potentiometer that limits the level; 5 V where there is none */
+    int driver_timeout_ms;  /* in: without pulses a motor driver in R/C mode is off then; 0 = never. 100 at first: an
+                             * estimate, the maker publishes none */
     unsigned tx_len;        /* out: bytes that board_uart_read would give */
     unsigned rx_free;       /* out: room for board_uart_write */
     uint64_t tx_total, rx_total, tx_lost;
     unsigned resets;        /* out: resets of every kind since board_open */
     unsigned errors;        /* out: the simulator's own complaints; the last one is in message */
     int state;              /* out: BOARD_RUNNING ... */
+    double awake;           /* out: share of the last slice that the processor was awake; 0 where its code takes no time */
     uint64_t now_us;        /* out: end of the last slice */
     /* Called when sonar k was triggered, at the exact instant its echo line would rise. Answers the echo pulse's
      * length in us; 0 = the line never rises, negative = it rises and stays high. NULL: every line stays low. */

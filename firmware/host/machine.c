@@ -4,6 +4,7 @@
 #include "firmware.h"
 #include "machine.h"
 #include "protocol.h"
+#include "servo_driver.h"
 
 #define EXPORT __attribute__((visibility("default")))
 
@@ -112,6 +113,7 @@ EXPORT struct board_model *board_open(const char *image, const char *board, char
     }
     machine_board = calloc(1, sizeof *machine_board);
     machine_board->limit_volts = 5;
+    machine_board->driver_timeout_ms = SERVO_TIMEOUT_MS;
     memset(machine_eeprom, 0xFF, sizeof machine_eeprom);        /* as delivered: erased */
     now_ns = 0;
     for (enum source source = PART_0; source < SOURCES; source++)

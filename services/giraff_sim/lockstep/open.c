@@ -7,6 +7,7 @@
 #include "avr_adc.h"
 #include "avr_eeprom.h"
 #include "inside.h"
+#include "servo_driver.h"
 
 static const struct motor_wiring BASE_MOTORS[BOARD_MOTORS] = {
     { '2', 'B', "D6", "C6", "D3", "C7", .forward = 1, .mirrored = 0 },
@@ -157,6 +158,7 @@ struct board_model *board_open(const char *image, const char *name, char *messag
     b->inside = calloc(1, sizeof *b->inside);
     b->inside->avr = avr;
     b->limit_volts = 5;
+    b->driver_timeout_ms = SERVO_TIMEOUT_MS;
     avr->custom.data = b;
     avr_init(avr);
     avr_load_firmware(avr, &firmware);
