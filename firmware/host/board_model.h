@@ -43,7 +43,7 @@ struct board_model {
     unsigned resets;        /* out: resets of every kind since board_open */
     unsigned errors;        /* out: the simulator's own complaints; the last one is in message */
     int state;              /* out: BOARD_RUNNING ... */
-    double awake;           /* out: share of the last slice that the processor was awake; 0 where its code takes no time */
+    double awake;           /* out: share of the last slice that the processor was awake; the host's code takes 0 */
     uint64_t now_us;        /* out: end of the last slice */
     /* Called when sonar k was triggered, at the exact instant its echo line would rise. Answers the echo pulse's
      * length in us; 0 = the line never rises, negative = it rises and stays high. NULL: every line stays low. */

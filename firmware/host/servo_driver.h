@@ -78,6 +78,18 @@ static inline void servo_driver_begin(struct servo_driver *d, double now_us)
     d->duty_us = 0;
 }
 
+/* The board's program stands, and its timer gives the newest pulse again and again. */
+static inline void servo_driver_repeat(struct servo_driver *d, double now_us)
+{
+    const struct motor_model *motor = &d->board->motor[d->number];
+    servo_driver_pass(d, now_us);
+    d->pin = d->line = 0;
+    if (motor->signal_cut || motor->pulse_us == 0)
+        return;
+    d->heard_us = now_us;
+    d->duty = servo_driver_duty(motor->pulse_us);
+}
+
 static inline void servo_driver_end(struct servo_driver *d, double now_us)
 {
     servo_driver_pass(d, now_us);

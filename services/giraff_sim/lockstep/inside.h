@@ -12,6 +12,7 @@
 #include "avr_uart.h"
 #include "board_model.h"
 #include "protocol.h"
+#include "servo_driver.h"
 
 enum {
     TX_SIZE = 65536,
@@ -24,18 +25,36 @@ struct pin {
     int bit;
 };
 
-struct motor {
+struct encoder {
     struct board_model *board;
     int number;                 /* of board->motor */
+    int mirrored;               /* channel B is inverted: forward is the other way round */
+    struct pin a, b;
+    int was_cut;                /* encoder_cut of the slice before */
+    double from, to;            /* encoder position at the ends of the running slice, quadrature states */
+};
+
+struct bridge {                 /* an H bridge with a PWM and a PHASE input, of the motor of its number */
+    struct board_model *board;
     int forward;                /* level of PHASE that means forward */
-    int mirrored;               /* the encoder's B channel is inverted: forward is the other way round */
-    struct pin encoder_a, encoder_b, pwm, phase;
+    struct pin pwm, phase;
     avr_timer_comp_t *compare;  /* of the PWM output */
     int duty;                   /* on the pins now, signed */
     int64_t duty_cycles;        /* sum over the slice of duty * cycles it lasted */
     avr_cycle_count_t since;    /* cycle from which `duty` is not yet in the sum */
-    int was_cut;                /* encoder_cut of the slice before */
-    double from, to;            /* encoder position at the ends of the running slice, quadrature states */
+};
+
+struct servo {                  /* a servo output to a motor driver in R/C mode */
+    struct servo_driver driver;
+    struct pin pin;
+    avr_timer_comp_t *compare;
+    int level;                  /* of the compare unit */
+    uint16_t next;              /* the compare register, as the next frame takes it */
+};
+
+struct analog {                 /* a voltage at an ADC channel */
+    avr_irq_t *input;           /* NULL: none wired */
+    int mv;
 };
 
 struct sonar {
@@ -51,6 +70,7 @@ struct sonar {
 struct board_private {
     avr_t *avr;
     void (*core_reset)(avr_t *);
+    avr_cycle_count_t slept;    /* of the running slice */
     int was_reset;              /* the pins and timers wait to be restored */
     avr_cycle_count_t start, end;   /* of the running slice */
     avr_uart_t *uart;
@@ -62,10 +82,11 @@ struct board_private {
     uint8_t twi_selected;       /* address byte of the running transfer; 0 = not for the slave */
     int twi_index;              /* of the byte within the transfer */
     uint8_t twi_pointer;
-    avr_irq_t *battery;         /* NULL: none wired */
-    int battery_mv;
+    struct analog battery, limit;
     struct pin button, slave_reset, bumper[BOARD_BUMPERS];
-    struct motor motor[BOARD_MOTORS];
+    struct encoder encoder[BOARD_MOTORS];
+    struct bridge bridge[BOARD_MOTORS];
+    struct servo servo[BOARD_MOTORS];
     struct sonar sonar[BOARD_SONARS];
 };
 
@@ -73,25 +94,42 @@ static inline struct board_model *board_of(avr_t *avr) { return avr->custom.data
 
 /* open.c */
 avr_io_t *io_next(avr_t *avr, const char *kind, avr_io_t *after);
+avr_timer_t *timer_named(avr_t *avr, char name);        /* NULL: the processor has none */
 
 /* pins.c: levels driven from outside survive a reset of the core */
 struct pin pin_named(avr_t *avr, const char *name);     /* "D3" */
 void pin_drive(struct board_model *b, struct pin pin, int level);
 int pin_output(avr_t *avr, struct pin pin);             /* level, or -1 while the pin is an input */
 void pins_restore(avr_t *avr);
+void register_watch(avr_t *avr, avr_io_addr_t address, avr_irq_notify_t changed, void *param);
+void pin_watch(avr_t *avr, struct pin pin, avr_irq_notify_t changed, void *param);      /* as an output */
 
-/* motors.c */
-struct motor_wiring {
+/* encoders.c, bridges.c, servos.c. begin and end: of a slice. stand_still: a slice of a stopped core. */
+void encoder_wire(struct board_model *b, int number, const char *pin_a, const char *pin_b, int mirrored);
+void encoders_begin(struct board_model *b);
+void encoders_arm(struct board_model *b);
+void encoders_stand_still(struct board_model *b);
+
+struct bridge_wiring {
     char timer, channel;
-    const char *pwm, *phase, *encoder_a, *encoder_b;
-    int forward, mirrored;
+    const char *pwm, *phase;
+    int forward;
 };
-int motor_wire(struct board_model *b, int number, const struct motor_wiring *wiring);    /* 0, or -1 */
-void motors_begin(struct board_model *b);               /* a slice */
-void motors_arm(struct board_model *b);
-void motors_restore(struct board_model *b);
-void motors_end(struct board_model *b, avr_cycle_count_t cycles);
-void motors_stand_still(struct board_model *b);         /* the core is stopped: nobody counts */
+int bridge_wire(struct board_model *b, int number, const struct bridge_wiring *wiring);  /* 0, or -1 */
+void bridges_begin(struct board_model *b);
+void bridges_restore(struct board_model *b);
+void bridges_end(struct board_model *b, avr_cycle_count_t cycles);
+void bridges_stand_still(struct board_model *b);
+
+struct servo_wiring {
+    char timer, channel;
+    const char *pin;
+};
+int servo_wire(struct board_model *b, int number, const struct servo_wiring *wiring);    /* 0, or -1 */
+void servos_begin(struct board_model *b);
+void servos_restore(struct board_model *b);
+void servos_end(struct board_model *b);
+void servos_stand_still(struct board_model *b);
 
 /* sonar.c */
 void sonar_wire(struct board_model *b, int number, const char *trigger, const char *echo);

@@ -7,11 +7,15 @@
 #include "avr_adc.h"
 #include "avr_eeprom.h"
 #include "inside.h"
-#include "servo_driver.h"
 
-static const struct motor_wiring BASE_MOTORS[BOARD_MOTORS] = {
-    { '2', 'B', "D6", "C6", "D3", "C7", .forward = 1, .mirrored = 0 },
-    { '1', 'B', "D4", "B4", "D2", "C0", .forward = 0, .mirrored = 1 },
+static const struct bridge_wiring BASE_BRIDGES[BOARD_MOTORS] = {
+    { '2', 'B', "D6", "C6", .forward = 1 },
+    { '1', 'B', "D4", "B4", .forward = 0 },
+};
+
+static const struct servo_wiring ARDROS_SERVOS[BOARD_MOTORS] = {
+    { '3', 'C', "E5" },
+    { '3', 'B', "E4" },
 };
 
 static const struct { const char *trigger, *echo; } SONARS[BOARD_SONARS] = {
@@ -29,6 +33,14 @@ avr_io_t *io_next(avr_t *avr, const char *kind, avr_io_t *after)
     for (avr_io_t *io = after ? after->next : avr->io_port; io; io = io->next)
         if (!strcmp(io->kind, kind))
             return io;
+    return NULL;
+}
+
+avr_timer_t *timer_named(avr_t *avr, char name)
+{
+    for (avr_io_t *io = io_next(avr, "timer", NULL); io; io = io_next(avr, "timer", io))
+        if (((avr_timer_t *)io)->name == name)
+            return (avr_timer_t *)io;
     return NULL;
 }
 
@@ -50,10 +62,9 @@ static void on_reset(avr_t *avr)        /* in the middle of avr_reset: only note
     b->resets++;
 }
 
-static void no_sleep(avr_t *avr, avr_cycle_count_t cycles)
+static void on_sleep(avr_t *avr, avr_cycle_count_t cycles)
 {
-    (void)avr;
-    (void)cycles;
+    board_of(avr)->inside->slept += cycles + 1;         /* as simavr counts it */
 }
 
 /* TRAP: simavr aborts on an image that is too large, and libelf is not asked whether it is one at all. */
@@ -93,12 +104,31 @@ static void free_image(elf_firmware_t *firmware)
     free(firmware->eeprom);
 }
 
+static struct analog adc_channel(avr_t *avr, int channel)
+{
+    return (struct analog){ .input = avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, channel) };
+}
+
 static int wire_base(struct board_model *b)
 {
     for (int k = 0; k < BOARD_MOTORS; k++)
-        if (motor_wire(b, k, &BASE_MOTORS[k]))
+        if (bridge_wire(b, k, &BASE_BRIDGES[k]))
             return -1;
-    b->inside->battery = avr_io_getirq(b->inside->avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0);
+    encoder_wire(b, 0, "D3", "C7", 0);
+    encoder_wire(b, 1, "D2", "C0", 1);
+    b->inside->battery = adc_channel(b->inside->avr, ADC_IRQ_ADC0);
+    return 0;
+}
+
+static int wire_ardros(struct board_model *b)
+{
+    for (int k = 0; k < BOARD_MOTORS; k++)
+        if (servo_wire(b, k, &ARDROS_SERVOS[k]))
+            return -1;
+    encoder_wire(b, 0, "D2", "A3", 0);
+    encoder_wire(b, 1, "D3", "A2", 1);
+    b->inside->battery = adc_channel(b->inside->avr, ADC_IRQ_ADC8);
+    b->inside->limit = adc_channel(b->inside->avr, ADC_IRQ_ADC0);
     return 0;
 }
 
@@ -124,6 +154,7 @@ static const struct board {
     int (*wire)(struct board_model *);      /* what is soldered to it beside the UART; 0, or -1 */
 } BOARDS[] = {
     { "base", "atmega644", 18432000, wire_base },
+    { "ardros", "atmega2560", 16000000, wire_ardros },
     { "joystick", "atmega328p", 16000000, wire_joystick },
     { "ranger", "atmega2560", 16000000, wire_ranger },
 };
@@ -166,7 +197,7 @@ struct board_model *board_open(const char *image, const char *name, char *messag
     avr->frequency = board->hz;
     avr->vcc = avr->avcc = avr->aref = 5000;
     avr->log = LOG_ERROR;
-    avr->sleep = no_sleep;
+    avr->sleep = on_sleep;
     b->inside->core_reset = avr->reset;
     avr->reset = on_reset;
     b->inside->was_reset = 1;

@@ -42,3 +42,14 @@ void pins_restore(avr_t *avr)
         }
     }
 }
+
+void register_watch(avr_t *avr, avr_io_addr_t address, avr_irq_notify_t changed, void *param)
+{
+    avr_irq_register_notify(avr_iomem_getirq(avr, address, NULL, AVR_IOMEM_IRQ_ALL), changed, param);
+}
+
+void pin_watch(avr_t *avr, struct pin pin, avr_irq_notify_t changed, void *param)
+{
+    register_watch(avr, pin.port->r_port, changed, param);
+    register_watch(avr, pin.port->r_ddr, changed, param);
+}

@@ -20,7 +20,7 @@ static void arm(struct board_model *b)      /* what is to happen before the end 
     avr_t *avr = in->avr;
     /* TRAP: sleep jumps to the next timer, so without one it would run past the slice's end. */
     avr_cycle_timer_register(avr, in->end > avr->cycle ? in->end - avr->cycle : 0, on_slice_end, NULL);
-    motors_arm(b);
+    encoders_arm(b);
     uart_arm(b);
 }
 
@@ -34,9 +34,19 @@ static void after_reset(struct board_model *b)
         avr_extint_set_strict_lvl_trig(in->avr, n, 0);  /* TRAP: INTn low with EICRx = 0 polls at every cycle */
     pins_restore(in->avr);
     sonars_arm(b);
-    motors_restore(b);
+    bridges_restore(b);
+    servos_restore(b);
     twi_restore(b);
     uart_restore(b);
+}
+
+static void put_volts(struct analog *analog, double volts)
+{
+    int mv = (int)(volts * 1000 + 0.5);
+    if (!analog->input || mv == analog->mv)
+        return;
+    analog->mv = mv;
+    avr_raise_irq(analog->input, (uint32_t)mv);
 }
 
 static void inputs(struct board_model *b)
@@ -47,11 +57,8 @@ static void inputs(struct board_model *b)
     for (int k = 0; k < BOARD_BUMPERS; k++)
         if (in->bumper[k].port)
             pin_drive(b, in->bumper[k], b->bumper_open[k]); /* closed to ground, or the pull-up */
-    int battery_mv = (int)(b->battery_volts * 1000 + 0.5);
-    if (in->battery && battery_mv != in->battery_mv) {
-        in->battery_mv = battery_mv;
-        avr_raise_irq(in->battery, (uint32_t)battery_mv);
-    }
+    put_volts(&in->battery, b->battery_volts);
+    put_volts(&in->limit, b->limit_volts);
 }
 
 static void outputs(struct board_model *b)
@@ -66,7 +73,10 @@ static void run_slice(struct board_model *b)
     struct board_private *in = b->inside;
     avr_t *avr = in->avr;
     avr_cycle_count_t began = avr->cycle;
-    motors_begin(b);
+    in->slept = 0;
+    encoders_begin(b);
+    bridges_begin(b);
+    servos_begin(b);
     if (in->was_reset)
         after_reset(b);
     inputs(b);
@@ -82,7 +92,10 @@ static void run_slice(struct board_model *b)
             break;
         }
     }
-    motors_end(b, avr->cycle - began);
+    avr_cycle_count_t cycles = avr->cycle - began;
+    bridges_end(b, cycles);
+    servos_end(b);
+    b->awake = cycles ? 1 - (double)in->slept / (double)cycles : 0;
     outputs(b);
 }
 
@@ -99,7 +112,10 @@ int board_run(struct board_model *b, uint64_t until_us)
     if (b->state != BOARD_RUNNING) {
         if (in->avr->cycle < end)
             in->avr->cycle = end;       /* time goes on; a reset must not make up for it */
-        motors_stand_still(b);
+        b->awake = 0;
+        encoders_stand_still(b);
+        bridges_stand_still(b);
+        servos_stand_still(b);
     }
     b->now_us = until_us;
     return b->state;
