@@ -129,6 +129,10 @@ class SimulatorClient:
         """Cut a wheel encoder's wires, or mend them."""
         return self._ask(messages.CutEncoder(wheel=wheel, cut=cut)).now_us
 
+    def cut_signal(self, wheel: Wheel, *, cut: bool) -> int:
+        """Pull off the wire from a wheel's servo output to the motor driver, or put it back."""
+        return self._ask(messages.CutSignal(wheel=wheel, cut=cut)).now_us
+
     def battery(self, volts: float) -> int:
         """Set the battery's voltage with nothing connected."""
         return self._ask(messages.Battery(volts=volts)).now_us

@@ -55,6 +55,7 @@ class Control:
             messages.FailSonar: self._fail_sonar,
             messages.CutBumper: self._cut_bumper,
             messages.CutEncoder: self._cut_encoder,
+            messages.CutSignal: self._cut_signal,
             messages.BlockWheel: self._block_wheel,
             messages.BrakeWheel: self._brake_wheel,
             messages.Solder: self._solder,
@@ -163,6 +164,9 @@ class Control:
 
     def _cut_encoder(self, request: messages.CutEncoder) -> None:
         self._wired_wheels.cut_encoder(_WHEELS[request.wheel], is_cut=request.cut)
+
+    def _cut_signal(self, request: messages.CutSignal) -> None:
+        self._wired_wheels.cut_signal(_WHEELS[request.wheel], is_cut=request.cut)
 
     def _block_wheel(self, request: messages.BlockWheel) -> None:
         self._wheels.block_wheel(_WHEELS[request.wheel], is_blocked=request.blocked)

@@ -112,6 +112,13 @@ class CutEncoder(Request, frozen=True, kw_only=True, tag="encoder"):
     cut: bool
 
 
+class CutSignal(Request, frozen=True, kw_only=True, tag="signal"):
+    """Pull off the wire from a wheel's servo output to the motor driver, or put it back."""
+
+    wheel: Wheel
+    cut: bool
+
+
 class BlockWheel(Request, frozen=True, kw_only=True, tag="block"):
     """Hold a wheel so that it does not turn whatever its motor gets, or let it go."""
 
@@ -174,6 +181,7 @@ AnyRequest = (
     | FailSonar
     | CutBumper
     | CutEncoder
+    | CutSignal
     | BlockWheel
     | BrakeWheel
     | Solder

@@ -127,7 +127,8 @@ static int wire_ardros(struct board_model *b)
             return -1;
     encoder_wire(b, 0, "D2", "A3", 0);
     encoder_wire(b, 1, "D3", "A2", 1);
-    b->inside->battery = adc_channel(b->inside->avr, ADC_IRQ_ADC8);
+    /* TRAP: simavr keeps 8 channels; it reads the next one from the memory behind them, the temperature sensor's. */
+    b->inside->battery = adc_channel(b->inside->avr, ADC_IRQ_TEMP);
     b->inside->limit = adc_channel(b->inside->avr, ADC_IRQ_ADC0);
     return 0;
 }

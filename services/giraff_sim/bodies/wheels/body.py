@@ -6,6 +6,7 @@ from typing import Final
 
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
+from giraff_schemas.boards import ARDROS_BOARD
 from giraff_schemas.wire import WheelsFrame, Wiring
 from giraff_sim.board import Board
 from giraff_sim.bodies.wheels.plant import Plant, Wheel
@@ -37,6 +38,7 @@ class WheelsBody:
         """Mean signed duty of each motor in the last step, by its number on the board."""
         self._soldering = Soldering()
         self._cut = [0, 0]  # 1: the wires of the encoder of that number are cut
+        self._signal_cut = [0, 0]  # 1: the wire from the servo output of the motor of that number is off
         self._volts_per_count = drive.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT
 
     def step(self, board: Board | None, duration: float) -> None:
@@ -47,6 +49,7 @@ class WheelsBody:
         self.plant.step(duration, *self._soldering.duties((motors[0].drive, motors[1].drive)))
         motors[0].position, motors[1].position = self._soldering.positions(self._wheel_states)
         motors[0].encoder_cut, motors[1].encoder_cut = self._cut
+        motors[0].signal_cut, motors[1].signal_cut = self._signal_cut
         board.model.battery_volts = self._battery_pin_volts
 
     def look(self, board: Board) -> None:
@@ -58,6 +61,12 @@ class WheelsBody:
     def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
         """Cut (or mend) the wires of a wheel's encoder: `soldering.LEFT` or `RIGHT`."""
         self._cut[self._soldering.encoder_of(wheel)] = int(is_cut)
+
+    def cut_signal(self, wheel: int, *, is_cut: bool) -> None:
+        """Pull off (or put back) the wire from a wheel's servo output to the motor driver. ValueError without one."""
+        if self.board is not ARDROS_BOARD:
+            raise ValueError(f"the board {self.board.name} has no servo output whose wire could be cut")
+        self._signal_cut[self._soldering.motor_of(wheel)] = int(is_cut)
 
     def block_wheel(self, wheel: int, *, is_blocked: bool) -> None:
         """Hold a wheel so that it does not turn whatever its motor gets, or let it go."""

@@ -28,6 +28,10 @@ class Soldering:
         """The number of a wheel's encoder."""
         return wheel ^ int(Wiring.SWAP_ENCODERS in self.wiring)
 
+    def motor_of(self, wheel: int) -> int:
+        """Return the number of a wheel's motor."""
+        return wheel ^ int(Wiring.SWAP_MOTORS in self.wiring)
+
     def duties(self, drives: Pair) -> Pair:
         """What each wheel gets of the motors' signed duties."""
         if not self._is_crossed:
