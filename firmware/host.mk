@@ -36,6 +36,6 @@ $(OUT)/machine/%.o: %.c $(MAKEFILE_LIST)
 
 .PHONY: check
 check:
-	$(CHECK) --platform=unix64 -DBOARD='"$(BOARD)"' $(MACHINE:%=host/%.c)
+	$(CHECK) --platform=unix64 -D__unix__ -DBOARD='"$(BOARD)"' $(MACHINE:%=host/%.c)
 
 -include $(OBJECTS:.o=.d)

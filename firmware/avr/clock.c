@@ -2,6 +2,7 @@
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include "board.h"
+#include "clock.h"
 #include "firmware.h"
 #include "hal.h"
 
@@ -26,12 +27,12 @@ void hal_start_clock(void)
     TCCR0B = PRESCALER;
 }
 
-uint8_t hal_clock_counts(void)
+uint8_t hal_clock_stamps(void)
 {
     uint8_t counts = TCNT0;
     if (!(TIFR0 & _BV(OCF0A)))
-        return counts;
-    return (uint8_t)(CLOCK_COUNTS_PER_MS + TCNT0);  /* a millisecond has ended and its interrupt waits */
+        return CLOCK_STAMPS(counts);
+    return CLOCK_STAMPS(CLOCK_COUNTS_PER_MS + TCNT0);   /* a millisecond has ended and its interrupt waits */
 }
 
 uint16_t hal_clock_us(void)

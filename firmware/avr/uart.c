@@ -4,7 +4,9 @@
 #include "board.h"
 #include "hal.h"
 #include "uart.h"
-#define BAUD_TOL 0                  /* per cent: every board's baud is exact */
+#ifndef BAUD_TOL                    /* per cent: the baud is exact, or the board.h says why not */
+#define BAUD_TOL 0
+#endif
 #include <util/setbaud.h>
 
 #ifndef USART0_RX_vect              /* the ATmega328P has one USART and no number in its vectors' names */

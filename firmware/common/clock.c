@@ -1,4 +1,3 @@
-#include "board.h"
 #include "clock.h"
 #include "hal.h"
 #include "start_values.h"
@@ -18,7 +17,7 @@ void clock_on_millisecond(void)
 {
     ms++;
     us += 1000;
-    stamp += CLOCK_COUNTS_PER_MS;
+    stamp += CLOCK_STAMPS_PER_MS;
 }
 
 uint32_t clock_ms(void)
@@ -41,7 +40,17 @@ uint32_t clock_us(void)
 
 uint16_t clock_stamp(void)
 {
-    return (uint16_t)(stamp + hal_clock_counts());
+    return (uint16_t)(stamp + hal_clock_stamps());
+}
+
+uint16_t clock_stamp_after(uint16_t counts)
+{
+    return (uint16_t)(stamp + CLOCK_STAMPS(counts));
+}
+
+uint32_t clock_us_after(uint16_t later_us)
+{
+    return us + later_us;
 }
 
 bool clock_due(uint32_t *last_ms, uint16_t period_ms)

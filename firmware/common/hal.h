@@ -8,12 +8,28 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* A statement that no interrupt splits. Simulated interrupts come between two polls, never inside one. */
-#ifdef __AVR__
+/* A statement that no interrupt splits, on each processor by its own means. */
+#if defined(__AVR__)
 #include <util/atomic.h>
 #define ATOMICALLY ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
+#elif defined(__ARM_ARCH_PROFILE) && __ARM_ARCH_PROFILE == 'M'
+static inline uint32_t atomically_begin(void)
+{
+    uint32_t primask;
+    __asm__ volatile("mrs %0, primask\n\tcpsid i" : "=r"(primask) : : "memory");
+    return primask;
+}
+static inline void atomically_end(const uint32_t *primask)
+{
+    __asm__ volatile("msr primask, %0" : : "r"(*primask) : "memory");
+}
+/* The clean-up restores the mask however the statement is left. */
+#define ATOMICALLY \
+    for (uint32_t primask_ __attribute__((cleanup(atomically_end))) = atomically_begin(), once_ = 1; once_; once_ = 0)
+#elif defined(__unix__)
+#define ATOMICALLY      /* a host's simulated interrupts come between two polls, never inside one */
 #else
-#define ATOMICALLY
+#error "hal.h does not know how this processor keeps interrupts out of a statement"
 #endif
 
 enum { WATCHDOG_MS = 250 };
@@ -36,7 +52,7 @@ void hal_enable_interrupts(void);
 
 void hal_start_clock(void);                 /* firmware_on_millisecond from now on, each millisecond */
 uint16_t hal_clock_us(void);                /* since the last millisecond that was counted; interrupts off */
-uint8_t hal_clock_counts(void);             /* the same in CLOCK_COUNTS_PER_MS of board.h, some more than one ms at most */
+uint8_t hal_clock_stamps(void);             /* the same in CLOCK_STAMPS_PER_MS, some more than one ms at most */
 
 void hal_start_uart(void);
 void hal_transmit(void);                    /* fetch bytes by uart_on_transmit until it has none */

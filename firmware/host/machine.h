@@ -26,6 +26,7 @@ void machine_complain(const char *message);     /* the firmware did what hardwar
 void processor_open(void);
 void processor_reset(void);
 void processor_on_event(enum source source);
+uint16_t processor_clock_counts(void);          /* of its timer, since the last millisecond that was counted */
 
 /* What is soldered to it: base_parts.c, joystick_parts.c, ranger_parts.c. */
 void parts_open(void);

@@ -2,6 +2,7 @@
 #include <stddef.h>
 #include <string.h>
 #include "board.h"
+#include "clock.h"
 #include "firmware.h"
 #include "hal.h"
 #include "machine.h"
@@ -163,15 +164,20 @@ void hal_start_clock(void)
     machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
 }
 
-uint8_t hal_clock_counts(void)
+uint16_t processor_clock_counts(void)
 {
     uint64_t since_ns = machine_now_ns() - millisecond_began_ns;
-    return (uint8_t)(since_ns * CLOCK_COUNTS_PER_MS / MS_NS);
+    return (uint16_t)(since_ns * CLOCK_COUNTS_PER_MS / MS_NS);
+}
+
+uint8_t hal_clock_stamps(void)
+{
+    return CLOCK_STAMPS(processor_clock_counts());
 }
 
 uint16_t hal_clock_us(void)
 {
-    return CLOCK_US(hal_clock_counts());
+    return CLOCK_US(processor_clock_counts());
 }
 
 void hal_start_uart(void)
