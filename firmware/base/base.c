@@ -103,6 +103,7 @@ void firmware_poll(void)
 
 void firmware_on_millisecond(void)
 {
+    encoders_on_millisecond();
     clock_on_millisecond();
     hal_enable_interrupts();        /* the encoders' edges do not wait for the rest; the next millisecond is far */
     const struct encoders_edge newest[2] = { encoders_newest(0), encoders_newest(1) };

@@ -1,6 +1,8 @@
 #include <stdbool.h>
+#include "board.h"
 #include "drive.h"
 #include "hal.h"
+#include "hal_base.h"
 #include "latch.h"
 #include "speed.h"
 #include "turning.h"
@@ -34,6 +36,7 @@ static uint16_t last_seq;
 /* Since the boot. */
 static uint8_t last_refusal = REFUSAL_NONE;
 static uint16_t accepted, refused;
+static bool is_limited;                         /* the newest accepted command, by the board's own limit */
 
 /* Whether the host made the frame from telemetry old enough to matter. A time ahead of the board's is no better
  * than an old one: it comes out as a large age here. */
@@ -151,7 +154,30 @@ void drive_on_configure(const struct configure *asked, uint32_t boot_id, uint32_
     has_last_seq = false;
 }
 
-static void obey(const struct command *asked, uint32_t boot_id, uint32_t now_ms)
+/* A board's own limit lowers both wheels alike, so that the curve stays, and raises nothing. */
+static bool lower(struct command *asked)
+{
+    uint8_t share = hal_level_limit();
+    int32_t most = (int32_t)((level_max ? level_max : speed_max) * share / UINT8_MAX), largest = 0;
+    int32_t values[WHEELS];
+    for (uint8_t wheel = 0; wheel < WHEELS; wheel++) {
+        values[wheel] = level_max ? asked->level[wheel] : asked->um_s[wheel];
+        if (!is_within(values[wheel], (uint32_t)largest))
+            largest = values[wheel] < 0 ? -values[wheel] : values[wheel];
+    }
+    if (largest <= most)
+        return false;
+    for (uint8_t wheel = 0; wheel < WHEELS; wheel++) {
+        int32_t lowered = (int32_t)((int64_t)values[wheel] * most / largest);
+        if (level_max)
+            asked->level[wheel] = (int16_t)lowered;
+        else
+            asked->um_s[wheel] = lowered;
+    }
+    return true;
+}
+
+static void obey(struct command *asked, uint32_t boot_id, uint32_t now_ms)
 {
     enum refusal refusal = judge_command(asked, boot_id, now_ms);
     if (refusal != REFUSAL_NONE) {
@@ -162,6 +188,7 @@ static void obey(const struct command *asked, uint32_t boot_id, uint32_t now_ms)
     has_last_seq = true;
     last_seq = asked->seq;
     bool opens = !asked->level[LEFT] && !asked->level[RIGHT] && !asked->um_s[LEFT] && !asked->um_s[RIGHT];
+    bool limited = HAS_LEVEL_LIMIT && lower(asked);
     ATOMICALLY {        /* the interrupt may stop the motors up to here, and is looked at here */
         if (state == DRIVE_LATCHED) {
             refusal = REFUSAL_LATCHED;
@@ -184,11 +211,13 @@ static void obey(const struct command *asked, uint32_t boot_id, uint32_t now_ms)
         return;
     }
     accepted++;
+    if (HAS_LEVEL_LIMIT)
+        is_limited = limited;
 }
 
 void drive_on_levels(const struct drive *asked, uint32_t boot_id, uint32_t now_ms)
 {
-    const struct command command = {
+    struct command command = {
         .seq = asked->seq,
         .boot_id = asked->boot_id,
         .board_ms = asked->board_ms,
@@ -199,7 +228,7 @@ void drive_on_levels(const struct drive *asked, uint32_t boot_id, uint32_t now_m
 
 void drive_on_speeds(const struct speed *asked, uint32_t boot_id, uint32_t now_ms)
 {
-    const struct command command = {
+    struct command command = {
         .seq = asked->seq,
         .boot_id = asked->boot_id,
         .board_ms = asked->board_ms,
@@ -342,6 +371,8 @@ struct drive_report drive_report(void)
         report.drive_state = state;
         report.latch = (uint8_t)latch_cause();
         report.speed_flags = control.flags;
+        if (HAS_LEVEL_LIMIT && is_limited && state == DRIVE_ACTIVE)
+            report.speed_flags |= SPEED_AT_LIMIT;
         for (uint8_t wheel = 0; wheel < WHEELS; wheel++)
             report.um_s[wheel] = control.wheel[wheel].speedometer.um_s;
     }

@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-struct encoders_reading {       /* of one instant */
+struct encoders_reading {       /* of one instant, which may be the last millisecond's */
     uint32_t at_us;
     uint32_t counts[2];
 };
@@ -22,5 +22,8 @@ struct encoders_edge encoders_newest(uint8_t encoder);
 /* From the interrupt at each edge of the encoder's channel A, with the channels' levels just after it. */
 void encoders_on_edge_0(bool a, bool b);
 void encoders_on_edge_1(bool a, bool b);
+
+/* From the millisecond interrupt, as its first: with interrupts off, which it may enable. */
+void encoders_on_millisecond(void);
 
 #endif

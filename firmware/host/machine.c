@@ -93,7 +93,7 @@ static void fire(enum source source)
         board_reset(machine_board, RESET_WATCHDOG);
         return;
     }
-    if (source <= PART_2)
+    if (source < WATCHDOG)
         parts_on_event(source);
     else
         processor_on_event(source);

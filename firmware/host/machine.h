@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include "board_model.h"
 
-enum source { PART_0, PART_1, PART_2, WATCHDOG, CLOCK, UART_RX, UART_TX, SOURCES };
+enum source { PART_0, PART_1, PART_2, PART_3, PART_4, WATCHDOG, CLOCK, UART_RX, UART_TX, SOURCES };
 
 enum { EEPROM_SIZE = 4096 };
 
@@ -26,9 +26,8 @@ void machine_complain(const char *message);     /* the firmware did what hardwar
 void processor_open(void);
 void processor_reset(void);
 void processor_on_event(enum source source);
-uint16_t processor_clock_counts(void);          /* of its timer, since the last millisecond that was counted */
 
-/* What is soldered to it: base_parts.c, joystick_parts.c, ranger_parts.c. */
+/* What is soldered to it: base_parts.c with bridges.c or servos.c, joystick_parts.c, ranger_parts.c. */
 void parts_open(void);
 void parts_reset(void);                         /* the processor's pins are inputs again */
 void parts_begin(uint64_t until_ns);            /* of a slice */

@@ -164,7 +164,7 @@ void hal_start_clock(void)
     machine_schedule(CLOCK, millisecond_began_ns + MS_NS);
 }
 
-uint16_t processor_clock_counts(void)
+static uint16_t clock_counts(void)
 {
     uint64_t since_ns = machine_now_ns() - millisecond_began_ns;
     return (uint16_t)(since_ns * CLOCK_COUNTS_PER_MS / MS_NS);
@@ -172,12 +172,12 @@ uint16_t processor_clock_counts(void)
 
 uint8_t hal_clock_stamps(void)
 {
-    return CLOCK_STAMPS(processor_clock_counts());
+    return CLOCK_STAMPS(clock_counts());
 }
 
 uint16_t hal_clock_us(void)
 {
-    return CLOCK_US(processor_clock_counts());
+    return CLOCK_US(clock_counts());
 }
 
 void hal_start_uart(void)

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from giraff_base.drives.wheels.config import by_levels
+from giraff_core.robot import RobotConfig
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     ECHO_MAX_AGE_MS,
@@ -158,7 +159,8 @@ _MOTOR_MS = 150.0
 class SpeedBench(BaseBench):
     """The base board, wheels that turn by what their motors get, and a host that asks for their speeds."""
 
-    def __init__(self, board: Board) -> None:
+    def __init__(self, board: Board, robot: RobotConfig = ROBOT) -> None:
+        self.robot = robot
         self.strength = [1.0, 1.0]
         """Of the speed that the robot's file expects of each motor."""
         self.speed = [0.0, 0.0]
@@ -180,17 +182,20 @@ class SpeedBench(BaseBench):
     def _turn(self) -> None:
         for number, motor in enumerate(self.model.motor):
             hand = self.hands[number]
-            full = ROBOT.max_wheel_speed / BY_SPEED.max_level * self.strength[number]
+            full = self.robot.max_wheel_speed / BY_SPEED.max_level * self.strength[number]
             aim = motor.drive * full * self._voltage_ratio + self.pull[number]
             self.speed[number] += (aim - self.speed[number]) / _MOTOR_MS
             if hand is not None:
                 self.speed[number] = hand(self.now_ms)
-            motor.position += self.speed[number] * ROBOT.ticks_per_metre * 2 / 1000
+            motor.position += self.speed[number] * self.robot.ticks_per_metre * 2 / 1000
 
     def configure_frame(self, **changes: int) -> ConfigureFrame:
         wheels = self.wheels()
         good = msgspec.structs.replace(
-            BY_SPEED.board_settings(ROBOT, ACCELERATION), boot_id=wheels.boot_id, board_ms=wheels.board_ms, session=7
+            BY_SPEED.board_settings(self.robot, ACCELERATION),
+            boot_id=wheels.boot_id,
+            board_ms=wheels.board_ms,
+            session=7,
         )
         return msgspec.structs.replace(good, **changes)
 

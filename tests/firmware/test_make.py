@@ -11,7 +11,7 @@ from tests.support.tools import finished
     [
         (["AVR_CC=no-such-compiler"], "there is no no-such-compiler; on Debian: apt install gcc-avr avr-libc"),
         (["check", "CPPCHECK=no-such-checker"], "there is no no-such-checker; on Debian: apt install cppcheck"),
-        (["flash"], "BOARD= one of base joystick ranger"),
+        (["flash"], "BOARD= one of ardros base joystick ranger"),
         (["flash", "BOARD=base", "AVRDUDE=no-such-tool"], "there is no no-such-tool; on Debian: apt install avrdude"),
         (["flash", "BOARD=base", "AVRDUDE=true"], "PORT= the programmer's port"),
     ],
@@ -24,18 +24,17 @@ def test_what_is_missing_is_named(arguments: list[str], complaint: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("board", "part"),
-    [("base", "-p m644 -c usbasp"), ("joystick", "-p m328p -c arduino"), ("ranger", "-p m2560 -c wiring")],
+    ("board", "chosen", "part"),
+    [
+        ("base", [], "-p m644 -c usbasp"),
+        ("joystick", [], "-p m328p -c arduino"),
+        ("ranger", [], "-p m2560 -c wiring"),
+        ("ardros", ["PROGRAMMER=-c avrisp2"], "-p m2560 -c avrisp2"),
+    ],
 )
-def test_each_board_is_flashed_with_its_own_part_and_programmer(board: str, part: str) -> None:
-    command = ["make", "--silent", "--dry-run", "-C", str(FIRMWARE), "flash", f"BOARD={board}", "PORT=/dev/port"]
-    made = finished(command, check=True)
+def test_each_board_is_flashed_with_its_own_part_and_programmer(board: str, chosen: list[str], part: str) -> None:
+    """Another programmer may be chosen."""
+    settings = ["flash", f"BOARD={board}", "PORT=/dev/port", *chosen]
+    made = finished(["make", "--silent", "--dry-run", "-C", str(FIRMWARE), *settings], check=True)
     assert f"avrdude {part}" in made.stdout
     assert f"-P /dev/port -U flash:w:../build/firmware/{board}.elf:e" in made.stdout
-
-
-def test_another_programmer_may_be_chosen() -> None:
-    settings = ["flash", "BOARD=base", "PORT=usb", "PROGRAMMER=-c avrisp2"]
-    command = ["make", "--silent", "--dry-run", "-C", str(FIRMWARE), *settings]
-    made = finished(command, check=True)
-    assert "avrdude -p m644 -c avrisp2 -P usb" in made.stdout

@@ -11,4 +11,6 @@ _Static_assert(BAUD == BASE_BAUD, "the wire's baud is declared in protocol.h");
 _Static_assert(CLOCK_COUNTS_PER_MS == STAMPS_PER_MS, "an edge's time is declared in protocol.h");
 #define CLOCK_US(counts) ((uint16_t)((counts) * 222u / 16u))       /* 13.889 each, at most 2 us short */
 
+#define HAS_LEVEL_LIMIT 0
+
 #endif

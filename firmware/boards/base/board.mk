@@ -3,5 +3,7 @@ FIRMWARE := base
 MCU := atmega644
 HZ := 18432000UL
 REGISTERS := registers motors_off
+ENCODERS := encoders
+OUTPUTS := bridges
 PART := m644
 PROGRAMMER ?= -c usbasp
