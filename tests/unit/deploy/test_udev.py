@@ -55,6 +55,16 @@ def test_an_example_that_is_made_a_rule_works() -> None:
     assert device.properties["ID_MM_DEVICE_IGNORE"] == "1"
 
 
+def test_a_base_board_that_is_a_mega_and_the_rangers_are_told_apart_by_serial_number() -> None:
+    any_mega = next(line for line in TEXT.splitlines() if line.startswith("ENV") and "giraff-ranger" in line)
+    ours = [line for line in EXAMPLES if "ID_SERIAL_SHORT" in line]
+    text = "\n".join(line.removeprefix("#") if line[1:] in ours else line for line in TEXT.splitlines())
+    boards = [parse(line)[1].value for line in ours]
+    for serial, service in zip(boards, ("base", "ranger"), strict=True):
+        device = apply(rules(text.replace(any_mega, f"#{any_mega}")), Device({**MEGA, "ID_SERIAL_SHORT": serial}))
+        assert device.links == [port(service)]
+
+
 @pytest.mark.parametrize(
     "text",
     [
