@@ -90,6 +90,7 @@ static void convert(uint8_t channel)
 
 void hal_start_battery(void)
 {
+    PORTF |= _BV(LIMIT_CHANNEL);                        /* pull-up: without a potentiometer nothing is limited */
     DIDR0 = _BV(LIMIT_CHANNEL);
     DIDR2 = _BV(BATTERY_CHANNEL - 8);
     convert(BATTERY_CHANNEL);
