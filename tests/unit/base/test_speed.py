@@ -136,7 +136,10 @@ def test_a_wheel_at_its_limit_is_named_and_drives_on() -> None:
     assert {each.um_s for each in sent} == {(FULL_UM_S, FULL_UM_S)}
     state = sent[0].state
     assert (state.armed, state.driving) == (True, True)
-    assert state.reason == "at its limit: the wheels cannot do what is asked; the battery may be low"
+    assert (
+        state.reason
+        == "at its limit: the wheels cannot do what is asked; the battery may be low, or the potentiometer turned down"
+    )
     rig.board.speed_flags = SpeedFlag(0)
     assert rig.run(0.01)[-1].state.reason == ""
 

@@ -20,7 +20,9 @@ _LATCHED_BY: Final[dict[int, str]] = {
     Latch.LEFT_OPPOSITE: f"left {_OPPOSITE}",
     Latch.RIGHT_OPPOSITE: f"right {_OPPOSITE}",
 }
-_AT_LIMIT: Final = Trouble("at its limit: the wheels cannot do what is asked; the battery may be low")
+_AT_LIMIT: Final = Trouble(
+    "at its limit: the wheels cannot do what is asked; the battery may be low, or the potentiometer turned down"
+)
 
 
 def word(kind: type[IntEnum], value: int) -> str:
