@@ -60,7 +60,6 @@ RUN make -C /src/firmware host && chmod -R a+rX /src
 
 # The simulator looks for them where they are in the repository.
 FROM run AS sim
-COPY --from=boards /src/build/host/base.so /src/build/host/joystick.so /src/build/host/ranger.so \
-    /opt/giraff/src/build/host/
+COPY --from=boards /src/build/host/*.so /opt/giraff/src/build/host/
 COPY --from=boards /src/firmware/host/board_model.h /opt/giraff/src/firmware/host/
 COPY --from=boards /src/deploy /opt/giraff/src/deploy

@@ -28,6 +28,8 @@ class BoardType(NamedTuple):
     protocol_hash: int = PROTOCOL_HASH
     frames: Mapping[int, type[Frame]] = FRAME_CLASSES
     """Frames on its line, by their type; `hello` and its request are among them."""
+    output_delay_us: int = 0
+    """us. Longest time from a decision of the board to its motors: of a servo output, a frame and a pulse."""
 
 
 BASE_BOARD: Final = BoardType("base", BoardKind.BASE, BASE_BAUD)
@@ -35,6 +37,6 @@ JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
 RANGER_BOARD: Final = BoardType(
     "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES
 )
-ARDROS_BOARD: Final = BoardType("ardros", BoardKind.BASE, BASE_BAUD)
+ARDROS_BOARD: Final = BoardType("ardros", BoardKind.BASE, BASE_BAUD, output_delay_us=22_000)
 BOARDS: Final = {BoardKind(board.number): board for board in (BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD)}
 """By the role that a board has for a stock robot. Another drive may name another board for base."""

@@ -7,8 +7,10 @@ from random import Random
 from types import SimpleNamespace
 from typing import cast, get_args
 
+import msgspec
 import pytest
 
+from giraff_base.drives.wheels.config import BoardName
 from giraff_schemas.requests import EStopReset
 from giraff_sim.bodies.kinds import judge_of, world_of
 from giraff_sim.bodies.wheels.body import WheelsBody
@@ -267,8 +269,11 @@ def test_of_two_faults_the_later_has_its_own_bound(second_at: float, is_late: bo
     assert stops.overdue(670_000)
 
 
-def test_wheels_are_in_their_safe_state_at_once() -> None:
-    assert WheelsBody.settles_us == 0, "it is added to each bound"
+@pytest.mark.parametrize(("board", "settles_us"), [("base", 0), ("ardros", 22_000)])
+def test_wheels_are_in_their_safe_state_as_soon_as_their_motors_obey(board: BoardName, settles_us: int) -> None:
+    drive = msgspec.structs.replace(BY_SPEED, board=board)
+    body = WheelsBody(SETTINGS.robot, drive, SimConfig(), hall(), EXACT)
+    assert body.settles_us == settles_us, "it is added to each bound"
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final, Literal, get_type_hints
+from typing import Literal, get_args, get_type_hints
 
 import tomlkit
 
@@ -19,13 +19,14 @@ from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_node.config.moved import current_name
 from giraff_node.config.robot_file import ConfigError, load, robot_file
 from giraff_node.network.discovery import resolve_target, simulated_name
+from giraff_schemas.boards import BOARDS, BoardType
 from giraff_schemas.services import DEMONSTRATION
 from giraff_schemas.topics import require_chunk
-from giraff_sim.board import BUILD, ROOT
-from giraff_sim.bodies.kinds import known_of, read_drive, world_of
+from giraff_schemas.wire import BoardKind
+from giraff_sim.board import BUILD, ROOT, Implementation, files_of
+from giraff_sim.bodies.kinds import read_drive, with_known, world_of
 from giraff_sim.config import SimConfig
 from giraff_sim.main import make_hand
 from giraff_sim.settings import Settings
@@ -36,12 +37,6 @@ from giraff_web.config import WebConfig
 
 Boards = Literal["avr", "host"]
 Hand = Literal["demo", "keyboard", "none"]
-
-_NEEDED: Final[dict[Boards, tuple[str, ...]]] = {
-    "avr": ("lockstep/lockstep.so", "firmware/base.elf", "firmware/joystick.elf", "firmware/ranger.elf"),
-    "host": ("host/base.so", "host/joystick.so", "host/ranger.so"),
-}
-"""Below the build directory."""
 
 
 class PlanError(Exception):
@@ -128,7 +123,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     for option, path in (("--summary", summary), ("--picture", picture)):
         if path is not None:
             _require_writable(option, path)
-    chosen, why = choose_boards(boards, BUILD)
+    chosen, why = choose_boards(boards, drive.board_type, BUILD)
     return Plan(
         robot=robot,
         network=network,
@@ -148,9 +143,12 @@ def make_plan(  # noqa: PLR0913  one argument an option
     )
 
 
-def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
+def choose_boards(wanted: Boards | None, base: BoardType, build: Path) -> tuple[Boards, str]:
     """The boards to run, and why they are not the real firmware where nobody asked for that."""
-    missing = {boards: [name for name in names if not (build / name).is_file()] for boards, names in _NEEDED.items()}
+    missing: dict[Boards, list[str]] = {
+        boards: [name for name in _needed(base, Implementation(boards)) if not (build / name).is_file()]
+        for boards in get_args(Boards)
+    }
     if wanted is not None:
         if missing[wanted]:
             raise PlanError(f"--boards {wanted}: build/{missing[wanted][0]} is missing; make setup builds it")
@@ -162,15 +160,19 @@ def choose_boards(wanted: Boards | None, build: Path) -> tuple[Boards, str]:
     raise PlanError(f"there are no boards: build/{missing['host'][0]} is missing; make setup builds it")
 
 
+def _needed(base: BoardType, implementation: Implementation) -> tuple[str, ...]:
+    """Return the files that a robot with this base board is run from, below the build directory."""
+    boards = {**BOARDS, BoardKind.BASE: base}.values()
+    return tuple(dict.fromkeys(name for board in boards for name in files_of(board, implementation)))
+
+
 def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool) -> dict[str, str]:
     environment = dict(given)
     if not environment.get("GIRAFF_CONFIG"):
         here = Path("deploy/robot.toml")
         environment["GIRAFF_CONFIG"] = str(here if here.is_file() else ROOT / "deploy" / "robot.toml")
     environment["GIRAFF_CONFIG"] = str(robot_file(environment).absolute())
-    set_already = {current_name(name) for name in given}
-    known = known_of(read_drive(environment))
-    environment |= {name: value for name, value in known.items() if name not in set_already}
+    environment = with_known(environment)
     name = environment.setdefault("GIRAFF_ROBOT_NAME", simulated_name(socket.gethostname()))
     try:
         require_chunk(name)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import assert_never
+from typing import Any, assert_never
 
 from giraff_base.config import BaseConfig, DriveConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import load
+from giraff_node.config.moved import current_name, path_of
+from giraff_node.config.robot_file import load, read_tables, robot_file
 from giraff_schemas.services import BASE
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
@@ -27,13 +28,33 @@ def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:
     return load(BASE.table, BaseConfig, environment, port="simulated").drive
 
 
-def known_of(drive: DriveConfig) -> Mapping[str, str]:
-    """Return the variables that `giraff run` gives the services of this kind of robot."""
+def with_known(environment: Mapping[str, str]) -> dict[str, str]:
+    """Add the variables that a simulated robot of this kind brings, where neither file nor environment set the field.
+
+    Raises ConfigError.
+    """
+    filed = read_tables({"GIRAFF_CONFIG": str(robot_file(environment))})
+    set_already = {current_name(name) for name in environment}
+    known = _known_of(read_drive(environment))
+    missing = {name: value for name, value in known.items() if name not in set_already and not _has(filed, name)}
+    return {**environment, **missing}
+
+
+def _known_of(drive: DriveConfig) -> Mapping[str, str]:
     match drive:
         case WheelsConfig():
             return WHEELS_KNOWN
         case _ as never:
             assert_never(never)
+
+
+def _has(tables: Any, variable: str) -> bool:
+    """Return whether the robot file's tables have the field that a variable sets."""
+    for name in path_of(variable):
+        if not isinstance(tables, Mapping) or name not in tables:
+            return False
+        tables = tables[name]
+    return True
 
 
 def world_of(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -14,8 +14,7 @@ import msgspec
 
 from giraff_node.config.robot_file import load
 from giraff_sim.board import BUILD, ROOT, Implementation
-from giraff_sim.bodies.kinds import world_of
-from giraff_sim.bodies.wheels.known import KNOWN
+from giraff_sim.bodies.kinds import with_known, world_of
 from giraff_sim.closed_loop import ClosedLoop
 from giraff_sim.config import SimConfig
 from giraff_sim.dst.judging.judge import Judge, Violation
@@ -43,10 +42,9 @@ _RELEASE_US: Final = 500_000
 _DRIVES: Final = 0.2  # m of path that count as driving
 
 SIM: Final = SimConfig()
-_GIVEN: Final = {
+_STOCK: Final = {
     "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
     "GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT": "0.03",
-    **KNOWN,
 }
 
 
@@ -70,11 +68,12 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True):
         return self.path >= _DRIVES
 
 
-def known_settings() -> Settings:
-    """The simulated robot of the robot file."""
+def known_settings(environment: Mapping[str, str] = _STOCK) -> Settings:
+    """The simulated robot of the robot file that `environment` names."""
+    given = with_known(environment)
     tables = Settings.__struct_fields__
     types = {field.name: field.type for field in msgspec.structs.fields(Settings)}
-    return Settings(**{name: load(name, types[name], _GIVEN) for name in tables})
+    return Settings(**{name: load(name, types[name], given) for name in tables})
 
 
 Course = Generator[str, None, None]
@@ -272,10 +271,11 @@ def play(
     services: Services | None = None,
     build: Path = BUILD,
     until_rule: str = "",
+    sim: SimConfig = SIM,
 ) -> Outcome:
     """Run a scenario to its end, or until `until_rule` is violated. `build`: where the boards were compiled to."""
     robot, drive = settings.robot, settings.base.drive
-    world = world_of(scenario.room, robot, drive, SIM, scenario.hand, scenario.seed, _STEP_US, scenario.truth)
+    world = world_of(scenario.room, robot, drive, sim, scenario.hand, scenario.seed, _STEP_US, scenario.truth)
     with simulation(world, implementation=Implementation.HOST, build=build) as running:
         run = Drill(running, settings, services or Services(), scenario)
         run.run(until_rule)

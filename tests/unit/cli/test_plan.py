@@ -12,13 +12,18 @@ from typing import Any
 
 import pytest
 
+from giraff_base.config import BaseConfig
 from giraff_cli.run.plan import Plan, PlanError, choose_boards, make_plan
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_node.config.robot_file import load
 from giraff_node.network.discovery import simulated_name
+from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD
 from giraff_schemas.topics import require_chunk
+from giraff_schemas.trouble import WELL
+from giraff_schemas.wire import Wiring
 from giraff_sim.board import BUILD, ROOT
+from giraff_sim.bodies.kinds import with_known
 from giraff_sim.world.room import read_room
 from giraff_web.config import WebConfig
 
@@ -26,6 +31,7 @@ BUILT = {
     "avr": ["lockstep/lockstep.so", "firmware/base.elf", "firmware/joystick.elf", "firmware/ranger.elf"],
     "host": ["host/base.so", "host/joystick.so", "host/ranger.so"],
 }
+ARDROS = ROOT / "deploy" / "robots" / "ardros.toml"
 
 
 @pytest.fixture(autouse=True)
@@ -50,7 +56,7 @@ def test_the_defaults_make_a_run() -> None:
     assert Path(made.environment["GIRAFF_CONFIG"]) == ROOT / "deploy" / "robot.toml"
     assert made.world.is_file()
     assert (made.hand, made.seconds) == ("demo", None)
-    assert (made.boards, made.why_boards) == choose_boards(None, BUILD)
+    assert (made.boards, made.why_boards) == choose_boards(None, BASE_BOARD, BUILD)
 
 
 @pytest.mark.parametrize(
@@ -107,6 +113,22 @@ def test_the_robot_file_below_the_working_directory_counts_unless_another_is_giv
     made = plan(file=Path("mine.toml"))
     assert made.environment["GIRAFF_CONFIG"] == str(tmp_path / "mine.toml")
     assert (made.robot.name, made.robot.footprint_radius) == (simulated_name(socket.gethostname()), 0.30)
+
+
+def test_a_simulated_robot_brings_what_neither_file_nor_environment_say(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file, text = tmp_path / "ardros.toml", ARDROS.read_text()
+    file.write_text(text.replace('control = "speed"', 'control = "level"\ninvert_right_encoder = true'))
+    monkeypatch.setenv("GIRAFF_ROBOT_SWAP_MOTORS", "true")
+    environment = with_known({**os.environ, "GIRAFF_CONFIG": str(file)})
+    drive = load("base", BaseConfig, environment).drive
+    assert (drive.wheel_control, drive.wiring, drive.unchecked) == (
+        "level",
+        Wiring.INVERT_RIGHT_ENCODER | Wiring.SWAP_MOTORS,
+        WELL,
+    )
+    assert load("guard", GuardConfig, environment).deceleration == 1.5
 
 
 def test_without_a_page_nothing_of_one_is_settled() -> None:
@@ -247,24 +269,33 @@ def build(directory: Path, *boards: str) -> Path:
 
 
 def test_the_real_firmware_is_taken_where_it_is_built(tmp_path: Path) -> None:
-    assert choose_boards(None, build(tmp_path, "avr", "host")) == ("avr", "")
-    assert choose_boards("host", tmp_path) == ("host", "")
+    assert choose_boards(None, BASE_BOARD, build(tmp_path, "avr", "host")) == ("avr", "")
+    assert choose_boards("host", BASE_BOARD, tmp_path) == ("host", "")
 
 
 def test_without_it_the_boards_compiled_for_this_machine_are_taken_and_that_is_said(tmp_path: Path) -> None:
-    boards, why = choose_boards(None, build(tmp_path, "host"))
+    boards, why = choose_boards(None, BASE_BOARD, build(tmp_path, "host"))
     assert boards == "host"
     assert "build/lockstep/lockstep.so is missing" in why
 
 
 def test_boards_that_were_asked_for_are_not_replaced(tmp_path: Path) -> None:
     with pytest.raises(PlanError, match=r"--boards avr: build/lockstep/lockstep\.so is missing; make setup"):
-        choose_boards("avr", build(tmp_path, "host"))
+        choose_boards("avr", BASE_BOARD, build(tmp_path, "host"))
+
+
+def test_another_base_board_needs_its_own_firmware(tmp_path: Path) -> None:
+    for name in ("firmware/ardros.elf", "host/ardros.so"):
+        with pytest.raises(PlanError, match=f"--boards .*: build/{name} is missing"):
+            choose_boards("avr" if name.endswith("elf") else "host", ARDROS_BOARD, build(tmp_path, "avr", "host"))
+        (tmp_path / name).touch()
+    (tmp_path / "firmware" / "base.elf").unlink()
+    assert choose_boards(None, ARDROS_BOARD, tmp_path) == ("avr", "")
 
 
 def test_without_any_boards_there_is_no_run(tmp_path: Path) -> None:
     with pytest.raises(PlanError, match="make setup"):
-        choose_boards(None, tmp_path)
+        choose_boards(None, BASE_BOARD, tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -26,17 +26,18 @@ class WheelsBody:
 
     report: type[BoardReport] = WheelsFrame
     acts: str = "power"
-    settles_us: int = 0
 
     def __init__(self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
         self.drive = drive
         self.board = drive.board_type
+        self.settles_us = self.board.output_delay_us
         self.plant = Plant(robot, drive, sim, room, truth)
         self.activity = 0
         """Largest duty of either motor in the last step, of 255."""
         self.drives = 0.0, 0.0
         """Mean signed duty of each motor in the last step, by its number on the board."""
         self._soldering = Soldering()
+        self.solder(drive.wiring)
         self._cut = [0, 0]  # 1: the wires of the encoder of that number are cut
         self._signal_cut = [0, 0]  # 1: the wire from the servo output of the motor of that number is off
         self._volts_per_count = drive.battery_volts_per_count or _UNCALIBRATED_VOLTS_PER_COUNT

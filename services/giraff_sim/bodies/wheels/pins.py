@@ -26,7 +26,9 @@ class Pins:
         self._body = body
         self._drive = drive = body.drive
         self._by_speed = drive.asks_for_speeds
-        self._most_counts = drive.speed_control.max_pwm if self._by_speed else drive.max_level
+        # A pulse's width is rounded to its timer's counts.
+        rounds_up = 1 if body.settles_us else 0
+        self._most_counts = rounds_up + (drive.speed_control.max_pwm if self._by_speed else drive.max_level)
         self._counts_per_speed = drive.max_level / robot.max_wheel_speed
         turn = config.angular_acceleration * robot.kinematics.track_width / 2.0
         self._speeds_up = (config.linear_acceleration + turn) * drive.speed_control.motor_time
@@ -38,7 +40,8 @@ class Pins:
             per_speed = self._counts_per_speed
             self._rises = Rises(config.linear_acceleration * per_speed, turn * per_speed, _ROUNDING, "counts")
         self._rises_wrongly = ""
-        self._asked = (_Extremes(outlives_us), _Extremes(outlives_us))  # of the left and the right wheel, m/s
+        lasts_us = outlives_us + body.settles_us
+        self._asked = (_Extremes(lasts_us), _Extremes(lasts_us))  # of the left and the right wheel, m/s
 
     def asked(self, asked: Asked, now_us: int) -> None:
         """Base has asked the board for this."""
