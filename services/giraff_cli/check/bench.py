@@ -17,7 +17,7 @@ from giraff_cli.check.wiring import Counted
 from giraff_core.counters import signed32
 from giraff_core.estop.latch import RESET_COMMAND
 from giraff_node.boards.board_link import BoardLink
-from giraff_schemas.boards import BASE_BOARD
+from giraff_schemas.boards import BoardType
 from giraff_schemas.wire import (
     DriveState,
     Latch,
@@ -50,9 +50,9 @@ ZERO: Final = Levels(0, 0)
 class WheelBench:
     """Owns the port. Nothing drives between two calls."""
 
-    def __init__(self, port: str) -> None:
+    def __init__(self, port: str, board: BoardType) -> None:
         self._port = port
-        self._link = BoardLink(port, BASE_BOARD)
+        self._link = BoardLink(port, board)
         self._report: WheelsFrame | None = None
         self._session = 0
         self._frames = WheelsCommands()

@@ -77,7 +77,7 @@ def check_wheels(port: str | None) -> int:
     try:
         if human.ask(f'Type "{_WORD}" when both wheels turn freely:') != _WORD:
             return _complain("not begun", _NOT_BEGUN)
-        bench = WheelBench(port)
+        bench = WheelBench(port, drive.board_type)
         try:
             bench.open()
             fields = find_wiring(bench, human, drive.stall_level)
@@ -123,7 +123,7 @@ def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
 
 def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> Seen:
     """Drive the motor that is wired as `side`, with nothing inverted, and ask what happened."""
-    human.tell(f"Motor {'A' if side == 'left' else 'B'} turns one wheel for a second. Look at both.")
+    human.tell(f"The {'first' if side == 'left' else 'second'} motor turns one wheel for a second. Look at both.")
     wiring, counted = Wiring(0), Counted(0, 0)
     while True:
         counted, latch = bench.drive(wiring, _levels(side, level), _DRIVE_TIME, _NOT_JUDGED)

@@ -119,7 +119,8 @@ def _greet(path: str, board: BoardType) -> Trouble | None:
         if link.hello is not None:
             return WELL
         silent = Trouble(
-            f"{path}: no {board.name} board says hello", "see its power, its cable, and that it is flashed"
+            f"{path}: no {board.name} board says hello",
+            f"see its power, its cable, and that it is flashed: make flash BOARD={board.name}",
         )
         problem = link.mismatch or (silent if link.opened else link.fault)
         return None if problem == IN_USE.of(path) else problem

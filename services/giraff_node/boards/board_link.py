@@ -60,7 +60,7 @@ class BoardLink:
         """Why there are no frames; WELL when there may be."""
         if self._reporting:
             return self._serial.fault or self.mismatch
-        waits = Trouble(f"{self._serial.path}: no reports from a {self.board.name} board yet")
+        waits = Trouble(f"{self._serial.path}: no reports from the {self.board.name} board yet")
         return self._serial.fault or self.mismatch or self._silence or waits
 
     @property
@@ -126,7 +126,7 @@ class BoardLink:
         path = self._serial.path
         if hello.board != self.board.number:
             there = next((each.name for each in BOARDS.values() if each.number == hello.board), f"kind {hello.board}")
-            return Trouble(f"{path}: a {there} board is there, not a {self.board.name} board", "swap the ports")
+            return Trouble(f"{path}: a {there} board is there, not the {self.board.name} board", "swap the ports")
         ours = self.board.protocol_hash
         if hello.protocol_hash != ours:
             return Trouble(

@@ -9,6 +9,7 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.estop import RELEASED, EStopLatch
 from giraff_base.policy import BasePolicy
 from giraff_core.live import Live
+from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import BaseState, GuardedCommand, RobotTime, Source, Wheels
 from giraff_schemas.wire import (
     COMMAND_TIMEOUT_MS,
@@ -36,7 +37,6 @@ STEP_NS = WHEELS_PERIOD_MS * 1_000_000
 COMMAND_STEPS = 2
 """The guard speaks at 50 Hz, the board at 100 Hz."""
 
-_TIME_CONSTANT = 0.15  # s
 _STICTION = 0.01  # m/s
 
 
@@ -46,7 +46,12 @@ class Board:
     Of a speed it makes the level that stands for it.
     """
 
-    def __init__(self, board_us: int = 0) -> None:
+    time_constant = 0.15
+    """s."""
+
+    def __init__(self, board_us: int = 0, robot: RobotConfig = ROBOT, max_level: int = DRIVE.max_level) -> None:
+        self._speed_per_level = robot.max_wheel_speed / max_level
+        self._ticks_per_metre = robot.ticks_per_metre
         self.boot_id = 1
         self.board_us = board_us
         self.ignores_configure = False
@@ -100,11 +105,11 @@ class Board:
             if self._time_left_ms <= 0:
                 self.drive_state, self.levels = DriveState.COMMAND_TIMEOUT, (0, 0)
         for wheel, level in enumerate(self.levels):
-            wanted = level * ROBOT.max_wheel_speed / DRIVE.max_level
-            self.speeds[wheel] += (wanted - self.speeds[wheel]) * WHEELS_PERIOD_MS / 1000 / _TIME_CONSTANT
+            wanted = level * self._speed_per_level
+            self.speeds[wheel] += (wanted - self.speeds[wheel]) * WHEELS_PERIOD_MS / 1000 / self.time_constant
             if abs(self.speeds[wheel]) < _STICTION:
                 self.speeds[wheel] = 0.0
-            self._ticks[wheel] += self.speeds[wheel] * WHEELS_PERIOD_MS / 1000 * ROBOT.ticks_per_metre
+            self._ticks[wheel] += self.speeds[wheel] * WHEELS_PERIOD_MS / 1000 * self._ticks_per_metre
         self._sent += 1
         return WheelsFrame(
             seq=self._sent & 0xFFFF,
@@ -183,7 +188,7 @@ class Board:
         if not opens and self.drive_state != DriveState.ACTIVE:
             return Refusal.AWAITING_ZERO
         left, right = asked
-        scale = DRIVE.max_level / (ROBOT.max_wheel_speed * 1e6) if by_speed else 1
+        scale = 1e-6 / self._speed_per_level if by_speed else 1
         self.drive_state, self.levels = DriveState.ACTIVE, (round(left * scale), round(right * scale))
         self._time_left_ms = COMMAND_TIMEOUT_MS
         return Refusal.NONE

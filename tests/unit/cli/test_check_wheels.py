@@ -16,6 +16,7 @@ from giraff_cli.check import wheels as check_wheels
 from giraff_cli.check.bench import BenchError, Levels
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError
 from giraff_node.config.robot_file import load
+from giraff_schemas.boards import ARDROS_BOARD, BoardType
 from giraff_schemas.wire import Latch, Wiring
 from giraff_sim.board import ROOT
 
@@ -31,8 +32,8 @@ class Bench:
     trouble: BaseException | None = None
     made: ClassVar[Bench]
 
-    def __init__(self, port: str) -> None:
-        self.port = port
+    def __init__(self, port: str, board: BoardType) -> None:
+        self.port, self.board = port, board
         self.drives: list[Levels] = []
         Bench.made = self
 
@@ -71,7 +72,8 @@ def has(wiring: Wiring, side: int, part: str) -> bool:
 @pytest.fixture
 def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     copy = tmp_path / "robot.toml"
-    copy.write_bytes((ROOT / "deploy" / "robot.toml").read_bytes())
+    stock = (ROOT / "deploy" / "robot.toml").read_text()
+    copy.write_text(stock.replace('type = "wheels"', 'type = "wheels"\nboard = "ardros"'))
     monkeypatch.setenv("GIRAFF_CONFIG", str(copy))
     monkeypatch.setattr(check_wheels, "WheelBench", Bench)
     for name in ("truth", "latch", "trouble"):
@@ -111,6 +113,7 @@ def test_any_wiring_is_found_proved_and_written(bits: int, path: Path, monkeypat
     assert check_wheels.check_wheels("port") == 0
     robot = tomllib.loads(path.read_text(encoding="utf-8"))["base"]["drive"]
     assert {name: robot[name] for name in FIELDS} == {name: Wiring[name.upper()] in truth for name in FIELDS}
+    assert Bench.made.board is ARDROS_BOARD
     assert Bench.made.closed
 
 

@@ -1,8 +1,9 @@
-"""The contract of two wheels: by levels, and by speeds that the board holds."""
+"""The contract of two wheels: by levels, by speeds that the board holds, and those of Ardros."""
 
 from __future__ import annotations
 
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Latch
+from tests.support.ardros import ARDROS, SIM
 from tests.support.robots import BY_SPEED, DRIVE, ROBOT
 from tests.unit.base.drives.contract import AnyDrive
 from tests.unit.base.rig import STEP_NS, Board
@@ -10,9 +11,10 @@ from tests.unit.base.rig import STEP_NS, Board
 
 class WheelsBoard(Board):
     period_ns = STEP_NS
+    robot = ROBOT
 
     def twist(self) -> tuple[float, float]:
-        return ROBOT.kinematics.twist(*self.speeds)
+        return self.robot.kinematics.twist(*self.speeds)
 
     def is_safe(self) -> bool:
         return self.levels == (0, 0)
@@ -34,3 +36,19 @@ class TestByLevels(AnyDrive):
 
 class TestBySpeeds(TestByLevels):
     config = BY_SPEED
+
+
+class ArdrosBoard(WheelsBoard):
+    robot = ARDROS.robot
+    time_constant = SIM.motor_time_constant
+
+    def __init__(self) -> None:
+        super().__init__(robot=self.robot, max_level=ARDROS.base.drive.max_level)
+
+
+class TestArdros(TestByLevels):
+    config = ARDROS.base.drive
+    robot = ARDROS.robot
+
+    def board(self) -> ArdrosBoard:
+        return ArdrosBoard()
