@@ -24,8 +24,7 @@ OF_BUMPERS: Final[list[Kind]] = []
 
 SERVED: Final = {kind: service.name for kind in BoardKind for service in SERVICES if service.board is kind}
 _CUTOFF_US: Final = 5_500_000  # 5 s of reports below the cut-off, and a stop
-_FLAT_VOLTS: Final = 19.0
-_LOW_VOLTS: Final = 21.0
+_BELOW_VOLTS: Final = 1.0  # under a limit of the battery
 _BODY: Final = 0.3  # m
 _STRIDE_US: Final = 50_000
 _LEGS: Final = 0.15  # m, of a person
@@ -184,10 +183,11 @@ def battery(drill: Drill, chance: Random) -> Course:
     plant = drill.loop.simulation.world.plant
     if not drill.claims(plant):
         return
-    before = plant.open_volts
-    plant.open_volts = chance.choice((_FLAT_VOLTS, _LOW_VOLTS))
+    before, limits = plant.open_volts, drill.loop.settings.base
+    limit = chance.choice((limits.battery_cutoff, limits.battery_low))
+    plant.open_volts = limit - _BELOW_VOLTS
     told = f"the battery falls to {plant.open_volts:g} V"
-    flat = plant.open_volts == _FLAT_VOLTS
+    flat = limit == limits.battery_cutoff
     before_us = dict(drill.judge.reported_us)
 
     def is_known() -> bool:
