@@ -289,6 +289,16 @@ def cut_encoder(wheel: int) -> Begin:
     return _on_a_wheel(f"encoder {wheel} is cut", lambda body, cut: body.cut_encoder(wheel, is_cut=cut))
 
 
+def cut_signal(*wheels: int) -> Begin:
+    """Pull off the wires from servo outputs to the motor driver."""
+
+    def do(body: WheelsBody, is_cut: bool) -> None:
+        for wheel in wheels:
+            body.cut_signal(wheel, is_cut=is_cut)
+
+    return _on_a_wheel(f"signal wires {wheels} are cut", do)
+
+
 def block_wheel(wheel: int) -> Begin:
     """Hold a wheel so that it does not turn."""
     return _on_a_wheel(f"wheel {wheel} is blocked", lambda body, held: body.block_wheel(wheel, is_blocked=held))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from random import Random
 from typing import Final
 
-from giraff_sim.dst.drill import Befall, Begin, Kind, Outcome, Scenario, known_settings, play
-from giraff_sim.settings import Services
+from giraff_sim.config import SimConfig
+from giraff_sim.dst.drill import SIM, Befall, Begin, Kind, Outcome, Scenario, known_settings, play
+from giraff_sim.settings import Services, Settings
 from giraff_sim.world.hand import LEVEL, Hand, ScriptedHand, StillHand
 from giraff_sim.world.room import Pose, Room
 
@@ -49,10 +50,12 @@ def stage(
     room: Room | None = None,
     seed: int = 1,
     presses: tuple[tuple[float, float], ...] = (),
+    settings: Settings = SETTINGS,
+    sim: SimConfig = SIM,
 ) -> Outcome:
     """`presses`: when the joystick's button is pressed and let go, s."""
     scenario = Scenario(seed, room or hall(), hand or driving(), seconds, befalls, presses=presses)
-    return play(scenario, SETTINGS, services)
+    return play(scenario, settings, services, sim=sim)
 
 
 def rules(outcome: Outcome) -> set[str]:

@@ -7,9 +7,10 @@ from typing import Final, NamedTuple
 import pytest
 
 from giraff_schemas.wire import BoardKind, ResetCause
-from giraff_sim.dst.drill import Befall, Begin
+from giraff_sim.config import SimConfig
+from giraff_sim.dst.drill import SIM, Befall, Begin
 from giraff_sim.record import Verdict
-from giraff_sim.settings import Services
+from giraff_sim.settings import Services, Settings
 from giraff_sim.world.bno055 import Bno055Fault, Vector
 from giraff_sim.world.hand import LEVEL, ScriptedHand
 from giraff_sim.world.sonar import SonarFault
@@ -32,7 +33,7 @@ from tests.dst.courses import (
     unplug,
     watch,
 )
-from tests.dst.stage import BACKWARD, FORWARD, SET_OFF, at, hall, stage
+from tests.dst.stage import BACKWARD, FORWARD, SET_OFF, SETTINGS, at, hall, stage
 from tests.support.floods import FloodingJoystick
 
 LEFT: Final[Vector] = (0.0, 4.0, 8.96)
@@ -101,7 +102,13 @@ ROWS: Final = {
 """By the names of docs/safety.md."""
 
 
-def driven_ms(row: Row, *others: Befall, services: Services | None = None) -> float:
+def driven_ms(
+    row: Row,
+    *others: Befall,
+    services: Services | None = None,
+    settings: Settings = SETTINGS,
+    sim: SimConfig = SIM,
+) -> float:
     """Once the bound has passed, of a robot that drove until the fault."""
     before: list[Verdict] = []
     after: list[Verdict] = []
@@ -111,6 +118,8 @@ def driven_ms(row: Row, *others: Befall, services: Services | None = None) -> fl
         at(FAULT + row.bound, watch(after), WATCHED),
         *others,
         services=services,
+        settings=settings,
+        sim=sim,
         hand=ScriptedHand([0.0, SET_OFF], [LEVEL, row.tilt]),
         room=hall(4.0 if row.tilt == BACKWARD else 1.0),
         seconds=FAULT + row.bound + WATCHED + 0.02,

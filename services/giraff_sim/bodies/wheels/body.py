@@ -34,6 +34,8 @@ class WheelsBody:
         self.plant = Plant(robot, drive, sim, room, truth)
         self.activity = 0
         """Largest duty of either motor in the last step, of 255."""
+        self.resets = 0
+        """How often the board was reset."""
         self.drives = 0.0, 0.0
         """Mean signed duty of each motor in the last step, by its number on the board."""
         self._soldering = Soldering()
@@ -58,6 +60,7 @@ class WheelsBody:
         self.activity = max(motors[0].drive_peak, motors[1].drive_peak)
         motors[0].drive_peak = motors[1].drive_peak = 0
         self.drives = float(motors[0].drive), float(motors[1].drive)
+        self.resets = board.model.resets
 
     def cut_encoder(self, wheel: int, *, is_cut: bool) -> None:
         """Cut (or mend) the wires of a wheel's encoder: `soldering.LEFT` or `RIGHT`."""
@@ -68,6 +71,11 @@ class WheelsBody:
         if self.board is not ARDROS_BOARD:
             raise ValueError(f"the board {self.board.name} has no servo output whose wire could be cut")
         self._signal_cut[self._soldering.motor_of(wheel)] = int(is_cut)
+
+    @property
+    def has_cut_signal(self) -> bool:
+        """Whether the wire from a servo output to the motor driver is off."""
+        return any(self._signal_cut)
 
     def block_wheel(self, wheel: int, *, is_blocked: bool) -> None:
         """Hold a wheel so that it does not turn whatever its motor gets, or let it go."""

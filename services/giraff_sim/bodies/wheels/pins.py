@@ -38,8 +38,10 @@ class Pins:
             self._rises = Rises(wheel, wheel, _OVERSHOOT, "m/s", by_wheel=True)
         else:
             per_speed = self._counts_per_speed
-            self._rises = Rises(config.linear_acceleration * per_speed, turn * per_speed, _ROUNDING, "counts")
+            most = config.linear_acceleration * per_speed, turn * per_speed
+            self._rises = Rises(*most, _ROUNDING + rounds_up, late_us=body.settles_us)
         self._rises_wrongly = ""
+        self._resets, self._judged_from_us = body.resets, 0
         lasts_us = outlives_us + body.settles_us
         self._asked = (_Extremes(lasts_us), _Extremes(lasts_us))  # of the left and the right wheel, m/s
 
@@ -50,6 +52,9 @@ class Pins:
 
     def note(self, now_us: int) -> None:
         """Remember how the wheels turn, also without power."""
+        if self._body.resets != self._resets or self._body.has_cut_signal:
+            # Either cuts a servo pulse short. Nothing hinders the motor driver from obeying the piece.
+            self._resets, self._judged_from_us = self._body.resets, now_us + self._body.settles_us
         if self._by_speed:
             plant = self._body.plant
             self._rises_wrongly = self._rises.look(plant.left.speed, plant.right.speed, now_us)
@@ -57,6 +62,8 @@ class Pins:
     def look(self, now_us: int) -> str:
         """What is wrong with the drive of this step, in which a motor has power; empty when nothing is."""
         left, right = self._body.drives
+        if now_us < self._judged_from_us:
+            return ""
         if not self._by_speed:
             self._rises_wrongly = self._rises.look(left, right, now_us)
         return self._too_much() or self._unasked(left, right, now_us) or self._rises_wrongly
@@ -131,10 +138,15 @@ class Rises:
         unit: str = "counts",
         *,
         by_wheel: bool = False,
+        late_us: int = 0,
     ) -> None:
-        """What both may rise by in a second, in the unit; `off`, in the unit, does not count."""
+        """What both may rise by in a second, in the unit; `off`, in the unit, does not count.
+
+        `late_us`: by so much may what is given be older than what was asked.
+        """
         self._most = first, second
         self._off, self._unit = off, unit
+        self._steps_us = _STEPS_US + late_us
         self._by_wheel = by_wheel
         self._given: deque[_Given] = deque()
 
@@ -152,7 +164,7 @@ class Rises:
         start = next((each for each in given if each.is_whole), given[0])
         if now_us - given[0].at_us < _WINDOW_US - _STEPS_US:
             start = _Given(now_us - _WINDOW_US, 0.0, 0.0, is_whole=True)
-        seconds = (now_us - start.at_us + _STEPS_US) * 1e-6
+        seconds = (now_us - start.at_us + self._steps_us) * 1e-6
         names = ("the left wheel", "the right wheel") if self._by_wheel else ("drive", "turn")
         for name, now, then, most in zip(names, self._parts(given[-1]), self._parts(start), self._most, strict=True):
             begin = abs(then) if now * then > 0.0 else 0.0
