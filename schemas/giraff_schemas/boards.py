@@ -21,7 +21,7 @@ class BoardType(NamedTuple):
     """One board for which one firmware is built."""
 
     name: str
-    """The folder in `firmware/boards`, and the word of `make flash BOARD=`."""
+    """The folder in `firmware/boards`, and the word of `make -C firmware flash BOARD=`."""
     number: int
     """Tells it from other boards, in its `hello`."""
     baud: int
@@ -30,6 +30,8 @@ class BoardType(NamedTuple):
     """Frames on its line, by their type; `hello` and its request are among them."""
     output_delay_us: int = 0
     """us. Longest time from a decision of the board to its motors: of a servo output, a frame and a pulse."""
+    has_potentiometer: bool = False
+    """It lowers what the board is asked for."""
 
 
 BASE_BOARD: Final = BoardType("base", BoardKind.BASE, BASE_BAUD)
@@ -37,6 +39,6 @@ JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
 RANGER_BOARD: Final = BoardType(
     "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES
 )
-ARDROS_BOARD: Final = BoardType("ardros", BoardKind.BASE, BASE_BAUD, output_delay_us=22_000)
+ARDROS_BOARD: Final = BoardType("ardros", BoardKind.BASE, BASE_BAUD, output_delay_us=22_000, has_potentiometer=True)
 BOARDS: Final = {BoardKind(board.number): board for board in (BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD)}
 """By the role that a board has for a stock robot. Another drive may name another board for base."""

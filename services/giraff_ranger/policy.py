@@ -19,7 +19,9 @@ LONGEST_ECHO_US: Final = 38_000
 
 _ASK_AFTER: Final = 0.2  # s without a frame of the bumpers; the board sends one every 50 ms
 _PATIENCE: Final = 5  # requests without an answer, until it is a fault
-_NO_BUMPERS: Final = Trouble("the ranger board tells nothing of bumpers", "flash it (make flash BOARD=ranger)")
+_NO_BUMPERS: Final = Trouble(
+    "the ranger board tells nothing of bumpers", "flash it (make -C firmware flash BOARD=ranger)"
+)
 
 _STATES: Final[dict[int, RangeState]] = {WireState.ECHO: "echo", WireState.CLEAR: "clear"}
 

@@ -60,7 +60,7 @@ class BoardLink:
         """Why there are no frames; WELL when there may be."""
         if self._reporting:
             return self._serial.fault or self.mismatch
-        waits = Trouble(f"{self._serial.path}: no reports from the {self.board.name} board yet")
+        waits = Trouble(f"{self._serial.path}: no reports from a {_role(self.board.number)} board yet")
         return self._serial.fault or self.mismatch or self._silence or waits
 
     @property
@@ -125,8 +125,8 @@ class BoardLink:
     def _judge(self, hello: HelloFrame) -> Trouble:
         path = self._serial.path
         if hello.board != self.board.number:
-            there = next((each.name for each in BOARDS.values() if each.number == hello.board), f"kind {hello.board}")
-            return Trouble(f"{path}: a {there} board is there, not the {self.board.name} board", "swap the ports")
+            there, role = _role(hello.board), _role(self.board.number)
+            return Trouble(f"{path}: a {there} board is there, not a {role} board", "swap the ports")
         ours = self.board.protocol_hash
         if hello.protocol_hash != ours:
             return Trouble(
@@ -134,3 +134,8 @@ class BoardLink:
                 f"reflash it: make -C firmware flash BOARD={self.board.name} PORT={path}",
             )
         return WELL
+
+
+def _role(number: int) -> str:
+    """Return what a board of this number is for, in a word."""
+    return next((each.name for each in BOARDS.values() if each.number == number), f"kind {number}")

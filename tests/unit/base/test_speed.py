@@ -8,9 +8,11 @@ import msgspec
 import pytest
 
 from giraff_base.drives.wheels.config import WheelsConfig
+from giraff_base.drives.wheels.words import limit
+from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD
 from giraff_schemas.wire import DriveFrame, DriveState, Frame, SpeedFlag, SpeedFrame
 from tests.support.robots import BY_SPEED, DRIVE
-from tests.unit.base.rig import CONFIG, ROBOT, Rig, moving
+from tests.unit.base.rig import CONFIG, ROBOT, Board, Rig, moving
 
 FULL_UM_S = 600_000
 HELD = [
@@ -136,12 +138,14 @@ def test_a_wheel_at_its_limit_is_named_and_drives_on() -> None:
     assert {each.um_s for each in sent} == {(FULL_UM_S, FULL_UM_S)}
     state = sent[0].state
     assert (state.armed, state.driving) == (True, True)
-    assert (
-        state.reason
-        == "at its limit: the wheels cannot do what is asked; the battery may be low, or the potentiometer turned down"
-    )
+    assert state.reason == "at its limit: the wheels cannot do what is asked; the battery may be low"
     rig.board.speed_flags = SpeedFlag(0)
     assert rig.run(0.01)[-1].state.reason == ""
+
+
+def test_a_board_with_a_potentiometer_may_be_at_its_limit_by_that() -> None:
+    report = msgspec.structs.replace(Board().report(), speed_flags=SpeedFlag.AT_LIMIT)
+    assert str(limit(report, ARDROS_BOARD)) == f"{limit(report, BASE_BOARD)}, or the potentiometer turned down"
 
 
 def test_a_limit_is_named_after_all_else_and_of_a_robot_that_drives() -> None:

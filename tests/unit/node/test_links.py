@@ -254,7 +254,7 @@ def test_hello_is_asked_for_until_it_is_answered(port: FakePort) -> None:
     ("hello", "says"),
     [
         (msgspec.structs.replace(HELLO, protocol_hash=1), "reflash"),
-        (msgspec.structs.replace(HELLO, board=BoardKind.BASE), "a base board is there, not the ranger board"),
+        (msgspec.structs.replace(HELLO, board=BoardKind.BASE), "a base board is there, not a ranger board"),
         (msgspec.structs.replace(HELLO, board=77), "a kind 77 board is there"),
     ],
 )
@@ -291,7 +291,7 @@ def test_what_was_said_of_a_board_ends_when_the_port_is_opened_again(port: FakeP
     assert "unplugged" in str(link.fault)
     port.plug()
     link.poll(0.4)
-    assert "no reports from the ranger board yet" in str(link.fault)
+    assert "no reports from a ranger board yet" in str(link.fault)
     assert link.hello is None
     link.close()
 

@@ -138,7 +138,7 @@ def test_a_board_is_asked_while_it_tells_nothing_and_an_old_one_is_a_fault() -> 
     assert not any(ranger.faults.values())
     assert ranger.bumper_request(1.25)
     assert str(ranger.faults["bumpers"]) == (
-        "the ranger board tells nothing of bumpers; flash it (make flash BOARD=ranger)"
+        "the ranger board tells nothing of bumpers; flash it (make -C firmware flash BOARD=ranger)"
     )
     ranger.on_bumpers(bumper_frame(0), 1.26)
     assert not any(ranger.faults.values())

@@ -34,6 +34,7 @@ class WheelsDrive:
         self._frames = WheelsCommands()
         self._demand = WheelDemand(robot, config, self._frames)
         self._settings = config.board_settings(robot, acceleration)
+        self._board = config.board_type
         self._reports = WheelReports()
         self._report: WheelsFrame | None = None
         self._session = 0
@@ -99,7 +100,7 @@ class WheelsDrive:
     def ask(self, linear: float, angular: float) -> Answer:
         report, demand = self._newest, self._demand.of(linear, angular)
         moves = demand != _ZERO
-        return Answer(self._demand.frame(report, demand), limit(report) if moves else None, moves)
+        return Answer(self._demand.frame(report, demand), limit(report, self._board) if moves else None, moves)
 
     @property
     def _newest(self) -> WheelsFrame:

@@ -6,6 +6,7 @@ from enum import IntEnum
 from typing import Final
 
 from giraff_core.estop.latch import RESET_COMMAND
+from giraff_schemas.boards import BoardType
 from giraff_schemas.messages import BoardState
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
@@ -20,9 +21,8 @@ _LATCHED_BY: Final[dict[int, str]] = {
     Latch.LEFT_OPPOSITE: f"left {_OPPOSITE}",
     Latch.RIGHT_OPPOSITE: f"right {_OPPOSITE}",
 }
-_AT_LIMIT: Final = Trouble(
-    "at its limit: the wheels cannot do what is asked; the battery may be low, or the potentiometer turned down"
-)
+_AT_LIMIT: Final = "at its limit: the wheels cannot do what is asked; the battery may be low"
+_OR_LOWERED: Final = ", or the potentiometer turned down"
 
 
 def word(kind: type[IntEnum], value: int) -> str:
@@ -46,9 +46,11 @@ def held(report: WheelsFrame) -> str:
     return f"{which} held: clear the way, or check its encoder, motor and battery"
 
 
-def limit(report: WheelsFrame) -> Trouble:
+def limit(report: WheelsFrame, board: BoardType) -> Trouble:
     """Why the wheels do less than they are asked for."""
-    return _AT_LIMIT if report.speed_flags & SpeedFlag.AT_LIMIT else WELL
+    if not report.speed_flags & SpeedFlag.AT_LIMIT:
+        return WELL
+    return Trouble(_AT_LIMIT + (_OR_LOWERED if board.has_potentiometer else ""))
 
 
 def board_state(report: WheelsFrame | None) -> BoardState:

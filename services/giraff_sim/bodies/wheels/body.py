@@ -6,7 +6,6 @@ from typing import Final
 
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_schemas.boards import ARDROS_BOARD
 from giraff_schemas.wire import WheelsFrame, Wiring
 from giraff_sim.board import Board
 from giraff_sim.bodies.wheels.plant import Plant, Wheel
@@ -68,7 +67,7 @@ class WheelsBody:
 
     def cut_signal(self, wheel: int, *, is_cut: bool) -> None:
         """Pull off (or put back) the wire from a wheel's servo output to the motor driver. ValueError without one."""
-        if self.board is not ARDROS_BOARD:
+        if not self.board.output_delay_us:
             raise ValueError(f"the board {self.board.name} has no servo output whose wire could be cut")
         self._signal_cut[self._soldering.motor_of(wheel)] = int(is_cut)
 
