@@ -12,6 +12,7 @@ enum { MANY = 6 };
 volatile struct gathered gathered[2];
 
 static volatile struct encoders_reading reading;    /* at the last millisecond */
+static volatile uint8_t readings;                   /* so many, to tell a new one from it; wraps */
 static volatile uint16_t stamps[2];
 
 void encoders_start(void)
@@ -52,6 +53,7 @@ void encoders_on_millisecond(void)
         stamps[encoder] = (uint16_t)(clock_stamp_after(new->at) + (ended ? CLOCK_STAMPS_PER_MS : 0));
     }
     reading.at_us = clock_us_after((uint16_t)(1000 + later_us));
+    readings++;
 }
 
 /* From the millisecond interrupt, which alone changes what it reads. */
@@ -60,12 +62,15 @@ struct encoders_edge encoders_newest(uint8_t encoder)
     return (struct encoders_edge){ .ticks = (uint16_t)reading.counts[encoder], .stamp = stamps[encoder] };
 }
 
+/* Interrupts stay on: an edge that waits for this, and for the other encoder's, would meet its next one. */
 struct encoders_reading encoders_read(void)
 {
     struct encoders_reading read;
-    ATOMICALLY {
+    uint8_t seen;
+    do {
+        seen = readings;
         read = reading;
-    }
+    } while (seen != readings);
     return read;
 }
 
