@@ -5,12 +5,11 @@ import io
 import os
 import signal
 import sys
-from typing import Final, NoReturn
 
-_UNTOLD: Final = 1
+_UNTOLD = 1
 
 
-def main() -> NoReturn:
+def main() -> None:
     # Python's own handler would raise in whatever is being imported, and show that. A command that has something to
     # end first takes the signals over when it begins.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -24,7 +23,7 @@ def main() -> NoReturn:
     end(obey(app))
 
 
-def end(code: int) -> NoReturn:
+def end(code: int) -> None:
     """End the process, without what Python does after a program's last line.
 
     Zenoh's threads live on for a while after their session's close, and as soon as one of them calls into a Python
