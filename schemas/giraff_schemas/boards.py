@@ -30,6 +30,9 @@ class BoardType(NamedTuple):
     """Frames on its line, by their type; `hello` and its request are among them."""
     output_delay_us: int = 0
     """us. Longest time from a decision of the board to its motors: of a servo output, a frame and a pulse."""
+    most_counts: int = 0
+    """Edges a second of each wheel that it surely counts, with a tenth left for what overshoots; 0: more than any robot
+    has that is built with it."""
     has_potentiometer: bool = False
     """It lowers what the board is asked for."""
 
@@ -39,6 +42,8 @@ JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
 RANGER_BOARD: Final = BoardType(
     "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES
 )
-ARDROS_BOARD: Final = BoardType("ardros", BoardKind.BASE, BASE_BAUD, output_delay_us=22_000, has_potentiometer=True)
+ARDROS_BOARD: Final = BoardType(
+    "ardros", BoardKind.BASE, BASE_BAUD, output_delay_us=22_000, most_counts=54_000, has_potentiometer=True
+)
 BOARDS: Final = {BoardKind(board.number): board for board in (BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD)}
 """By the role that a board has for a stock robot. Another drive may name another board for base."""

@@ -132,7 +132,9 @@ class Board:
     @property
     def eeprom(self) -> bytes:
         """What the board keeps without power; empty when it keeps nothing."""
-        size = _EEPROM_BYTES[self.type.name]
+        size = _EEPROM_BYTES.get(self.type.name)
+        if size is None:
+            raise BoardError(f"{__file__} has no size of the EEPROM of a board of type {self.type.name}")
         cells = _ffi.new("uint8_t[]", size)
         missing = self._library.board_eeprom(self.model, cells, size, 0)
         return b"" if missing else bytes(_ffi.buffer(cells))

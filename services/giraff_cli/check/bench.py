@@ -50,9 +50,10 @@ ZERO: Final = Levels(0, 0)
 class WheelBench:
     """Owns the port. Nothing drives between two calls."""
 
-    def __init__(self, port: str, board: BoardType) -> None:
+    def __init__(self, port: str, board: BoardType, ticks_per_metre: float) -> None:
         self._port = port
         self._link = BoardLink(port, board)
+        self._ticks_per_metre = ticks_per_metre
         self._report: WheelsFrame | None = None
         self._session = 0
         self._frames = WheelsCommands()
@@ -86,7 +87,7 @@ class WheelBench:
             self.stop()
         end = self._at_rest()
         left = signed32(end.left_ticks - start.left_ticks)
-        return Counted(left, signed32(end.right_ticks - start.right_ticks)), latch
+        return Counted.at(left, signed32(end.right_ticks - start.right_ticks), self._ticks_per_metre), latch
 
     def stop(self) -> None:
         """Zero, now."""

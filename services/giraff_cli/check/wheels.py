@@ -15,6 +15,7 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.check.bench import BenchError, Levels, WheelBench
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
 from giraff_cli.robot_file import RobotFileError, record
+from giraff_core.robot import RobotConfig
 from giraff_node.config.moved import current_name, table_of_wiring
 from giraff_node.config.robot_file import ConfigError, load, parse_toml, robot_file
 from giraff_schemas.wire import Latch, Wiring
@@ -65,6 +66,7 @@ def check_wheels(port: str | None) -> int:
     """The whole command; its exit code."""
     try:
         path = robot_file()
+        robot = load("robot", RobotConfig)
         base = load("base", BaseConfig, os.environ, **({"port": port} if port else {}))
         table = table_of_wiring(parse_toml(path.read_text(encoding="utf-8")))
         port, drive = port or base.port, _of_wheels(path, base.drive)
@@ -77,7 +79,7 @@ def check_wheels(port: str | None) -> int:
     try:
         if human.ask(f'Type "{_WORD}" when both wheels turn freely:') != _WORD:
             return _complain("not begun", _NOT_BEGUN)
-        bench = WheelBench(port, drive.board_type)
+        bench = WheelBench(port, drive.board_type, robot.ticks_per_metre)
         try:
             bench.open()
             fields = find_wiring(bench, human, drive.stall_level)
@@ -135,9 +137,9 @@ def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> Seen:
                 f"the board stopped the motor: {latch.name.lower()}; check the plugs of motors and encoders"
             )
         wiring = _ENCODER_BIT[latch]
-    counted = Counted(
-        -counted.left if wiring & Wiring.INVERT_LEFT_ENCODER else counted.left,
-        -counted.right if wiring & Wiring.INVERT_RIGHT_ENCODER else counted.right,
+    counted = counted._replace(
+        left=-counted.left if wiring & Wiring.INVERT_LEFT_ENCODER else counted.left,
+        right=-counted.right if wiring & Wiring.INVERT_RIGHT_ENCODER else counted.right,
     )
     human.tell(f"The encoders counted {counted.left} and {counted.right}.")
     seen = _ask_what_turned(human, counted)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final, Literal, NamedTuple
+from typing import Final, Literal, NamedTuple, Self
 
 from giraff_core.robot import WIRING
 
@@ -11,8 +11,8 @@ Turned = Literal["left", "right", "both", "none"]
 
 SIDES: Final[tuple[Side, Side]] = ("left", "right")
 
-FEWEST_TICKS: Final = 10
-"""Of a wheel that turned: 5 mm of its rim. A wheel that trembles on an edge counts one or two."""
+_TURNED: Final = 0.005  # m of its rim, at least, of a wheel that turned
+_FEWEST: Final = 10  # ticks: one that trembles on an edge counts one or two
 
 
 class DoubtError(Exception):
@@ -24,6 +24,13 @@ class Counted(NamedTuple):
 
     left: int
     right: int
+    fewest: int = _FEWEST
+    """Of a wheel that turned."""
+
+    @classmethod
+    def at(cls, left: int, right: int, ticks_per_metre: float) -> Self:
+        """With the fewest that so fine encoders give."""
+        return cls(left, right, max(_FEWEST, round(_TURNED * ticks_per_metre)))
 
 
 class Seen(NamedTuple):
@@ -39,7 +46,7 @@ class Seen(NamedTuple):
 def encoder_that_counted(counted: Counted) -> Side | None:
     """The one encoder that counted, or None when none did; DoubtError when both did."""
     left, right = abs(counted.left), abs(counted.right)
-    if max(left, right) < FEWEST_TICKS:
+    if max(left, right) < counted.fewest:
         return None
     if min(left, right) > max(2, max(left, right) // 10):
         raise DoubtError(
@@ -50,7 +57,7 @@ def encoder_that_counted(counted: Counted) -> Side | None:
 
 
 def wiring_of(first: Seen, second: Seen) -> dict[str, bool]:
-    """The six fields of the robot file. `first`: of motor A, which is left unless swapped; `second`: of motor B."""
+    """The six fields of the robot file. `first`: of the motor that is left unless swapped; `second`: of the other."""
     encoders = [encoder_of(seen) for seen in (first, second)]
     if first.wheel == second.wheel:
         raise DoubtError(

@@ -171,11 +171,12 @@ def _services(network: NetworkConfig) -> tuple[str, ...]:
 def _settings_problem(wrong: str, environment: Mapping[str, str]) -> Trouble:
     if not wrong and expects_robot_file(environment):
         try:
-            load("robot", RobotConfig, environment)
+            robot = load("robot", RobotConfig, environment)
             load("network", NetworkConfig, environment)
             if BASE.table in _tables(environment):
-                load(BASE.table, BaseConfig, environment, port="another host's")
-        except ConfigError as error:
+                base = load(BASE.table, BaseConfig, environment, port="another host's")
+                base.drive.require_countable(robot)
+        except (ConfigError, ValueError) as error:
             wrong = str(error)
     return Trouble(wrong, CORRECT_IT) if wrong else WELL
 

@@ -32,8 +32,8 @@ class Bench:
     trouble: BaseException | None = None
     made: ClassVar[Bench]
 
-    def __init__(self, port: str, board: BoardType) -> None:
-        self.port, self.board = port, board
+    def __init__(self, port: str, board: BoardType, ticks_per_metre: float) -> None:
+        self.port, self.board, self.ticks_per_metre = port, board, ticks_per_metre
         self.drives: list[Levels] = []
         Bench.made = self
 

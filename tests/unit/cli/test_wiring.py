@@ -65,6 +65,12 @@ def test_a_wheel_that_trembles_on_an_edge_has_not_turned(counted: tuple[int, int
     assert encoder_that_counted(Counted(*counted)) == encoder
 
 
+def test_a_finer_encoder_counts_more_before_its_wheel_has_turned() -> None:
+    assert encoder_that_counted(Counted.at(400, 0, 81_350.0)) is None
+    assert encoder_that_counted(Counted.at(410, 0, 81_350.0)) == "left"
+    assert Counted.at(0, 0, 2002.0).fewest == Counted(0, 0).fewest
+
+
 @pytest.mark.parametrize("counted", [(-TICKS, 0), (0, TICKS), (0, 0), (TICKS, TICKS)])
 def test_the_proof_takes_ticks_of_the_right_wheel_forward_only(counted: tuple[int, int]) -> None:
     require_right("left", Counted(TICKS, 1))

@@ -157,6 +157,16 @@ class WheelsConfig(
                 result |= Wiring[name.upper()]
         return result
 
+    def require_countable(self, robot: RobotConfig) -> None:
+        """Raise ValueError where the wheels may be faster than the board counts: nobody would see what is lost."""
+        most = self.board_type.most_counts
+        counts = robot.max_wheel_speed * max(robot.left_ticks_per_metre, robot.right_ticks_per_metre)
+        if most and counts > most:
+            raise ValueError(
+                f"max_wheel_speed is {robot.max_wheel_speed:g} m/s, {counts:.0f} counts/s by ticks_per_metre: "
+                f"the board {self.board} counts {most}; it must be {most / counts * robot.max_wheel_speed:.2f} at most"
+            )
+
     def board_settings(self, robot: RobotConfig, acceleration: float) -> ConfigureFrame:
         """Return what base tells the board of this robot.
 

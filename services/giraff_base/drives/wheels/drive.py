@@ -33,6 +33,7 @@ class WheelsDrive:
         self._config = config
         self._frames = WheelsCommands()
         self._demand = WheelDemand(robot, config, self._frames)
+        config.require_countable(robot)
         self._settings = config.board_settings(robot, acceleration)
         self._board = config.board_type
         self._reports = WheelReports()

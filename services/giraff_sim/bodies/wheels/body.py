@@ -27,6 +27,7 @@ class WheelsBody:
     acts: str = "power"
 
     def __init__(self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth) -> None:
+        drive.require_countable(robot)
         self.drive = drive
         self.board = drive.board_type
         self.settles_us = self.board.output_delay_us

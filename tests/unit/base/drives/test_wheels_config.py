@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import msgspec
 import pytest
 
-from giraff_base.drives.wheels.config import SpeedControl, WheelsConfig, by_levels
+from giraff_base.drives.wheels.config import BoardName, SpeedControl, WheelsConfig, by_levels
+from giraff_base.drives.wheels.drive import WheelsDrive
+from giraff_core.kinematics.calibration import Calibration
 from giraff_schemas.wire import PROTOCOL_HASH, ConfigureFrame, Wiring
 from tests.support.robots import DRIVE, ROBOT
 
@@ -114,3 +118,17 @@ def test_each_of_the_boards_bounds_is_within_the_next(fields: dict[str, int], to
 
 def test_bounds_may_be_equal() -> None:
     SpeedControl(max_pwm=40, stall_pwm=40, dead_pwm=40)
+
+
+@pytest.mark.parametrize(
+    ("board", "scale", "is_refused"), [("ardros", 1.01, False), ("ardros", 0.98, True), ("base", 0.98, False)]
+)
+def test_wheels_that_are_faster_than_their_board_counts_are_refused(
+    board: BoardName, scale: float, is_refused: bool
+) -> None:
+    """By what a calibration has made of them: a wheel that is smaller gives more counts."""
+    calibration = Calibration(date="2026-11-27", right_wheel_scale=scale)
+    fast = msgspec.structs.replace(ROBOT, ticks_per_metre=90_000.0, max_wheel_speed=0.6, calibration=calibration)
+    config = msgspec.structs.replace(DRIVE, board=board)
+    with pytest.raises(ValueError, match=r"counts 54000; it must be 0\.59 at most") if is_refused else nullcontext():
+        WheelsDrive(fast, config, 1.2)
