@@ -31,6 +31,8 @@ def end(code: int) -> None:
     """
     atexit._run_exitfuncs()  # noqa: SLF001  of libraries: there is no public way
     for stream in (sys.stdout, sys.stderr):
+        if stream is None:  # whoever started the command has closed it
+            continue
         try:
             stream.flush()
         except (OSError, ValueError):  # what was told has gone nowhere

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import io
+from collections.abc import Callable
 from typing import NoReturn
 
 import pytest
@@ -17,9 +18,15 @@ class _Full(io.StringIO):
         raise OSError("no space left on device")
 
 
-@pytest.mark.parametrize(("told_to", "code", "ended"), [(io.StringIO, 2, 2), (io.StringIO, 0, 0), (_Full, 0, 1)])
+def _closed() -> None:
+    """What Python has for a stream that was closed before it began."""
+
+
+@pytest.mark.parametrize(
+    ("told_to", "code", "ended"), [(io.StringIO, 2, 2), (io.StringIO, 0, 0), (_Full, 0, 1), (_closed, 2, 2)]
+)
 def test_a_command_ends_without_taking_python_down(
-    told_to: type[io.StringIO], code: int, ended: int, monkeypatch: pytest.MonkeyPatch
+    told_to: Callable[[], io.StringIO | None], code: int, ended: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Zenoh's threads would abort the process then. Libraries are still told, and what cannot be told counts."""
 
