@@ -9,8 +9,8 @@ from typing import Any, assert_never
 from giraff_base.config import BaseConfig, DriveConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
-from giraff_node.config.moved import current_name, path_of
-from giraff_node.config.robot_file import load, read_tables, robot_file
+from giraff_node.config.moved import path_of
+from giraff_node.config.robot_file import load, read_tables
 from giraff_schemas.services import BASE
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
@@ -33,11 +33,8 @@ def with_known(environment: Mapping[str, str]) -> dict[str, str]:
 
     Raises ConfigError.
     """
-    filed = read_tables({"GIRAFF_CONFIG": str(robot_file(environment))})
-    set_already = {current_name(name) for name in environment}
-    known = _known_of(read_drive(environment))
-    missing = {name: value for name, value in known.items() if name not in set_already and not _has(filed, name)}
-    return {**environment, **missing}
+    known, given = _known_of(read_drive(environment)), read_tables(environment)
+    return {**environment, **{name: value for name, value in known.items() if not _has(given, name)}}
 
 
 def _known_of(drive: DriveConfig) -> Mapping[str, str]:
@@ -49,7 +46,7 @@ def _known_of(drive: DriveConfig) -> Mapping[str, str]:
 
 
 def _has(tables: Any, variable: str) -> bool:
-    """Return whether the robot file's tables have the field that a variable sets."""
+    """Return whether these tables have the field that a variable sets."""
     for name in path_of(variable):
         if not isinstance(tables, Mapping) or name not in tables:
             return False

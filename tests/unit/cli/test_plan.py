@@ -23,7 +23,7 @@ from giraff_schemas.topics import require_chunk
 from giraff_schemas.trouble import WELL
 from giraff_schemas.wire import Wiring
 from giraff_sim.board import BUILD, ROOT
-from giraff_sim.bodies.kinds import with_known
+from giraff_sim.bodies.kinds import read_drive, with_known
 from giraff_sim.world.room import read_room
 from giraff_web.config import WebConfig
 
@@ -129,6 +129,14 @@ def test_a_simulated_robot_brings_what_neither_file_nor_environment_say(
         WELL,
     )
     assert load("guard", GuardConfig, environment).deceleration == 1.5
+
+
+def test_a_whole_table_of_the_environment_is_not_overruled(tmp_path: Path) -> None:
+    file = tmp_path / "ardros.toml"
+    file.write_text(ARDROS.read_text().replace('control = "speed"', 'control = "speed"\nswap_motors = true'))
+    table = '{ type = "wheels", max_level = 70, stall_level = 25, battery_volts_per_count = 0, swap_encoders = true }'
+    drive = read_drive(with_known({"GIRAFF_CONFIG": str(file), "GIRAFF_BASE_DRIVE": table}))
+    assert (drive.wiring, drive.unchecked) == (Wiring.SWAP_ENCODERS, WELL)
 
 
 def test_without_a_page_nothing_of_one_is_settled() -> None:
