@@ -1,5 +1,6 @@
 """Ardros's board: servo pulses, edges that are gathered, and a potentiometer that limits the level."""
 
+import itertools
 import math
 from collections.abc import Iterator
 
@@ -82,6 +83,19 @@ def test_a_level_is_a_pulse_and_off_is_neutral(ardros: BaseBench, levels: tuple[
     assert ardros.duties() == (0, 0)
 
 
+def test_before_the_first_neutral_pulse_both_lines_are_low(ardros: BaseBench) -> None:
+    """A line that rises earlier, until the timer has its pin, is a short pulse: full speed backward."""
+    assert [motor.drive_peak for motor in ardros.model.motor] == [0, 0]
+
+
+def test_battery_and_potentiometer_are_measured_in_turn(ardros: BaseBench) -> None:
+    ardros.model.battery_volts, ardros.model.limit_volts = 3.0, 0.0
+    ardros.run(60)
+    for _ in range(4):
+        ardros.run(10)
+        assert ardros.wheels().battery_adc_counts == pytest.approx(614, abs=1)
+
+
 def test_a_time_out_gives_neutral(ardros: BaseBench) -> None:
     ardros.configure()
     ardros.drive(0, 0)
@@ -149,12 +163,26 @@ def test_60_000_edges_a_second_of_each_wheel_are_counted_while_the_line_is_full(
     assert {wheels.drive_state for wheels in told} == {DriveState.ACTIVE}
     assert {(wheels.line_errors, wheels.latch) for wheels in told} == {(0, Latch.NONE)}
     assert told[-1].board_ms - told[0].board_ms == pytest.approx(1990, abs=2)  # none is missing
-    assert told[-1].left_um_s == pytest.approx(speeds[0] * 1e6, rel=0.01)
-    assert told[-1].right_um_s == pytest.approx(speeds[1] * 1e6, rel=0.01)
+    for wheels in told:
+        assert (wheels.left_um_s, wheels.right_um_s) == pytest.approx([speed * 1e6 for speed in speeds], rel=0.01)
     rolling.hands = [lambda _ms: 0.0, lambda _ms: 0.0]
     assert ticks(rolling) == true_ticks(rolling)
     if implementation is Implementation.AVR:
         report("ardros/edges", {"edges": true_ticks(rolling), "awake": round(sum(awake) / len(awake), 3)})
+
+
+def test_ticks_and_their_time_are_of_one_instant(rolling: SpeedBench) -> None:
+    """The main loop reads them while the millisecond's interrupt may write."""
+    hertz = 40_000
+    speed = hertz / ARDROS.ticks_per_metre
+    rolling.begin()
+    rolling.hands = [lambda _ms: speed, lambda _ms: speed]
+    rolling.go(speed, speed, 1200)
+    told = rolling.all(WheelsFrame)[-100:]
+    for before, after in itertools.pairwise(told):
+        due = hertz * (after.board_us - before.board_us) / 1e6
+        assert after.left_ticks - before.left_ticks == pytest.approx(due, abs=3)
+        assert after.right_ticks - before.right_ticks == pytest.approx(due, abs=3)
 
 
 def test_the_potentiometer_lowers_both_wheels_alike_and_raises_nothing(ardros: BaseBench) -> None:
