@@ -6,8 +6,9 @@
 #include "hal_base.h"
 #include "start_values.h"
 
-/* From so many edges in a millisecond on, other interrupts may make some read B too late. */
-enum { MANY = 6 };
+/* From so many edges in a millisecond on, other interrupts may make some read B too late: it then changes 31 us after A,
+ * of which they take up to 16. Fewer are counted one by one, since a wheel that rattles may well reverse among them. */
+enum { MANY = 16 };
 
 volatile struct gathered gathered[2];
 

@@ -132,6 +132,20 @@ def test_a_wheel_that_trembles_on_an_edge_stands(ardros: BaseBench, hertz: int) 
     assert true_ticks(ardros) in ((0, 0), (1, 1))
 
 
+@pytest.mark.parametrize(("forth_us", "back_us", "edges"), [(2000, 1000, 8), (3000, 1000, 14)])
+def test_a_wheel_that_rattles_unevenly_stands(ardros: BaseBench, forth_us: int, back_us: int, edges: int) -> None:
+    """Slowly forth and fast back, 0.1 or 0.17 mm at its rim: within a millisecond most edges may have one direction."""
+    period_us, step_us, begun_us = forth_us + back_us + 7, 200, ardros.now_ms * 1000
+    for now_us in range(begun_us + step_us, begun_us + 500_000, step_us):
+        within_us = (now_us - begun_us) % period_us
+        way = min(within_us / forth_us, (period_us - within_us) / back_us, 1.0)
+        for motor in ardros.model.motor:
+            motor.position = 0.5 + way * edges * STATES_PER_TICK
+        ardros.board.run(now_us)
+    ardros.now_ms = begun_us // 1000 + 500
+    assert ticks(ardros) == pytest.approx(true_ticks(ardros), abs=8), "an interrupt comes late now and then"
+
+
 def test_reversals_are_counted_to_the_edge(ardros: BaseBench) -> None:
     """Three swings of both wheels, of up to 60 000 edges a second, each at its own pace."""
     for millisecond in range(900):
