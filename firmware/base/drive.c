@@ -7,7 +7,12 @@
 #include "speed.h"
 #include "turning.h"
 
-enum { MOTORS = 2, WIRING_BITS = 2 * WIRING_INVERT_RIGHT_ENCODER - 1 };
+enum {
+    MOTORS = 2,
+    WIRING_BITS = 2 * WIRING_INVERT_RIGHT_ENCODER - 1,
+    LIMIT_STEP_MS = 4,              /* in which the board's own limit rises by a step: all of it within a second */
+    LIMIT_FULL = 250                /* of 255: few potentiometers come to their very end */
+};
 
 /* Shared with the millisecond interrupt: these change together or not at all. */
 static volatile uint8_t state = DRIVE_NOT_CONFIGURED;
@@ -36,6 +41,8 @@ static uint16_t last_seq;
 /* Since the boot. */
 static uint8_t last_refusal = REFUSAL_NONE;
 static uint16_t accepted, refused;
+static volatile uint8_t limit;                   /* of the board itself, as it is in force: share of 255 */
+static uint8_t limit_rises_ms;
 static bool is_limited;                         /* the newest accepted command, by the board's own limit */
 
 /* Whether the host made the frame from telemetry old enough to matter. A time ahead of the board's is no better
@@ -154,11 +161,25 @@ void drive_on_configure(const struct configure *asked, uint32_t boot_id, uint32_
     has_last_seq = false;
 }
 
+/* Down at once. Up it is a ramp while something drives, as base's is, which knows nothing of this. */
+static void follow_limit(void)
+{
+    uint8_t allowed = hal_level_limit();
+    if (allowed >= LIMIT_FULL)
+        allowed = UINT8_MAX;
+    if (allowed <= limit || state != DRIVE_ACTIVE) {
+        limit = allowed;
+        limit_rises_ms = 0;
+    } else if (++limit_rises_ms >= LIMIT_STEP_MS) {
+        limit++;
+        limit_rises_ms = 0;
+    }
+}
+
 /* A board's own limit lowers both wheels alike, so that the curve stays, and raises nothing. */
 static bool lower(struct command *asked)
 {
-    uint8_t share = hal_level_limit();
-    int32_t most = (int32_t)((level_max ? level_max : speed_max) * share / UINT8_MAX), largest = 0;
+    int32_t most = (int32_t)((level_max ? level_max : speed_max) * limit / UINT8_MAX), largest = 0;
     int32_t values[WHEELS];
     for (uint8_t wheel = 0; wheel < WHEELS; wheel++) {
         values[wheel] = level_max ? asked->level[wheel] : asked->um_s[wheel];
@@ -324,6 +345,8 @@ static void give_speed_pwm(enum wheel wheel)
 void drive_on_millisecond(const struct encoders_edge newest[2], uint16_t now_stamp)
 {
     latch_on_millisecond();
+    if (HAS_LEVEL_LIMIT)
+        follow_limit();
     if (held_age_ms < UINT8_MAX)
         held_age_ms++;
     if (state == DRIVE_ACTIVE && --time_left_ms == 0)

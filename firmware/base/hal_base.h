@@ -15,6 +15,7 @@ void hal_motor_direction(uint8_t motor, bool forward);  /* while it is off only 
 void hal_motor_pwm(uint8_t motor, uint8_t counts);      /* of 255; connects PWM */
 
 uint16_t hal_battery_counts(void);      /* newest conversion, 10 bit of AVCC; begins the next */
-uint8_t hal_level_limit(void);          /* where board.h has HAS_LEVEL_LIMIT: share of the levels allowed, of 255 */
+uint8_t hal_level_limit(void);          /* where board.h has HAS_LEVEL_LIMIT: share of the levels allowed, of 255;
+                                         * also from interrupts */
 
 #endif

@@ -3,6 +3,7 @@
 import itertools
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 import msgspec
 import pytest
@@ -214,6 +215,23 @@ def test_the_potentiometer_lowers_both_wheels_alike_and_raises_nothing(ardros: B
         assert (wheels.left_pwm_counts, wheels.right_pwm_counts) == pytest.approx(given, abs=1)
         assert bool(wheels.speed_flags & SpeedFlag.AT_LIMIT) == (asked != given)
         assert (wheels.drive_state, wheels.refused) == (DriveState.ACTIVE, 0)
+
+
+def test_a_potentiometer_that_is_turned_up_starts_nothing_at_once(ardros: BaseBench) -> None:
+    """Its wiper's wire may break, too. Up to 0.6 m/s within a second, as base's own ramp."""
+    ardros.configure(level_max=200)
+    ardros.drive(0, 0)
+    ardros.model.limit_volts = 0.0
+    ardros.drive(200, -100, 60)
+    ardros.model.limit_volts = 4.93
+    levels = []
+    for _ in range(55):
+        ardros.drive(200, -100)
+        levels.append(ardros.wheels().left_pwm_counts)
+    assert levels[0] < 10
+    assert all(0 <= after - before <= 5 for before, after in pairwise(levels))
+    assert (levels[-1], ardros.wheels().right_pwm_counts) == (200, -100)
+    assert not ardros.wheels().speed_flags
 
 
 def test_a_limit_of_zero_makes_no_frame_one_that_opens(ardros: BaseBench) -> None:

@@ -78,7 +78,7 @@ ISR(INT3_vect)
 /* One converter for both channels, in turn. */
 static bool converts_limit;
 static uint16_t battery;
-static uint8_t limit;               /* nothing is allowed until it is measured */
+static volatile uint8_t limit;               /* nothing is allowed until it is measured */
 
 static void convert(uint8_t channel)
 {
@@ -98,6 +98,8 @@ void hal_start_battery(void)
 
 uint16_t hal_battery_counts(void)
 {
+    if (ADCSRA & _BV(ADSC))
+        return battery;             /* it was asked again at once */
     if (converts_limit)
         limit = (uint8_t)(ADC >> 2);
     else
