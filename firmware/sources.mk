@@ -7,7 +7,7 @@ override BUILD := $(abspath $(BUILD))
 START_VALUES ?= common/start_values.c
 
 COMMON := boot clock cobs crc frame hello link uart watchdog
-base_PROGRAM := base drive $(ENCODERS) held latch motors speed speedometer turning
+base_PROGRAM := base drive $(ENCODERS) held latch limit motors speed speedometer turning
 joystick_PROGRAM := bno055 bus joystick tick
 ranger_PROGRAM := bumpers echo ranger sonars tick
 PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM) start_values

@@ -2,17 +2,12 @@
 #include "board.h"
 #include "drive.h"
 #include "hal.h"
-#include "hal_base.h"
 #include "latch.h"
+#include "limit.h"
 #include "speed.h"
 #include "turning.h"
 
-enum {
-    MOTORS = 2,
-    WIRING_BITS = 2 * WIRING_INVERT_RIGHT_ENCODER - 1,
-    LIMIT_STEP_MS = 4,              /* in which the board's own limit rises by a step: all of it within a second */
-    LIMIT_FULL = 250                /* of 255: few potentiometers come to their very end */
-};
+enum { MOTORS = 2, WIRING_BITS = 2 * WIRING_INVERT_RIGHT_ENCODER - 1 };
 
 /* Shared with the millisecond interrupt: these change together or not at all. */
 static volatile uint8_t state = DRIVE_NOT_CONFIGURED;
@@ -41,8 +36,6 @@ static uint16_t last_seq;
 /* Since the boot. */
 static uint8_t last_refusal = REFUSAL_NONE;
 static uint16_t accepted, refused;
-static volatile uint8_t limit;                   /* of the board itself, as it is in force: share of 255 */
-static uint8_t limit_rises_ms;
 static bool is_limited;                         /* the newest accepted command, by the board's own limit */
 
 /* Whether the host made the frame from telemetry old enough to matter. A time ahead of the board's is no better
@@ -161,41 +154,20 @@ void drive_on_configure(const struct configure *asked, uint32_t boot_id, uint32_
     has_last_seq = false;
 }
 
-/* Down at once. Up it is a ramp while something drives, as base's is, which knows nothing of this. */
-static void follow_limit(void)
-{
-    uint8_t allowed = hal_level_limit();
-    if (allowed >= LIMIT_FULL)
-        allowed = UINT8_MAX;
-    if (allowed <= limit || state != DRIVE_ACTIVE) {
-        limit = allowed;
-        limit_rises_ms = 0;
-    } else if (++limit_rises_ms >= LIMIT_STEP_MS) {
-        limit++;
-        limit_rises_ms = 0;
-    }
-}
-
-/* A board's own limit lowers both wheels alike, so that the curve stays, and raises nothing. */
+/* What the board's own limit leaves of a command; whether that is less. */
 static bool lower(struct command *asked)
 {
-    int32_t most = (int32_t)((level_max ? level_max : speed_max) * limit / UINT8_MAX), largest = 0;
     int32_t values[WHEELS];
-    for (uint8_t wheel = 0; wheel < WHEELS; wheel++) {
+    for (uint8_t wheel = 0; wheel < WHEELS; wheel++)
         values[wheel] = level_max ? asked->level[wheel] : asked->um_s[wheel];
-        if (!is_within(values[wheel], (uint32_t)largest))
-            largest = values[wheel] < 0 ? -values[wheel] : values[wheel];
-    }
-    if (largest <= most)
-        return false;
+    bool lowered = limit_lower(values, level_max ? level_max : speed_max);
     for (uint8_t wheel = 0; wheel < WHEELS; wheel++) {
-        int32_t lowered = (int32_t)((int64_t)values[wheel] * most / largest);
         if (level_max)
-            asked->level[wheel] = (int16_t)lowered;
+            asked->level[wheel] = (int16_t)values[wheel];
         else
-            asked->um_s[wheel] = lowered;
+            asked->um_s[wheel] = values[wheel];
     }
-    return true;
+    return lowered;
 }
 
 static void obey(struct command *asked, uint32_t boot_id, uint32_t now_ms)
@@ -346,7 +318,7 @@ void drive_on_millisecond(const struct encoders_edge newest[2], uint16_t now_sta
 {
     latch_on_millisecond();
     if (HAS_LEVEL_LIMIT)
-        follow_limit();
+        limit_on_millisecond(state == DRIVE_ACTIVE);
     if (held_age_ms < UINT8_MAX)
         held_age_ms++;
     if (state == DRIVE_ACTIVE && --time_left_ms == 0)
