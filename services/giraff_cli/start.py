@@ -6,7 +6,7 @@ import os
 import signal
 import sys
 
-_UNTOLD = 1
+_FAILED = 1  # as Python's own after an exception that nobody catches
 
 
 def main() -> None:
@@ -20,14 +20,20 @@ def main() -> None:
     from giraff_cli.main import app  # noqa: PLC0415
     from giraff_cli.usage import obey  # noqa: PLC0415
 
-    end(obey(app))
+    try:
+        code = obey(app)
+    except Exception as error:  # noqa: BLE001  that nobody foresaw
+        sys.excepthook(type(error), error, error.__traceback__)
+        code = _FAILED
+    end(code)
 
 
 def end(code: int) -> None:
     """End the process, without what Python does after a program's last line.
 
-    Zenoh's threads live on for a while after their session's close, and as soon as one of them calls into a Python
-    that is being taken down, the C library aborts the process: a stop that is not confirmed would end with 134.
+    A session that does not close would keep it from its end. Zenoh's threads live on for a while after one that does,
+    and as soon as one of them calls into a Python that is being taken down, the C library aborts the process: a stop
+    that is not confirmed would end with 134.
     """
     atexit._run_exitfuncs()  # noqa: SLF001  of libraries: there is no public way
     for stream in (sys.stdout, sys.stderr):
@@ -36,5 +42,5 @@ def end(code: int) -> None:
         try:
             stream.flush()
         except (OSError, ValueError):  # what was told has gone nowhere
-            code = code or _UNTOLD
+            code = code or _FAILED
     os._exit(code)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -17,7 +16,7 @@ from giraff_cli.doctor.inspection import Inspection, Machine, Network, Robot
 from giraff_cli.doctor.machine import CORRECT_IT, geometry_of, look_at_boards, look_at_machine, wiring_checked
 from giraff_cli.doctor.probe import call_all, call_pages, has_free_port
 from giraff_cli.doctor.robot import listen
-from giraff_cli.network.command import close_after_fault, print_error
+from giraff_cli.network.command import print_error
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.interfaces import is_own
 from giraff_cli.terminal.output import guard_stdout
@@ -57,19 +56,14 @@ def examine(robot: str | None, connect: Sequence[str], seconds: float, *, as_jso
         connection, problem = (None, _NOT_ASKED) if wrong else _join(way)
         look = _look(way, machine, connection, problem, seconds)
     except NoRobotError as error:
-        code = print_error(str(error))
-    except BaseException:
-        if connection is not None:
-            close_after_fault(connection)
-        raise
+        return print_error(str(error))
     else:
         found = findings(look)
         verdict = _FAULT if any(each.severity == "fault" for each in found) else _NO_FAULT
-        code = guard_stdout(lambda: _tell(as_document(look, found) if as_json else _page(look, found), verdict))
-    # Nothing waits to be printed any more: Zenoh's close can hang, and its threads would hold the process.
-    if connection is not None and not connection.close(_CLOSE_WITHIN):
-        os._exit(code)
-    return code
+        return guard_stdout(lambda: _tell(as_document(look, found) if as_json else _page(look, found), verdict))
+    finally:
+        if connection is not None:
+            connection.close(_CLOSE_WITHIN)
 
 
 def _tell(text: str, code: int) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 import threading
 from collections.abc import Mapping, Sequence
@@ -91,9 +90,6 @@ class _Stop(threading.Thread):
             print_error(self._page_fault)
         if self._plan.complaint:
             print_error(self._plan.complaint)
-        if self.is_alive():  # Zenoh would hold the process
-            sys.stdout.flush()
-            os._exit(code)
         return code
 
     def _over_zenoh(self) -> int:

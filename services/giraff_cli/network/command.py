@@ -6,7 +6,6 @@ import os
 import shlex
 import sys
 import time
-import traceback
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -24,7 +23,6 @@ from giraff_node.network.session import NobodyError, Role, open_session
 from giraff_node.process.lifecycle import restart_program
 
 UNUSABLE: Final = 2
-_BROKEN: Final = 1  # as Python's own after an exception that nobody catches
 
 _CAME_BACK: Final = "VISITED_BEFORE"
 """Set in the environment of a visit that begins anew at another network: there an address may yet be out of reach."""
@@ -118,29 +116,17 @@ def visit(
     """The exit code of `act` on this network. Raises UnopenedError.
 
     Nobody may be there. Then it is tried again for `patience` s, and after that the connection waits to be met.
-    A session that does not close keeps no process from ending.
     """
     connection = _connected(way, role, records, patience)
     try:
-        code = guard_stdout(lambda: act(connection))
+        return guard_stdout(lambda: act(connection))
     except MovedError:
         connection.close(_CLOSE_WITHIN)
         restart_program({_CAME_BACK: "yes"})
     except NoRobotError as error:
-        code = print_error(str(error))
-    except BaseException:
-        close_after_fault(connection)
-        raise
-    if not connection.close(_CLOSE_WITHIN):  # Zenoh would hold the process, and nothing is left to do
-        os._exit(code)
-    return code
-
-
-def close_after_fault(connection: RobotConnection) -> None:
-    """Leave the network after an unexpected exception. An open session would keep the process from ending."""
-    if not connection.close(_CLOSE_WITHIN):
-        traceback.print_exc()
-        os._exit(_BROKEN)
+        return print_error(str(error))
+    finally:
+        connection.close(_CLOSE_WITHIN)
 
 
 def _connected(way: Target, role: Role, records: bool, patience: float) -> RobotConnection:

@@ -54,12 +54,9 @@ def drive(plan: Plan) -> int:
             else:
                 code = _with_directory(plan, network, connection, stopping)
         finally:
-            is_closed = connection.close()
+            connection.close()
         if held is not None:
             held.close()
-        if not is_closed:  # Zenoh would hold the process, and nothing is left to do
-            sys.stdout.flush()
-            os._exit(code)
         return code
 
 

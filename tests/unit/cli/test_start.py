@@ -22,6 +22,10 @@ def _closed() -> None:
     """What Python has for a stream that was closed before it began."""
 
 
+def _leave(code: int) -> NoReturn:
+    raise StopIteration(code)
+
+
 @pytest.mark.parametrize(
     ("told_to", "code", "ended"), [(io.StringIO, 2, 2), (io.StringIO, 0, 0), (_Full, 0, 1), (_closed, 2, 2)]
 )
@@ -30,15 +34,30 @@ def test_a_command_ends_without_taking_python_down(
 ) -> None:
     """Zenoh's threads would abort the process then. Libraries are still told, and what cannot be told counts."""
 
-    def leave(code: int) -> NoReturn:
-        raise StopIteration(code)
-
     told: list[str] = []
     monkeypatch.setattr("signal.signal", lambda *_: None)
-    monkeypatch.setattr("os._exit", leave)
+    monkeypatch.setattr("os._exit", _leave)
     monkeypatch.setattr("sys.stdout", told_to())
     monkeypatch.setattr(atexit, "_run_exitfuncs", lambda: told.append("exit"))
     monkeypatch.setattr(f"{obey.__module__}.obey", lambda _: code)
     with pytest.raises(StopIteration) as end:
         start.main()
     assert (end.value.value, told) == (ended, ["exit"])
+
+
+def test_an_exception_that_nobody_foresaw_is_shown_and_ends_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Without Python's end, too, which a session that does not close would hold up."""
+
+    def fail(_: object) -> NoReturn:
+        raise KeyError("nobody foresaw this")
+
+    monkeypatch.setattr("signal.signal", lambda *_: None)
+    monkeypatch.setattr("os._exit", _leave)
+    monkeypatch.setattr(atexit, "_run_exitfuncs", lambda: None)
+    monkeypatch.setattr(f"{obey.__module__}.obey", fail)
+    with pytest.raises(StopIteration) as end:
+        start.main()
+    assert end.value.value == 1
+    assert "KeyError: 'nobody foresaw this'" in capsys.readouterr().err

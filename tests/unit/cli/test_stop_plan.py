@@ -6,7 +6,6 @@ import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Never
 from unittest.mock import MagicMock
 
 import pytest
@@ -157,22 +156,16 @@ def test_nothing_is_said_before_the_stop(path: Path, monkeypatch: pytest.MonkeyP
         order.clear()
 
 
-def test_an_exception_that_nobody_foresaw_ends_the_process_though_the_session_does_not_close(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    def end(code: int) -> Never:
-        raise SystemExit(code)
-
+def test_an_exception_that_nobody_foresaw_leaves_the_network(monkeypatch: pytest.MonkeyPatch) -> None:
     def act(_: RobotConnection) -> int:
         raise EndedError
 
-    session = MagicMock(name="session")
-    monkeypatch.setattr(command, "open_session", lambda *_, **__: session)
-    monkeypatch.setattr(RobotConnection, "close", lambda *_: False)
-    monkeypatch.setattr(os, "_exit", end)
-    with pytest.raises(SystemExit, match="1"):
+    closed: list[str] = []
+    monkeypatch.setattr(command, "open_session", lambda *_, **__: MagicMock(name="session"))
+    monkeypatch.setattr(RobotConnection, "close", lambda *_: closed.append("closed"))
+    with pytest.raises(EndedError):
         command.visit(Target("anne", DEFAULT), act)
-    assert "EndedError" in capsys.readouterr().err
+    assert closed == ["closed"]
 
 
 class EndedError(Exception):
