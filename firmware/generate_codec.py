@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Write schemas/giraff_schemas/wire.py, the Python side of the wire, from common/protocol.h.
 
-The header is the only declaration of the wire, but for the frames of EXTENSIONS, which have a codec each. This reads
+The header is the only declaration of the wire, but for the frames of EXTENSIONS, which have a codec each. A board whose
+whole wire stands in such a header has a protocol hash of its own, which covers both headers. This reads
 the part of C they are written in and refuses the rest: `enum name { NAME = number, ... };`, such enums without a name
 for constants, and `struct PACKED name { integer fields };`.
 
 Usage: generate_codec.py           write the codecs
        generate_codec.py --check   fail when a codec is not what its header gives
-       generate_codec.py --hash    print the protocol hash, for -DPROTOCOL_HASH=
+       generate_codec.py --hash [balancer/balancer_protocol.h]
+                                   print the protocol hash of a board, for -DPROTOCOL_HASH=
 """
 
 from __future__ import annotations
@@ -23,7 +25,11 @@ FIRMWARE = Path(__file__).resolve().parent
 HEADER = FIRMWARE / "common" / "protocol.h"
 SCHEMAS = FIRMWARE.parent / "schemas" / "giraff_schemas"
 WIRE = SCHEMAS / "wire.py"
-EXTENSIONS = {FIRMWARE / "ranger" / "bumper_protocol.h": SCHEMAS / "bumper_wire.py"}
+EXTENSIONS = {
+    FIRMWARE / "ranger" / "bumper_protocol.h": SCHEMAS / "wires" / "bumper.py",
+    FIRMWARE / "balancer" / "balancer_protocol.h": SCHEMAS / "wires" / "balancer.py",
+}
+WHOLE_WIRES = {FIRMWARE / "balancer" / "balancer_protocol.h"}
 
 STRUCT_CODES = {
     "uint8_t": "B",
@@ -59,6 +65,7 @@ class Protocol:
     constants: dict[str, int]
     records: list[Record]
     hash: int
+    source: str
 
     @property
     def types(self) -> Enum:
@@ -109,7 +116,9 @@ def parse(source: str, extended: Protocol | None = None) -> Protocol:
     """`extended`: what the header adds its frames to."""
     lines = without_comments(source).splitlines()
     parser = Parser(tokens("\n".join(line for line in lines if not line.lstrip().startswith("#"))))
-    protocol = Protocol([], {}, [], protocol_hash(source))
+    protocol = Protocol(
+        [], {}, [], protocol_hash(source if extended is None else f"{extended.source}\n{source}"), source
+    )
     while parser.more():
         if parser.take("enum|struct") == "enum":
             enum = parse_enum(parser)
@@ -215,7 +224,7 @@ firmware/{header}, which says what each field means: change that, not this.
 """
 
 import struct
-from enum import IntEnum
+from enum import {enums}
 from typing import ClassVar, Final
 
 from giraff_schemas.wire import Frame
@@ -239,8 +248,8 @@ BASE_CLASS = '''class Frame(msgspec.Struct, frozen=True):
         return cls(*cls.layout.unpack(body)[1:])'''
 
 
-def generate(protocol: Protocol, extension: str = "") -> str:
-    """`extension`: the header of frames beside protocol.h; empty: it is protocol.h."""
+def generate(protocol: Protocol, extension: str = "", *, is_whole: bool = True) -> str:
+    """`extension`: the header of frames beside protocol.h; empty: it is protocol.h. `is_whole`: with a hash."""
     types = camel(protocol.types.name)
     constants = [f"{name}: Final = {value}" for name, value in protocol.constants.items()]
     table = [
@@ -248,7 +257,7 @@ def generate(protocol: Protocol, extension: str = "") -> str:
         *(f"    {types}.{r.name.upper()}: {camel(r.name)}Frame," for r in protocol.records),
         "}",
     ]
-    proof = "" if extension else f"PROTOCOL_HASH: Final = 0x{protocol.hash:08X}\n\n"
+    proof = f"PROTOCOL_HASH: Final = 0x{protocol.hash:08X}\n\n" if is_whole else ""
     blocks = [
         proof + "\n".join(constants),
         *("\n".join(enum_lines(enum)) for enum in protocol.enums),
@@ -256,28 +265,36 @@ def generate(protocol: Protocol, extension: str = "") -> str:
         *("\n".join(record_lines(record, types)) for record in protocol.records),
         "\n".join(table),
     ]
-    preamble = EXTENSION_PREAMBLE.format(header=extension) if extension else PREAMBLE
-    return preamble + "\n" + "\n\n\n".join(blocks) + "\n"
+    body = "\n\n\n".join(blocks) + "\n"
+    enums = "IntEnum, IntFlag" if "(IntFlag)" in body else "IntEnum"
+    preamble = EXTENSION_PREAMBLE.format(header=extension, enums=enums) if extension else PREAMBLE
+    return f"{preamble}\n{body}"
 
 
 def main() -> int:
     arguments = argparse.ArgumentParser(description="Write the Python codec of the boards' wire.")
     mode = arguments.add_mutually_exclusive_group()
     mode.add_argument("--check", action="store_true", help="fail when the codec is not what the header gives")
-    mode.add_argument("--hash", action="store_true", help="print the protocol hash")
+    mode.add_argument("--hash", nargs="?", const=HEADER, type=Path, metavar="HEADER", help="print a protocol hash")
     asked = arguments.parse_args()
     header = HEADER
     try:
         protocol = parse(HEADER.read_text(encoding="utf-8"))
-        texts = {(HEADER, WIRE): generate(protocol)}
+        texts, hashes = {(HEADER, WIRE): generate(protocol)}, {HEADER: protocol.hash}
         for header, codec in EXTENSIONS.items():
             extension = parse(header.read_text(encoding="utf-8"), protocol)
-            texts[header, codec] = generate(extension, header.relative_to(FIRMWARE).as_posix())
+            is_whole = header in WHOLE_WIRES
+            texts[header, codec] = generate(extension, header.relative_to(FIRMWARE).as_posix(), is_whole=is_whole)
+            if is_whole:
+                hashes[header] = extension.hash
     except HeaderError as error:
         print(f"{header}: {error}", file=sys.stderr)
         return 1
     if asked.hash:
-        print(f"0x{protocol.hash:08X}")
+        if (wanted := (FIRMWARE / asked.hash).resolve()) not in hashes:
+            print(f"{wanted} declares no whole wire", file=sys.stderr)
+            return 1
+        print(f"0x{hashes[wanted]:08X}")
         return 0
     for (header, codec), text in texts.items():
         if not asked.check:

@@ -37,6 +37,13 @@ struct board_model {
     double limit_volts;     /* in: the same of the potentiometer that limits the level; 5 V where there is none */
     int driver_timeout_ms;  /* in: without pulses a motor driver in R/C mode is off then; 0 = never. 100 at first: an
                              * estimate, the maker publishes none */
+    double sensor_volts[4]; /* in: at the ADC pins of analogue sensors, 0..3.3 V: on the balancer's board both axes of
+                             * the gyroscope, then the accelerometer forward and up. No other board has them */
+    double driver_volts;    /* in: at the terminals of a motor driver on a serial line */
+    int driver_line_cut;    /* in: 1 = the serial line to it is off */
+    int driver_wakes;       /* out: how often a byte has set its baud; in: 0 after its power was off */
+    int driver_open;        /* out: 1 = its bridges are open and the motors turn freely; at duty 0 it brakes otherwise */
+    int cord_pulled;        /* in: 1 = the driver's emergency input is low, and the board's own pin tells so */
     unsigned tx_len;        /* out: bytes that board_uart_read would give */
     unsigned rx_free;       /* out: room for board_uart_write */
     uint64_t tx_total, rx_total, tx_lost;

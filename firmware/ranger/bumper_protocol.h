@@ -1,5 +1,5 @@
 /* What the ranger board says of its bumpers. A header beside protocol.h, so that the hash of that one stays as it is
- * and no board has to be flashed for it. `generate_codec.py` makes schemas/giraff_schemas/bumper_wire.py from it.
+ * and no board has to be flashed for it. `generate_codec.py` makes schemas/giraff_schemas/wires/bumper.py from it.
  *
  * The board says nothing of them before the first request since its reset: a host that knows no bumpers reads what
  * it always did. It then sends a frame whenever a switch changes, and every BUMPER_PERIOD_MS.

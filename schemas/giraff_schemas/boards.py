@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final, NamedTuple
 
-from giraff_schemas import bumper_wire
 from giraff_schemas.wire import (
     BASE_BAUD,
     FRAME_CLASSES,
@@ -14,7 +13,11 @@ from giraff_schemas.wire import (
     RANGER_BAUD,
     BoardKind,
     Frame,
+    HelloFrame,
+    HelloRequestFrame,
 )
+from giraff_schemas.wires import balancer as balancer_wire
+from giraff_schemas.wires import bumper as bumper_wire
 
 
 class BoardType(NamedTuple):
@@ -44,6 +47,13 @@ RANGER_BOARD: Final = BoardType(
 )
 ARDROS_BOARD: Final = BoardType(
     "ardros", BoardKind.BASE, BASE_BAUD, output_delay_us=22_000, most_counts=54_000, has_potentiometer=True
+)
+BALANCER_BOARD: Final = BoardType(
+    "balancer",
+    balancer_wire.BALANCER_BOARD,
+    balancer_wire.BALANCER_BAUD,
+    protocol_hash=balancer_wire.PROTOCOL_HASH,
+    frames={frame.type: frame for frame in (HelloFrame, HelloRequestFrame)} | balancer_wire.FRAME_CLASSES,
 )
 BOARDS: Final = {BoardKind(board.number): board for board in (BASE_BOARD, JOYSTICK_BOARD, RANGER_BOARD)}
 """By the role that a board has for a stock robot. Another drive may name another board for base."""

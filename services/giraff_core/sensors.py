@@ -13,7 +13,7 @@ import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.tuning import Tuning
-from giraff_schemas.bumper_wire import BUMPERS
+from giraff_schemas.wires.bumper import BUMPERS
 
 ULTRASONIC: Final = "hc-sr04"
 """The type of a sensor that names none."""

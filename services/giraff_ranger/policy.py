@@ -7,12 +7,12 @@ from typing import Final
 from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_schemas.bumper import Bump
-from giraff_schemas.bumper_wire import BumperFrame, BumperRequestFrame
 from giraff_schemas.frames import Transform
 from giraff_schemas.messages import Range, RangeState, Tick
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
 from giraff_schemas.wire import ECHO_US_PER_M, RangeFault, RangeFrame, TickFrame
 from giraff_schemas.wire import RangeState as WireState
+from giraff_schemas.wires.bumper import BumperFrame, BumperRequestFrame
 
 LONGEST_ECHO_US: Final = 38_000
 """How long an HC-SR04 waits for an answer: a longer pulse is no echo."""

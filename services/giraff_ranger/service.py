@@ -7,9 +7,9 @@ from giraff_core.robot import RobotConfig
 from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import RangerPolicy
 from giraff_schemas.boards import RANGER_BOARD
-from giraff_schemas.bumper_wire import BumperFrame
 from giraff_schemas.topics import BUMPER, RANGE, TICK
 from giraff_schemas.wire import RangeFrame
+from giraff_schemas.wires.bumper import BumperFrame
 
 
 class Ranger:

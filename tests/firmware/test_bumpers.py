@@ -5,8 +5,8 @@ import itertools
 import pytest
 
 from giraff_schemas.boards import RANGER_BOARD
-from giraff_schemas.bumper_wire import BUMPER_PERIOD_MS, BUMPER_REST_MS, BumperFrame, BumperRequestFrame
 from giraff_schemas.wire import RangeFrame, TickFrame
+from giraff_schemas.wires.bumper import BUMPER_PERIOD_MS, BUMPER_REST_MS, BumperFrame, BumperRequestFrame
 from tests.firmware.bench import Bench
 from tests.firmware.builds import compiled, open_board
 

@@ -9,9 +9,12 @@ from pathlib import Path
 from tests.rules.repository import ROOT
 from tests.support.tools import finished
 
-HEADERS = Path("firmware/common/protocol.h"), Path("firmware/ranger/bumper_protocol.h")
+HEADERS = tuple(
+    Path("firmware") / name
+    for name in ("common/protocol.h", "ranger/bumper_protocol.h", "balancer/balancer_protocol.h")
+)
 GENERATOR = Path("firmware/generate_codec.py")
-CODECS = Path("schemas/giraff_schemas/wire.py"), Path("schemas/giraff_schemas/bumper_wire.py")
+CODECS = tuple(Path("schemas/giraff_schemas") / name for name in ("wire.py", "wires/bumper.py", "wires/balancer.py"))
 
 
 def check(tree: Path) -> tuple[int, str]:

@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from giraff_schemas.bumper_wire import BumperFrame, BumperRequestFrame
 from giraff_schemas.wire import BoardKind
+from giraff_schemas.wires.bumper import BumperFrame, BumperRequestFrame
 from giraff_sim.board import Implementation
 from giraff_sim.bodies.kinds import world_of
 from giraff_sim.simulation import simulation

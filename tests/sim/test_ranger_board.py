@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from giraff_schemas.bumper_wire import BumperFrame, BumperRequestFrame
 from giraff_schemas.wire import BoardKind, HelloFrame, RangeFault, RangeFrame, RangeState, ResetCause, TickFrame
+from giraff_schemas.wires.bumper import BumperFrame, BumperRequestFrame
 from giraff_sim.board import Board, Implementation
 from giraff_sim.simulation import simulation
 from giraff_sim.world.sonar import NO_ECHO_US, SILENT_US, STUCK_US, SonarFault

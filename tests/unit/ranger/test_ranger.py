@@ -14,11 +14,11 @@ from giraff_ranger.config import RangerConfig
 from giraff_ranger.policy import LONGEST_ECHO_US, RangerPolicy
 from giraff_schemas import frames
 from giraff_schemas.bumper import Bump
-from giraff_schemas.bumper_wire import BumperFrame
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.messages import Range, RobotTime, Tick
 from giraff_schemas.trouble import trouble_of
 from giraff_schemas.wire import FrameType, RangeFault, RangeFrame, RangeState, TickFrame
+from giraff_schemas.wires.bumper import BumperFrame
 from tests.support.robots import BUMPED
 
 ROBOT = msgspec.structs.replace(
