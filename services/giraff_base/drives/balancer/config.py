@@ -1,0 +1,155 @@
+"""The table `[base.drive]` of a robot that balances on two wheels: its body, motors, gains and wiring."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, ClassVar, Final
+
+import msgspec
+
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.robot import WIRING, RobotConfig
+from giraff_core.tuning import Tuning
+from giraff_schemas.boards import BALANCER_BOARD, BoardType
+from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.wire import Wiring
+from giraff_schemas.wires.balancer import PROTOCOL_HASH, BalanceConfigureFrame
+
+GRAVITY: Final = 9.81
+"""m/s²."""
+_GAIN: Final = Bounds(0.0, 10_000.0)
+_RADIUS_OFF: Final = 0.02
+"""Largest share by which radius and counts may contradict `ticks_per_metre`."""
+
+
+class BalancerConfig(
+    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="balancer"
+):
+    """Gains, body, motors, battery and wiring of a robot that balances. Torques are those at the wheels."""
+
+    LIVE: ClassVar = Tuning.READ_ONLY
+
+    k1: Annotated[float, _GAIN]
+    """N m/rad. Torque of both motors for each rad that it leans."""
+    k2: Annotated[float, _GAIN]
+    """N m s/rad. Torque for each rad/s."""
+    k3: Annotated[float, _GAIN]
+    """N m/m. Torque for each m that it is beyond its place. With k3 = k4 = 0 it goes by its lean alone and drifts."""
+    k4: Annotated[float, _GAIN]
+    """N m s/m. Torque for each m/s that it is too fast."""
+    body_mass: Annotated[float, Bounds(1.0, 200.0, "kg")]
+    """kg of all that leans: chassis, batteries and mast."""
+    centre_height: Annotated[float, Bounds(0.02, 2.0, "m")]
+    """m from the axle up to the centre of mass of the body."""
+    body_inertia: Annotated[float, Bounds(0.001, 200.0, "kg m²")]
+    """kg m² of the body about its centre of mass, about an axis along the axle."""
+    wheel_mass: Annotated[float, Bounds(0.01, 50.0, "kg")]
+    wheel_inertia: Annotated[float, Bounds(0.0, 10.0, "kg m²")]
+    """kg m² of a wheel about the axle."""
+    rotor_inertia: Annotated[float, Bounds(0.0, 10.0, "kg m²")]
+    """kg m² of a motor's rotor, as seen at the wheel: multiplied by the square of the gear ratio."""
+    wheel_radius: Annotated[float, Bounds(0.01, 1.0, "m")]
+    counts_per_turn: Annotated[int, Bounds(16, 65_535)]
+    """Encoder counts for each turn of a wheel."""
+    motor_constant: Annotated[float, Bounds(0.001, 60.0, "V s/rad")]
+    """V s/rad at the wheel, and N m for each A."""
+    motor_resistance: Annotated[float, Bounds(0.01, 60.0, "ohm")]
+    """ohm of a motor with its leads."""
+    friction: Annotated[float, Bounds(0.0, 60.0, "N m")]
+    """N m of dry friction of one motor with its gear, at the wheel."""
+    torque_max: Annotated[float, Bounds(0.1, 1000.0, "N m")]
+    """N m. Largest torque of both motors. To catch itself it needs more than to stand: a low limit makes it fall."""
+    acceleration: Annotated[float, Bounds(0.01, 5.0, "m/s²")] = 0.25
+    """m/s² at which the board changes the speed that it holds."""
+    braking: Annotated[float, Bounds(0.01, 0.5, "m/s²")] = 0.35
+    """m/s² at which it slows down while it drives on. At 0.8 m/s² most robots fall."""
+    battery_volts_per_count: Annotated[float, Bounds(0.001, 0.065, "V")]
+    """V of the battery for each ADC count of the board."""
+    battery_nominal: Annotated[float, Bounds(6.0, 60.0, "V")] = 12.0
+    battery_minimum: Annotated[float, Bounds(5.0, 60.0, "V")] = 10.4
+    """V. Below it the robot sits down."""
+    driver_minimum: Annotated[float, Bounds(6.0, 30.0, "V")] = 10.0
+    """V. Below it the motor driver cuts off, and the robot falls."""
+    # How motors and encoders are soldered. None: nobody has checked, and base does not arm.
+    swap_motors: bool | None = None
+    swap_encoders: bool | None = None
+    invert_left_motor: bool | None = None
+    invert_right_motor: bool | None = None
+    invert_left_encoder: bool | None = None
+    invert_right_encoder: bool | None = None
+
+    def __post_init__(self) -> None:
+        check_bounds(self)
+        if (self.k3 == 0.0) != (self.k4 == 0.0):
+            raise ValueError(f"k3 is {self.k3:g} and k4 {self.k4:g}: either both are 0, or none is")
+        if not self.driver_minimum < self.battery_minimum < self.battery_nominal:
+            raise ValueError(
+                f"driver_minimum is {self.driver_minimum:g} V, battery_minimum {self.battery_minimum:g} V and "
+                f"battery_nominal {self.battery_nominal:g} V: they must rise, or the robot falls before it sits down"
+            )
+
+    @property
+    def board_type(self) -> BoardType:
+        """The board that base speaks with, and that the simulator runs."""
+        return BALANCER_BOARD
+
+    @property
+    def unchecked(self) -> Trouble:
+        """Why nobody knows yet whether the robot moves as it is asked."""
+        if all(getattr(self, name) is not None for name in WIRING):
+            return WELL
+        return Trouble("the wiring is not checked", "write it into [base.drive]: docs/commissioning.md")
+
+    @property
+    def wiring(self) -> Wiring:
+        """The bits that the board's `configure` frame carries. An unchecked one counts as not set."""
+        return Wiring(sum(Wiring[name.upper()] for name in WIRING if getattr(self, name)))
+
+    def require_countable(self, robot: RobotConfig) -> None:
+        """Raise ValueError where wheel and encoder contradict `ticks_per_metre`."""
+        counts = self.counts_per_turn / (math.tau * self.wheel_radius)
+        if abs(counts / robot.ticks_per_metre - 1.0) > _RADIUS_OFF:
+            raise ValueError(
+                f"wheel_radius and counts_per_turn give {counts:.0f} counts per metre, "
+                f"and ticks_per_metre is {robot.ticks_per_metre:.0f}: correct the wrong one"
+            )
+
+    def board_settings(self, robot: RobotConfig) -> BalanceConfigureFrame:
+        """Return what base tells the board of this robot. It names no boot and no session yet."""
+        mass, height, radius = self.body_mass, self.centre_height, self.wheel_radius
+        per_speed = (mass + 2 * self.wheel_mass) * radius + mass * height + 2 * self.wheel_inertia / radius
+        per_rate = mass * height * (radius + height) + self.body_inertia
+        return BalanceConfigureFrame(
+            seq=0,
+            boot_id=0,
+            board_ms=0,
+            protocol_hash=PROTOCOL_HASH,
+            session=0,
+            wiring=self.wiring,
+            k1_mnm_rad=_thousandths(self.k1),
+            k2_mnm_s_rad=_thousandths(self.k2),
+            k3_mnm_m=_thousandths(self.k3),
+            k4_mnm_s_m=_thousandths(self.k4),
+            gravity_mnm_rad=_thousandths(mass * GRAVITY * height),
+            momentum_gms=_thousandths(per_speed),
+            momentum_gm2=_thousandths(per_rate),
+            radius_um=round(radius * 1e6),
+            track_um=round(robot.kinematics.track_width * 1e6),
+            counts_per_turn=self.counts_per_turn,
+            motor_mv_s=_thousandths(self.motor_constant),
+            motor_mohm=_thousandths(self.motor_resistance),
+            friction_mnm=_thousandths(self.friction),
+            torque_max_mnm=_thousandths(self.torque_max),
+            acceleration_mm_s2=_thousandths(self.acceleration),
+            braking_mm_s2=_thousandths(self.braking),
+            # Rounded up: no twist within the limits is beyond the board.
+            speed_max_mm_s=math.ceil(robot.max_wheel_speed * 1000),
+            turn_max_mrad_s=math.ceil(robot.max_angular_speed * 1000),
+            battery_uv_count=round(self.battery_volts_per_count * 1e6),
+            battery_min_mv=_thousandths(self.battery_minimum),
+            driver_min_mv=_thousandths(self.driver_minimum),
+        )
+
+
+def _thousandths(value: float) -> int:
+    return round(value * 1000)
