@@ -77,6 +77,7 @@ class Tilt(Sample, frozen=True, kw_only=True):
 
 
 Source = Literal["hand", "fault"]
+Side = Literal["forward", "backward", "none"]
 
 
 class DriveCommand(Sample, frozen=True, kw_only=True):
@@ -132,6 +133,8 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Why this is less than the operator asked for; empty when it is not."""
     remedy: str = ""
     """Tail of `reason`: what to do about it."""
+    free_side: Side = "none"
+    """Where a robot that sits down has room, by the ranges of now."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.linear_x, self.angular_z)
@@ -171,6 +174,8 @@ class EStop(Sample, frozen=True, kw_only=True):
     """Robot time of the newest request to stop, also of one that finds it engaged; 0: none since base began."""
     remedy: str = ""
     """Tail of `reason`: what to do about it."""
+    off: bool = False
+    """The stop has switched off a drive that else holds the robot up. Always false where the drive has no such off."""
 
 
 class SerialLine(Sample, frozen=True, kw_only=True):

@@ -16,6 +16,9 @@ class EStopEngage(msgspec.Struct, frozen=True, kw_only=True):
 
     by: str
     reason: str
+    off: bool = False
+    """Also switch off a drive that holds the robot up while it is stopped. A stop that is off stays off until it is
+    reset."""
 
 
 class EStopReset(msgspec.Struct, frozen=True, kw_only=True):

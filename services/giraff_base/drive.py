@@ -50,6 +50,11 @@ class Drive(Protocol):
         ...
 
     @property
+    def knows_off(self) -> bool:
+        """Whether the drive holds a stopped robot up, so that off is another state than stopped."""
+        ...
+
+    @property
     def at_rest(self) -> bool:
         """Whether the robot stands, in its safe state. True before any report."""
         ...
@@ -84,8 +89,11 @@ class Drive(Protocol):
         """Release the board's latch from now on: base's emergency stop was reset."""
         ...
 
-    def hold(self) -> None:
-        """Release no latch any more: base's emergency stop was engaged."""
+    def hold(self, *, off: bool) -> None:
+        """Release no latch any more: base's emergency stop was engaged. Base tells each engaging.
+
+        `off`: the stop is off, also after the port was opened anew. False where the drive does not know off.
+        """
         ...
 
     def settle(self, now: RobotTime, *, engaged: bool) -> Answer | None:

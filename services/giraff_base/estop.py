@@ -22,9 +22,13 @@ _IDS: Final = 1 << 31
 class EStopControl:
     """Holds the latch in force."""
 
-    def __init__(self, latch: EStopLatch, reset_budget: float) -> None:
+    def __init__(self, latch: EStopLatch, reset_budget: float, *, knows_off: bool) -> None:
+        """`knows_off`: of the drive. Without it, nothing is off, and no one is told that it is."""
         # An older base has kept texts as they came.
-        self.latch = msgspec.structs.replace(latch, by=printable(latch.by), reason=printable(latch.reason))
+        by, reason = printable(latch.by), printable(latch.reason)
+        off = latch.engaged and latch.off and knows_off
+        self.latch = msgspec.structs.replace(latch, by=by, reason=reason, off=off)
+        self._knows_off = knows_off
         self._reset_budget = reset_budget
         self._engaged_ns = 0
         """Robot time of the newest engaging, of whatever cause; 0: none since the start."""
@@ -36,14 +40,22 @@ class EStopControl:
         return latch.trouble.of(f"emergency stop by {latch.by}") if latch.engaged else WELL
 
     def engage(self, asked: EStopEngage, now: RobotTime) -> None:
-        """Engage. Repeating keeps the latch; another cause makes another one, which a reset of the first leaves."""
+        """Engage. Repeating keeps the latch; another cause makes another one, which a reset of the first leaves.
+
+        Only a request for off makes it off, however often a stop is asked for. Only a reset ends that.
+        """
         self._engaged_ns = now.robot_ns
         by, reason = _clean(asked.by), _clean(asked.reason)
         if RESET_COMMAND not in reason:
             reason = f"{reason}; to go on: {RESET_COMMAND}"
-        if self.latch.engaged and (self.latch.by, self.latch.reason) == (by, reason):
+        off = self.latch.off or (asked.off and self._knows_off)
+        if self.latch.engaged and (self.latch.by, self.latch.reason, self.latch.off) == (by, reason, off):
             return
-        self.latch = EStopLatch(engaged=True, id=self.latch.id % _IDS + 1, by=by, reason=reason)
+        self.latch = EStopLatch(engaged=True, id=self.latch.id % _IDS + 1, by=by, reason=reason, off=off)
+
+    def is_news(self, latched: EStopEngage) -> bool:
+        """Whether the board has latched more by itself than base asks of it."""
+        return not self.latch.engaged or (latched.off and self._knows_off and not self.latch.off)
 
     def refusal(self, reset: EStopReset, now: RobotTime) -> Trouble:
         """Why this reset clears nothing. WELL: it may, or this very latch is cleared already."""
@@ -85,6 +97,7 @@ class EStopControl:
             reason=latch.reason,
             engaged_ns=self._engaged_ns,
             remedy=latch.trouble.remedy,
+            off=latch.off,
         )
 
 

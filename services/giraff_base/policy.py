@@ -33,7 +33,9 @@ class BasePolicy:
         self._live = live
         self._kinematics = robot.kinematics
         self._drive = drive_of(robot, live.config)
-        self._estop = EStopControl(latch, live.config.reset_budget)
+        self._estop = EStopControl(latch, live.config.reset_budget, knows_off=self._drive.knows_off)
+        if self._estop.latch.engaged:
+            self._drive.hold(off=self._estop.latch.off)
         self._authority = Authority(live, self._estop)
         self._ramp = Ramp(live)
         self._reported_ns: int | None = None  # None: there is no board
@@ -148,7 +150,7 @@ class BasePolicy:
     def _engage(self, asked: EStopEngage, now: RobotTime) -> None:
         self._estop.engage(asked, now)
         self._authority.arming.disarm("the emergency stop")
-        self._drive.hold()
+        self._drive.hold(off=self._estop.latch.off)
         self._stand_still(WELL)
         self._answered = False  # the board hears of it at once, whatever it was told last
 
@@ -169,8 +171,8 @@ class BasePolicy:
         self._reported_ns = now.robot_ns
         self._answered = False
         self._may_hurry = True
-        if report.latched is not None and not self._estop.latch.engaged:
-            self._engage(report.latched, now)
+        if (latched := report.latched) is not None and self._estop.is_news(latched):
+            self._engage(latched, now)
         if (battery := self.battery()) is not None:
             self._authority.battery.take(battery.voltage, now.robot_ns)
 

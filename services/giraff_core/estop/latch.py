@@ -17,7 +17,7 @@ RESET_COMMAND: Final = "giraff estop reset"
 LATCH_FILE: Final = "estop.json"
 
 
-class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, omit_defaults=True):
     """Engaged or released, and who did that."""
 
     engaged: bool
@@ -26,6 +26,9 @@ class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     by: str
     reason: str
     """Why it is engaged, and how to release it; empty when it is not."""
+    off: bool = False
+    """The stop is off. Written only where it is true: an older base takes a file with it for damaged, and stays
+    stopped."""
 
     @property
     def trouble(self) -> Trouble:

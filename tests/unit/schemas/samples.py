@@ -101,7 +101,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     m.SerialLine: _START | {"name": "arduino", "text": "23.5 °C", "goes_on": False, "replaced": 0},
     m.SerialWrite: _START | {"name": "arduino", "text": "led on"},
     m.Lease: _START | {"holder": "b2", "operator": "joystick", "counter": 9, "unranked": ["gamepad"]} | _SAYS,
-    m.EStop: _START | {"engaged": True, "id": 5, "by": "operator", "engaged_ns": 7} | _SAYS,
+    m.EStop: _START | {"engaged": True, "id": 5, "by": "operator", "engaged_ns": 7, "off": True} | _SAYS,
     m.GuardedCommand: _START
     | _TWIST
     | {
@@ -115,6 +115,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "hand_neutral": False,
         "reason": "",
         "remedy": "",
+        "free_side": "backward",
     },
     m.Range: _START | {"sensor": "rear", "state": "echo", "range": 1.25, "echo_us": 7250, "tick": _TIME} | _SAYS,
     b.Bump: _START | {"sensor": "front", "pressed": True, "tick": _TIME},

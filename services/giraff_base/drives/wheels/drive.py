@@ -27,6 +27,7 @@ class WheelsDrive:
     """The `giraff_base.drive.Drive` of two wheels."""
 
     topics = (WHEELS,)
+    knows_off = False
 
     def __init__(self, robot: RobotConfig, config: WheelsConfig, acceleration: float) -> None:
         """`acceleration`: m/s² of the faster wheel, where driving and turning start at once."""
@@ -85,7 +86,7 @@ class WheelsDrive:
     def release(self) -> None:
         self._releasing = True
 
-    def hold(self) -> None:
+    def hold(self, *, off: bool) -> None:  # noqa: ARG002  a stopped motor has no power: off is no other state
         self._releasing = False
 
     def settle(self, now: RobotTime, *, engaged: bool) -> Answer | None:

@@ -52,6 +52,10 @@ class ModelBoard(Protocol):
 
     def is_latched(self) -> bool: ...
 
+    def is_off(self) -> bool:
+        """Return whether its motors have no power."""
+        ...
+
     def latch_by_itself(self) -> None:
         """Latch it for a cause of its own."""
         ...
@@ -175,11 +179,25 @@ class AnyDrive:
         bench.engaged = True
         bench.step(0.3)
         bench.drive.release()
-        bench.drive.hold()  # another engaging overtakes the release
+        bench.drive.hold(off=False)  # another engaging overtakes the release
         for _ in range(SETTLED):
             bench.step(0.3)
             assert bench.board.is_latched()
             assert bench.board.is_safe()
+
+    def test_off_comes_under_an_engaged_stop_too_and_outlasts_the_port(self) -> None:
+        bench = self.moving()
+        bench.engaged = True
+        bench.drive.hold(off=False)
+        bench.run()
+        bench.drive.hold(off=bench.drive.knows_off)
+        bench.run()
+        assert bench.board.is_off()
+        bench.board = self.board()
+        bench.drive.open(SESSION + 1)
+        bench.run()
+        assert bench.board.is_latched()
+        assert bench.board.is_off()
 
     def test_an_engaged_stop_waits_for_no_session(self) -> None:
         bench = self.bench()

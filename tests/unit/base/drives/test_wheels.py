@@ -22,6 +22,9 @@ class WheelsBoard(Board):
     def is_latched(self) -> bool:
         return self.latch != Latch.NONE
 
+    def is_off(self) -> bool:
+        return self.is_safe()
+
     def latch_by_itself(self) -> None:
         self.engage(Latch.LEFT_STUCK)
 
