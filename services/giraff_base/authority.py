@@ -11,7 +11,7 @@ from giraff_base.binding import Binding
 from giraff_base.config import BaseConfig
 from giraff_base.estop import EStopControl
 from giraff_core.live import Live
-from giraff_schemas.messages import GuardedCommand, RobotTime
+from giraff_schemas.messages import GuardedCommand, RobotTime, Side
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 _NO_GUARD: Final = Trouble("the guard is not heard", "start giraff_guard on this machine")
@@ -79,6 +79,13 @@ class Authority:
             share, late = self.battery.share, self.battery.warning
         slowed = late.of("slowed") if share < 1.0 and not command.neutral else WELL
         return command.linear_x * share, command.angular_z * share, trouble_of(command) or slowed
+
+    def free_side(self, now: RobotTime) -> Side:
+        """Return where the guard in charge sees room to sit down. Its word counts as long as its tick does."""
+        command = self._command
+        if command is None or ages_of(command, now).guard > self._live.config.guard_budget:
+            return "none"
+        return command.free_side
 
     def _forbid(self, now: RobotTime) -> Trouble:
         """Why nothing may move, whatever is commanded, and disarm if so."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol
 
-from giraff_schemas.messages import BoardState, RobotTime, Sample
+from giraff_schemas.messages import BoardState, RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import Topic
 from giraff_schemas.trouble import Trouble
@@ -103,6 +103,9 @@ class Drive(Protocol):
         """
         ...
 
-    def ask(self, linear: float, angular: float) -> Answer:
-        """Ask for a twist, m/s and rad/s. Zero asks for the safe state."""
+    def ask(self, linear: float, angular: float, *, armed: bool, free_side: Side) -> Answer:
+        """Ask for a twist, m/s and rad/s. Zero asks for the safe state.
+
+        `armed`: a robot that has to get up for its safe state may do so. `free_side`: where it may sit down.
+        """
         ...

@@ -183,7 +183,8 @@ class BasePolicy:
         if waits := self._drive.waits:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
             self._stand_still(self._reason or waits)
-        asked = self._drive.ask(self._ramp.linear, self._ramp.angular)
+        armed, free_side = self._authority.arming.armed, self._authority.free_side(now)
+        asked = self._drive.ask(self._ramp.linear, self._ramp.angular, armed=armed, free_side=free_side)
         self._driving = asked.moves
         self._reason = self._reason or asked.reason or WELL
         return asked.frame

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import Final
 
 from giraff_core.estop.latch import RESET_COMMAND
 from giraff_schemas.boards import BoardType
-from giraff_schemas.messages import BoardState
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
-from giraff_schemas.wire import DriveState, Latch, Refusal, SpeedFlag, WheelsFrame
+from giraff_schemas.wire import DriveState, Latch, SpeedFlag, WheelsFrame
 
 _STUCK: Final = "wheel stuck; free it, check its motor and its encoder's cable"
 _OPPOSITE: Final = "wheel turned against its motor; lift the wheels and run giraff check wheels"
@@ -23,11 +21,6 @@ _LATCHED_BY: Final[dict[int, str]] = {
 }
 _AT_LIMIT: Final = "at its limit: the wheels cannot do what is asked; the battery may be low"
 _OR_LOWERED: Final = ", or the potentiometer turned down"
-
-
-def word(kind: type[IntEnum], value: int) -> str:
-    """The name of what a board reported, whatever it was."""
-    return kind(value).name.lower() if value in list(kind) else f"unknown {value}"
 
 
 def engaged_by(latch: int) -> EStopEngage:
@@ -51,28 +44,3 @@ def limit(report: WheelsFrame, board: BoardType) -> Trouble:
     if not report.speed_flags & SpeedFlag.AT_LIMIT:
         return WELL
     return Trouble(_AT_LIMIT + (_OR_LOWERED if board.has_potentiometer else ""))
-
-
-def board_state(report: WheelsFrame | None) -> BoardState:
-    """None: there is no board."""
-    if report is None:
-        return BoardState(
-            connected=False,
-            boot_id=0,
-            drive_state="",
-            latch="",
-            last_refusal="",
-            accepted=0,
-            refused=0,
-            line_errors=0,
-        )
-    return BoardState(
-        connected=True,
-        boot_id=report.boot_id,
-        drive_state=word(DriveState, report.drive_state),
-        latch=word(Latch, report.latch),
-        last_refusal=word(Refusal, report.last_refusal),
-        accepted=report.accepted,
-        refused=report.refused,
-        line_errors=report.line_errors,
-    )

@@ -78,9 +78,12 @@ class Bench:
         assert report is not None
         return report
 
+    def ask(self, linear: float = 0.0, angular: float = 0.0, *, armed: bool = True) -> Answer:
+        return self.drive.ask(linear, angular, armed=armed, free_side="none")
+
     def answer(self, linear: float = 0.0, angular: float = 0.0) -> Answer:
         """Return what base would send now."""
-        return self.drive.settle(self.now, engaged=self.engaged) or self.drive.ask(linear, angular)
+        return self.drive.settle(self.now, engaged=self.engaged) or self.ask(linear, angular)
 
     def step(self, linear: float = 0.0, angular: float = 0.0) -> Report:
         report = self.hear()
@@ -146,7 +149,7 @@ class AnyDrive:
 
     def test_its_board_knows_what_it_reports_and_what_it_is_sent(self) -> None:
         bench, frames = self.settled(), self.config.board_type.frames.values()
-        asked = bench.drive.ask(0.1, 0.0).frame
+        asked = bench.ask(0.1, 0.0).frame
         assert {type(bench.board.report()), type(asked), HelloFrame, HelloRequestFrame} <= set(frames)
 
     def test_it_moves_as_it_is_asked_and_tells_so(self) -> None:
@@ -158,7 +161,7 @@ class AnyDrive:
 
     def test_a_frame_that_was_held_up_moves_nothing(self) -> None:
         bench = self.settled()
-        late = bench.drive.ask(0.3, 0.0)
+        late = bench.ask(0.3, 0.0)
         assert late.moves
         assert late.frame is not None
         for _ in range(round(0.2e9 / bench.board.period_ns)):
@@ -262,7 +265,7 @@ class AnyDrive:
 
     def test_zero_asks_for_the_safe_state(self) -> None:
         bench = self.moving()
-        asked = bench.drive.ask(0.0, 0.0)
+        asked = bench.ask(0.0, 0.0)
         assert asked.frame is not None
         assert not asked.moves
         bench.board.receive(asked.frame)
