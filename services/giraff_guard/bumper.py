@@ -57,6 +57,10 @@ class BumperSource:
     def curve(self, way: Way, curvature: float, motion: Motion, now: RobotTime) -> None:
         """It looks nowhere."""
 
+    def room(self, way: Way, motion: Motion, now: RobotTime) -> float:
+        """It knows only whether something touches it."""
+        return 0.0 if self.straight(way, motion, now).freedom == "blocked" else math.inf
+
     def turn(self, motion: Motion) -> None:
         """Turning is how one gets away from what it has touched."""
 

@@ -97,6 +97,8 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """s for which a remembered echo may block a way; then it slows it to `unproved_linear`."""
     memory_margin: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 1.0, "m")] = 0.05
     """m kept between the footprint and remembered echoes."""
+    sit_room: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.05, 3.0, "m")] = 0.35
+    """m beyond the footprint that a balancing robot needs free on the side to which it sits down."""
 
     def __post_init__(self) -> None:
         check_bounds(self)

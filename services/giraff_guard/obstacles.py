@@ -15,7 +15,7 @@ from giraff_guard.kinds import Sensed, sources_of
 from giraff_guard.limits import Way
 from giraff_guard.motion import Motion
 from giraff_guard.source import Source
-from giraff_schemas.messages import RobotTime, Verdict, Wheels
+from giraff_schemas.messages import RobotTime, Side, Verdict, Wheels
 from giraff_schemas.trouble import WELL, Trouble
 
 _BACK: Final[dict[Way, str]] = {"forward": "back up", "backward": "drive forward"}
@@ -104,6 +104,13 @@ class Obstacles:
             },
         )
         return self._verdicts
+
+    def free_side(self, now: RobotTime) -> Side:
+        """Return the side to which a robot that sits down has room. What no sensor knows to be free is not."""
+        room = self._live.config.sit_room
+        ways: tuple[Way, ...] = ("forward", "backward")
+        free = (way for way in ways if all(each.room(way, self._motion, now) >= room for each in self._sources))
+        return next(free, "none")
 
     def limit(self, linear_x: float, angular_z: float, now: RobotTime) -> Limited:
         """What is let through of a twist, by the verdicts of this turn."""

@@ -94,6 +94,7 @@ class GuardPolicy:
             hand_neutral=asked is not None and asked.neutral,
             reason=str(reason),
             remedy=reason.remedy,
+            free_side="none" if self.fault else self._obstacles.free_side(now),
         )
         state = GuardState(
             forward=verdicts.forward,

@@ -47,6 +47,10 @@ class Source(Protocol):
         """m/s and why, where a curve (angular_z / linear_x, 1/m) meets what straight ahead does not; None: nowhere."""
         ...
 
+    def room(self, way: Way, motion: Motion, now: RobotTime) -> float:
+        """Return m beyond the footprint that are known to be free on this side; 0 where that is not known."""
+        ...
+
     def turn(self, motion: Motion) -> Verdict | None:
         """For turning in place; None: nothing is in its way."""
         ...

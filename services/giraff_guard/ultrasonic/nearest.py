@@ -37,6 +37,16 @@ class Nearest:
             return limits.allow(allowed, sensor.name, str(doubt)) if allowed < verdict.allowed else verdict
         return verdict
 
+    def room(self, sensor: Sensor, motion: Motion, now: RobotTime) -> float:
+        """Return m beyond the footprint that one sensor knows to be free. Without proof, its silence tells nothing."""
+        if sensor.blindness(now) or sensor.lost(motion) or sensor.doubt(motion, now):
+            return 0.0
+        believed = sensor.believed([other for other in self._sensors if other is not sensor])
+        return min(
+            self._clearance(sensor, ping.distance) - ping.place.ahead(motion.place, sensor.pose.yaw)
+            for ping in believed
+        )
+
     def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict:
         limits, config = self._limits, self._limits.config
         room = self._clearance(sensor, ping.distance) - config.margin

@@ -58,6 +58,10 @@ class UltrasonicSource:
         """What is remembered allows so much: no sensor looks along a curve."""
         return self._echoes.curve(motion.place, way, now.robot_ns, curvature)
 
+    def room(self, way: Way, motion: Motion, now: RobotTime) -> float:
+        """What this way's sensors hear now, and what is remembered there."""
+        return self._ways[way].room(motion, self._echoes, now)
+
     def turn(self, motion: Motion) -> Verdict | None:
         """Turning in place sweeps nothing beyond the footprint's disc; what touches that is turned past slowly."""
         creep = self._live.config.creep_angular

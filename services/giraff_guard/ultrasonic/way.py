@@ -63,6 +63,14 @@ class UltrasonicWay:
             return limits.allow(allowed, verdict.sensor, "this way was blocked until just now; speeding up")
         return verdict
 
+    def room(self, motion: Motion, echoes: Echoes, now: RobotTime) -> float:
+        """Return m beyond the footprint that are known to be free; 0 without a sensor that looks there."""
+        rooms = [self._nearest.room(sensor, motion, now) for sensor in self.sensors]
+        rooms += [each.distance for each in echoes.in_the_way(motion.place, self._way, now.robot_ns)]
+        if any(sensor.is_silent for sensor in self.sensors) and (heard := self._held.ahead(motion.place)):
+            rooms.append(heard.distance)
+        return min(rooms) if self.sensors else 0.0
+
     def relied_on(self, now: RobotTime) -> RobotTime | None:
         """The oldest moment among the newest readings of this way's sensors, robot_ns 0 for one that never came."""
         never = RobotTime(epoch=now.epoch, robot_ns=0)
