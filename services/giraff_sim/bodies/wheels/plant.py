@@ -13,11 +13,11 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import EXACT, TrueWheel, Truth
+from giraff_sim.world.disc import Disc
 from giraff_sim.world.room import Pose, Room
 
 STATES_PER_TICK: Final = 2  # of the encoder's quadrature states: the base board counts both edges of A
 _FULL_DUTY: Final = 255.0
-_PUSHES: Final = 4  # out of surfaces in one step: two walls of a corner, and once more each
 _SLIPPING: Final = 0.5  # share of its turning that a wheel loses while it slips
 
 
@@ -86,37 +86,27 @@ class Wheel:
         self.speed = speed
 
 
-class Plant:
+class Plant(Disc):
     """Two driven wheels under a disc that walls and posts stop. The body stops; the wheels then slip."""
 
     def __init__(
         self, robot: RobotConfig, drive: WheelsConfig, sim: SimConfig, room: Room, truth: Truth = EXACT
     ) -> None:
+        super().__init__(room, robot.footprint_radius)
         self.left = Wheel(robot, drive, sim, truth.left)
         self.right = Wheel(robot, drive, sim, truth.right)
         self.speed = 0.0
         """m/s at which the wheels carry the centre, forward positive; something in the way may hold it all the same."""
         self.turn = 0.0
         """rad/s at which they turn the body, counter-clockwise positive."""
-        self.pose = room.start
-        self.path_length = 0.0
-        """m the centre has moved."""
-        self.contacts = 0
-        """How often the body came to touch something."""
         self.open_volts = sim.battery_volts
         """V of the battery with nothing connected."""
         self.volts = sim.battery_volts
         """V of the battery now."""
         self._track_width = robot.track_width * truth.track_scale
         self._turn_grip = 1.0 - truth.turn_slip
-        self._radius = robot.footprint_radius
         self._nominal_volts = drive.battery_nominal
         self._sag_volts = sim.battery_sag_volts
-        self._room = room
-        self._touching = False
-        self._closest = math.inf
-        self._clear_for = 0.0  # m that the centre may move before the closest approach can change
-        self._room_version = -1
 
     def step(self, duration: float, left_duty: float, right_duty: float) -> None:
         """Move for `duration` s with each motor's signed duty, of 255."""
@@ -134,61 +124,15 @@ class Plant:
             if self._room.thresholds:
                 self._meet_thresholds(before)
 
-    @property
-    def clearance(self) -> float:
-        """m between the body and what is nearest to it."""
-        return self._room.clearance(self.pose.x, self.pose.y) - self._radius
-
-    @property
-    def closest(self) -> float:
-        """The smallest clearance so far, m."""
-        return min(self._closest, self.clearance)
-
     def place(self, pose: Pose) -> None:
-        """Lift the robot and set it down at rest. The path driven stays; the closest approach starts anew."""
-        if not all(math.isfinite(value) for value in pose):
-            raise ValueError(f"a robot cannot be at {tuple(pose)}")
-        self.pose = pose
+        super().place(pose)
         self.left.speed = self.right.speed = self.speed = self.turn = 0.0
-        self._touching = False
-        self._closest = math.inf
-        self._clear_for = 0.0
-
-    def _move(self, distance: float, angle: float) -> None:
-        middle = self.pose.yaw + angle / 2.0
-        x = self.pose.x + distance * math.cos(middle)
-        y = self.pose.y + distance * math.sin(middle)
-        self._clear_for -= abs(distance)
-        if self._clear_for <= 0.0 or self._room.version != self._room_version:
-            x, y = self._stop_at_surfaces(x, y)
-        self.path_length += math.hypot(x - self.pose.x, y - self.pose.y)
-        self.pose = Pose(x, y, math.remainder(self.pose.yaw + angle, math.tau))
 
     def _meet_thresholds(self, before: Pose) -> None:
         for wheel, side in ((self.left, 0.5), (self.right, -0.5)):
             aside = side * self._track_width
             if self._room.is_threshold_between(_beside(before, aside), _beside(self.pose, aside)):
                 wheel.meet_threshold()
-
-    def _stop_at_surfaces(self, x: float, y: float) -> tuple[float, float]:
-        touching = False
-        clearance = math.inf
-        for _ in range(_PUSHES):
-            distance, normal_x, normal_y = self._room.nearest(x, y)
-            clearance = distance - self._radius
-            if clearance >= 0.0:
-                break
-            touching = True
-            x -= clearance * normal_x
-            y -= clearance * normal_y
-        if touching and not self._touching:
-            self.contacts += 1
-        # A robot that is pushed along a wall has left it only when it is a millimetre away.
-        self._touching = touching or (self._touching and clearance < 1e-3)
-        self._closest = min(self._closest, max(0.0, 0.0 if touching else clearance))
-        self._clear_for = 0.0 if self._touching else max(0.0, clearance - self._closest)
-        self._room_version = self._room.version
-        return x, y
 
 
 def _beside(pose: Pose, aside: float) -> tuple[float, float]:
