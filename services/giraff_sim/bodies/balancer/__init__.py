@@ -1,0 +1,1 @@
+"""The body that balances on two wheels."""

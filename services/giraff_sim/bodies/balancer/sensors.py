@@ -1,0 +1,74 @@
+"""Gyroscope and accelerometer of a robot that balances, as volts at the pins of its board.
+
+Both axes of the gyroscope lie in the horizontal plane, at 45 degrees to the axle: each sees the lean, and the roll with
+opposite signs. A robot that leans while it turns also rolls.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from giraff_base.drives.balancer.config import GRAVITY
+from giraff_sim.bodies.balancer.plant import STEP, Plant
+
+VOLTS_PER_COUNT: Final = 3.3 / 1024
+"""V at the pin for each count of the ADC, at its reference of 3.3 V."""
+_GYRO_ZERO: Final = 471.0  # counts
+_COUNTS_PER_RAD_S: Final = 1.0 / math.radians(1.611)
+_ACCELEROMETER_ZERO: Final = 512.0
+_COUNTS_PER_G: Final = 102.0
+_DIAGONAL: Final = math.sqrt(0.5)
+_FULL: Final = 1024.0
+# counts. The noise of the converter and of each sensor. A slice of 1 ms has two conversions of each channel. They share
+# one value here, so that its noise is that of their mean.
+_CONVERTER: Final = 0.35
+_NOISE: Final = np.sqrt((np.array([0.13, 0.13, 0.25, 0.25]) ** 2 + _CONVERTER**2) / 2.0)
+_AHEAD: Final = 500  # steps for which noise is drawn at once
+_GYRO_SMOOTHING: Final = 1.0 - math.exp(-STEP * math.tau * 140.0)
+_ACCELEROMETER_SMOOTHING: Final = 1.0 - math.exp(-STEP * math.tau * 50.0)
+
+
+class Sensors:
+    """Reads a plant."""
+
+    def __init__(self, plant: Plant, seed: int) -> None:
+        self._plant = plant
+        self._noise = np.random.default_rng(seed)
+        self._drawn: list[list[float]] = []
+        self._lean_rate = self._roll_rate = self._forward = 0.0
+        self._up = 1.0
+
+    def volts(self) -> tuple[float, float, float, float]:
+        """Return V of both axes of the gyroscope, and of the accelerometer forward and up, once each STEP."""
+        plant, drawn = self._plant, self._plant.drawn
+        if not self._drawn:
+            self._drawn = (self._noise.standard_normal((_AHEAD, 4)) * _NOISE).tolist()
+        noise = self._drawn.pop()
+        sin, cos, height, now = math.sin(plant.lean), math.cos(plant.lean), drawn.sensor_height, plant.seconds
+        rate, swings = plant.lean_rate, plant.lean_acceleration
+        self._lean_rate += (rate - self._lean_rate) * _GYRO_SMOOTHING
+        self._roll_rate += (-plant.turn * sin - self._roll_rate) * _GYRO_SMOOTHING
+        across = plant.acceleration + height * (swings * cos - rate * rate * sin)
+        along = GRAVITY + plant.acceleration * math.sin(plant.grade) - height * (swings * sin + rate * rate * cos)
+        forward, up = (across * cos - along * sin) / GRAVITY, (across * sin + along * cos) / GRAVITY
+        zero = drawn.accelerometer_zero + drawn.accelerometer_drift * min(1.0, now / 600.0)
+        self._forward += (forward - zero * up - self._forward) * _ACCELEROMETER_SMOOTHING
+        self._up += (up + zero * forward - self._up) * _ACCELEROMETER_SMOOTHING
+        warm = 1.0 - math.exp(-now / 180.0)
+        one = drawn.gyro_gain[0] * _DIAGONAL * (self._lean_rate + self._roll_rate)
+        one += drawn.gyro_zero[0] + drawn.gyro_drift[0] * warm
+        other = drawn.gyro_gain[1] * _DIAGONAL * (self._lean_rate - self._roll_rate)
+        other += drawn.gyro_zero[1] + drawn.gyro_drift[1] * warm
+        return (
+            _at_pin(_GYRO_ZERO + one * _COUNTS_PER_RAD_S + noise[0]),
+            _at_pin(_GYRO_ZERO + other * _COUNTS_PER_RAD_S + noise[1]),
+            _at_pin(_ACCELEROMETER_ZERO + _COUNTS_PER_G * self._forward + noise[2]),
+            _at_pin(_ACCELEROMETER_ZERO + _COUNTS_PER_G * self._up + noise[3]),
+        )
+
+
+def _at_pin(counts: float) -> float:
+    return min(_FULL, max(0.0, counts)) * VOLTS_PER_COUNT
