@@ -1,0 +1,229 @@
+"""A robot that balances on the bench: its board, its simulated body, a host and a person."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
+
+import msgspec
+import numpy as np
+
+from giraff_base.drives.balancer.config import BalancerConfig
+from giraff_core.robot import RobotConfig
+from giraff_schemas.boards import BALANCER_BOARD
+from giraff_schemas.framing import Decoder, encode
+from giraff_schemas.wire import Frame
+from giraff_schemas.wires.balancer import (
+    BalanceAsk,
+    BalanceDriveFrame,
+    BalanceEngage,
+    BalanceEstopFrame,
+    BalanceFrame,
+    BalancePosture,
+    BalanceSide,
+)
+from giraff_sim.board import Implementation, open_board
+from giraff_sim.bodies.balancer.body import BalancerBody
+from giraff_sim.bodies.balancer.drawn import draw
+from giraff_sim.world.room import Pose, Room
+from tests.support.counting import count
+
+ROBOT: Final = RobotConfig(
+    name="balancer-test",
+    track_width=0.55,
+    ticks_per_metre=5120 / (math.tau * 0.175),
+    max_wheel_speed=0.4,
+    max_angular_speed=0.8,
+    footprint_radius=0.35,
+    sensors={},
+)
+DRIVE: Final = BalancerConfig(
+    k1=744.0,
+    k2=174.8,
+    k3=133.2,
+    k4=191.4,
+    body_mass=34.0,
+    centre_height=0.246,
+    body_inertia=3.4,
+    wheel_mass=2.4,
+    wheel_inertia=0.045,
+    rotor_inertia=0.41,
+    wheel_radius=0.175,
+    counts_per_turn=5120,
+    motor_constant=1.95,
+    motor_resistance=0.35,
+    friction=2.5,
+    torque_max=70.0,
+    battery_volts_per_count=0.03,
+)
+PROTOTYPE: Final = msgspec.structs.replace(DRIVE, k3=0.0, k4=0.0)
+"""It goes by its lean alone, as the source's LEGO robot."""
+HANDLE: Final = 0.8
+"""m above the axle, where a person pushes."""
+_SESSION: Final = 7
+_FRAME_MS: Final = 20
+_TRACK_MS: Final = 5
+_PATIENCE_MS: Final = 8000
+_POSTURES: Final = {posture.value: posture for posture in BalancePosture}
+
+
+class Row(NamedTuple):
+    """True values at one instant."""
+
+    way: float
+    speed: float
+    lean: float
+    turned: float
+
+
+class Track:
+    """True values each 5 ms, and when the board went off, s from the begin."""
+
+    def __init__(self, plant: Any) -> None:
+        self._way = plant.way
+        self.rows: list[Row] = []
+        self.off: float | None = None
+
+    def add(self, plant: Any, *, is_off: bool) -> None:
+        self.rows.append(Row(plant.way - self._way, plant.speed, plant.lean, plant.turned))
+        if is_off and self.off is None:
+            self.off = len(self.rows) * _TRACK_MS / 1000
+
+    def figures(self, side: float = 1.0) -> dict[str, float]:
+        """Return what tests judge. `side`: 1.0 for forward, -1.0 for backward, as it was pushed or driven."""
+        way, speed, lean, turned = np.array(self.rows).T
+        way, speed = way * side, speed * side
+        last = int(1000 / _TRACK_MS)
+        return {
+            "sd": math.degrees(lean.std()),
+            "lean": math.degrees(np.abs(lean).max()),
+            "span": float(np.ptp(way)),
+            "away": float(way.max()),
+            "way": float(np.abs(way).max()),
+            "gone": float(way[-1]),
+            "back": float(way.max() - way[way.argmax() :].min()),
+            "back_speed": float(-speed.min()),
+            "last_speed": float(abs(speed[-last:].mean())),
+            "turned": math.degrees(np.ptp(turned)),
+            "off": math.inf if self.off is None else self.off,
+        }
+
+
+class Balancer:
+    """A drawn robot. A person holds it upright until its motors have power."""
+
+    def __init__(self, seed: int, drive: BalancerConfig = DRIVE, **fixed: Any) -> None:
+        self.drive_config = drive
+        self.board = open_board(BALANCER_BOARD, Implementation.HOST)
+        drawn = draw(drive, ROBOT.track_width, seed, **fixed)
+        self.body = BalancerBody(ROBOT, drive, Room("empty", Pose(0.0, 0.0, 0.0)), seed, drawn)
+        self.plant = self.body.plant
+        self.plant.loads.grip = math.radians(np.random.default_rng(seed + 5).uniform(-1.0, 1.0))
+        self.plant.lean_to(self.plant.loads.grip)
+        self.report: BalanceFrame | None = None
+        self.late = 0
+        """Control periods that began late."""
+        self.causes: list[int] = []
+        """Each cause that the board gave, in order."""
+        self.flags = 0
+        """All flags that it has shown."""
+        self.linear = self.angular = 0.0
+        self.ask = BalanceAsk.KEEP
+        self.free_side = BalanceSide.FORWARD
+        self.is_silent = False
+        """Whether the host sends nothing any more."""
+        self.before_each_ms: Callable[[], None] = lambda: None
+        self._now_ms = 0
+        self._seq = 0
+        self._decoder = Decoder(BALANCER_BOARD.frames)
+
+    def close(self) -> None:
+        self.board.close()
+
+    @property
+    def posture(self) -> BalancePosture:
+        return BalancePosture.OFF if self.report is None else _POSTURES[self.report.posture]
+
+    @property
+    def stands(self) -> bool:
+        return self.posture is BalancePosture.STANDS
+
+    def run(self, seconds: float) -> Track:
+        """Let time pass and return what the robot truly did."""
+        track = Track(self.plant)
+        for millisecond in range(1, round(seconds * 1000) + 1):
+            self._step()
+            if millisecond % _TRACK_MS == 0:
+                track.add(self.plant, is_off=self.posture is BalancePosture.OFF)
+        return track
+
+    def stand(self, settle: float) -> None:
+        """Ask it to stand, let it go, and give it time to settle."""
+        for _ in range(_PATIENCE_MS):
+            if self.stands and not self.body.raises_it:
+                break
+            self.ask = BalanceAsk.STAND if self.report and self.report.session == _SESSION else BalanceAsk.KEEP
+            self._step()
+        assert self.stands, f"it does not stand up: {self.report}"
+        self.ask = BalanceAsk.KEEP
+        self.run(settle)
+
+    def engage(self, how: BalanceEngage = BalanceEngage.STANDS) -> None:
+        """Press the emergency stop."""
+        assert self.report is not None
+        self._send(
+            BalanceEstopFrame(
+                seq=0,
+                boot_id=self.report.boot_id,
+                board_ms=self.report.board_ms,
+                session=_SESSION,
+                engage=how,
+            )
+        )
+
+    def sit(self, side: BalanceSide) -> None:
+        self.free_side, self.ask = side, BalanceAsk.SIT
+
+    def _step(self) -> None:
+        self.before_each_ms()
+        self._now_ms += 1
+        count("simulated", 0.001)
+        self.body.step(self.board, 0.001)
+        self.board.run(self._now_ms * 1000)
+        self.body.look(self.board)
+        for frame in self._decoder.feed(self.board.read()):
+            if isinstance(frame, BalanceFrame):
+                self._hear(frame)
+        if self._now_ms % _FRAME_MS == 0 and not self.is_silent and self.report is not None:
+            self._talk(self.report)
+
+    def _hear(self, frame: BalanceFrame) -> None:
+        self.report, self.late = frame, frame.late
+        self.flags |= frame.flags
+        if frame.cause and self.causes[-1:] != [frame.cause]:
+            self.causes.append(frame.cause)
+
+    def _talk(self, report: BalanceFrame) -> None:
+        if report.session != _SESSION:
+            settings = self.drive_config.board_settings(ROBOT)
+            self._send(
+                msgspec.structs.replace(settings, boot_id=report.boot_id, board_ms=report.board_ms, session=_SESSION)
+            )
+            return
+        self._seq = (self._seq + 1) & 0xFFFF
+        self._send(
+            BalanceDriveFrame(
+                seq=self._seq,
+                boot_id=report.boot_id,
+                board_ms=report.board_ms,
+                linear_um_s=round(self.linear * 1e6),
+                angular_urad_s=round(self.angular * 1e6),
+                ask=self.ask,
+                free_side=self.free_side,
+            )
+        )
+
+    def _send(self, frame: Frame) -> None:
+        data = encode(frame.pack())
+        assert self.board.write(data) == len(data)
