@@ -246,6 +246,30 @@ class Wheels(Sample, frozen=True, kw_only=True):
         require_finite(self, self.left_velocity, self.right_velocity)
 
 
+class Attitude(Sample, frozen=True, kw_only=True):
+    """How a robot that balances holds itself, as its board measures it. Leaning forward is positive."""
+
+    lean: float
+    """rad from upright: gyroscope and accelerometer together."""
+    rate: float
+    """rad/s."""
+    accelerometer_lean: float
+    """rad, by the accelerometer alone."""
+    trim: float
+    """rad. The lean at which it stands."""
+    torque: float
+    """N m of both motors, at the wheels."""
+    posture: str
+    """`off`, `stands` or `sits down`."""
+    cause: str
+    """Why it is off or sits down; empty: it has not stood since its board began."""
+    tick: RobotTime
+    """When base read the report."""
+
+    def __post_init__(self) -> None:
+        require_finite(self, self.lean, self.rate, self.accelerometer_lean, self.trim, self.torque)
+
+
 class Odometry(Sample, frozen=True, kw_only=True):
     """Pose of `base_link` in `odom`, and twist in `base_link`, from the wheels alone."""
 

@@ -9,6 +9,7 @@ from giraff_base.arming import Arming
 from giraff_base.battery import BatteryWatch
 from giraff_base.binding import Binding
 from giraff_base.config import BaseConfig
+from giraff_base.drive import Drive
 from giraff_base.estop import EStopControl
 from giraff_core.live import Live
 from giraff_schemas.messages import GuardedCommand, RobotTime, Side
@@ -25,8 +26,9 @@ _NO_HOLDER: Final = Trouble("nobody holds the lease", "an operator asks for it b
 class Authority:
     """Whose command counts, whether the robot is armed, and what stands against it."""
 
-    def __init__(self, live: Live[BaseConfig], estop: EStopControl) -> None:
+    def __init__(self, live: Live[BaseConfig], estop: EStopControl, drive: Drive) -> None:
         self._live = live
+        self._drive = drive
         self._estop = estop
         self._unchecked = live.config.drive.unchecked
         self.arming = Arming(live)
@@ -96,6 +98,7 @@ class Authority:
             or self._unchecked
             or self.battery.stops
             or self.binding.intruder
+            or self._drive.forbids
         )
         if forbidden:
             self.arming.disarm(forbidden.what)

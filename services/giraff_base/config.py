@@ -6,11 +6,12 @@ from typing import Annotated
 
 import msgspec
 
+from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.tuning import Tuning
 
-DriveConfig = WheelsConfig
+DriveConfig = WheelsConfig | BalancerConfig
 """Of each kind of drive: a union, told apart by `type`."""
 
 

@@ -65,6 +65,11 @@ class Drive(Protocol):
         ...
 
     @property
+    def forbids(self) -> Trouble:
+        """Why nobody can arm the robot now: a person must put it right first. WELL: nothing does."""
+        ...
+
+    @property
     def waits(self) -> Trouble:
         """Why the board would not move now, whatever base asks for."""
         ...

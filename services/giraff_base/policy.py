@@ -36,7 +36,7 @@ class BasePolicy:
         self._estop = EStopControl(latch, live.config.reset_budget, knows_off=self._drive.knows_off)
         if self._estop.latch.engaged:
             self._drive.hold(off=self._estop.latch.off)
-        self._authority = Authority(live, self._estop)
+        self._authority = Authority(live, self._estop, self._drive)
         self._ramp = Ramp(live)
         self._reported_ns: int | None = None  # None: there is no board
         self._answered = False

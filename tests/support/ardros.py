@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_node.config.robot_file import load
 from giraff_sim.board import ROOT
 from giraff_sim.config import SimConfig
@@ -13,4 +14,7 @@ _GIVEN: Final = {
 }
 """As its first software had it: the simulated motors and encoders are soldered so, too."""
 ARDROS: Final = known_settings(_GIVEN)
+_drive = ARDROS.base.drive
+assert isinstance(_drive, WheelsConfig)
+DRIVE: Final[WheelsConfig] = _drive
 SIM: Final = load("sim", SimConfig, _GIVEN)

@@ -56,6 +56,10 @@ class Dialogue(ABC, Generic[ReportT]):
         self._off = False  # base's emergency stop is off
 
     @property
+    def forbids(self) -> Trouble:
+        return WELL
+
+    @property
     def waits(self) -> Trouble:
         state = self._newest.drive_state
         return WELL if state == DriveState.ACTIVE else Trouble(f"the base board is in state {word(DriveState, state)}")
@@ -80,7 +84,7 @@ class Dialogue(ABC, Generic[ReportT]):
             self._releasing = False
         return Report(
             disarms=disarms,
-            latched=self._latched(frame) if frame.latch != _UNLATCHED and not self._releasing else None,
+            latched=self._engages(frame),
             samples=self._samples(frame, now) if frame.session == self._session else (),
         )
 
@@ -120,6 +124,10 @@ class Dialogue(ABC, Generic[ReportT]):
             return Answer(None, reason)
         self._next_configure_ns = now.robot_ns + _CONFIGURE_PERIOD_NS
         return Answer(self._configure(report), reason)
+
+    def _engages(self, report: ReportT) -> EStopEngage | None:
+        """Return the emergency stop that the board wants of base. None: none."""
+        return self._latched(report) if report.latch != _UNLATCHED and not self._releasing else None
 
     def _is_held(self, report: ReportT) -> bool:
         """Return whether the board has latched what base's emergency stop asks for."""

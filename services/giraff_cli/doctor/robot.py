@@ -19,17 +19,17 @@ from giraff_schemas.health import Health
 from giraff_schemas.messages import Sample
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import SERVICES
-from giraff_schemas.topics import BATTERY, BUMPER, OPERATOR_CMD_VEL, PARAM_DESCRIBE, Topic, health_key, key_of
+from giraff_schemas.topics import ATTITUDE, BATTERY, BUMPER, OPERATOR_CMD_VEL, PARAM_DESCRIBE, Topic, health_key, key_of
 from giraff_telemetry.collector import Telemetry
 
 MAKERS: Final[dict[Topic[Any], str]] = {
     topic: service.name
     for service in SERVICES
     for topic in service.publishes
-    if topic.rate_hz and topic not in (BATTERY, BUMPER, OPERATOR_CMD_VEL) and not service.optional
+    if topic.rate_hz and topic not in (ATTITUDE, BATTERY, BUMPER, OPERATOR_CMD_VEL) and not service.optional
 }
-"""Of what a robot says all the time: not all measure their battery or have bumpers, and nobody need ask to drive. Only
-of a simulated one the truth is known."""
+"""Of what a robot says all the time: not all balance, measure their battery or have bumpers, and nobody need ask to
+drive. Only of a simulated one the truth is known."""
 
 _CONFIGURED: Final = frozenset(service.name for service in SERVICES if service.table)
 """Services that answer for their parameters."""

@@ -7,11 +7,16 @@ from collections.abc import Mapping
 from typing import Any, assert_never
 
 from giraff_base.config import BaseConfig, DriveConfig
+from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_node.config.moved import path_of
 from giraff_node.config.robot_file import load, read_tables
 from giraff_schemas.services import BASE
+from giraff_sim.bodies.balancer.body import BalancerBody
+from giraff_sim.bodies.balancer.drawn import draw
+from giraff_sim.bodies.balancer.judge import BalancerJudge
+from giraff_sim.bodies.balancer.known import KNOWN as BALANCER_KNOWN
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
 from giraff_sim.bodies.wheels.known import KNOWN as WHEELS_KNOWN
@@ -41,6 +46,8 @@ def _known_of(drive: DriveConfig) -> Mapping[str, str]:
     match drive:
         case WheelsConfig():
             return WHEELS_KNOWN
+        case BalancerConfig():
+            return BALANCER_KNOWN
         case _ as never:
             assert_never(never)
 
@@ -69,6 +76,9 @@ def world_of(
     match drive:
         case WheelsConfig() as wheels:
             body = WheelsBody(robot, wheels, sim, room, truth)
+        case BalancerConfig() as balancer:
+            drawn = draw(balancer, robot.track_width, seed, 0.0 if truth == EXACT else 1.0)
+            body = BalancerBody(robot, balancer, room, seed, drawn)
         case _ as never:
             assert_never(never)
     return World(room, robot, body, sim, hand, seed, step_us, truth)
@@ -80,5 +90,8 @@ def judge_of(body: Body, robot: RobotConfig, config: BaseConfig, outlives_us: in
         case WheelsConfig():
             assert isinstance(body, WheelsBody), "a body is of its drive's kind"  # noqa: S101
             return WheelsJudge(body, robot, config, outlives_us)
+        case BalancerConfig():
+            assert isinstance(body, BalancerBody), "a body is of its drive's kind"  # noqa: S101
+            return BalancerJudge(body, robot, outlives_us)
         case _ as never:
             assert_never(never)

@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.run.plan import Plan, PlanError, choose_boards, make_plan
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
@@ -123,6 +124,7 @@ def test_a_simulated_robot_brings_what_neither_file_nor_environment_say(
     monkeypatch.setenv("GIRAFF_ROBOT_SWAP_MOTORS", "true")
     environment = with_known({**os.environ, "GIRAFF_CONFIG": str(file)})
     drive = load("base", BaseConfig, environment).drive
+    assert isinstance(drive, WheelsConfig)
     assert (drive.wheel_control, drive.wiring, drive.unchecked) == (
         "level",
         Wiring.INVERT_RIGHT_ENCODER | Wiring.SWAP_MOTORS,

@@ -130,7 +130,15 @@ def test_a_key_that_fell_silent_has_no_rate_now() -> None:
 
 def test_keys_are_in_the_order_of_the_table() -> None:
     # The others are of no robot by itself.
-    others = (topics.BUMPER, topics.TRUE_POSE, topics.MOTION_HOLD, topics.POSE, topics.PARTICLES, topics.MAP)
+    others = (
+        topics.ATTITUDE,
+        topics.BUMPER,
+        topics.TRUE_POSE,
+        topics.MOTION_HOLD,
+        topics.POSE,
+        topics.PARTICLES,
+        topics.MAP,
+    )
     order = [topic.key for topic in topics.TOPICS if topic.rate_hz and topic not in others]
     heads = [key.partition("/")[0] for key in ten_seconds().rates_hz]
     assert heads == [key.partition("/")[0] for key in order for _ in range(3 if key == topics.RANGE.key else 1)]

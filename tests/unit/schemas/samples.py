@@ -131,6 +131,17 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "boot_id": 4,
         "tick": _TIME,
     },
+    m.Attitude: _START
+    | {
+        "lean": 0.02,
+        "rate": -0.1,
+        "accelerometer_lean": 0.03,
+        "trim": 0.01,
+        "torque": -12.5,
+        "posture": "sits down",
+        "cause": "the battery was low",
+        "tick": _TIME,
+    },
     m.Odometry: _START
     | _TWIST
     | {

@@ -24,6 +24,8 @@ from tests.support import robots
 SESSION = 77
 SETTLED = 20
 """Reports within which a sound board is settled."""
+ARMS = 5
+"""Reports through which a hand is held level to arm."""
 
 
 class ModelBoard(Protocol):
@@ -69,6 +71,7 @@ class Bench:
         self.now = RobotTime(epoch=7, robot_ns=10**12)
         self.engaged = False
         """Whether base's emergency stop is."""
+        self._level = 0
         drive.open(SESSION)
 
     def hear(self) -> Report:
@@ -76,10 +79,14 @@ class Bench:
         self.now = RobotTime(epoch=7, robot_ns=self.now.robot_ns + self.board.period_ns)
         report = self.drive.take(self.board.report(), self.now)
         assert report is not None
+        is_level = not (report.disarms or report.latched or self.engaged or self.drive.forbids)
+        self._level = self._level + 1 if is_level else 0
         return report
 
-    def ask(self, linear: float = 0.0, angular: float = 0.0, *, armed: bool = True) -> Answer:
-        return self.drive.ask(linear, angular, armed=armed, free_side="none")
+    def ask(self, linear: float = 0.0, angular: float = 0.0, *, armed: bool | None = None) -> Answer:
+        """Return what the drive answers. `armed`: where it is not given, a hand that is level arms it."""
+        is_armed = self._level > ARMS if armed is None else armed
+        return self.drive.ask(linear, angular, armed=is_armed, free_side="none")
 
     def answer(self, linear: float = 0.0, angular: float = 0.0) -> Answer:
         """Return what base would send now."""

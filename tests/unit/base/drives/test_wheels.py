@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, Latch
 from tests.support.ardros import ARDROS, SIM
+from tests.support.ardros import DRIVE as ARDROS_DRIVE
 from tests.support.robots import BY_SPEED, DRIVE, ROBOT
 from tests.unit.base.drives.contract import AnyDrive
 from tests.unit.base.rig import STEP_NS, Board
@@ -46,11 +47,11 @@ class ArdrosBoard(WheelsBoard):
     time_constant = SIM.motor_time_constant
 
     def __init__(self) -> None:
-        super().__init__(robot=self.robot, max_level=ARDROS.base.drive.max_level)
+        super().__init__(robot=self.robot, max_level=ARDROS_DRIVE.max_level)
 
 
 class TestArdros(TestByLevels):
-    config = ARDROS.base.drive
+    config = ARDROS_DRIVE
     robot = ARDROS.robot
 
     def board(self) -> ArdrosBoard:

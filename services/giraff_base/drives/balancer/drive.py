@@ -1,0 +1,158 @@
+"""The dialogue with `firmware/balancer`: its settings, what it is asked for, and what makes it stand up."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import msgspec
+
+from giraff_base.drive import Answer
+from giraff_base.drives.balancer.config import BalancerConfig
+from giraff_base.drives.balancer.reports import attitude, wheels
+from giraff_base.drives.balancer.words import (
+    AT_LIMIT,
+    GETS_UP,
+    HELD,
+    cause,
+    latched_by,
+    left_standing,
+    lies,
+    stopped_by,
+)
+from giraff_base.drives.dialogue import Dialogue
+from giraff_core.robot import RobotConfig
+from giraff_schemas.messages import RobotTime, Sample, Side
+from giraff_schemas.requests import EStopEngage
+from giraff_schemas.topics import ATTITUDE, WHEELS
+from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.wire import DriveState, Frame
+from giraff_schemas.wires.balancer import (
+    BalanceAsk,
+    BalanceDriveFrame,
+    BalanceEngage,
+    BalanceEstopFrame,
+    BalanceFlag,
+    BalanceFrame,
+    BalanceLatch,
+    BalancePosture,
+    BalanceSide,
+)
+
+_LEAST_SPEED: Final = 0.005  # m/s: less is the end of a slowing down, and no drive
+_SWAYS: Final = 0.10, 0.20  # m/s and rad/s: a robot that stands sways by less
+_SIDES: Final[dict[Side, BalanceSide]] = {
+    "none": BalanceSide.NONE,
+    "forward": BalanceSide.FORWARD,
+    "backward": BalanceSide.BACKWARD,
+}
+_UNHEARD: Final = Trouble("the base board has not reported in this session")
+
+
+class BalancerDrive(Dialogue[BalanceFrame]):
+    """The `giraff_base.drive.Drive` of a robot that balances on two wheels."""
+
+    topics = (WHEELS, ATTITUDE)
+    knows_off = True
+
+    def __init__(self, robot: RobotConfig, config: BalancerConfig) -> None:
+        super().__init__(BalanceFrame, BalanceLatch)
+        config.require_countable(robot)
+        self._kinematics, self._max_turn = robot.kinematics, robot.max_angular_speed
+        self._settings = config.board_settings(robot)
+        self._seq = 0
+        self._drives = False  # the newest frame asks for motion
+
+    @property
+    def at_rest(self) -> bool:
+        report = self._report
+        if report is None:
+            return True
+        speed, turn = abs(report.speed_um_s) * 1e-6, abs(report.turn_urad_s) * 1e-6
+        return not self._drives and speed <= _SWAYS[0] and turn <= _SWAYS[1]
+
+    @property
+    def voltage(self) -> float | None:
+        return None if self._report is None else self._report.battery_mv / 1000
+
+    @property
+    def forbids(self) -> Trouble:
+        report = self._report
+        if report is None or report.session != self._session:
+            return _UNHEARD
+        if report.posture == BalancePosture.STANDS:
+            return WELL
+        if report.posture == BalancePosture.SITS_DOWN:
+            return cause(report).of("the robot sits down")
+        return WELL if report.flags & BalanceFlag.UPRIGHT else lies(report)
+
+    @property
+    def waits(self) -> Trouble:
+        return self.forbids or (WELL if self._newest.posture == BalancePosture.STANDS else GETS_UP) or super().waits
+
+    def lose(self) -> None:
+        self._drives = False
+        super().lose()
+
+    def ask(self, linear: float, angular: float, *, armed: bool, free_side: Side) -> Answer:
+        report = self._newest
+        linear, angular = self._kinematics.within_limits(linear, angular)
+        slower = min(1.0, self._max_turn / abs(angular)) if angular else 1.0
+        linear, angular = linear * slower, angular * slower
+        if max(map(abs, self._kinematics.wheel_speeds(linear, angular))) < _LEAST_SPEED:
+            linear = angular = 0.0
+        self._drives = linear != 0.0 or angular != 0.0
+        frame = BalanceDriveFrame(
+            seq=self._next_seq(),
+            boot_id=report.boot_id,
+            board_ms=report.board_ms,
+            linear_um_s=round(linear * 1e6),
+            angular_urad_s=round(angular * 1e6),
+            # A board that is off stands up only for a host that has asked to keep it off in this state.
+            ask=BalanceAsk.STAND if armed else BalanceAsk.KEEP,
+            free_side=_SIDES[free_side],
+        )
+        is_limited = self._drives and report.flags & BalanceFlag.AT_LIMIT
+        return Answer(frame, AT_LIMIT if is_limited else None, self._drives)
+
+    def _is_held(self, report: BalanceFrame) -> bool:
+        return report.latch == BalanceLatch.OFF or (report.latch == BalanceLatch.STANDS and not self._off)
+
+    def _halts(self, report: BalanceFrame) -> list[str]:
+        found, last = [], self._report
+        if last is not None and last.posture == BalancePosture.STANDS != report.posture:
+            found.append(left_standing(report))
+        if report.flags & BalanceFlag.HELD or report.drive_state == DriveState.HELD:
+            found.append(HELD)
+        return found
+
+    def _engages(self, report: BalanceFrame) -> EStopEngage | None:
+        return stopped_by(report) or super()._engages(report)
+
+    def _latched(self, report: BalanceFrame) -> EStopEngage:
+        return latched_by(report.latch)
+
+    def _samples(self, report: BalanceFrame, now: RobotTime) -> tuple[Sample, ...]:
+        return wheels(report, self._kinematics, now), attitude(report, now)
+
+    def _configure(self, report: BalanceFrame) -> Frame:
+        return msgspec.structs.replace(
+            self._settings,
+            seq=self._next_seq(),
+            boot_id=report.boot_id,
+            board_ms=report.board_ms,
+            session=self._session,
+        )
+
+    def _estop(self, report: BalanceFrame, *, engage: bool) -> Frame:
+        engaging = BalanceEngage.OFF if self._off else BalanceEngage.STANDS
+        return BalanceEstopFrame(
+            seq=self._next_seq(),
+            boot_id=report.boot_id,
+            board_ms=report.board_ms,
+            session=self._session,
+            engage=engaging if engage else BalanceEngage.RELEASE,
+        )
+
+    def _next_seq(self) -> int:
+        self._seq = (self._seq + 1) & 0xFFFF
+        return self._seq

@@ -1,0 +1,67 @@
+"""What the balancing board says of itself, in words."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from giraff_base.drives.dialogue import word
+from giraff_core.estop.latch import RESET_COMMAND
+from giraff_schemas.requests import EStopEngage
+from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.wires.balancer import BalanceCause, BalanceFlag, BalanceFrame, BalanceLatch, BalancePosture
+
+_CAUSES: Final[dict[int, Trouble]] = {
+    BalanceCause.ASKED: Trouble("it was asked to sit down"),
+    BalanceCause.ESTOP_OFF: Trouble("the emergency stop switched it off"),
+    BalanceCause.CORD: Trouble("its cord was pulled", "put it back"),
+    BalanceCause.FALLEN: Trouble("it leaned too far to recover", "clear its way"),
+    BalanceCause.LIFTED: Trouble("its wheels turned freely", "put it on the floor"),
+    BalanceCause.GYROSCOPE: Trouble("the gyroscope failed", "check its cables"),
+    BalanceCause.ACCELEROMETER: Trouble("the accelerometer failed", "check its cables"),
+    BalanceCause.LEFT_ENCODER: Trouble("the left encoder was silent", "check its cable"),
+    BalanceCause.RIGHT_ENCODER: Trouble("the right encoder was silent", "check its cable"),
+    BalanceCause.NO_WHEEL_TURNS: Trouble("no wheel turned", "check the motor driver's cable and both encoders"),
+    BalanceCause.BATTERY: Trouble("the battery was low", "charge it"),
+    BalanceCause.LEAN_DISPUTED: Trouble("gyroscope and accelerometer disagreed", "check how they are fixed"),
+    BalanceCause.SESSION: Trouble("another program opened a session with other settings"),
+}
+_POSTURES: Final[dict[int, str]] = {BalancePosture.STANDS: "stands", BalancePosture.SITS_DOWN: "sits down"}
+_CORD: Final = EStopEngage(by="the cord", reason=f"it is pulled; put it back, then {RESET_COMMAND}", off=True)
+HELD: Final = "something held it: clear the way"
+AT_LIMIT: Final = Trouble("at its limit: it needs its whole torque to stay up")
+GETS_UP: Final = Trouble("the robot gets up")
+
+
+def posture(report: BalanceFrame) -> str:
+    """Return the posture. An unknown one of a newer board counts as off."""
+    return _POSTURES.get(report.posture, "off")
+
+
+def cause(report: BalanceFrame) -> Trouble:
+    """Return why it is off or sits down. WELL: it has not stood since its board began."""
+    if report.cause == BalanceCause.NONE:
+        return WELL
+    return _CAUSES.get(report.cause) or Trouble(f"cause {word(BalanceCause, report.cause)}", "reflash the board")
+
+
+def left_standing(report: BalanceFrame) -> str:
+    """Say that a robot that stood does so no more, and why."""
+    return f"it {'sat down' if report.posture == BalancePosture.SITS_DOWN else 'went off'}: {cause(report)}"
+
+
+def lies(report: BalanceFrame) -> Trouble:
+    """Say why a robot that is off is to be held upright, and what must be put right before."""
+    why = cause(report)
+    what = f"the robot is off: {why.what}" if why else "the robot is off and not upright"
+    return Trouble(what, " and ".join([*([why.remedy] if why.remedy else []), "hold it upright and still"]))
+
+
+def stopped_by(report: BalanceFrame) -> EStopEngage | None:
+    """Return the emergency stop that a pulled cord is."""
+    return _CORD if report.flags & BalanceFlag.CORD else None
+
+
+def latched_by(latch: int) -> EStopEngage:
+    """Return the emergency stop that a latch of the board means, where base did not order it."""
+    what = "the board kept an emergency stop from before; see that the robot may move"
+    return EStopEngage(by="the base board", reason=f"{what}, then {RESET_COMMAND}", off=latch != BalanceLatch.STANDS)
