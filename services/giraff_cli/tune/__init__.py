@@ -1,0 +1,1 @@
+"""Finds gains of a robot from its physics."""
