@@ -49,8 +49,7 @@ enum balance_cause {
     CAUSE_RIGHT_ENCODER = 9,
     CAUSE_NO_WHEEL_TURNS = 10,          /* both encoders, or the line to the motor driver */
     CAUSE_BATTERY = 11,
-    CAUSE_LEAN_DISPUTED = 12,           /* accelerometer and filter disagree */
-    CAUSE_SESSION = 13                  /* another session was opened with other settings */
+    CAUSE_LEAN_DISPUTED = 12            /* accelerometer and filter disagree */
 };
 
 /* Latches of this board. Kept in EEPROM as those of protocol.h. */

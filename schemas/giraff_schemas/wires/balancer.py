@@ -8,7 +8,7 @@ from typing import ClassVar, Final
 
 from giraff_schemas.wire import Frame
 
-PROTOCOL_HASH: Final = 0xA9EA2D09
+PROTOCOL_HASH: Final = 0xFD834B09
 
 BALANCER_BOARD: Final = 4
 BALANCER_BAUD: Final = 500000
@@ -54,7 +54,6 @@ class BalanceCause(IntEnum):
     NO_WHEEL_TURNS = 10
     BATTERY = 11
     LEAN_DISPUTED = 12
-    SESSION = 13
 
 
 class BalanceLatch(IntEnum):
