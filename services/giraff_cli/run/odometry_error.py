@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.messages import Odometry
+from giraff_sim.control.messages import Balance
 
 _KEPT: Final = 200  # odometry samples: two seconds, more than lie between two looks at the truth
 
@@ -34,9 +35,13 @@ class Truth:
     """m; the smallest clearance to anything so far."""
     contacts: int
     """How often the robot came to touch something."""
+    balance: Balance | None = None
+    """Of a robot that balances. Such a one is never quite still."""
 
     @property
     def is_at_rest(self) -> bool:
+        if self.balance is not None:
+            return self.balance.is_settled
         return abs(self.speed) < _REST and abs(self.turn) < _REST
 
 

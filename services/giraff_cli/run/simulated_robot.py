@@ -135,6 +135,7 @@ class SimulatedRobot:
             path=state.path_length,
             closest=state.closest,
             contacts=state.contacts,
+            balance=state.balance,
         )
 
     def hold_joystick(self, grip: Grip) -> None:

@@ -23,6 +23,15 @@ _INDENT: Final = " " * (_LABEL + 2)
 _RATES_A_LINE: Final = 3
 
 
+class BalanceSummary(msgspec.Struct, frozen=True, kw_only=True):
+    """How a robot that balances has truly stood."""
+
+    lean_sd_deg: float
+    drift_m: float
+    """The farthest that it came from where it had settled, before it drove or was pushed."""
+    falls: int
+
+
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
     """As it is written by `--summary`. None where nothing was heard to tell by."""
 
@@ -50,6 +59,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     closest_m: float
     """To anything in the room, ever."""
     contacts: int
+    balance: BalanceSummary | None
+    """None: it stands by itself."""
     frames_lost: int
     """Samples that are missing from the sequence of their maker."""
     lost_by_key: dict[str, int]
@@ -101,6 +112,7 @@ def summarize(
         drawn=drawn,
         closest_m=round(world.closest, 4),
         contacts=world.contacts,
+        balance=_balance(telemetry),
         frames_lost=sum(telemetry.lost.values()),
         lost_by_key=telemetry.lost,
         line_errors=None if base is None else base.sample.board.line_errors,
@@ -129,6 +141,7 @@ def to_text(summary: Summary) -> str:
         *(localization_rows(summary.localization) if summary.localization is not None else ()),
         ("true robot", _difference(summary.truth, summary.drawn)),
         ("closest", f"{summary.closest_m:.3f} m, {counted(summary.contacts, 'contact')}"),
+        *([("balance", _stood(summary.balance))] if summary.balance is not None else []),
         ("samples lost", _losses(summary)),
         ("line errors", "unknown" if summary.line_errors is None else f"{summary.line_errors}"),
         ("command age", "unknown" if age is None else f"{age.p50} ms median, {age.p99} ms p99, {age.max} ms at most"),
@@ -136,6 +149,18 @@ def to_text(summary: Summary) -> str:
     ]
     indented = ((label, value.replace("\n", f"\n{_INDENT}")) for label, value in rows)
     return "\n".join(f"{label:>{_LABEL}}  {value}" for label, value in indented)
+
+
+def _balance(telemetry: RunTelemetry) -> BalanceSummary | None:
+    if (balance := telemetry.truth.balance) is None:
+        return None
+    return BalanceSummary(
+        lean_sd_deg=round(math.degrees(balance.lean_sd), 3), drift_m=round(telemetry.drift, 4), falls=balance.falls
+    )
+
+
+def _stood(balance: BalanceSummary) -> str:
+    return f"lean {balance.lean_sd_deg:.2f}° sd, drifted {balance.drift_m:.2f} m, {counted(balance.falls, 'fall')}"
 
 
 def _sigma(odometry: Latest[Odometry] | None) -> OdometryError | None:

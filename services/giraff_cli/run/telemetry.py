@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -51,6 +52,9 @@ class RunTelemetry(Telemetry):
         self.truth = truth
         self._first_truth = truth
         self._comparison = Comparison()
+        self._stood_at: Pose | None = None
+        self.drift = 0.0
+        """m. The farthest that a robot that balances came from where it had settled, before it drove or was pushed."""
         self._ages = AgeHistogram()
         self._map_errors, self._map_way = LocalizationErrors(), WayByState()
 
@@ -72,9 +76,18 @@ class RunTelemetry(Telemetry):
         """The world's truth."""
         self.truth = truth
         self._comparison.see(truth)
+        self._see_drift(truth)
         self._map_errors.see(truth.robot_ns, truth.pose)  # the room's frame is the map's
         said = self.latest(POSE, truth.robot_ns)
         self._map_way.come(truth.path, said.sample.state if said is not None and said.fresh else None)
+
+    def _see_drift(self, truth: Truth) -> None:
+        if truth.balance is None or not truth.is_at_rest:
+            self._stood_at = None
+            return
+        self._stood_at = self._stood_at or truth.pose
+        away = math.hypot(truth.pose.x - self._stood_at.x, truth.pose.y - self._stood_at.y)
+        self.drift = max(self.drift, away)
 
     @property
     def apart(self) -> OdometryError | None:

@@ -147,6 +147,19 @@ class Battery(Request, frozen=True, kw_only=True, tag="battery"):
     volts: float
 
 
+class Push(Request, frozen=True, kw_only=True, tag="push"):
+    """Push a robot that balances, for 0.2 s."""
+
+    impulse: float
+    """N s, forward positive."""
+    height: float = 0.8
+    """m above the axle."""
+
+
+class Raise(Request, frozen=True, kw_only=True, tag="raise"):
+    """Raise a robot that balances and hold it upright until it stands by itself."""
+
+
 class Unplug(Request, frozen=True, kw_only=True, tag="unplug"):
     """Pull a board's serial cable. The board keeps its power."""
 
@@ -186,6 +199,8 @@ AnyRequest = (
     | BrakeWheel
     | Solder
     | Battery
+    | Push
+    | Raise
     | Unplug
     | Plug
     | Reset
@@ -228,6 +243,16 @@ class BaseSays(msgspec.Struct, frozen=True, kw_only=True):
     line_errors: int
 
 
+class Balance(msgspec.Struct, frozen=True, kw_only=True):
+    """How a robot that balances has truly stood."""
+
+    lean_sd: float
+    """rad. Standard deviation of its lean while it stood by itself."""
+    falls: int
+    is_settled: bool
+    """Whether for 2 s it has not gone farther than it sways, or its motors have no power."""
+
+
 class State(msgspec.Struct, frozen=True, kw_only=True):
     """The simulated robot as it truly is."""
 
@@ -256,6 +281,8 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     boards: dict[str, BoardState]
     base: BaseSays | None
     """None before its first telemetry."""
+    balance: Balance | None
+    """None: it stands by itself."""
 
 
 class Reply(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -8,6 +8,9 @@ from itertools import pairwise
 import msgspec
 import pytest
 
+from giraff_base.drive import Answer
+from giraff_base.drives.wheels.drive import WheelsDrive
+from giraff_schemas.messages import Side
 from giraff_schemas.trouble import Trouble
 from tests.unit.base.rig import EPOCH, Rig, moving
 
@@ -319,3 +322,35 @@ def test_starting_is_a_reason_too() -> None:
     rig.tilt(0.1)
     rig.run(1.0)
     assert "base has just started" in rig.base.state().reason
+
+
+def test_what_a_drive_forbids_disarms_until_it_is_put_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = Rig()
+    rig.drive(0.3)
+    lies = Trouble("the robot is off and not upright", "hold it upright and still")
+    monkeypatch.setattr(WheelsDrive, "forbids", lies)
+    assert moving(rig.run(0.5)) == []
+    rig.tilt(0.0)
+    rig.run(0.6)
+    assert (rig.base.state().armed, rig.base.reason) == (False, lies)
+    monkeypatch.setattr(WheelsDrive, "forbids", Trouble())
+    rig.arm()
+
+
+def test_the_side_to_sit_down_to_is_as_old_as_its_guard(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig, told, ask = Rig(), [], WheelsDrive.ask
+
+    def heard(self: WheelsDrive, linear: float, angular: float, *, armed: bool, free_side: Side) -> Answer:
+        told.append((armed, free_side))
+        return ask(self, linear, angular, armed=armed, free_side=free_side)
+
+    monkeypatch.setattr(WheelsDrive, "ask", heard)
+    rig.run(0.1)
+    assert told[-1] == (False, "none")
+    rig.arm()
+    rig.say(msgspec.structs.replace(rig.command(), free_side="forward"))
+    rig.guard_speaks = False
+    rig.run(0.1)
+    assert told[-1] == (True, "forward")
+    rig.run(0.2)
+    assert told[-1] == (True, "none")

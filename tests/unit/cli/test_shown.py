@@ -13,12 +13,13 @@ from rich.console import Console
 
 from giraff_cli.run.line import line
 from giraff_cli.run.screen import Frame, view
-from giraff_cli.run.summary import Summary, summarize, to_json, to_text
+from giraff_cli.run.summary import BalanceSummary, Summary, summarize, to_json, to_text
 from giraff_cli.run.telemetry import RunSnapshot, RunTelemetry
 from giraff_cli.terminal.screen import as_svg
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.localization import LocalizationState
+from giraff_sim.control.messages import Balance
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.truth import Truth as Drawn
 from tests.unit.cli.map_poses import map_pose
@@ -320,6 +321,18 @@ def test_the_summary_for_people_fits_a_terminal() -> None:
     assert max(map(len, text.splitlines())) <= 80
     assert "0.420 m, 0 contacts" in text
     assert "31.0 ms median, 31.0 ms p99" in text
+
+
+def test_the_summary_tells_how_a_robot_that_balances_stood() -> None:
+    telemetry = ten_seconds()
+    assert summary(telemetry).balance is None
+    places = ((0.0, False), (1.0, True), (1.05, True), (1.4, False), (2.0, True), (1.96, True))
+    for second, (x, is_settled) in enumerate(places, 11):
+        balance = Balance(lean_sd=0.01, falls=1, is_settled=is_settled)
+        telemetry.see(replace(truth(second * SECOND, x=x), balance=balance))
+    told = summary(telemetry)
+    assert told.balance == BalanceSummary(lean_sd_deg=0.573, drift_m=0.05, falls=1)
+    assert "balance  lean 0.57° sd, drifted 0.05 m, 1 fall" in to_text(told)
 
 
 def test_the_picture_stands_alone() -> None:

@@ -23,7 +23,6 @@ _CAUSES: Final[dict[int, Trouble]] = {
     BalanceCause.NO_WHEEL_TURNS: Trouble("no wheel turned", "check the motor driver's cable and both encoders"),
     BalanceCause.BATTERY: Trouble("the battery was low", "charge it"),
     BalanceCause.LEAN_DISPUTED: Trouble("gyroscope and accelerometer disagreed", "check how they are fixed"),
-    BalanceCause.SESSION: Trouble("another program opened a session with other settings"),
 }
 _POSTURES: Final[dict[int, str]] = {BalancePosture.STANDS: "stands", BalancePosture.SITS_DOWN: "sits down"}
 _CORD: Final = EStopEngage(by="the cord", reason=f"it is pulled; put it back, then {RESET_COMMAND}", off=True)

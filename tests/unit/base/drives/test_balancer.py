@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Final
+from typing import Any
 
 import msgspec
 import pytest
 
-from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_schemas.messages import Attitude, Side, Wheels
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, DriveState, Frame, Refusal
@@ -26,15 +25,9 @@ from giraff_schemas.wires.balancer import (
     BalancePosture,
     BalanceSide,
 )
-from giraff_sim.board import ROOT
-from giraff_sim.dst.drill import known_settings
+from tests.support.balancer_file import DRIVE, ROBOT
 from tests.unit.base.drives.contract import SETTLED, AnyDrive, Bench
 
-_OF_THE_FILE: Final = known_settings({"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")})
-ROBOT: Final = _OF_THE_FILE.robot
-_drive = _OF_THE_FILE.base.drive
-assert isinstance(_drive, BalancerConfig)
-CHECKED: Final[BalancerConfig] = _drive
 _SHARE = BALANCE_REPORT_MS / 100  # of a speed's way to what is asked, in one report
 
 
@@ -158,7 +151,7 @@ class BalancerBoard:
 
 
 class TestBalancer(AnyDrive):
-    config = CHECKED
+    config = DRIVE
     robot = ROBOT
     command_timeout = COMMAND_TIMEOUT_MS / 1000
 
@@ -278,9 +271,9 @@ class TestBalancer(AnyDrive):
     )
     def test_settings_that_contradict_each_other_are_refused(self, fields: dict[str, float], told: str) -> None:
         with pytest.raises(ValueError, match=told):
-            msgspec.structs.replace(CHECKED, **fields)
+            msgspec.structs.replace(DRIVE, **fields)
 
     def test_a_wheel_that_contradicts_the_counts_is_refused(self) -> None:
         wrong = msgspec.structs.replace(ROBOT, ticks_per_metre=ROBOT.ticks_per_metre * 1.03)
         with pytest.raises(ValueError, match="give 4656 counts per metre"):
-            CHECKED.require_countable(wrong)
+            DRIVE.require_countable(wrong)
