@@ -1,6 +1,7 @@
 #include <stdbool.h>
 #include "board.h"
 #include "drive.h"
+#include "freshness.h"
 #include "hal.h"
 #include "latch.h"
 #include "limit.h"
@@ -37,24 +38,6 @@ static uint16_t last_seq;
 static uint8_t last_refusal = REFUSAL_NONE;
 static uint16_t accepted, refused;
 static bool is_limited;                         /* the newest accepted command, by the board's own limit */
-
-/* Whether the host made the frame from telemetry old enough to matter. A time ahead of the board's is no better
- * than an old one: it comes out as a large age here. */
-static bool is_stale(uint32_t echoed_ms, uint32_t now_ms)
-{
-    return now_ms - echoed_ms > ECHO_MAX_AGE_MS;
-}
-
-static bool is_newer(uint16_t seq, uint16_t than)
-{
-    uint16_t ahead = (uint16_t)(seq - than);
-    return ahead && ahead < 0x8000;
-}
-
-static bool is_within(int32_t asked, uint32_t max)
-{
-    return (asked < 0 ? 0 - (uint32_t)asked : (uint32_t)asked) <= max;
-}
 
 /* A latch outlasts every other reason not to drive. */
 static void stop(enum drive_state why)

@@ -37,7 +37,7 @@ enum { WATCHDOG_MS = 250 };
 /* What is in EEPROM, from its first byte on; all ones where never written. */
 struct kept {
     uint32_t boot_count;
-    uint8_t latch[2];                       /* of the base board; latch.c knows what they mean */
+    uint8_t latch[2];                       /* of a board with motors; latch.c knows what they mean */
 };
 
 uint8_t hal_take_reset_cause(void);         /* enum reset_cause; 0 = a boot loader has cleared it */
