@@ -7,7 +7,9 @@ HOST_LINK ?=
 
 OUT := $(BUILD)/host/$(BOARD)
 LIBRARY := $(BUILD)/host/$(BOARD).so
-MACHINE := machine processor $(FIRMWARE)_parts $(OUTPUTS)
+base_PARTS := shafts
+balancer_PARTS := shafts
+MACHINE := machine processor $(FIRMWARE)_parts $($(FIRMWARE)_PARTS) $(OUTPUTS)
 OBJECTS := $(PROGRAM:%=$(OUT)/program/%.o) $(patsubst %,$(OUT)/machine/%.o,$(MACHINE) $(notdir $(HOST_EXTRA:.c=)))
 
 FLAGS += -O2 -g -fPIC -fvisibility=hidden -Ihost -DBOARD='"$(BOARD)"'

@@ -1,0 +1,71 @@
+#include <math.h>
+#include "machine.h"
+#include "shafts.h"
+
+static struct encoder {
+    double from, to;                /* position at the slice's ends, quadrature states */
+    int was_cut;
+} encoders[BOARD_MOTORS];
+
+static uint64_t slice_from_ns, slice_to_ns;
+
+/* State s of the quadrature on the pins. */
+static void present(int k)
+{
+    static const int A[4] = { 0, 1, 1, 0 }, B[4] = { 0, 0, 1, 1 };
+    int s = (int)(machine_board->motor[k].states & 3);
+    shafts_present(k, A[s], B[s]);
+}
+
+/* The position moves evenly from `from` to `to`, and the states are counted up to it: they cannot drift apart. */
+static void schedule_edge(int k)
+{
+    const struct encoder *e = &encoders[k];
+    const struct motor_model *model = &machine_board->motor[k];
+    double at;
+    if (model->encoder_cut)
+        return;
+    if (e->to >= (double)(model->states + 1))
+        at = (double)(model->states + 1);
+    else if (e->to < (double)model->states)
+        at = (double)model->states;
+    else
+        return;
+    double part = e->to == e->from ? 0 : (at - e->from) / (e->to - e->from);
+    part = fmin(fmax(part, 0), 1);
+    machine_schedule(PART_0 + (enum source)k,
+                     slice_from_ns + (uint64_t)(part * (double)(slice_to_ns - slice_from_ns)));
+}
+
+void shafts_on_event(int k)
+{
+    struct motor_model *model = &machine_board->motor[k];
+    model->states += encoders[k].to >= (double)(model->states + 1) ? 1 : -1;
+    present(k);
+    schedule_edge(k);
+}
+
+void shafts_open(void)
+{
+    for (int k = 0; k < BOARD_MOTORS; k++)
+        encoders[k] = (struct encoder){ 0 };
+    slice_to_ns = 0;
+}
+
+void shafts_begin(uint64_t until_ns)
+{
+    slice_from_ns = machine_now_ns();
+    slice_to_ns = until_ns;
+    for (int k = 0; k < BOARD_MOTORS; k++) {
+        struct encoder *e = &encoders[k];
+        struct motor_model *model = &machine_board->motor[k];
+        e->from = e->to;
+        e->to = model->position;
+        if (e->was_cut && !model->encoder_cut) {
+            model->states = (int64_t)floor(e->from);
+            present(k);
+        }
+        e->was_cut = model->encoder_cut;
+        schedule_edge(k);
+    }
+}
