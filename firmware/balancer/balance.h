@@ -48,12 +48,11 @@ struct balance_state {                  /* what the report tells */
     float trim;                         /* rad */
     float speed, turn;                  /* m/s, rad/s */
     float torque;                       /* N m */
-    float travel[2];                    /* rad of each wheel on the floor, since the boot */
     int8_t command[2];                  /* to the motor driver, forward positive; 0, 0 while it is off */
 };
 
 void balance_start(void);                                       /* after a reset: off */
-void balance_configure(const struct balance_settings *settings);       /* off if it was not; a new session */
+void balance_configure(const struct balance_settings *settings);       /* it halts, and stands on if it stood */
 void balance_step(const struct balance_readings *readings, const struct balance_order *order);
 const struct balance_state *balance_state(void);
 

@@ -1,0 +1,125 @@
+#include "control.h"
+#include "inertial.h"
+#include "kalman.h"
+#include "posture.h"
+#include "reference.h"
+#include "torque.h"
+#include "watch.h"
+#include "wheel_speed.h"
+
+static struct {
+    struct balance_settings settings;
+    struct inertial inertial;
+    struct kalman kalman;
+    struct wheel_speed wheels;
+    struct watch watch;
+    struct posture posture;
+    struct reference reference;
+    struct torque torque;
+    struct balance_state state;
+} balance;
+
+void balance_start(void)
+{
+    balance.settings = (struct balance_settings){ .gravity = 1.0f, .momentum_per_speed = 1.0f, .radius = 1.0f,
+                                                  .track = 1.0f, .motor_constant = 1.0f };
+    balance.wheels = (struct wheel_speed){ 0 };
+    balance.watch = (struct watch){ 0 };
+    balance.posture = (struct posture){ .posture = BALANCE_OFF, .cause = CAUSE_NONE };
+    balance.reference = (struct reference){ 0 };
+    balance.torque = (struct torque){ 0 };
+    balance.state = (struct balance_state){ 0 };
+    inertial_start(&balance.inertial);
+    kalman_start(&balance.kalman);
+}
+
+void balance_configure(const struct balance_settings *settings)
+{
+    balance.settings = *settings;
+    reference_halt(&balance.reference);
+}
+
+const struct balance_state *balance_state(void)
+{
+    return &balance.state;
+}
+
+static void tell(void)
+{
+    struct balance_state *s = &balance.state;
+    s->posture = balance.posture.posture;
+    s->cause = balance.posture.cause;
+    s->flags = (balance.posture.posture == BALANCE_OFF && balance.posture.is_calm ? BALANCE_UPRIGHT : 0)
+               | (balance.reference.is_held ? BALANCE_HELD : 0) | (balance.torque.is_at_limit ? BALANCE_AT_LIMIT : 0);
+    s->lean = balance.kalman.lean;
+    s->rate = balance.kalman.rate;
+    s->accelerometer = balance.kalman.measured;
+    s->trim = balance.reference.trim;
+    s->speed = balance.wheels.axle;
+    s->turn = wheel_speed_turn(&balance.wheels, &balance.settings);
+    s->torque = balance.torque.both;
+    for (uint8_t k = 0; k < WHEELS; k++) {
+        s->command[k] = balance.torque.command[k];
+    }
+}
+
+void balance_step(const struct balance_readings *readings, const struct balance_order *order)
+{
+    const struct balance_settings *settings = &balance.settings;
+    bool is_off = balance.posture.posture == BALANCE_OFF;
+    bool has_accelerometer = !(balance.watch.kept & FAULT(CAUSE_ACCELEROMETER));
+    const bool lost[WHEELS] = { balance.watch.kept & FAULT(CAUSE_LEFT_ENCODER),
+                                balance.watch.kept & FAULT(CAUSE_RIGHT_ENCODER) };
+
+    inertial_step(&balance.inertial, readings);
+    wheel_speed_count(&balance.wheels, settings, readings->counts, lost);
+    kalman_step(&balance.kalman, &(struct kalman_input){
+        .rate = balance.inertial.rate,
+        .forward = balance.inertial.forward,
+        .up = balance.inertial.up,
+        /* By hand it can be lifted and its wheels turned. */
+        .axle = is_off ? 0.0f : wheel_speed_acceleration(&balance.wheels, settings, &balance.kalman),
+        .has_accelerometer = has_accelerometer,
+    });
+    wheel_speed_fuse(&balance.wheels, settings, &balance.kalman, balance.inertial.forward, has_accelerometer);
+    watch_step(&balance.watch, &(struct watch_input){
+        .readings = readings,
+        .settings = settings,
+        .inertial = &balance.inertial,
+        .kalman = &balance.kalman,
+        .wheels = &balance.wheels,
+        .command = balance.torque.command,
+        .is_off = is_off,
+        .leans_over = balance.posture.leans_over,
+    });
+    bool stood_up = posture_step(&balance.posture, &(struct posture_input){
+        .order = order,
+        .kalman = &balance.kalman,
+        .cord_pulled = readings->cord_pulled,
+        .faults = balance.watch.faults,
+        .speed = balance.wheels.axle,
+        .trim = balance.reference.trim,
+    });
+    if (stood_up) {
+        reference_start(&balance.reference);
+        balance.wheels.axle = 0.0f;
+    }
+    reference_step(&balance.reference, &(struct reference_input){
+        .settings = settings,
+        .order = order,
+        .kalman = &balance.kalman,
+        .wheels = &balance.wheels,
+        .stands = balance.posture.posture == BALANCE_STANDS,
+        .since_s = balance.posture.since_s,
+    });
+    torque_step(&balance.torque, &(struct torque_input){
+        .settings = settings,
+        .kalman = &balance.kalman,
+        .wheels = &balance.wheels,
+        .reference = &balance.reference,
+        .posture = &balance.posture,
+        .volts = balance.inertial.volts,
+        .has_encoders = !lost[LEFT] && !lost[RIGHT] && !is_prototype(settings),
+    });
+    tell();
+}

@@ -1,0 +1,53 @@
+#include <math.h>
+#include "control.h"
+#include "kalman.h"
+
+/* Found in simulation, on 40 drawn robots. */
+#define LEAN_NOISE 3e-6f        /* rad2/s, by which the lean wanders beside the gyroscope */
+#define BIAS_NOISE 3e-8f        /* rad2/s3, by which the bias wanders: it warms up for three minutes */
+#define MEASURED_SD 0.03f       /* rad, of the accelerometer's lean at rest */
+#define SD_PER_G 1.0f           /* rad for each g by which the accelerometer feels more than gravity */
+#define AXLE_SHARE 0.5f         /* of the axle's acceleration that counts as such: what is subtracted is not exact */
+#define SMOOTHING 0.1f          /* s. Gears that chatter shall neither shift the mean nor take away its weight. */
+#define LEAN_SD_START 0.1f      /* rad */
+#define BIAS_SD_START 0.06f     /* rad/s: two axes with 3 deg/s each */
+
+void kalman_start(struct kalman *k)
+{
+    *k = (struct kalman){
+        .up = 1.0f,
+        .p00 = LEAN_SD_START * LEAN_SD_START,
+        .p11 = BIAS_SD_START * BIAS_SD_START,
+    };
+}
+
+void kalman_step(struct kalman *k, const struct kalman_input *in)
+{
+    k->forward = followed(k->forward, in->forward, SMOOTHING);
+    k->up = followed(k->up, in->up, SMOOTHING);
+
+    /* Predict: the lean grows by the rate, the bias stays. */
+    k->rate = in->rate - k->bias;
+    k->lean += k->rate * PERIOD;
+    k->p00 += PERIOD * (PERIOD * k->p11 - 2.0f * k->p01 + LEAN_NOISE);
+    k->p01 -= PERIOD * k->p11;
+    k->p11 += BIAS_NOISE * PERIOD;
+
+    /* The accelerometer also feels the axle's own acceleration. What the encoders know of it is subtracted. */
+    float axle = in->axle * (1.0f / GRAVITY);
+    k->measured = atan2f(axle - k->forward, k->up);
+    k->innovation = k->measured - k->lean;
+    if (!in->has_accelerometer)
+        return;
+
+    /* Update. What remains widens the noise, so that a push or a bump has little weight. */
+    float strange = magnitude(sqrtf(k->forward * k->forward + k->up * k->up) - 1.0f) + AXLE_SHARE * magnitude(axle);
+    float sd = SD_PER_G * strange;
+    float share = 1.0f / (k->p00 + MEASURED_SD * MEASURED_SD + sd * sd);
+    float lean_gain = k->p00 * share, bias_gain = k->p01 * share;
+    k->lean += lean_gain * k->innovation;
+    k->bias += bias_gain * k->innovation;
+    k->p11 -= bias_gain * k->p01;
+    k->p01 -= lean_gain * k->p01;
+    k->p00 -= lean_gain * k->p00;
+}
