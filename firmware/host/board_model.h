@@ -9,7 +9,7 @@
 #define GIRAFF_BOARD_MODEL_H
 #include <stdint.h>
 
-enum { BOARD_MOTORS = 2, BOARD_SONARS = 3, BOARD_BUMPERS = 2 };
+enum { BOARD_MOTORS = 2, BOARD_SONARS = 3, BOARD_BUMPERS = 2, BOARD_SENSORS = 4 };
 enum { BOARD_RUNNING = 0, BOARD_STOPPED = 1, BOARD_CRASHED = 2 };
 
 /* A motor with what drives it, by its number on the board, and the encoder of that number; boards/<board>/pins.h has

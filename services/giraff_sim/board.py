@@ -20,7 +20,7 @@ BUILD: Final = ROOT / "build"
 _HEADER: Final = ROOT / "firmware" / "host" / "board_model.h"
 _READ_BYTES: Final = 65536
 _MESSAGE_BYTES: Final = 160
-_EEPROM_BYTES: Final = {"base": 2048, "ardros": 4096, "joystick": 1024, "ranger": 4096}
+_EEPROM_BYTES: Final = {"base": 2048, "ardros": 4096, "joystick": 1024, "ranger": 4096, "balancer": 4096}
 
 _ffi = cffi.FFI()
 

@@ -12,6 +12,7 @@
 #include "avr_uart.h"
 #include "board_model.h"
 #include "protocol.h"
+#include "sabertooth_driver.h"
 #include "servo_driver.h"
 
 enum {
@@ -52,6 +53,12 @@ struct servo {                  /* a servo output to a motor driver in R/C mode 
     uint16_t next;              /* the compare register, as the next frame takes it */
 };
 
+struct driver_line {            /* the serial line to a motor driver */
+    struct sabertooth_driver driver;
+    avr_uart_t *uart;
+    uint8_t byte;               /* on its way */
+};
+
 struct analog {                 /* a voltage at an ADC channel */
     avr_irq_t *input;           /* NULL: none wired */
     int mv;
@@ -82,11 +89,12 @@ struct board_private {
     uint8_t twi_selected;       /* address byte of the running transfer; 0 = not for the slave */
     int twi_index;              /* of the byte within the transfer */
     uint8_t twi_pointer;
-    struct analog battery, limit;
-    struct pin button, slave_reset, bumper[BOARD_BUMPERS];
+    struct analog battery, limit, sensor[BOARD_SENSORS];
+    struct pin button, slave_reset, bumper[BOARD_BUMPERS], cord;
     struct encoder encoder[BOARD_MOTORS];
     struct bridge bridge[BOARD_MOTORS];
     struct servo servo[BOARD_MOTORS];
+    struct driver_line driver_line;
     struct sonar sonar[BOARD_SONARS];
 };
 
@@ -131,6 +139,11 @@ void servos_restore(struct board_model *b);
 void servos_end(struct board_model *b);
 void servos_stand_still(struct board_model *b);
 
+/* driver_line.c */
+int driver_line_wire(struct board_model *b, char uart);     /* 0, or -1 */
+void driver_line_begin(struct board_model *b);
+void driver_line_end(struct board_model *b);
+
 /* sonar.c */
 void sonar_wire(struct board_model *b, int number, const char *trigger, const char *echo);
 void sonars_arm(struct board_model *b);
@@ -140,6 +153,8 @@ int twi_wire(struct board_model *b);                    /* 0, or -1 */
 void twi_restore(struct board_model *b);
 
 /* uart.c */
+avr_uart_t *uart_named(avr_t *avr, char name);          /* NULL: the processor has none */
+avr_cycle_count_t uart_byte_cycles(avr_t *avr, const avr_uart_t *uart);
 int uart_wire(struct board_model *b);                   /* 0, or -1 */
 void uart_arm(struct board_model *b);
 void uart_restore(struct board_model *b);

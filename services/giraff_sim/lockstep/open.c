@@ -149,6 +149,19 @@ static int wire_ranger(struct board_model *b)
     return 0;
 }
 
+static int wire_balancer(struct board_model *b)
+{
+    avr_t *avr = b->inside->avr;
+    for (int k = 0; k < BOARD_SENSORS; k++)
+        b->inside->sensor[k] = adc_channel(avr, ADC_IRQ_ADC0 + k);
+    b->inside->battery = adc_channel(avr, ADC_IRQ_ADC4);
+    avr->aref = 3297;       /* TRAP: simavr has 1023 counts at AREF, which is 3.3 V; so a volt gives as many as it should */
+    encoder_wire(b, 0, "B0", "B1", 0);
+    encoder_wire(b, 1, "B2", "B3", 0);
+    b->inside->cord = pin_named(avr, "A0");
+    return driver_line_wire(b, '3');
+}
+
 static const struct board {
     const char *name, *mcu;
     uint32_t hz;
@@ -158,6 +171,7 @@ static const struct board {
     { "ardros", "atmega2560", 16000000, wire_ardros },
     { "joystick", "atmega328p", 16000000, wire_joystick },
     { "ranger", "atmega2560", 16000000, wire_ranger },
+    { "balancer", "atmega2560", 16000000, wire_balancer },
 };
 
 static const struct board *board_named(const char *name)

@@ -59,6 +59,10 @@ static void inputs(struct board_model *b)
             pin_drive(b, in->bumper[k], b->bumper_open[k]); /* closed to ground, or the pull-up */
     put_volts(&in->battery, b->battery_volts);
     put_volts(&in->limit, b->limit_volts);
+    for (int k = 0; k < BOARD_SENSORS; k++)
+        put_volts(&in->sensor[k], b->sensor_volts[k]);
+    if (in->cord.port)
+        pin_drive(b, in->cord, !b->cord_pulled);        /* to ground, against a pull-up */
 }
 
 static void outputs(struct board_model *b)
@@ -77,6 +81,7 @@ static void run_slice(struct board_model *b)
     encoders_begin(b);
     bridges_begin(b);
     servos_begin(b);
+    driver_line_begin(b);
     if (in->was_reset)
         after_reset(b);
     inputs(b);
@@ -95,6 +100,7 @@ static void run_slice(struct board_model *b)
     avr_cycle_count_t cycles = avr->cycle - began;
     bridges_end(b, cycles);
     servos_end(b);
+    driver_line_end(b);
     b->awake = cycles ? 1 - (double)in->slept / (double)cycles : 0;
     outputs(b);
 }
@@ -116,6 +122,8 @@ int board_run(struct board_model *b, uint64_t until_us)
         encoders_stand_still(b);
         bridges_stand_still(b);
         servos_stand_still(b);
+        driver_line_begin(b);
+        driver_line_end(b);
     }
     b->now_us = until_us;
     return b->state;

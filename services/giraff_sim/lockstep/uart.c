@@ -3,12 +3,24 @@
 #include <string.h>
 #include "inside.h"
 
+avr_uart_t *uart_named(avr_t *avr, char name)
+{
+    for (avr_io_t *io = io_next(avr, "uart", NULL); io; io = io_next(avr, "uart", io))
+        if (((avr_uart_t *)io)->name == name)
+            return (avr_uart_t *)io;
+    return NULL;
+}
+
+avr_cycle_count_t uart_byte_cycles(avr_t *avr, const avr_uart_t *uart)
+{
+    int ubrr = avr_regbit_get(avr, uart->ubrrl) | avr_regbit_get(avr, uart->ubrrh) << 8;
+    int bit_cycles = (ubrr + 1) * (avr_regbit_get(avr, uart->u2x) ? 8 : 16);
+    return (avr_cycle_count_t)(10 * bit_cycles);
+}
+
 static avr_cycle_count_t byte_cycles(const struct board_private *in)
 {
-    const avr_uart_t *uart = in->uart;
-    int ubrr = avr_regbit_get(in->avr, uart->ubrrl) | avr_regbit_get(in->avr, uart->ubrrh) << 8;
-    int bit_cycles = (ubrr + 1) * (avr_regbit_get(in->avr, uart->u2x) ? 8 : 16);
-    return (avr_cycle_count_t)(10 * bit_cycles);
+    return uart_byte_cycles(in->avr, in->uart);
 }
 
 static void on_transmitted(avr_irq_t *irq, uint32_t value, void *param)
@@ -45,9 +57,7 @@ static avr_cycle_count_t on_byte_arrived(avr_t *avr, avr_cycle_count_t when, voi
 int uart_wire(struct board_model *b)
 {
     struct board_private *in = b->inside;
-    for (avr_io_t *io = io_next(in->avr, "uart", NULL); io; io = io_next(in->avr, "uart", io))
-        if (((avr_uart_t *)io)->name == '0')
-            in->uart = (avr_uart_t *)io;
+    in->uart = uart_named(in->avr, '0');
     if (!in->uart)
         return -1;
     in->uart->flags = 0;                /* TRAP: else it echoes on stdout, and sleeps in wall-clock time */

@@ -1,0 +1,51 @@
+/* A serial line to a motor driver: it hears a byte when its last bit has come. */
+#include "inside.h"
+
+static double us(const avr_t *avr)
+{
+    return (double)avr->cycle * 1e6 / avr->frequency;
+}
+
+static avr_cycle_count_t on_byte(avr_t *avr, avr_cycle_count_t when, void *param)
+{
+    struct driver_line *line = param;
+    (void)when;
+    sabertooth_byte(&line->driver, line->byte, us(avr));
+    return 0;
+}
+
+static void on_transmitted(avr_irq_t *irq, uint32_t value, void *param)
+{
+    struct driver_line *line = param;
+    avr_t *avr = line->driver.board->inside->avr;
+    (void)irq;
+    line->byte = (uint8_t)value;
+    line->uart->cycles_per_byte = uart_byte_cycles(avr, line->uart);        /* TRAP: simavr counts a parity bit */
+    avr_cycle_timer_register(avr, line->uart->cycles_per_byte, on_byte, line);
+}
+
+int driver_line_wire(struct board_model *b, char uart)
+{
+    struct driver_line *line = &b->inside->driver_line;
+    line->uart = uart_named(b->inside->avr, uart);
+    if (!line->uart)
+        return -1;
+    line->driver.board = b;
+    line->uart->flags = 0;              /* TRAP: else it echoes on stdout, and sleeps in wall-clock time */
+    avr_irq_register_notify(line->uart->io.irq + UART_IRQ_OUTPUT, on_transmitted, line);
+    return 0;
+}
+
+void driver_line_begin(struct board_model *b)
+{
+    struct driver_line *line = &b->inside->driver_line;
+    if (line->uart)
+        sabertooth_begin(&line->driver, us(b->inside->avr));
+}
+
+void driver_line_end(struct board_model *b)
+{
+    struct driver_line *line = &b->inside->driver_line;
+    if (line->uart)
+        sabertooth_end(&line->driver, us(b->inside->avr));
+}
