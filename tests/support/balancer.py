@@ -19,6 +19,7 @@ from giraff_schemas.wires.balancer import (
     BalanceDriveFrame,
     BalanceEngage,
     BalanceEstopFrame,
+    BalanceFlag,
     BalanceFrame,
     BalancePosture,
     BalanceSide,
@@ -27,7 +28,6 @@ from giraff_sim.board import Implementation, open_board
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.world.room import Pose, Room
-from tests.support.counting import count
 
 ROBOT: Final = RobotConfig(
     name="balancer-test",
@@ -153,7 +153,7 @@ class Balancer:
         """Let time pass and return what the robot truly did."""
         track = Track(self.plant)
         for millisecond in range(1, round(seconds * 1000) + 1):
-            self._step()
+            self.step()
             if millisecond % _TRACK_MS == 0:
                 track.add(self.plant, is_off=self.posture is BalancePosture.OFF)
         return track
@@ -163,8 +163,9 @@ class Balancer:
         for _ in range(_PATIENCE_MS):
             if self.stands and not self.body.raises_it:
                 break
-            self.ask = BalanceAsk.STAND if self.report and self.report.session == _SESSION else BalanceAsk.KEEP
-            self._step()
+            is_upright = self.report is not None and self.report.flags & BalanceFlag.UPRIGHT
+            self.ask = BalanceAsk.STAND if is_upright else BalanceAsk.KEEP
+            self.step()
         assert self.stands, f"it does not stand up: {self.report}"
         self.ask = BalanceAsk.KEEP
         self.run(settle)
@@ -182,13 +183,15 @@ class Balancer:
             )
         )
 
-    def sit(self, side: BalanceSide) -> None:
-        self.free_side, self.ask = side, BalanceAsk.SIT
+    def sit(self, side: float) -> None:
+        """Ask it to sit down, forward with 1.0 and backward with -1.0."""
+        self.free_side = BalanceSide.FORWARD if side > 0.0 else BalanceSide.BACKWARD
+        self.ask = BalanceAsk.SIT
 
-    def _step(self) -> None:
+    def step(self) -> None:
+        """Let a millisecond pass. tests/support/budget.py counts it."""
         self.before_each_ms()
         self._now_ms += 1
-        count("simulated", 0.001)
         self.body.step(self.board, 0.001)
         self.board.run(self._now_ms * 1000)
         self.body.look(self.board)

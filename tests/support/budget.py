@@ -20,6 +20,7 @@ from hypothesis.internal.conjecture.engine import ConjectureRunner
 from PIL import Image
 
 from giraff_sim.simulation import Simulation
+from tests.support.balancer import Balancer
 from tests.support.counting import count, counted
 
 BUDGET: Final = Path(__file__).parents[1] / "budget.toml"
@@ -97,6 +98,7 @@ class _Counts:
         self._spent: dict[str, Counter[str]] = {}
         self._lines: list[str] = []
         _count_calls(Simulation, "step", lambda step: count("simulated", step.world.step_us * 1e-6))
+        _count_calls(Balancer, "step", lambda _: count("simulated", 0.001))
         _count_calls(ConjectureRunner, "test_function", lambda _: count("examples"))
         _count_calls(BaseProcess, "start", lambda _: count("processes"))
         _count_calls(Image.Image, "save", lambda _: count("pictures"))

@@ -22,10 +22,10 @@ _ACCELEROMETER_ZERO: Final = 512.0
 _COUNTS_PER_G: Final = 102.0
 _DIAGONAL: Final = math.sqrt(0.5)
 _FULL: Final = 1024.0
-# counts. The noise of the converter and of each sensor. A slice of 1 ms has two conversions of each channel. They share
-# one value here, so that its noise is that of their mean.
+# counts. The noise of the converter and of each sensor. The two conversions of a channel in each ms share one value
+# here, so that the mean of a period has the noise of 5 conversions where a real board has that of 10.
 _CONVERTER: Final = 0.35
-_NOISE: Final = np.sqrt((np.array([0.13, 0.13, 0.25, 0.25]) ** 2 + _CONVERTER**2) / 2.0)
+_NOISE: Final = np.hypot(_CONVERTER, [0.13, 0.13, 0.25, 0.25])
 _AHEAD: Final = 500  # steps for which noise is drawn at once
 _GYRO_SMOOTHING: Final = 1.0 - math.exp(-STEP * math.tau * 140.0)
 _ACCELEROMETER_SMOOTHING: Final = 1.0 - math.exp(-STEP * math.tau * 50.0)

@@ -1,0 +1,96 @@
+"""Twenty drawn robots that balance, each in every situation. Lengths in m, speeds in m/s, angles in degrees."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Final
+
+import numpy as np
+import pytest
+
+from tests.support.balancing import (
+    Figures,
+    Row,
+    among_people,
+    known_zero,
+    leaned_on,
+    onto_slope,
+    over_threshold,
+    prototype,
+    pushes,
+    sits,
+    stands,
+    stopped,
+    with_bag,
+)
+from tests.support.report import report
+
+ROBOTS: Final = 20
+UP: Final = {"up": 1.0}
+ROWS: Final = {
+    "stands": Row(
+        lambda seed: stands(seed, 60.0, settle=20.0), {"sd": 1.1, "span": 0.08, "late": 0.0}, {"sd": 0.6}, at_least=UP
+    ),
+    "let_go": Row(lambda seed: stands(seed, 12.0, settle=0.0), {"way": 0.22}, at_least=UP),
+    "let_go_zero_known": Row(
+        lambda seed: stands(seed, 12.0, settle=0.0, **known_zero(seed)), {"way": 0.05}, at_least=UP
+    ),
+    "pushed_5": Row(pushes(5.0), {"lean": 6.5, "away": 0.32, "back": 0.10, "back_speed": 0.14}, at_least=UP),
+    "pushed_8": Row(pushes(8.0), {"away": 0.62, "back": 0.10, "back_speed": 0.15}, at_least=UP),
+    "leaned_on_and_let_go": Row(leaned_on, {"back": 0.25, "back_speed": 0.23}, at_least=UP),
+    **{
+        f"{'silent' if by_silence else 'stopped'}_at_{speed}": Row(
+            stopped(speed, by_silence=by_silence), {"away": path, "back": 0.09, "back_speed": 0.11}, at_least=UP
+        )
+        for by_silence in (False, True)
+        for speed, path in ((0.1, 0.14), (0.2, 0.19), (0.3, 0.26), (0.4, 0.36))
+    },
+    "sits": Row(sits, {"off": 0.7, "span": 0.10, "top": 1.2}, at_least={"right_side": 1.0}),
+    "sits_from_0.3": Row(
+        partial(sits, speed=0.3), {"off": 1.7, "span": 0.25, "top": 1.2}, at_least={"right_side": 1.0}
+    ),
+    "slope_3": Row(onto_slope, {"way": 0.7, "last_speed": 0.02}, at_least=UP),
+    "bag_6": Row(with_bag, {"way": 1.3}, at_least=UP),
+    "threshold_5_mm": Row(over_threshold, {}, at_least=UP | {"gone": 0.35}),
+    "prototype": Row(prototype, {}, at_least=UP | {"gone": 0.25}),
+}
+"""What facts say of a simulation that was thrown away, where `docs` do not say that this one differs."""
+PEOPLE: Final = Row(among_people, {}, {"held": 0.0}, at_least=UP)
+
+
+def exceeded(row: Row, robots: list[Figures]) -> dict[str, list[float]]:
+    """Return the values of each figure that breaks its bound, the worst last."""
+
+    def values(figure: str, *, lowest_first: bool = True) -> list[float]:
+        return sorted((round(robot[figure], 4) for robot in robots), reverse=not lowest_first)
+
+    found = {figure: values(figure) for figure, most in row.at_most.items() if values(figure)[-1] > most}
+    found |= {figure: values(figure) for figure, most in row.all_but_one.items() if values(figure)[-2] > most}
+    return found | {
+        figure: values(figure, lowest_first=False)
+        for figure, least in row.at_least.items()
+        if values(figure)[0] < least
+    }
+
+
+def told(row: Row, robots: list[Figures]) -> Mapping[str, str]:
+    """Return the median, 90 % and worst value of each judged figure."""
+    shown = {}
+    for figure in {**row.at_most, **row.all_but_one, **row.at_least}:
+        shares = (50, 10, 0) if figure in row.at_least else (50, 90, 100)
+        shown[figure] = "/".join(f"{v:.3g}" for v in np.percentile([robot[figure] for robot in robots], shares))
+    return shown
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_drawn_robots_stay_within_the_bounds(name: str) -> None:
+    robots = [ROWS[name].play(seed) for seed in range(ROBOTS)]
+    report(f"campaign/balancer_{name}", told(ROWS[name], robots))
+    assert exceeded(ROWS[name], robots) == {}
+
+
+def test_ten_minutes_among_people_show_no_fault() -> None:
+    robots = [among_people(seed) for seed in range(5)]
+    report("campaign/balancer_people", told(PEOPLE, robots))
+    assert exceeded(PEOPLE, robots) == {}

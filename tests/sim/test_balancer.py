@@ -1,0 +1,46 @@
+"""A robot that balances stands, is pushed, sits down and stops. tests/campaign/test_balancer.py has the drawn ones."""
+
+import pytest
+
+from giraff_schemas.wires.balancer import BalancePosture
+from tests.support.balancer import Balancer
+from tests.support.balancing import prototype, pushed, side_of, stopped, then
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_it_stands_comes_back_a_little_from_a_push_and_sits_down(seed: int) -> None:
+    robot, side = Balancer(seed), side_of(seed)
+    robot.stand(3.5)  # 5 s with those in which it is held
+    stands = then(robot, 8.0, lambda _: None, side)
+    assert stands["sd"] < 1.1
+    assert stands["span"] < 0.08
+    push = pushed(robot, 5.0, 4.0, side)
+    assert push["lean"] < 6.5
+    assert 0.05 < push["away"] < 0.32
+    assert push["back"] < 0.10
+    assert push["back_speed"] < 0.14
+    assert robot.stands
+    sits = then(robot, 2.0, lambda each: each.sit(side), side)
+    assert sits["off"] < 0.7
+    assert sits["span"] < 0.10
+    assert sits["right_side"] == 1.0
+    assert robot.posture is BalancePosture.OFF
+    assert robot.plant.falls == 1
+    assert sits["top"] < 1.2
+    assert robot.late == 0
+    robot.close()
+
+
+def test_an_emergency_stop_ends_driving_and_it_stands() -> None:
+    stop = stopped(0.3, by_silence=False, settle=1.5)(1)
+    assert stop["up"] == 1.0
+    assert 0.10 < stop["away"] < 0.26
+    assert stop["back"] < 0.09
+    assert stop["back_speed"] < 0.11
+    assert stop["last_speed"] < 0.02, "it is asked to drive and must not"
+
+
+def test_the_prototype_without_encoders_stands_and_drifts_as_it_is_pushed() -> None:
+    push = prototype(1, seconds=0.6)
+    assert push["up"] == 1.0
+    assert push["gone"] > 0.25

@@ -1,0 +1,178 @@
+"""What is done to a drawn robot that balances, and what it then may do: rows of tests."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from giraff_base.drives.balancer.config import BalancerConfig
+from giraff_schemas.wires.balancer import BalanceFlag
+from giraff_sim.bodies.balancer.people import Threshold
+from tests.support.balancer import DRIVE, HANDLE, PROTOTYPE, Balancer
+
+Figures = dict[str, float]
+SETTLE_S: Final = 8.0
+
+
+class Row(NamedTuple):
+    """One situation."""
+
+    play: Callable[[int], Figures]
+    at_most: Mapping[str, float]
+    """The largest value of each figure."""
+    all_but_one: Mapping[str, float] = {}
+    """The same, and one of twenty robots may have a larger one."""
+    at_least: Mapping[str, float] = {}
+
+
+def side_of(seed: int) -> float:
+    """Return the side to which a robot is pushed, or sits down: forward for every other one."""
+    return 1.0 if seed % 2 else -1.0
+
+
+def known_zero(seed: int) -> dict[str, Any]:
+    """Return the zero of an accelerometer that was found to 0.3 degrees."""
+    return {"accelerometer_zero": math.radians(0.3) * side_of(seed)}
+
+
+def stands(
+    seed: int,
+    seconds: float,
+    settle: float = SETTLE_S,
+    act: Callable[[Balancer], None] = lambda _: None,
+    drive: BalancerConfig = DRIVE,
+    **fixed: Any,
+) -> Figures:
+    """Let it stand by itself, do something to it, and return figures of what follows."""
+    robot = Balancer(seed, drive, **fixed)
+    try:
+        robot.stand(settle)
+        return then(robot, seconds, act, side_of(seed))
+    finally:
+        robot.close()
+
+
+def then(robot: Balancer, seconds: float, act: Callable[[Balancer], None], side: float) -> Figures:
+    """Do something to a robot and return figures of what follows."""
+    act(robot)
+    figures = robot.run(seconds).figures(side)
+    figures["up"] = float(robot.stands)
+    figures["held"] = float(bool(robot.flags & BalanceFlag.HELD))
+    figures["late"] = float(robot.late)
+    figures["right_side"] = float(math.copysign(1.0, robot.plant.lean) == side)
+    figures["top"] = abs(robot.plant.landed)
+    return figures
+
+
+def pushed(robot: Balancer, impulse: float, seconds: float, side: float) -> Figures:
+    return then(robot, seconds, lambda each: each.body.push(impulse * side, HANDLE), side)
+
+
+def pushes(impulse: float, seconds: float = 6.0, **stands_how: Any) -> Callable[[int], Figures]:
+    return lambda seed: stands(
+        seed, seconds, act=lambda robot: robot.body.push(impulse * side_of(seed), HANDLE), **stands_how
+    )
+
+
+def leaned_on(seed: int) -> Figures:
+    robot = Balancer(seed)
+    robot.stand(SETTLE_S)
+    robot.plant.loads.force, robot.plant.loads.height = 6.0 * side_of(seed), HANDLE
+    robot.run(5.0)
+    robot.plant.loads.force = 0.0
+    figures = then(robot, 5.0, lambda _: None, side_of(seed))
+    robot.close()
+    return figures
+
+
+def stopped(speed: float, *, by_silence: bool, settle: float = SETTLE_S) -> Callable[[int], Figures]:
+    """Drive at a steady speed, stop it, and go on asking it to drive. A silent host counts from its time-out."""
+
+    def play(seed: int) -> Figures:
+        robot, side = Balancer(seed), side_of(seed)
+        robot.stand(settle)
+        robot.linear = speed * side
+        robot.run(5.0 + speed / 0.25 if settle >= SETTLE_S else 2.0)
+        robot.is_silent = by_silence
+        if by_silence:
+            robot.run(0.3)
+        else:
+            robot.engage()
+        figures = then(robot, 6.0 if settle >= SETTLE_S else 3.0, lambda _: None, side)
+        robot.close()
+        return figures
+
+    return play
+
+
+def sits(seed: int, speed: float = 0.0) -> Figures:
+    robot, side = Balancer(seed), side_of(seed)
+    robot.stand(SETTLE_S)
+    robot.linear = speed * side
+    robot.run(5.0 if speed else 0.0)
+    figures = then(robot, 5.0, lambda each: each.sit(side), side)
+    robot.close()
+    return figures
+
+
+def onto_slope(seed: int) -> Figures:
+    def act(robot: Balancer) -> None:
+        began = robot.plant.seconds
+
+        def rise() -> None:
+            robot.plant.loads.slope = math.radians(3.0) * min(1.0, 2.0 * (robot.plant.seconds - began))
+
+        robot.before_each_ms = rise
+
+    return stands(seed, 10.0, act=act)
+
+
+def with_bag(seed: int) -> Figures:
+    def act(robot: Balancer) -> None:
+        robot.plant.loads.bag = 6.0 * side_of(seed)
+
+    return stands(seed, 10.0, act=act)
+
+
+def over_threshold(seed: int) -> Figures:
+    robot = Balancer(seed)
+    robot.stand(SETTLE_S)
+    robot.linear = 0.4
+    robot.run(5.0)
+    robot.plant.loads.threshold = Threshold(robot.plant.way + 0.15, 0.005)
+    figures = then(robot, 6.0, lambda _: None, 1.0)
+    robot.close()
+    return figures
+
+
+def prototype(seed: int, seconds: float = 30.0) -> Figures:
+    """Return figures of a push of 4 N s, after the robot without encoders has stood so long."""
+    return pushes(4.0, 4.0, settle=seconds, drive=PROTOTYPE, **known_zero(seed))(seed)
+
+
+def among_people(seed: int) -> Figures:
+    """It drives, turns and stands for ten minutes. Someone pushes it every 10 to 25 s, half as hard while it drives."""
+    robot, chance = Balancer(seed), np.random.default_rng(seed + 900)
+    robot.stand(SETTLE_S)
+    next_wish, next_push = 0.0, chance.uniform(5.0, 20.0)
+    began = robot.plant.seconds
+
+    def live() -> None:
+        nonlocal next_wish, next_push
+        now = robot.plant.seconds - began
+        if now >= next_wish:
+            next_wish = now + chance.uniform(2.0, 6.0)
+            robot.linear = chance.uniform(-0.4, 0.4) * (chance.random() < 0.7)
+            robot.angular = chance.uniform(-0.8, 0.8) * (chance.random() < 0.5)
+        if now >= next_push:
+            next_push = now + chance.uniform(10.0, 25.0)
+            impulse = chance.choice([-1.0, 1.0]) * chance.uniform(1.0, 8.0)
+            robot.body.push(impulse * (0.5 if abs(robot.plant.speed) > 0.15 else 1.0), chance.uniform(0.0, HANDLE))
+
+    robot.before_each_ms = live
+    figures = then(robot, 600.0, lambda _: None, 1.0)
+    robot.close()
+    return figures
