@@ -9,8 +9,10 @@ from typing import Any, Final, NamedTuple
 import msgspec
 import numpy as np
 
+from giraff_base.config import BaseConfig
 from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import load
 from giraff_schemas.boards import BALANCER_BOARD
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import Frame
@@ -24,39 +26,22 @@ from giraff_schemas.wires.balancer import (
     BalancePosture,
     BalanceSide,
 )
-from giraff_sim.board import Implementation, open_board
+from giraff_sim.board import ROOT, Implementation, open_board
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.world.room import Pose, Room
 
-ROBOT: Final = RobotConfig(
-    name="balancer-test",
-    track_width=0.55,
-    ticks_per_metre=5120 / (math.tau * 0.175),
-    max_wheel_speed=0.4,
-    max_angular_speed=0.8,
-    footprint_radius=0.35,
-    sensors={},
-)
-DRIVE: Final = BalancerConfig(
-    k1=744.0,
-    k2=174.8,
-    k3=133.2,
-    k4=191.4,
-    body_mass=34.0,
-    centre_height=0.246,
-    body_inertia=3.4,
-    wheel_mass=2.4,
-    wheel_inertia=0.045,
-    rotor_inertia=0.41,
-    wheel_radius=0.175,
-    counts_per_turn=5120,
-    motor_constant=1.95,
-    motor_resistance=0.35,
-    friction=2.5,
-    torque_max=70.0,
-    battery_volts_per_count=0.03,
-)
+_FILE: Final = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")}
+ROBOT: Final = load("robot", RobotConfig, _FILE)
+
+
+def _drive() -> BalancerConfig:
+    drive = load("base", BaseConfig, _FILE).drive
+    assert isinstance(drive, BalancerConfig)
+    return drive
+
+
+DRIVE: Final = _drive()
 PROTOTYPE: Final = msgspec.structs.replace(DRIVE, k3=0.0, k4=0.0)
 """It goes by its lean alone, as the source's LEGO robot."""
 HANDLE: Final = 0.8
