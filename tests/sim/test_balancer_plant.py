@@ -105,7 +105,7 @@ def test_both_axes_see_the_lean_and_opposite_shares_of_the_roll() -> None:
         for k in range(400):
             plant.lean, plant.lean_rate, plant.turn = lean, rate, turn
             if k >= 100:
-                counts = [a + v / VOLTS_PER_COUNT / 300 for a, v in zip(counts, sensors.volts(), strict=True)]
+                counts = [a + (v / VOLTS_PER_COUNT - 0.5) / 300 for a, v in zip(counts, sensors.volts(), strict=True)]
             else:
                 sensors.volts()
         scale, roll = math.degrees(math.sqrt(0.5)) / 1.611, -turn * math.sin(lean)

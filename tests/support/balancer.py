@@ -29,6 +29,7 @@ from giraff_schemas.wires.balancer import (
 from giraff_sim.board import ROOT, Implementation, open_board
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import draw
+from giraff_sim.bodies.balancer.plant import Plant
 from giraff_sim.world.room import Pose, Room
 
 _FILE: Final = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")}
@@ -49,6 +50,7 @@ HANDLE: Final = 0.8
 _SESSION: Final = 7
 _FRAME_MS: Final = 20
 _TRACK_MS: Final = 5
+_OFF_ROWS: Final = 40  # a robot that stands still gets nothing for less
 _PATIENCE_MS: Final = 8000
 _POSTURES: Final = {posture.value: posture for posture in BalancePosture}
 
@@ -60,24 +62,32 @@ class Row(NamedTuple):
     speed: float
     lean: float
     turned: float
+    has_power: bool
+    """Whether a motor gets something."""
 
 
 class Track:
-    """True values each 5 ms, and when the board went off, s from the begin."""
+    """True values each 5 ms."""
 
-    def __init__(self, plant: Any) -> None:
+    def __init__(self, plant: Plant) -> None:
         self._way = plant.way
         self.rows: list[Row] = []
-        self.off: float | None = None
+        self.noticed: float | None = None
+        """s from the begin until the board did not stand any more, or was held."""
 
-    def add(self, plant: Any, *, is_off: bool) -> None:
-        self.rows.append(Row(plant.way - self._way, plant.speed, plant.lean, plant.turned))
-        if is_off and self.off is None:
-            self.off = len(self.rows) * _TRACK_MS / 1000
+    def add(self, plant: Plant, *, has_power: bool) -> None:
+        self.rows.append(Row(plant.way - self._way, plant.speed, plant.lean, plant.turned, has_power))
+
+    @property
+    def off(self) -> float:
+        """s from the begin until the motors got nothing any more; infinite while they do."""
+        powered = [number for number, row in enumerate(self.rows, 1) if row.has_power]
+        last = powered[-1] if powered else 0
+        return last * _TRACK_MS / 1000 if last + _OFF_ROWS <= len(self.rows) else math.inf
 
     def figures(self, side: float = 1.0) -> dict[str, float]:
         """Return what tests judge. `side`: 1.0 for forward, -1.0 for backward, as it was pushed or driven."""
-        way, speed, lean, turned = np.array(self.rows).T
+        way, speed, lean, turned, _ = np.array(self.rows).T
         way, speed = way * side, speed * side
         last = int(1000 / _TRACK_MS)
         return {
@@ -91,7 +101,8 @@ class Track:
             "back_speed": float(-speed.min()),
             "last_speed": float(abs(speed[-last:].mean())),
             "turned": math.degrees(np.ptp(turned)),
-            "off": math.inf if self.off is None else self.off,
+            "off": self.off,
+            "noticed": math.inf if self.noticed is None else self.noticed,
         }
 
 
@@ -136,11 +147,16 @@ class Balancer:
 
     def run(self, seconds: float) -> Track:
         """Let time pass and return what the robot truly did."""
-        track = Track(self.plant)
+        track, motors, began_ms = Track(self.plant), self.board.model.motor, self._now_ms
         for millisecond in range(1, round(seconds * 1000) + 1):
             self.step()
             if millisecond % _TRACK_MS == 0:
-                track.add(self.plant, is_off=self.posture is BalancePosture.OFF)
+                track.add(self.plant, has_power=motors[0].drive != 0.0 or motors[1].drive != 0.0)
+            report = self.report
+            if track.noticed is None and report is not None:
+                is_well = report.posture == BalancePosture.STANDS and not report.flags & BalanceFlag.HELD
+                if not is_well and (at := report.board_us / 1e6 - began_ms / 1e3) > 0.0:
+                    track.noticed = at
         return track
 
     def stand(self, settle: float) -> None:

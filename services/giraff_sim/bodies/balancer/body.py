@@ -55,7 +55,7 @@ class BalancerBody:
         self.duties = 0.0, 0.0
         """Share of the battery's volts that each bridge gives, -1..1."""
         self._idle_ms = _IDLE_MS
-        self._sensors = Sensors(self.plant, seed)
+        self.sensors = Sensors(self.plant, seed)
         self._late: deque[tuple[float, float]] = deque([(0.0, 0.0)] * drawn.delay, maxlen=drawn.delay)
         self._states_per_rad = drive.counts_per_turn / math.tau
         self._looks = 0
@@ -67,7 +67,7 @@ class BalancerBody:
         model: Any = None if board is None else board.model
         is_open = model is None or model.driver_open != 0
         duties = (0.0, 0.0) if model is None else (model.motor[0].drive / _FULL_DUTY, model.motor[1].drive / _FULL_DUTY)
-        plant, volts = self.plant, (0.0,) * 4
+        plant, volts = self.plant, [0.0] * 4
         for _ in range(round(duration / STEP)):
             self._late.append(duties)  # the slice that has passed is the first ms of the delay
             left, right = self.duties = (0.0, 0.0) if is_open else self._late[0]
@@ -75,7 +75,7 @@ class BalancerBody:
             if self._pushes:
                 self._push_on()
             plant.step(left, right, is_open=is_open)
-            volts = self._sensors.volts()
+            volts = self.sensors.volts()
         if model is None:
             return
         for number, wheel in enumerate((plant.left, plant.right)):

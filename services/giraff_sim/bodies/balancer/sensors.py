@@ -7,6 +7,7 @@ opposite signs. A robot that leans while it turns also rolls.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,7 @@ from giraff_sim.bodies.balancer.plant import STEP, Plant
 
 VOLTS_PER_COUNT: Final = 3.3 / 1024
 """V at the pin for each count of the ADC, at its reference of 3.3 V."""
+_HALF: Final = 0.5  # count: the converter cuts off, and the zeros are those that a board reads
 _GYRO_ZERO: Final = 471.0  # counts
 _COUNTS_PER_RAD_S: Final = 1.0 / math.radians(1.611)
 _ACCELEROMETER_ZERO: Final = 512.0
@@ -38,10 +40,12 @@ class Sensors:
         self._plant = plant
         self._noise = np.random.default_rng(seed)
         self._drawn: list[list[float]] = []
+        self.broken: dict[int, Callable[[float], float]] = {}
+        """By its channel: what a broken sensor makes of the V that it should give."""
         self._lean_rate = self._roll_rate = self._forward = 0.0
         self._up = 1.0
 
-    def volts(self) -> tuple[float, float, float, float]:
+    def volts(self) -> list[float]:
         """Return V of both axes of the gyroscope, and of the accelerometer forward and up, once each STEP."""
         plant, drawn = self._plant, self._plant.drawn
         if not self._drawn:
@@ -62,13 +66,16 @@ class Sensors:
         one += drawn.gyro_zero[0] + drawn.gyro_drift[0] * warm
         other = drawn.gyro_gain[1] * _DIAGONAL * (self._lean_rate - self._roll_rate)
         other += drawn.gyro_zero[1] + drawn.gyro_drift[1] * warm
-        return (
+        volts = [
             _at_pin(_GYRO_ZERO + one * _COUNTS_PER_RAD_S + noise[0]),
             _at_pin(_GYRO_ZERO + other * _COUNTS_PER_RAD_S + noise[1]),
             _at_pin(_ACCELEROMETER_ZERO + _COUNTS_PER_G * self._forward + noise[2]),
             _at_pin(_ACCELEROMETER_ZERO + _COUNTS_PER_G * self._up + noise[3]),
-        )
+        ]
+        for channel, gives in self.broken.items():
+            volts[channel] = gives(volts[channel])
+        return volts
 
 
 def _at_pin(counts: float) -> float:
-    return min(_FULL, max(0.0, counts)) * VOLTS_PER_COUNT
+    return min(_FULL, max(0.0, counts + _HALF)) * VOLTS_PER_COUNT
