@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Final
 
-import numpy as np
 import pytest
 
 from tests.support.balancing import (
@@ -103,28 +102,26 @@ PEOPLE: Final = Row(among_people, {}, {"held": (0.0, 1)}, at_least=UP)
 
 
 def exceeded(row: Row, robots: list[Figures]) -> dict[str, list[float]]:
-    """Return the values of each figure that breaks its bound, the worst last."""
-
-    def values(figure: str, *, lowest_first: bool = True) -> list[float]:
-        return sorted((round(robot[figure], 4) for robot in robots), reverse=not lowest_first)
-
-    found = {figure: values(figure) for figure, most in row.at_most.items() if values(figure)[-1] > most}
-    found |= {
-        figure: values(figure) for figure, (most, others) in row.mostly.items() if values(figure)[-1 - others] > most
-    }
-    return found | {
-        figure: values(figure, lowest_first=False)
-        for figure, least in row.at_least.items()
-        if values(figure)[0] < least
-    }
+    """Return the values of each figure that breaks its bound, the worst first."""
+    most = [(figure, bound, 0) for figure, bound in row.at_most.items()]
+    most += [(figure, bound, others) for figure, (bound, others) in row.mostly.items()]
+    found = {}
+    for figure, bound, others in most:
+        over = sorted((robot[figure] for robot in robots if robot[figure] > bound), reverse=True)
+        if len(over) > others:
+            found[figure] = over
+    for figure, least in row.at_least.items():
+        if under := sorted(robot[figure] for robot in robots if robot[figure] < least):
+            found[figure] = under
+    return found
 
 
 def told(row: Row, robots: list[Figures]) -> Mapping[str, str]:
     """Return the median, 90 % and worst value of each judged figure."""
     shown = {}
     for figure in {**row.at_most, **row.mostly, **row.at_least}:
-        shares = (50, 10, 0) if figure in row.at_least else (50, 90, 100)
-        shown[figure] = "/".join(f"{v:.3g}" for v in np.percentile([robot[figure] for robot in robots], shares))
+        values = sorted((robot[figure] for robot in robots), reverse=figure in row.at_least)
+        shown[figure] = "/".join(f"{values[int(share * (len(values) - 1))]:.3g}" for share in (0.5, 0.9, 1.0))
     return shown
 
 
