@@ -1,4 +1,4 @@
-/* A serial line to a motor driver: it hears a byte when its last bit has come. */
+/* A serial line to a motor driver: it hears a byte when its last bit has come. A reset loses what was on its way. */
 #include "inside.h"
 
 static double us(const avr_t *avr)
@@ -9,19 +9,20 @@ static double us(const avr_t *avr)
 static avr_cycle_count_t on_byte(avr_t *avr, avr_cycle_count_t when, void *param)
 {
     struct driver_line *line = param;
-    (void)when;
-    sabertooth_byte(&line->driver, line->byte, us(avr));
-    return 0;
+    sabertooth_byte(&line->driver, line->bytes[line->tail++ % DRIVER_BYTES], us(avr));
+    return line->tail == line->head ? 0 : when + uart_byte_cycles(avr, line->uart);
 }
 
+/* The next byte may be written before the one before it has gone, as on the chip. */
 static void on_transmitted(avr_irq_t *irq, uint32_t value, void *param)
 {
     struct driver_line *line = param;
     avr_t *avr = line->driver.board->inside->avr;
     (void)irq;
-    line->byte = (uint8_t)value;
+    line->bytes[line->head++ % DRIVER_BYTES] = (uint8_t)value;
     line->uart->cycles_per_byte = uart_byte_cycles(avr, line->uart);        /* TRAP: simavr counts a parity bit */
-    avr_cycle_timer_register(avr, line->uart->cycles_per_byte, on_byte, line);
+    if (!avr_cycle_timer_status(avr, on_byte, line))
+        avr_cycle_timer_register(avr, line->uart->cycles_per_byte, on_byte, line);
 }
 
 int driver_line_wire(struct board_model *b, char uart)

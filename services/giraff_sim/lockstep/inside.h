@@ -18,6 +18,7 @@
 enum {
     TX_SIZE = 65536,
     RX_SIZE = 256,              /* what a USB serial adapter holds; the rest waits in the host's kernel */
+    DRIVER_BYTES = 4,           /* of an AVR's transmitter: one shifts, one waits */
     MESSAGE_SIZE = 160
 };
 
@@ -56,12 +57,13 @@ struct servo {                  /* a servo output to a motor driver in R/C mode 
 struct driver_line {            /* the serial line to a motor driver */
     struct sabertooth_driver driver;
     avr_uart_t *uart;
-    uint8_t byte;               /* on its way */
+    uint8_t bytes[DRIVER_BYTES];        /* on their way, from tail to head */
+    unsigned head, tail;
 };
 
 struct analog {                 /* a voltage at an ADC channel */
     avr_irq_t *input;           /* NULL: none wired */
-    int mv;
+    int parts;                  /* of a volt */
 };
 
 struct sonar {
@@ -89,6 +91,7 @@ struct board_private {
     uint8_t twi_selected;       /* address byte of the running transfer; 0 = not for the slave */
     int twi_index;              /* of the byte within the transfer */
     uint8_t twi_pointer;
+    int parts_per_volt;         /* of the analogue inputs and their reference */
     struct analog battery, limit, sensor[BOARD_SENSORS];
     struct pin button, slave_reset, bumper[BOARD_BUMPERS], cord;
     struct encoder encoder[BOARD_MOTORS];

@@ -155,7 +155,10 @@ static int wire_balancer(struct board_model *b)
     for (int k = 0; k < BOARD_SENSORS; k++)
         b->inside->sensor[k] = adc_channel(avr, ADC_IRQ_ADC0 + k);
     b->inside->battery = adc_channel(avr, ADC_IRQ_ADC4);
-    avr->aref = 3297;       /* TRAP: simavr has 1023 counts at AREF, which is 3.3 V; so a volt gives as many as it should */
+    /* TRAP: simavr counts whole millivolts, a third of a count here: told tenths, it neither knows nor minds. It has 1023
+     * counts at AREF, which is 3.3 V; so it hears of less. */
+    b->inside->parts_per_volt = 10000;
+    avr->aref = 33000 * 1023 / 1024;
     encoder_wire(b, 0, "B0", "B1", 0);
     encoder_wire(b, 1, "B2", "B3", 0);
     b->inside->cord = pin_named(avr, "A0");
@@ -203,6 +206,7 @@ struct board_model *board_open(const char *image, const char *name, char *messag
     struct board_model *b = calloc(1, sizeof *b);
     b->inside = calloc(1, sizeof *b->inside);
     b->inside->avr = avr;
+    b->inside->parts_per_volt = 1000;
     b->limit_volts = 5;
     b->driver_timeout_ms = SERVO_TIMEOUT_MS;
     avr->custom.data = b;

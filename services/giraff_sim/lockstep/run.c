@@ -38,15 +38,16 @@ static void after_reset(struct board_model *b)
     servos_restore(b);
     twi_restore(b);
     uart_restore(b);
+    in->driver_line.tail = in->driver_line.head;
 }
 
-static void put_volts(struct analog *analog, double volts)
+static void put_volts(const struct board_private *in, struct analog *analog, double volts)
 {
-    int mv = (int)(volts * 1000 + 0.5);
-    if (!analog->input || mv == analog->mv)
+    int parts = (int)(volts * in->parts_per_volt + 0.5);
+    if (!analog->input || parts == analog->parts)
         return;
-    analog->mv = mv;
-    avr_raise_irq(analog->input, (uint32_t)mv);
+    analog->parts = parts;
+    avr_raise_irq(analog->input, (uint32_t)parts);
 }
 
 static void inputs(struct board_model *b)
@@ -57,10 +58,10 @@ static void inputs(struct board_model *b)
     for (int k = 0; k < BOARD_BUMPERS; k++)
         if (in->bumper[k].port)
             pin_drive(b, in->bumper[k], b->bumper_open[k]); /* closed to ground, or the pull-up */
-    put_volts(&in->battery, b->battery_volts);
-    put_volts(&in->limit, b->limit_volts);
+    put_volts(in, &in->battery, b->battery_volts);
+    put_volts(in, &in->limit, b->limit_volts);
     for (int k = 0; k < BOARD_SENSORS; k++)
-        put_volts(&in->sensor[k], b->sensor_volts[k]);
+        put_volts(in, &in->sensor[k], b->sensor_volts[k]);
     if (in->cord.port)
         pin_drive(b, in->cord, !b->cord_pulled);        /* to ground, against a pull-up */
 }
