@@ -18,7 +18,7 @@ size: $(ELF)
 	@echo "$(BOARD) ($(MCU)):" $$($(AVR_SIZE) -C --mcu=$(MCU) $< | grep -E '^(Program|Data)')
 
 $(ELF): $(OBJECTS)
-	@$(AVR_CC) $(FLAGS) -Wl,--gc-sections -Wl,--relax $^ -o $@
+	@$(AVR_CC) $(FLAGS) -Wl,--gc-sections -Wl,--relax $^ -lm -o $@
 	$(NOTE_SOURCES)
 
 $(OUT)/program/start_values.o: $(START_VALUES) $(MAKEFILE_LIST)

@@ -7,12 +7,15 @@ override BUILD := $(abspath $(BUILD))
 START_VALUES ?= common/start_values.c
 
 COMMON := boot clock cobs crc frame hello link uart watchdog
+balancer_PROGRAM := balance balancer command driver encoders inertial kalman latch posture reference sensors settings \
+	torque watch wheel_speed
 base_PROGRAM := base drive $(ENCODERS) held latch limit motors speed speedometer turning
 joystick_PROGRAM := bno055 bus joystick tick
 ranger_PROGRAM := bumpers echo ranger sonars tick
 PROGRAM := $(COMMON) $($(FIRMWARE)_PROGRAM) start_values
 
-HASH := $(shell $(PYTHON) generate_codec.py --hash)
+# A board with a wire of its own says which header declares it.
+HASH := $(shell $(PYTHON) generate_codec.py --hash $(PROTOCOL))
 ifeq ($(HASH),)
 $(error generate_codec.py gave no protocol hash)
 endif

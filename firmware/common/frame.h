@@ -2,6 +2,7 @@
 #ifndef GIRAFF_FRAME_H
 #define GIRAFF_FRAME_H
 #include <stdint.h>
+#include "board.h"
 #include "protocol.h"
 
 union any_frame {
@@ -15,6 +16,9 @@ union any_frame {
     struct speed speed;
     struct estop estop;
     struct tick tick;
+#ifdef BOARD_FRAMES
+    BOARD_FRAMES
+#endif
 };
 
 enum {

@@ -21,11 +21,12 @@ from giraff_schemas.wire import (
     WheelsFrame,
     Wiring,
 )
+from giraff_schemas.wires.balancer import BalanceDriveFrame
 from giraff_sim.board import Board
 from tests.support.robots import BY_SPEED, ROBOT
 
 FrameT = TypeVar("FrameT", bound=Frame)
-CommandT = TypeVar("CommandT", DriveFrame, SpeedFrame)
+CommandT = TypeVar("CommandT", DriveFrame, SpeedFrame, BalanceDriveFrame)
 
 
 class Bench:

@@ -11,7 +11,7 @@ from tests.support.tools import finished
     [
         (["AVR_CC=no-such-compiler"], "there is no no-such-compiler; on Debian: apt install gcc-avr avr-libc"),
         (["check", "CPPCHECK=no-such-checker"], "there is no no-such-checker; on Debian: apt install cppcheck"),
-        (["flash"], "BOARD= one of ardros base joystick ranger"),
+        (["flash"], "BOARD= one of ardros balancer base joystick ranger"),
         (["flash", "BOARD=base", "AVRDUDE=no-such-tool"], "there is no no-such-tool; on Debian: apt install avrdude"),
         (["flash", "BOARD=base", "AVRDUDE=true"], "PORT= the programmer's port"),
     ],
@@ -27,6 +27,7 @@ def test_what_is_missing_is_named(arguments: list[str], complaint: str) -> None:
     ("board", "chosen", "part"),
     [
         ("base", [], "-p m644 -c usbasp"),
+        ("balancer", [], "-p m2560 -c wiring"),
         ("joystick", [], "-p m328p -c arduino"),
         ("ranger", [], "-p m2560 -c wiring"),
         ("ardros", ["PROGRAMMER=-c avrisp2"], "-p m2560 -c avrisp2"),
