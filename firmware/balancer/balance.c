@@ -8,7 +8,7 @@
 #include "wheel_speed.h"
 
 static struct {
-    struct balance_settings settings;
+    struct model model;
     struct inertial inertial;
     struct kalman kalman;
     struct wheel_speed wheels;
@@ -21,8 +21,7 @@ static struct {
 
 void balance_start(void)
 {
-    balance.settings = (struct balance_settings){ .gravity = 1.0f, .momentum_per_speed = 1.0f, .radius = 1.0f,
-                                                  .track = 1.0f, .motor_constant = 1.0f };
+    balance.model = (struct model){ .is_prototype = true };
     balance.wheels = (struct wheel_speed){ 0 };
     balance.watch = (struct watch){ 0 };
     balance.posture = (struct posture){ .posture = BALANCE_OFF, .cause = CAUSE_NONE };
@@ -35,7 +34,22 @@ void balance_start(void)
 
 void balance_configure(const struct balance_settings *settings)
 {
-    balance.settings = *settings;
+    float per_gravity = 1.0f / settings->gravity;
+    balance.model = (struct model){
+        .settings = *settings,
+        .is_prototype = settings->k3 == 0.0f && settings->k4 == 0.0f,
+        .per_radius = 1.0f / settings->radius,
+        .half_radius = settings->radius * 0.5f,
+        .half_track = settings->track * 0.5f,
+        .turn_per_rad = settings->radius / settings->track,
+        .lean_per_acceleration = settings->momentum_per_speed * per_gravity,
+        .acceleration_per_lean = settings->gravity / settings->momentum_per_speed,
+        .lean_per_speed = settings->momentum_per_speed * per_gravity / PERIOD,
+        .lean_per_rate = settings->momentum_per_rate * per_gravity / PERIOD,
+        .volts_per_torque = settings->motor_ohm / settings->motor_constant,
+        .acceleration_step = settings->acceleration * PERIOD,
+        .braking_step = settings->braking * PERIOD,
+    };
     reference_halt(&balance.reference);
 }
 
@@ -56,7 +70,7 @@ static void tell(void)
     s->accelerometer = balance.kalman.measured;
     s->trim = balance.reference.trim;
     s->speed = balance.wheels.axle;
-    s->turn = wheel_speed_turn(&balance.wheels, &balance.settings);
+    s->turn = balance.wheels.turn;
     s->torque = balance.torque.both;
     for (uint8_t k = 0; k < WHEELS; k++) {
         s->command[k] = balance.torque.command[k];
@@ -65,26 +79,26 @@ static void tell(void)
 
 void balance_step(const struct balance_readings *readings, const struct balance_order *order)
 {
-    const struct balance_settings *settings = &balance.settings;
+    const struct model *model = &balance.model;
     bool is_off = balance.posture.posture == BALANCE_OFF;
     bool has_accelerometer = !(balance.watch.kept & FAULT(CAUSE_ACCELEROMETER));
     const bool lost[WHEELS] = { balance.watch.kept & FAULT(CAUSE_LEFT_ENCODER),
                                 balance.watch.kept & FAULT(CAUSE_RIGHT_ENCODER) };
 
     inertial_step(&balance.inertial, readings);
-    wheel_speed_count(&balance.wheels, settings, readings->counts, lost);
+    wheel_speed_count(&balance.wheels, model, readings->counts, lost);
     kalman_step(&balance.kalman, &(struct kalman_input){
         .rate = balance.inertial.rate,
         .forward = balance.inertial.forward,
         .up = balance.inertial.up,
         /* By hand it can be lifted and its wheels turned. */
-        .axle = is_off ? 0.0f : wheel_speed_acceleration(&balance.wheels, settings, &balance.kalman),
+        .axle = is_off ? 0.0f : wheel_speed_acceleration(&balance.wheels, model, &balance.kalman),
         .has_accelerometer = has_accelerometer,
     });
-    wheel_speed_fuse(&balance.wheels, settings, &balance.kalman, balance.inertial.forward, has_accelerometer);
+    wheel_speed_fuse(&balance.wheels, model, &balance.kalman, balance.inertial.forward, has_accelerometer);
     watch_step(&balance.watch, &(struct watch_input){
         .readings = readings,
-        .settings = settings,
+        .model = model,
         .inertial = &balance.inertial,
         .kalman = &balance.kalman,
         .wheels = &balance.wheels,
@@ -105,21 +119,21 @@ void balance_step(const struct balance_readings *readings, const struct balance_
         balance.wheels.axle = 0.0f;
     }
     reference_step(&balance.reference, &(struct reference_input){
-        .settings = settings,
+        .model = model,
         .order = order,
         .kalman = &balance.kalman,
         .wheels = &balance.wheels,
         .stands = balance.posture.posture == BALANCE_STANDS,
-        .since_s = balance.posture.since_s,
+        .since = balance.posture.since,
     });
     torque_step(&balance.torque, &(struct torque_input){
-        .settings = settings,
+        .model = model,
         .kalman = &balance.kalman,
         .wheels = &balance.wheels,
         .reference = &balance.reference,
         .posture = &balance.posture,
         .volts = balance.inertial.volts,
-        .has_encoders = !lost[LEFT] && !lost[RIGHT] && !is_prototype(settings),
+        .has_encoders = !lost[LEFT] && !lost[RIGHT] && !model->is_prototype,
     });
     tell();
 }

@@ -7,10 +7,16 @@
 #define GYROSCOPE_SHARE 0.70710678f     /* of the lean in each axis: they lie at 45 degrees to the axle */
 #define ACCELEROMETER_ZERO 512.0f       /* counts */
 #define ACCELEROMETER_G 102.0f          /* counts for each g */
-#define SCALE_LOW 30.0f                 /* counts: beyond these a reading says nothing */
-#define SCALE_HIGH 990.0f
 #define VOLTS_S 0.05f                   /* a motor that starts shall not look like an empty battery */
 #define VOLTS_START 12.0f
+
+/* Counts beyond which a reading says nothing. */
+static const struct { float low, high; } scale[CHANNELS] = {
+    [AXIS_0] = { 30.0f, 990.0f },
+    [AXIS_1] = { 30.0f, 990.0f },
+    [FORWARD] = { 150.0f, 870.0f },     /* -3.5 and +3.5 g */
+    [UP] = { 150.0f, 870.0f },
+};
 
 void inertial_start(struct inertial *i)
 {
@@ -22,14 +28,16 @@ void inertial_start(struct inertial *i)
 
 void inertial_step(struct inertial *i, const struct balance_readings *readings)
 {
-    const float now[4] = { readings->gyro[0], readings->gyro[1], readings->forward, readings->up };
-    for (uint8_t k = 0; k < 4; k++)
-        if (now[k] > SCALE_LOW && now[k] < SCALE_HIGH)
+    const float now[CHANNELS] = { readings->gyro[0], readings->gyro[1], readings->forward, readings->up };
+    for (uint8_t k = 0; k < CHANNELS; k++) {
+        i->off_scale[k] = now[k] < scale[k].low || now[k] > scale[k].high;
+        if (!i->off_scale[k])
             i->good[k] = now[k];
+    }
     for (uint8_t k = 0; k < 2; k++)
         i->axis[k] = (i->good[k] - GYROSCOPE_ZERO) * (GYROSCOPE_RAD_S / GYROSCOPE_SHARE);
     i->rate = (i->axis[0] + i->axis[1]) * 0.5f;
-    i->forward = (i->good[2] - ACCELEROMETER_ZERO) * (1.0f / ACCELEROMETER_G);
-    i->up = (i->good[3] - ACCELEROMETER_ZERO) * (1.0f / ACCELEROMETER_G);
+    i->forward = (i->good[FORWARD] - ACCELEROMETER_ZERO) * (1.0f / ACCELEROMETER_G);
+    i->up = (i->good[UP] - ACCELEROMETER_ZERO) * (1.0f / ACCELEROMETER_G);
     i->volts = followed(i->volts, readings->volts, VOLTS_S);
 }

@@ -3,8 +3,11 @@
 #define GIRAFF_INERTIAL_H
 #include "balance.h"
 
+enum { AXIS_0, AXIS_1, FORWARD, UP, CHANNELS };
+
 struct inertial {
-    float good[4];                      /* counts: two axes of the gyroscope, forward, up */
+    bool off_scale[CHANNELS];
+    float good[CHANNELS];               /* counts */
     float axis[2];                      /* rad/s of lean by each axis of the gyroscope; roll has opposite signs in them */
     float rate;                         /* rad/s of lean by both: roll cancels out */
     float forward, up;                  /* g */

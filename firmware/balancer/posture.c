@@ -1,15 +1,15 @@
 #include "posture.h"
 
-#define CALM_S 0.5f
+#define CALM PERIODS(0.5f)
 #define CALM_RATE 0.035f                /* rad/s */
 #define CALM_LEAN RAD(3.0f)
 #define CALM_INNOVATION 0.05f           /* rad */
 #define CALM_BIAS_VARIANCE 1.1e-4f      /* rad2/s2: the gyroscope's bias is known well enough */
 
-#define STOP_S 2.0f                     /* it sits down at the latest after so long, stopped or not */
+#define STOP PERIODS(2.0f)              /* it sits down at the latest after so long, stopped or not */
 #define REST_SPEED 0.05f                /* m/s */
 #define REST_RATE 0.15f                 /* rad/s */
-#define LEAN_OVER_S 0.95f               /* a lean that takes longer has met something */
+#define LEAN_OVER PERIODS(0.95f)        /* a lean that takes longer has met something */
 /* Shortly before the caster touches the floor: torque against the caster throws it to the other side. */
 #define LET_GO_LEAN RAD(10.5f)
 
@@ -36,7 +36,7 @@ static void enter(struct posture *p, uint8_t posture, uint8_t cause)
     if (p->posture == BALANCE_STANDS)
         p->cause = cause;               /* the first one since it stood */
     p->posture = posture;
-    p->since_s = 0.0f;
+    p->since = 0;
     p->leans_over = false;
 }
 
@@ -45,7 +45,7 @@ void posture_off(struct posture *p, uint8_t cause)
     if (p->posture == BALANCE_OFF)
         return;
     enter(p, BALANCE_OFF, cause);
-    p->still_s = 0.0f;
+    p->still = 0;
     p->is_calm = false;
 }
 
@@ -78,16 +78,16 @@ static void sit_on(struct posture *p, const struct posture_input *in)
 {
     const struct kalman *k = in->kalman;
     if (p->leans_over) {
-        if (magnitude(k->lean - in->trim) > LET_GO_LEAN || p->since_s > LEAN_OVER_S)
+        if (magnitude(k->lean - in->trim) > LET_GO_LEAN || p->since > LEAN_OVER)
             posture_off(p, p->cause);
         return;
     }
     if (in->order->free_side != SIDE_NONE)
         p->side = in->order->free_side;
     bool rests = magnitude(in->speed) < REST_SPEED && magnitude(k->rate) < REST_RATE;
-    if (rests || p->since_s > STOP_S) {
+    if (rests || p->since > STOP) {
         p->leans_over = true;
-        p->since_s = 0.0f;
+        p->since = 0;
     }
 }
 
@@ -97,9 +97,9 @@ bool posture_step(struct posture *p, const struct posture_input *in)
     const struct kalman *k = in->kalman;
     bool calm = magnitude(k->rate) < CALM_RATE && magnitude(k->lean) < CALM_LEAN
                 && magnitude(k->innovation) < CALM_INNOVATION && k->p11 < CALM_BIAS_VARIANCE && !in->faults;
-    p->still_s = lasting(p->still_s, calm);
-    p->is_calm = p->still_s > CALM_S;
-    p->since_s = lasting(p->since_s, true);
+    p->still = lasting(p->still, calm);
+    p->is_calm = p->still > CALM;
+    p->since = lasting(p->since, true);
 
     bool stood = p->posture != BALANCE_OFF;
     if (in->cord_pulled)
@@ -115,6 +115,6 @@ bool posture_step(struct posture *p, const struct posture_input *in)
         return false;
     if (!order->may_stand || order->sits || order->off || in->cord_pulled || !p->is_calm)
         return false;
-    *p = (struct posture){ .posture = BALANCE_STANDS, .is_calm = true, .still_s = p->still_s };
+    *p = (struct posture){ .posture = BALANCE_STANDS, .is_calm = true, .still = p->still };
     return true;
 }

@@ -11,8 +11,8 @@ struct posture {
     uint8_t side;                       /* enum balance_side, to which it sits down */
     bool leans_over;                    /* it has stopped, and lets itself down to that side */
     bool is_calm;                       /* upright and still for long enough */
-    float still_s;
-    float since_s;                      /* in this posture, or since it began to lean over */
+    uint16_t still;                     /* periods */
+    uint16_t since;                     /* periods in this posture, or since it began to lean over */
 };
 
 struct posture_input {

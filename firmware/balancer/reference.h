@@ -14,20 +14,21 @@ struct reference {
     float turn_behind;                  /* rad by which it has turned less to the left than it is to */
     bool halts;                         /* the order of the last period */
     bool is_held;                       /* an obstacle holds it */
-    float slow_s, astray_s;
+    uint16_t slow, astray;              /* periods */
     float trim;                         /* rad: lean at which it stands */
     float usual;                        /* rad: the trim of the last half minute */
     float unexplained;                  /* rad by which the trim seems to be wrong */
-    float momentum;                     /* N m s about the point where the wheels touch the floor */
+    float momentum;                     /* about the point where the wheels touch the floor: as the lean that gives it in
+                                         * a period, rad */
 };
 
 struct reference_input {
-    const struct balance_settings *settings;
+    const struct model *model;
     const struct balance_order *order;
     const struct kalman *kalman;
     const struct wheel_speed *wheels;
     bool stands;
-    float since_s;                      /* it stands for so long */
+    uint16_t since;                     /* periods in which it has stood */
 };
 
 /* It stands up, here. */

@@ -22,13 +22,12 @@
 /* The four terms. Those of place and speed are bounded, not their sum: a bound on the sum makes it fall. */
 static float standing(struct torque *t, const struct torque_input *in)
 {
-    const struct balance_settings *settings = in->settings;
+    const struct balance_settings *settings = &in->model->settings;
     const struct reference *r = in->reference;
-    float lean_per_acceleration = settings->momentum_per_speed / settings->gravity;
-    float lean = in->kalman->lean - r->trim - lean_per_acceleration * r->acceleration;
+    float lean = in->kalman->lean - r->trim - in->model->lean_per_acceleration * r->acceleration;
     float torque = settings->k1 * lean + settings->k2 * in->kalman->rate + settings->k3 * r->ahead
                    + settings->k4 * clipped(in->wheels->axle - r->speed, SPEED_ERROR_MAX);
-    if (in->posture->posture == BALANCE_STANDS && !is_prototype(settings)) {
+    if (in->posture->posture == BALANCE_STANDS && !in->model->is_prototype) {
         t->slope = clipped(t->slope + clipped(torque, SLOPE_MAX) * (PERIOD / SLOPE_S), SLOPE_MAX);
         torque += t->slope;
     }
@@ -38,8 +37,8 @@ static float standing(struct torque *t, const struct torque_input *in)
 /* It lets itself down to the side: the lean that it holds grows from the one at which it stands. */
 static float leaning_over(const struct torque_input *in)
 {
-    const struct balance_settings *settings = in->settings;
-    float part = in->posture->since_s * (1.0f / SIT_S);
+    const struct balance_settings *settings = &in->model->settings;
+    float part = (float)in->posture->since * (PERIOD / SIT_S);
     if (part > 1.0f)
         part = 1.0f;
     float most = in->posture->side == SIDE_FORWARD ? SIT_LEAN : -SIT_LEAN;
@@ -53,25 +52,21 @@ static float turning(const struct torque_input *in)
     if (!in->has_encoders)
         return 0.0f;
     const struct reference *r = in->reference;
-    float speed = wheel_speed_turn(in->wheels, in->settings);
-    float torque = TURN_PLACE * clipped(r->turn_behind, TURN_ERROR_MAX) + TURN_SPEED * (r->turn - speed);
+    float torque = TURN_PLACE * clipped(r->turn_behind, TURN_ERROR_MAX) + TURN_SPEED * (r->turn - in->wheels->turn);
     return clipped(torque, TURN_MAX);
 }
 
-/* Share of the battery that gives a motor its torque against friction and back-EMF. */
-static float share(const struct torque_input *in, float torque, float side)
+/* Volts that give a motor its torque against friction and back-EMF. speed: wanted of its wheel, m/s. */
+static float motor_volts(const struct torque_input *in, float torque, float speed)
 {
-    const struct balance_settings *settings = in->settings;
-    const struct reference *r = in->reference;
-    float speed = in->wheels->axle + side * 0.5f * settings->track * r->turn;
-    float turns = speed / settings->radius - in->kalman->rate;      /* the motor against the chassis, rad/s */
-    float friction = FRICTION_SHARE * settings->friction
-                     * clipped(turns * (1.0f / FRICTION_SPEED) + torque * (1.0f / FRICTION_TORQUE), 1.0f);
-    float emf = is_prototype(settings) ? EMF_SHARE_PROTOTYPE : EMF_SHARE;
-    float against = emf * turns + (1.0f - EMF_SHARE) * r->speed / settings->radius;
-    float amperes = (torque + friction) / settings->motor_constant;
-    float volts = settings->motor_ohm * amperes + settings->motor_constant * against;
-    return volts / (in->volts > VOLTS_LOW ? in->volts : VOLTS_LOW);
+    const struct model *model = in->model;
+    float turns = speed * model->per_radius - in->kalman->rate;     /* the motor against the chassis, rad/s */
+    float against = clipped(turns * (1.0f / FRICTION_SPEED) + torque * (1.0f / FRICTION_TORQUE), 1.0f);
+    float emf = (model->is_prototype ? EMF_SHARE_PROTOTYPE : EMF_SHARE) * turns;
+    if (in->reference->speed != 0.0f)
+        emf += (1.0f - EMF_SHARE) * model->per_radius * in->reference->speed;
+    return model->volts_per_torque * (torque + FRICTION_SHARE * model->settings.friction * against)
+           + model->settings.motor_constant * emf;
 }
 
 void torque_step(struct torque *t, const struct torque_input *in)
@@ -81,14 +76,17 @@ void torque_step(struct torque *t, const struct torque_input *in)
         return;
     }
     float asked = in->posture->leans_over ? leaning_over(in) : standing(t, in);
-    t->both = clipped(asked, in->settings->torque_max);
-    float turn = turning(in);
-    float left = share(in, t->both * 0.5f - turn, -1.0f), right = share(in, t->both * 0.5f + turn, 1.0f);
-    float both = clipped((left + right) * 0.5f, 1.0f);
-    float half = clipped((right - left) * 0.5f, 1.0f - magnitude(both));    /* standing comes before turning */
-    t->is_at_limit = magnitude(asked) > in->settings->torque_max || magnitude(both) >= 1.0f;
+    t->both = clipped(asked, in->model->settings.torque_max);
+    float each = t->both * 0.5f, turn = turning(in);
+    float aside = in->model->half_track * in->reference->turn;
+    float left = motor_volts(in, each - turn, in->wheels->axle - aside);
+    float right = motor_volts(in, each + turn, in->wheels->axle + aside);
+    float half_full = 0.5f * DRIVER_FULL / (in->volts > VOLTS_LOW ? in->volts : VOLTS_LOW);
+    float both = clipped((right + left) * half_full, DRIVER_FULL);
+    float apart = clipped((right - left) * half_full, DRIVER_FULL - magnitude(both));   /* standing before turning */
+    t->is_at_limit = magnitude(asked) > in->model->settings.torque_max || magnitude(both) >= DRIVER_FULL;
     for (uint8_t k = 0; k < WHEELS; k++) {
-        float exact = (both + (k == RIGHT ? half : -half)) * DRIVER_FULL + t->rest[k];
+        float exact = (k == RIGHT ? both + apart : both - apart) + t->rest[k];
         t->command[k] = (int8_t)lrintf(clipped(exact, DRIVER_FULL));
         t->rest[k] = clipped(exact - (float)t->command[k], 1.0f);
     }

@@ -16,7 +16,7 @@ struct torque {
 };
 
 struct torque_input {
-    const struct balance_settings *settings;
+    const struct model *model;
     const struct kalman *kalman;
     const struct wheel_speed *wheels;
     const struct reference *reference;

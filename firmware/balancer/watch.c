@@ -1,12 +1,8 @@
 #include "watch.h"
 
 /* Each limit lies between the largest value of ten minutes among people and what the fault shows. */
-#define GYROSCOPE_LOW 30.0f             /* counts, ends of what a healthy axis shows */
-#define GYROSCOPE_HIGH 990.0f
-#define ACCELEROMETER_LOW 150.0f        /* -3.5 and +3.5 g */
-#define ACCELEROMETER_HIGH 870.0f
-#define RAIL_S 0.009f                   /* two readings */
-#define SAME_S 0.075f                   /* equal readings; without a fault up to 0.05 */
+#define RAIL PERIODS(0.01f)             /* two readings */
+#define SAME PERIODS(0.075f)            /* equal readings; without a fault up to 0.05 s */
 #define APART_S 0.02f
 #define APART_MAX RAD(6.0f)             /* a second; without a fault up to 3.3 */
 #define APART_GAIN 0.12f                /* of the rate: the axes' gains differ by that much */
@@ -19,25 +15,17 @@
 #define SLIP_S 0.05f
 #define SLIP_MAX 0.35f                  /* m/s; without a fault up to 0.17 */
 #define SILENT_VOLTS 2.0f               /* by which a motor surely turns */
-#define SILENT_S 0.1f                   /* without a fault up to 0.06 */
+#define SILENT PERIODS(0.1f)            /* without a fault up to 0.06 s */
 
 #define KEPT (FAULT(CAUSE_ACCELEROMETER) | FAULT(CAUSE_LEFT_ENCODER) | FAULT(CAUSE_RIGHT_ENCODER))
 
-enum { AXIS_0, AXIS_1, FORWARD, UP, CHANNELS };
-
-static const struct { float low, high; } scale[CHANNELS] = {
-    [AXIS_0] = { GYROSCOPE_LOW, GYROSCOPE_HIGH },
-    [AXIS_1] = { GYROSCOPE_LOW, GYROSCOPE_HIGH },
-    [FORWARD] = { ACCELEROMETER_LOW, ACCELEROMETER_HIGH },
-    [UP] = { ACCELEROMETER_LOW, ACCELEROMETER_HIGH },
-};
-
-static void watch_readings(struct watch *w, const struct balance_readings *r)
+static void watch_readings(struct watch *w, const struct watch_input *in)
 {
+    const struct balance_readings *r = in->readings;
     const float now[CHANNELS] = { r->gyro[0], r->gyro[1], r->forward, r->up };
     for (uint8_t k = 0; k < CHANNELS; k++) {
-        w->rail_s[k] = lasting(w->rail_s[k], now[k] < scale[k].low || now[k] > scale[k].high);
-        w->same_s[k] = lasting(w->same_s[k], now[k] == w->last[k]);
+        w->rail[k] = lasting(w->rail[k], in->inertial->off_scale[k]);
+        w->same[k] = lasting(w->same[k], now[k] == w->last[k]);
         w->last[k] = now[k];
     }
 }
@@ -56,23 +44,24 @@ static void watch_axes(struct watch *w, const struct watch_input *in)
     w->apart = followed(w->apart, apart, APART_S);
 }
 
-static bool either(const float seconds[2], float most)
+static bool either(const uint16_t periods[2], uint16_t most)
 {
-    return seconds[0] > most || seconds[1] > most;
+    return periods[0] >= most || periods[1] >= most;
 }
 
 static void watch_encoders(struct watch *w, const struct watch_input *in)
 {
     for (uint8_t k = 0; k < WHEELS; k++) {
-        bool has_power = magnitude((float)in->command[k]) * in->inertial->volts > SILENT_VOLTS * DRIVER_FULL;
-        w->silent_s[k] = lasting(w->silent_s[k], has_power && in->wheels->steps[k] == 0);
+        bool is_silent = in->wheels->steps[k] == 0
+                         && magnitude((float)in->command[k]) * in->inertial->volts > SILENT_VOLTS * DRIVER_FULL;
+        w->silent[k] = lasting(w->silent[k], is_silent);
     }
 }
 
 void watch_step(struct watch *w, const struct watch_input *in)
 {
     const struct kalman *k = in->kalman;
-    watch_readings(w, in->readings);
+    watch_readings(w, in);
     watch_axes(w, in);
     w->disputed = followed(w->disputed, k->innovation, LEAN_S);
     w->flat = followed(w->flat, k->measured, LEAN_S);
@@ -80,16 +69,16 @@ void watch_step(struct watch *w, const struct watch_input *in)
     watch_encoders(w, in);
 
     uint16_t faults = 0;
-    if (either(&w->rail_s[AXIS_0], RAIL_S) || either(&w->same_s[AXIS_0], SAME_S) || w->apart > APART_MAX)
+    if (either(&w->rail[AXIS_0], RAIL) || either(&w->same[AXIS_0], SAME) || w->apart > APART_MAX)
         faults |= FAULT(CAUSE_GYROSCOPE);
-    if (either(&w->rail_s[FORWARD], RAIL_S) || (w->same_s[FORWARD] > SAME_S && w->same_s[UP] > SAME_S))
+    if (either(&w->rail[FORWARD], RAIL) || (w->same[FORWARD] >= SAME && w->same[UP] >= SAME))
         faults |= FAULT(CAUSE_ACCELEROMETER);
-    if (in->inertial->volts < in->settings->volts_min)
+    if (in->inertial->volts < in->model->settings.volts_min)
         faults |= FAULT(CAUSE_BATTERY);
     if (!in->leans_over && magnitude(k->lean) > FALLEN_LEAN)
         faults |= FAULT(CAUSE_FALLEN);
-    if (!is_prototype(in->settings)) {
-        bool left = w->silent_s[LEFT] > SILENT_S, right = w->silent_s[RIGHT] > SILENT_S;
+    if (!in->model->is_prototype) {
+        bool left = w->silent[LEFT] >= SILENT, right = w->silent[RIGHT] >= SILENT;
         if (left && right)
             faults |= FAULT(CAUSE_NO_WHEEL_TURNS);
         else if (left)

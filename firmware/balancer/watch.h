@@ -9,22 +9,22 @@
 #define FAULT(cause) ((uint16_t)(1u << (cause)))
 
 struct watch {
-    float last[4];                      /* counts of the last period: two axes of the gyroscope, forward, up */
-    float rail_s[4];                    /* the same four: off the scale */
-    float same_s[4];                    /* and equal to the last period's */
+    float last[CHANNELS];               /* counts of the last period */
+    uint16_t rail[CHANNELS];            /* periods off the scale, */
+    uint16_t same[CHANNELS];            /* or equal to the last one */
     float zero[2];                      /* rad/s that each axis of the gyroscope shows at rest */
     float apart;                        /* rad/s by which one axis turns more than the other */
     float disputed;                     /* rad by which accelerometer and filter differ */
     float flat;                         /* rad: lean by the accelerometer */
     float slip;                         /* m/s by which encoders and fused speed differ */
-    float silent_s[WHEELS];             /* without a count although the motor has power */
+    uint16_t silent[WHEELS];            /* periods without a count although the motor has power */
     uint16_t faults;                    /* now */
     uint16_t kept;                      /* since it stood up, of the sensors that it goes on without */
 };
 
 struct watch_input {
     const struct balance_readings *readings;
-    const struct balance_settings *settings;
+    const struct model *model;
     const struct inertial *inertial;
     const struct kalman *kalman;
     const struct wheel_speed *wheels;

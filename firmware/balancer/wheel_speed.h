@@ -13,21 +13,20 @@ struct wheel_speed {
     float lag[WHEELS];                  /* rad by which the tracking filter is behind */
     float acceleration;                 /* rad/s2 of both, a slow mean */
     float lean;                         /* rad, of the last period */
+    float turn;                         /* rad/s of the robot, to the left */
     float moved;                        /* m in this period, of the axle */
     float told;                         /* m/s of the axle by the encoders alone */
     float axle;                         /* m/s of the axle */
 };
 
 /* lost: of the encoder with that number. A lost one turns as the other one does. */
-void wheel_speed_count(struct wheel_speed *w, const struct balance_settings *settings, const int32_t counts[WHEELS],
+void wheel_speed_count(struct wheel_speed *w, const struct model *model, const int32_t counts[WHEELS],
                        const bool lost[WHEELS]);
 /* forward: of the accelerometer, g. */
-void wheel_speed_fuse(struct wheel_speed *w, const struct balance_settings *settings, const struct kalman *k,
+void wheel_speed_fuse(struct wheel_speed *w, const struct model *model, const struct kalman *k,
                       float forward, bool has_accelerometer);
 /* m/s2 of the axle, for the filter of the lean. */
-float wheel_speed_acceleration(const struct wheel_speed *w, const struct balance_settings *settings,
+float wheel_speed_acceleration(const struct wheel_speed *w, const struct model *model,
                                const struct kalman *k);
-/* rad/s to the left, by the encoders. */
-float wheel_speed_turn(const struct wheel_speed *w, const struct balance_settings *settings);
 
 #endif
