@@ -2,9 +2,9 @@
 
 import pytest
 
-from giraff_schemas.wires.balancer import BalancePosture
+from giraff_schemas.wires.balancer import BalanceCause, BalancePosture
 from tests.support.balancer import Balancer
-from tests.support.balancing import prototype, pushed, side_of, stopped, then
+from tests.support.balancing import prototype, pushed, sensor_at, side_of, stopped, then
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -38,9 +38,20 @@ def test_an_emergency_stop_ends_driving_and_it_stands() -> None:
     assert stop["back"] < 0.09
     assert stop["back_speed"] < 0.11
     assert stop["last_speed"] < 0.02, "it is asked to drive and must not"
+    assert stop["active_before"] > 0.0
+    assert stop["active"] == 0.0, "it is in its safe state 3 s later"
 
 
 def test_the_prototype_without_encoders_stands_and_drifts_as_it_is_pushed() -> None:
     push = prototype(1, seconds=0.6)
     assert push["up"] == 1.0
     assert push["gone"] > 0.25
+
+
+def test_a_gyroscope_at_its_rail_turns_it_off() -> None:
+    robot = Balancer(1)
+    robot.stand(3.5)
+    figures = then(robot, 1.0, sensor_at(0.0, 0), 1.0)
+    assert figures["off"] <= 0.02
+    assert robot.causes == [BalanceCause.GYROSCOPE]
+    robot.close()

@@ -59,10 +59,12 @@ def stands(
 
 def then(robot: Balancer, seconds: float, act: Callable[[Balancer], None], side: float) -> Figures:
     """Do something to a robot and return figures of what follows."""
+    was_active = robot.body.activity
     act(robot)
     figures = robot.run(seconds).figures(side)
     figures["up"] = float(robot.stands)
     figures["held"] = float(bool(robot.flags & BalanceFlag.HELD))
+    figures["active_before"], figures["active"] = float(was_active), float(robot.body.activity)
     figures["late"] = float(robot.late)
     figures["right_side"] = float(math.copysign(1.0, robot.plant.lean) == side)
     figures["top"] = abs(robot.plant.landed)
@@ -186,8 +188,8 @@ def among_people(seed: int) -> Figures:
     return figures
 
 
-def broken(fault: Callable[[Balancer], None], *, moves: bool) -> Callable[[int], Figures]:
-    """Break something while it stands or drives."""
+def broken(fault: Callable[[Balancer], None], *, moves: bool, seconds: float = 5.0) -> Callable[[int], Figures]:
+    """Break something while it stands or drives, and go on asking for what it was asked for."""
 
     def play(seed: int) -> Figures:
         robot = Balancer(seed)
@@ -198,7 +200,7 @@ def broken(fault: Callable[[Balancer], None], *, moves: bool) -> Callable[[int],
             robot.before_each_ms = Errand(robot, seed, 0.0).go_on
             robot.run(8.0)
             robot.before_each_ms = lambda: None
-        figures = then(robot, 5.0, fault, side)
+        figures = then(robot, seconds, fault, side)
         robot.close()
         return figures
 
