@@ -131,7 +131,7 @@ class DrivePicture:
         seen = self.snapshot.estop
         estop = seen.sample if seen is not None and seen.fresh else None
         if estop is not None and estop.engaged and estop.by not in self.stop:
-            told = self.stop or "ENGAGED; r asks to release it"
+            told = self.stop or f"{'OFF' if estop.off else 'ENGAGED'}; r asks to release it"
             return for_keys(f"{told}. By {estop.by}: {estop.reason}"), _ALARM
         if self.stop:
             return for_keys(self.stop), _ALARM

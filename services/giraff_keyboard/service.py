@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final, Protocol
 
 from giraff_core.estop.request import EStopRequest, Request
@@ -15,8 +15,9 @@ from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.keys import KeyReader
 from giraff_keyboard.policy import Key, KeyboardPolicy
 from giraff_keyboard.reset_request import ResetRequest
+from giraff_keyboard.stop_hold import StopHold
 from giraff_schemas.messages import EStop, RobotTime, Sample
-from giraff_schemas.requests import EStopEngage, EStopReset
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
     ESTOP_ENGAGE,
     ESTOP_RESET,
@@ -51,8 +52,13 @@ class Keyboard(OperatorService):
         self._policy = KeyboardPolicy(config, robot, io.instance)
         self._keys = KeyReader()
         by = f"{config.operator}@{io.hostname}"
-        engage = EStopEngage(by=by, reason="space bar")
-        self.stopping = EStopRequest(lambda settles: io.ask(ESTOP_ENGAGE, engage, settles), "press r to release it")
+        self._hold = StopHold()
+
+        def engage(settles: Callable[[EStopAnswer], bool | str], off: bool) -> Request:
+            asked = EStopEngage(by=by, reason="space bar held" if off else "space bar", off=off)
+            return io.ask(ESTOP_ENGAGE, asked, settles)
+
+        self.stopping = EStopRequest(engage, "press r to release it")
 
         def reset(shown: EStop, moment: RobotTime) -> Request:
             asked = EStopReset(by=by, id=shown.id, tick=moment, engaged_ns=shown.engaged_ns)
@@ -75,7 +81,7 @@ class Keyboard(OperatorService):
             policy.on_key(key, now)
             self.timer.hurry("key", now)
             if key is Key.STOP:
-                self.stopping.engage()
+                self.stopping.engage(off=self._hold.on_stop(now))
             self._resetting.on_key(key, policy.moment(now), now, stopping=self.stopping.asked)
         self.hear(now)
         for sample in (sample for inbox in self._told for sample in inbox.take()):

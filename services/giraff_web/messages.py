@@ -73,6 +73,9 @@ class LetGo(_FromPage, frozen=True, kw_only=True, tag="let_go"):
 class Stop(_FromPage, frozen=True, kw_only=True, tag="stop"):
     """The emergency stop."""
 
+    off: bool = False
+    """STOP is held: the stop is to be off."""
+
 
 class Reset(_FromPage, frozen=True, kw_only=True, tag="reset"):
     """Release the emergency stop that is shown: a second tap, on a question that names it."""
@@ -157,6 +160,7 @@ class Latch(msgspec.Struct, frozen=True, kw_only=True):
     """The emergency stop, as base says it."""
 
     engaged: bool
+    off: bool
     by: str
     reason: str
     id: str

@@ -37,6 +37,7 @@ class StopAsked(NamedTuple):
     """Somebody asks for the emergency stop: by a page, or by a request without one."""
 
     device: str
+    off: bool = False
 
 
 Event = Opened | Closed | Said | StopAsked

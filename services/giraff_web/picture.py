@@ -106,6 +106,7 @@ class Picture:
 def _latch(state: EStop) -> Latch:
     return Latch(
         engaged=state.engaged,
+        off=state.off,
         by=state.by,
         reason=trouble_of(state).what,
         id=str(state.id),

@@ -101,7 +101,7 @@ class Web(OperatorService):
                 self._lost.pop(event.page, None)
             case StopAsked():
                 policy.on_stop(event.device)
-                self._stops.stop(event.device, now)
+                self._stops.stop(event.device, now, off=event.off)
             case Said(page, PageWish() as wish):
                 policy.on_wish(page, wish, now)
             case Said(page, LetGo() as message):
@@ -123,8 +123,9 @@ class Web(OperatorService):
         )
         self._stops.reset(device, asked, now)
 
-    def _engage(self, device: str, settles: Callable[[EStopAnswer], bool | str]) -> Request:
-        asked = EStopEngage(by=f"{self._by} ({device})", reason="STOP on a page")
+    def _engage(self, device: str, settles: Callable[[EStopAnswer], bool | str], off: bool) -> Request:
+        reason = "STOP held on a page" if off else "STOP on a page"
+        asked = EStopEngage(by=f"{self._by} ({device})", reason=reason, off=off)
         return self._io.ask(ESTOP_ENGAGE, asked, settles)
 
     def _reset(self, asked: EStopReset) -> Request:

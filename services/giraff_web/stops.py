@@ -26,13 +26,15 @@ class Stops:
 
     def __init__(
         self,
-        engage: Callable[[str, Callable[[EStopAnswer], bool | str]], Request],
+        engage: Callable[[str, Callable[[EStopAnswer], bool | str], bool], Request],
         reset: Callable[[EStopReset], Request],
         log: LimitedLog,
     ) -> None:
-        """`engage` begins to ask base for a stop by that device; `reset` to ask for a release."""
+        """`engage` begins to ask base for a stop by that device, or for off; `reset` to ask for a release."""
         self._device = ""
-        self._stop = EStopRequest(lambda settles: engage(self._device, settles), "release it on a page that may drive")
+        self._stop = EStopRequest(
+            lambda settles, off: engage(self._device, settles, off), "release it on a page that may drive"
+        )
         self._ask_reset = reset
         self._release = EStopRelease()
         self._stands_since: float | None = None
@@ -50,15 +52,15 @@ class Stops:
     @property
     def text(self) -> str:
         """What became of a stop or a release that was asked for; empty: nothing is open."""
-        return self._stop.text if self.asked else self._release.text
+        return self._stop.text if self.asked else self._release.text or self._stop.refused_off
 
-    def stop(self, device: str, now: float) -> None:
-        """Somebody asks for the emergency stop."""
+    def stop(self, device: str, now: float, *, off: bool = False) -> None:
+        """Somebody asks for the emergency stop; `off`: and that it is off."""
         self._device = device
         self._release.withdraw()  # who wants a stop wants no release any more
         self._log.say("stop", f"{device} asks for the emergency stop", now)
-        if not self._engaged(now):
-            self._stop.engage()
+        if not self._engaged(now) or (off and not self._is_off_answered(now)):
+            self._stop.engage(off=off)
             self._begun = device, now
         elif self._begun[0] != device or now - self._begun[1] > _ONE_WISH:
             self._stands_since = now
@@ -103,6 +105,9 @@ class Stops:
         if self._release.poll(now):
             self._log.say("released", self._release.text or "the emergency stop is released", now)
         return confirmed
+
+    def _is_off_answered(self, now: float) -> bool:
+        return bool(self._stop.refused_off) or all(state.off for state, _ in self._release.states(now))
 
     def _engaged(self, now: float) -> bool:
         states = self._release.states(now)

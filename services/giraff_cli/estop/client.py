@@ -15,14 +15,15 @@ from typing import Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.program import called_here
+from giraff_core.estop.request import NO_OFF
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import DEFAULT_FILE
 from giraff_node.network.discovery import HOW_TO_REACH, RobotMonitor, host_of, others
-from giraff_node.network.query_client import EStopClient, QueryClient, request_estop
+from giraff_node.network.query_client import EStopClient, QueryClient, engaging
 from giraff_node.network.reach import find_silent
 from giraff_schemas.messages import EStop, RobotTime
-from giraff_schemas.requests import EStopAnswer, EStopReset
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, key_of
 
@@ -69,22 +70,24 @@ def engage(
     reason: str,
     timeout: float,
     *,
+    off: bool = False,
     doubt: str = "",
     other: OtherWay = ZENOH_ALONE,
 ) -> Result:
     """Ask again and again until each base of this name confirms that it has stopped and will stay so. 0: it has.
 
+    `off`: asks for off; the code is ENGAGED where base has stopped the robot, and its drive has no other off.
     `doubt`: why it is not known whether the robot that answers is the one that is meant; then the code is UNKNOWN.
     `other`: asks meanwhile, too.
     """
     robot, deadline = connection.robot, time.monotonic() + _left(connection, timeout)
-    asking = request_estop(connection.session, robot, by=by, reason=reason)
+    asking = EStopClient(connection.session, robot, engaging(by, reason, off=off))
     other.hear(robot, asking)
     answer = asking.wait(deadline)
     if doubt and (answer or _has_stopped(asking)):
         return _doubtful(connection, robot, doubt)
     if answer is not None:
-        return _confirmed(connection, robot, answer)
+        return _confirmed(connection, robot, answer, is_off=asking.is_off, off=off)
     return _unconfirmed(robot, asking, timeout)
 
 
@@ -95,8 +98,7 @@ def hint_of_others(connection: RobotConnection) -> str:
 
 def engage_all(
     connection: RobotConnection,
-    by: str,
-    reason: str,
+    wish: EStopEngage,
     timeout: float,
     addresses: Sequence[str],
     tell: Callable[[Result], object],
@@ -113,7 +115,7 @@ def engage_all(
     with ThreadPoolExecutor(1) as pool:
         silent = pool.submit(find_silent, addresses)
         teller = _Teller(tell)
-        code = _engage_heard(connection, by, reason, timeout, teller, doubt, other)
+        code = _engage_heard(connection, wish, timeout, teller, doubt, other)
         teller.end()
         lost = silent.result()
         for address in connection.unreached(addresses) if len(addresses) >= SEVERAL else ():
@@ -129,8 +131,7 @@ def engage_all(
 
 def _engage_heard(
     connection: RobotConnection,
-    by: str,
-    reason: str,
+    wish: EStopEngage,
     timeout: float,
     tell: Callable[[Result], object],
     doubt: str,
@@ -140,6 +141,7 @@ def _engage_heard(
     connection.open_other_doors(lambda session: doors.append((session, RobotMonitor(session))))
     asking: dict[tuple[str, int], EStopClient] = {}  # of each door: the robots at two may have one name
     stopped: set[tuple[str, int]] = set()
+    codes = [UNKNOWN if doubt else RELEASED]
     tell_once = functools.cache(tell)  # one robot may be heard at two doors
     teller = ThreadPoolExecutor(1)  # a host that is looked up takes up to 0.5 s, in which the others are asked
     newest = time.monotonic()
@@ -148,7 +150,7 @@ def _engage_heard(
         for at, robot in ((at, robot) for at, (_, monitor) in enumerate(doors) for robot in monitor.all_names):
             # Each by its own key: rules of a secured network pass none with a wildcard.
             if (robot, at) not in asking and connection.robot in {"", robot}:
-                asking[robot, at] = request_estop(doors[at][0], robot, by=by, reason=reason)
+                asking[robot, at] = EStopClient(doors[at][0], robot, wish)
                 other.hear(robot, asking[robot, at])
                 newest = now
         for robot, at in sorted(asking.keys() - stopped):
@@ -158,14 +160,15 @@ def _engage_heard(
                     teller.submit(_tell_doubtful, connection, robot, doubt, tell)
                 else:
                     other.end(robot)
-                    tell_once(_confirmed(connection, robot, answer))
+                    result = _confirmed(connection, robot, answer, is_off=asking[robot, at].is_off, off=wish.off)
+                    codes.append(result.code)
+                    tell_once(result)
         is_alone = now - newest > _NEWCOMERS and not connection.is_looking
         if asking and len(stopped) == len(asking) and is_alone:
             break
         time.sleep(_TURN)
     teller.shutdown()
     elsewhere = other.stopped()
-    codes = [UNKNOWN if doubt else RELEASED]
     not_stopped = [way for way in asking.keys() - stopped if way[0] not in elsewhere]
     open_ones = sorted(not_stopped, key=lambda way: _weight(connection, asking[way], way[0]))
     for robot, at in open_ones:
@@ -242,10 +245,18 @@ def _tell_doubtful(connection: RobotConnection, robot: str, doubt: str, tell: Ca
     tell(_doubtful(connection, robot, doubt))
 
 
-def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer) -> Result:
+def what_stands(*, is_off: bool, off: bool) -> tuple[int, str]:
+    """Return the code and the words of a stop that base has confirmed. `off`: it was asked for."""
+    if off and not is_off:
+        return ENGAGED, f"STOPPED, not off: {NO_OFF}"
+    return RELEASED, "OFF" if is_off else "STOPPED"
+
+
+def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer, *, is_off: bool, off: bool) -> Result:
     way = [word for address in connection.network.connect for word in ("--connect", address)]
     release = shlex.join([*called_here(), "estop", "reset", "--robot", robot, *way])
-    return Result(0, f"{robot}: STOPPED, latch {answer.id}; it stays so until `{release}`")
+    code, what = what_stands(is_off=is_off, off=off)
+    return Result(code, f"{robot}: {what}, latch {answer.id}; it stays so until `{release}`")
 
 
 def _unconfirmed(robot: str, asking: EStopClient, timeout: float, whose: str = "") -> Result:
@@ -299,7 +310,7 @@ def status(connection: RobotConnection, timeout: float) -> Result:
     if not states:
         return _silent(connection, timeout)
     told = [
-        f"{robot}: {'ENGAGED' if state.engaged else 'released'}, latch {state.id}"
+        f"{robot}: {'OFF' if state.off else 'ENGAGED' if state.engaged else 'released'}, latch {state.id}"
         + (printable(f", by {state.by}: {state.reason}") if state.by or state.reason else "")
         for state in states
     ]

@@ -32,16 +32,18 @@ def engage(
             metavar="HOST:PORT", help="Ask this page of the robot at once; else the last known.", show_default=False
         ),
     ] = "",
+    off: Annotated[bool, typer.Option("--off", help="Also switch off a robot that stands by its motors.")] = False,
 ) -> None:
     """Stop the robot now, and keep it stopped, also over restarts. Where none is named: every robot that is heard.
 
     Where Zenoh does not answer, the robot's page is asked, too.
 
-    Exit code: 0 base confirms it; 1 stopped, but the disk did not take it; 2 NOT CONFIRMED: use the battery switch.
+    Exit code: 0 base confirms it; 1 stopped, but the disk did not take it, or not off; 2 NOT CONFIRMED: use the
+    battery switch.
     """
     from giraff_cli.estop.engage import engage_by_plan  # noqa: PLC0415
 
-    raise typer.Exit(engage_by_plan(robot, connect or (), reason, timeout, page))
+    raise typer.Exit(engage_by_plan(robot, connect or (), reason, timeout, page, off=off))
 
 
 @estop.command()

@@ -16,13 +16,16 @@ from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.output import discard_stdout
 from giraff_core.network import with_port
 from giraff_node.network.consent import NoRobotError
+from giraff_node.network.query_client import engaging
 from giraff_node.network.reach import address_fault
 from giraff_schemas.text import printable_lines
 
 _LOOK: Final = 0.05  # s
 
 
-def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeout: float, page: str = "") -> int:
+def engage_by_plan(
+    robot: str | None, connect: Sequence[str], reason: str, timeout: float, page: str = "", *, off: bool = False
+) -> int:
     """Stop the robot, or every robot that is heard, wherever it can be reached; the exit code.
 
     `page`: HOST:PORT of its page; empty: the pages that a visit has kept are asked.
@@ -33,7 +36,7 @@ def engage_by_plan(robot: str | None, connect: Sequence[str], reason: str, timeo
         plan = plan_stop(robot, [address for address in connect if address not in faults])
     except NoRobotError as error:
         return print_error(f"NOTHING IS STOPPED: {error}")
-    stop = _Stop(plan, robot or "", connect, reason, timeout, faults, page)
+    stop = _Stop(plan, robot or "", connect, reason, timeout, faults, page, off=off)
     stop.start()
     return stop.end()
 
@@ -50,6 +53,8 @@ class _Stop(threading.Thread):
         timeout: float,
         faults: Mapping[str, str],
         page: str,
+        *,
+        off: bool,
     ) -> None:
         """`robot`, `connect` and `page`: as they were typed. `faults`: of the addresses of `connect`."""
         super().__init__(name="stop", daemon=True)
@@ -63,7 +68,8 @@ class _Stop(threading.Thread):
         except ValueError as error:
             self._page_fault = f"--page is left out: {error}"
         at = [with_port(address).rpartition(":")[0].strip("[]") for address in connect if address not in faults]
-        self._page = PageStop(named or filed, self._place, timeout, plan.doubt, at)
+        self._off = off
+        self._page = PageStop(named or filed, self._place, timeout, plan.doubt, at, off=off)
         self._code = UNUSABLE
         self._error: BaseException | None = None
 
@@ -76,14 +82,18 @@ class _Stop(threading.Thread):
     def end(self) -> int:
         """Wait until one of the ways has confirmed, or none of them does; say so. The exit code."""
         page = self._page
-        stopped_by = ""
-        while self.is_alive() and not (stopped_by and self._is_one):
+        stopped_by, told_code = "", client.RELEASED
+        # An old page does not know off: what it tells of it is not the last word.
+        while self.is_alive() and not (stopped_by and self._is_one and told_code == client.RELEASED):
             self.join(_LOOK)
             if not stopped_by and (stopped_by := page.confirmed):
-                tell(client.Result(client.RELEASED, f"{page.robot}: STOPPED, told by its page at {stopped_by}"))
+                told_code, what = client.what_stands(is_off=page.is_off, off=self._off)
+                tell(client.Result(told_code, f"{page.robot}: {what}, told by its page at {stopped_by}"))
         if self._error is not None:
             raise self._error
-        code = client.RELEASED if stopped_by and self._is_one else self._code
+        code = self._code
+        if stopped_by:
+            code = min(code, told_code) if self._is_one else max(code, told_code)
         if (told := page.unconfirmed) and not stopped_by and (code == client.UNKNOWN or self._place):
             code = tell(client.Result(client.UNKNOWN, told))
         if self._page_fault:
@@ -108,14 +118,15 @@ class _Stop(threading.Thread):
         plan, page = self._plan, self._page
         if connection.robot and not plan.doubt:
             connection.ask_page()
-        what = connection, user_at_host(), self._reason, self._timeout
+        by, reason, off = user_at_host(), self._reason, self._off
         if not self._is_one:
-            return client.engage_all(*what, self._connect, tell, doubt=plan.doubt, other=page)
-        result = client.engage(*what, doubt=plan.doubt, other=page)
+            wish = engaging(by, reason, off=off)
+            return client.engage_all(connection, wish, self._timeout, self._connect, tell, doubt=plan.doubt, other=page)
+        result = client.engage(connection, by, reason, self._timeout, off=off, doubt=plan.doubt, other=page)
         if result.code != client.UNKNOWN:
             page.end(connection.robot)
         elif page.stopped():
-            return client.RELEASED
+            return client.what_stands(is_off=page.is_off, off=self._off)[0]
         for address, fault in self._faults.items():
             print_error(f"--connect {address} is left out: {fault}")
         code = tell(result)

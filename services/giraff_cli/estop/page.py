@@ -64,6 +64,7 @@ class Answer(NamedTuple):
 
 class _EStop(msgspec.Struct):
     engaged: bool
+    off: bool = False
 
 
 class _Body(msgspec.Struct):
@@ -73,10 +74,7 @@ class _Body(msgspec.Struct):
 
 def doubt_of(answer: Answer, robot: str, known: Collection[str]) -> str:
     """Return why the answer does not prove that this robot has stopped; empty: it does. `known`: certificates."""
-    try:
-        body = msgspec.json.decode(answer.body, type=_Body)
-    except (ValueError, RecursionError):  # msgspec's errors are ValueErrors
-        body = _Body()
+    body = _body(answer)
     if answer.status not in _OK:
         return f"it refuses with HTTP status {answer.status}: {body.why or 'no reason given'}"
     if not known:
@@ -93,8 +91,16 @@ def doubt_of(answer: Answer, robot: str, known: Collection[str]) -> str:
     return ""
 
 
-def ask(place: Place) -> Answer:
-    """Ask once. Raises OSError, HTTPException, ValueError."""
+def _body(answer: Answer) -> _Body:
+    try:
+        return msgspec.json.decode(answer.body, type=_Body)
+    except (ValueError, RecursionError):  # msgspec's errors are ValueErrors
+        return _Body()
+
+
+def ask(place: Place, *, off: bool = False) -> Answer:
+    """Ask once, for off or for a plain stop. Raises OSError, HTTPException, ValueError."""
+    path = "/stop?off" if off else "/stop"
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.check_hostname = False  # no authority stands for it: who it is, its certificate itself tells
     context.verify_mode = ssl.CERT_NONE
@@ -105,7 +111,7 @@ def ask(place: Place) -> Answer:
         peer = Place(*connection.sock.getpeername()[:2])
         answer = None
         for at in dict.fromkeys((place, peer)):  # a name that the page does not know is refused; its address is not
-            connection.request("POST", "/stop", headers={"Host": str(at), "User-Agent": "giraff estop"})
+            connection.request("POST", path, headers={"Host": str(at), "User-Agent": "giraff estop"})
             response = connection.getresponse()
             robot = response.headers.get("Giraff-Robot", "")
             answer = Answer(certificate, robot, response.status, response.read(_LARGEST))
@@ -122,7 +128,14 @@ class PageStop(OtherWay):
     """
 
     def __init__(
-        self, robot: str, given: Place | None, timeout: float, doubt: str = "", connect: Collection[str] = ()
+        self,
+        robot: str,
+        given: Place | None,
+        timeout: float,
+        doubt: str = "",
+        connect: Collection[str] = (),
+        *,
+        off: bool = False,
     ) -> None:
         """`robot`: empty: nobody has named one. `given`: asked at once, in the place of the pages that were kept.
 
@@ -138,6 +151,9 @@ class PageStop(OtherWay):
         self._lock = threading.Lock()
         self._over = threading.Event()
         self._confirmed: Place | None = None
+        self._off = off
+        self.is_off = False
+        """Whether the page that has confirmed tells that the stop is off."""
         self._is_needed = True
         self._doubts: dict[Place, str] = {}
         self._silent: dict[Place, str] = {}
@@ -191,18 +207,21 @@ class PageStop(OtherWay):
     def _ask_on(self, place: Place, known: Collection[str]) -> None:
         while not self._over.is_set():
             try:
-                doubt = doubt_of(ask(place), self.robot, known)
+                answer = ask(place, off=self._off)
+                doubt = doubt_of(answer, self.robot, known)
             except Exception as error:  # noqa: BLE001  whatever answers there, the next attempt may be better
                 self._silent[place] = str(error) or type(error).__name__
             else:
                 self._doubts[place] = doubt or self._doubt
                 if not doubt:
-                    self._take(place)
+                    self._take(place, answer)
             self._over.wait(_ASK_AGAIN)
 
-    def _take(self, place: Place) -> None:
+    def _take(self, place: Place, answer: Answer) -> None:
         """End the asking: base has stopped, by the word of a page that is known."""
         with self._lock:
             if not (self._over.is_set() or self._doubt):
+                estop = _body(answer).estop
+                self.is_off = estop is not None and estop.off
                 self._confirmed = place
             self._over.set()

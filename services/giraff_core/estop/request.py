@@ -10,6 +10,7 @@ from giraff_schemas.messages import EStop, Sample
 from giraff_schemas.requests import EStopAnswer
 from giraff_schemas.text import printable
 
+NO_OFF: Final = "this robot's drive has no other off"
 _MOST_BASES: Final = 16  # whose states are kept; on an open network anybody may tell one
 
 
@@ -37,6 +38,12 @@ class StopConfirmation:
     def on_base(self, instance: str, *, present: bool) -> None:
         """Take that the liveliness token of a base has come or gone, from any thread."""
         (self._alive.add if present else self._alive.discard)(instance)
+
+    @property
+    def is_off(self) -> bool:
+        """Whether each base that has confirmed tells that its stop is off."""
+        states = [self._stated.get(instance) for instance in self._answers]
+        return bool(states) and all(state is not None and state.off for state in states)
 
     def judge(self, answer: EStopAnswer) -> bool | str:
         """Return whether each base has stopped and will stay so, or why this answer does not tell."""
@@ -95,10 +102,15 @@ class Request(Protocol):
 class EStopRequest:
     """Asks base until it says that it has stopped and will stay so. Times are monotonic, s."""
 
-    def __init__(self, ask: Callable[[Callable[[EStopAnswer], bool | str]], Request], how_to_release: str) -> None:
-        """`ask` begins to ask, until an answer settles it."""
+    def __init__(
+        self, ask: Callable[[Callable[[EStopAnswer], bool | str], bool], Request], how_to_release: str
+    ) -> None:
+        """`ask` begins to ask, for off or for a plain stop, until an answer settles it."""
         self.text = ""
         """What the person who asked must know."""
+        self.refused_off = ""
+        """The same, where base has stopped the robot but has not switched it off, as it was asked."""
+        self._off = False  # what the request asks for
         self._ask = ask
         self._how_to_release = how_to_release
         self._request: Request | None = None
@@ -109,11 +121,12 @@ class EStopRequest:
         """Whether a stop was asked for that base has not confirmed."""
         return self._request is not None
 
-    def engage(self) -> None:
-        """A stop is wished."""
-        if self._request is None:
+    def engage(self, *, off: bool = False) -> None:
+        """A stop is wished; `off`: and that it is off. That takes the place of a plain stop that is under way."""
+        if self._request is None or (off and not self._off):
+            self._off, self.refused_off = off, ""
             self._confirmation = StopConfirmation()
-            self._request = self._ask(self._confirmation.judge)
+            self._request = self._ask(self._confirmation.judge, off)
             self._tell(self._request)
 
     def poll(self, now: float) -> bool:
@@ -122,7 +135,11 @@ class EStopRequest:
             return False
         if self._request.poll(now) is not None:
             self._request = None
-            self.text = f"STOPPED: base has confirmed; {self._how_to_release}"
+            is_off = self._confirmation.is_off
+            if self._off and not is_off:
+                self.text = self.refused_off = f"STOPPED, not off: {NO_OFF}; {self._how_to_release}"
+            else:
+                self.text = f"{'OFF' if is_off else 'STOPPED'}: base has confirmed; {self._how_to_release}"
             return True
         self._tell(self._request)
         return False
@@ -133,11 +150,10 @@ class EStopRequest:
             return
         self._confirmation.on_sample(sample)
         if not sample.engaged and not self.asked:
-            self.text = ""
+            self.text = self.refused_off = ""
 
     def _tell(self, request: Request) -> None:
         trouble = f"base answers: {request.refusal.reason}" if request.refusal is not None else request.fault
         why = f": {trouble}" if trouble else ""
-        self.text = (
-            f"STOPPING, NOT CONFIRMED after {request.attempts} requests{why}; if it moves, use the battery switch"
-        )
+        what = "SWITCHING OFF" if self._off else "STOPPING"
+        self.text = f"{what}, NOT CONFIRMED after {request.attempts} requests{why}; if it moves, use the battery switch"

@@ -90,6 +90,11 @@ class EStopClient(QueryClient[EStopEngage, EStopAnswer]):
         return self._confirmation.unconfirmed()
 
     @property
+    def is_off(self) -> bool:
+        """Whether each base that has confirmed tells that its stop is off."""
+        return self._confirmation.is_off
+
+    @property
     def is_answered(self) -> bool:
         """Whether anybody has answered."""
         return bool(self._answers) or self.refusal is not None
@@ -104,12 +109,17 @@ class EStopClient(QueryClient[EStopEngage, EStopAnswer]):
             self._confirmation.on_sample(decode(ESTOP, key, bytes(received.payload), str(received.encoding)))
 
 
-def request_estop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> EStopClient:
-    """Asks for an emergency stop until each base of this name confirms that it has stopped and will stay so.
+def engaging(by: str, reason: str, *, off: bool = False) -> EStopEngage:
+    """Return a request to stop.
 
     A name or a reason in letters of another locale stops no stop: what cannot be sent becomes "?".
     """
-    return EStopClient(session, robot, EStopEngage(by=printable(by), reason=printable(reason)))
+    return EStopEngage(by=printable(by), reason=printable(reason), off=off)
+
+
+def request_estop(session: zenoh.Session, robot: str, *, by: str, reason: str) -> EStopClient:
+    """Asks for an emergency stop until each base of this name confirms that it has stopped and will stay so."""
+    return EStopClient(session, robot, engaging(by, reason))
 
 
 def _text_of(error: Any) -> str:

@@ -14,7 +14,7 @@ function isTaken(target, code) {
 
 /**
  * @param {import("./hand.js").Hand} hand
- * @param {() => void} stop
+ * @param {{press: () => void, hold: () => void, letGo: () => void}} stop
  * @param {() => number} clock s
  */
 export function listen(hand, stop, clock) {
@@ -24,7 +24,10 @@ export function listen(hand, stop, clock) {
       if (isSpace(event)) {
         event.preventDefault(); // it never also presses a button, nor scrolls
         event.stopPropagation();
-        if (!event.repeat) stop();
+        if (!event.repeat) {
+          stop.press();
+          stop.hold();
+        }
         return;
       }
       if (event.ctrlKey || event.altKey || event.metaKey || isTaken(event.target, event.code)) return;
@@ -35,7 +38,10 @@ export function listen(hand, stop, clock) {
   addEventListener(
     "keyup",
     (event) => {
-      if (isSpace(event)) event.preventDefault(); // Firefox presses buttons here
+      if (isSpace(event)) {
+        event.preventDefault(); // Firefox presses buttons here
+        stop.letGo();
+      }
       hand.onKeyUp(event.code, clock());
     },
     { capture: true },

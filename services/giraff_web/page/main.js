@@ -46,10 +46,10 @@ const others = new Others((page) => link.say({ type: "end", page }));
 const floor = new Floor(byId("floor"));
 const trail = new Trail();
 const stop = new StopButton(clock, {
-  say: () => {
+  say: (off) => {
     hand.onStop();
-    link.say({ type: "stop" });
-    fetch("/stop", { method: "POST", keepalive: true }).catch(() => {});
+    link.say({ type: "stop", off });
+    fetch(off ? "/stop?off" : "/stop", { method: "POST", keepalive: true }).catch(() => {});
   },
 });
 const question = new Question({
@@ -205,10 +205,13 @@ modes.forEach((mode, index) => {
 
 pad.listen(byId("pad"), hand, clock);
 pad.listen(byId("tilt"), hand, clock);
-keys.listen(hand, () => stop.press(), clock);
+keys.listen(hand, stop, clock);
 document.addEventListener("visibilitychange", () => hand.onVisible(!document.hidden));
 addEventListener("focus", () => hand.onFocused(true));
-addEventListener("blur", () => hand.onFocused(false));
+addEventListener("blur", () => {
+  hand.onFocused(false);
+  stop.letGo(); // where a key is let go then is not heard
+});
 addEventListener("pagehide", () => hand.onLeft());
 const onTurn = () => {
   hand.onTurned();

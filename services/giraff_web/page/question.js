@@ -9,7 +9,7 @@ const LIFTED = 2;
 export class StopButton {
   /**
    * @param {() => number} clock s
-   * @param {{say: () => void}} way asks the service, by every way there is
+   * @param {{say: (off: boolean) => void}} way asks the service, by every way there is
    */
   constructor(clock, way) {
     this._clock = clock;
@@ -24,7 +24,9 @@ export class StopButton {
     button.addEventListener("pointerdown", () => {
       this._landedAt = clock();
       this.press();
+      this.hold();
     });
+    for (const end of ["pointerup", "pointercancel", "pointerleave"]) button.addEventListener(end, () => this.letGo());
     button.addEventListener("click", (event) => {
       // ENTER, or a screen reader; else it is the lifting of that finger.
       if (event.detail === 0 || clock() - this._landedAt > LIFTED) this.press();
@@ -40,8 +42,17 @@ export class StopButton {
   press() {
     const now = this._clock();
     this._request.press(now);
-    this._way.say();
+    this._way.say(false);
     this.draw(now, true);
+  }
+
+  /** STOP stays pressed from now on, until it is let go: held for HELD s, it asks for off, too. */
+  hold() {
+    this._request.hold(this._clock());
+  }
+
+  letGo() {
+    this._request.letGo();
   }
 
   onState(state) {
@@ -56,7 +67,8 @@ export class StopButton {
   }
 
   look(now) {
-    if (this._request.isDue(now)) this._way.say();
+    if (this._request.isDue(now)) this._way.say(false);
+    if (this._request.isOffDue(now)) this._way.say(true);
   }
 
   draw(now, linked) {

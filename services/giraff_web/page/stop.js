@@ -5,11 +5,18 @@ export const PATIENCE = 1.0;
 /** s between two requests, and for how long they go on. */
 export const AGAIN = 0.5;
 export const LONGEST = 60.0;
+/** s for which STOP is held to ask for off, too. */
+export const HELD = 2.0;
+/** s between two looks. A page that stood still for longer does not know what was held meanwhile. */
+const STALLED = 0.5;
 
 export class StopRequest {
   constructor() {
     this._pressedAt = NaN;
     this._saidAt = NaN;
+    this._heldSince = NaN;
+    this._lookedAt = NaN;
+    this._offSaidAt = NaN;
     /** @type {any} the newest latch that was shown */
     this.latch = null;
   }
@@ -18,6 +25,25 @@ export class StopRequest {
   press(now) {
     if (!this.isOpen || now - this._pressedAt > LONGEST) this._pressedAt = now;
     this._saidAt = now;
+  }
+
+  /** STOP is held from now on. */
+  hold(now) {
+    this._heldSince = this._lookedAt = now;
+    this._offSaidAt = NaN;
+  }
+
+  letGo() {
+    this._heldSince = NaN;
+  }
+
+  /** Whether to ask for off now: STOP has been held for so long, and base does not say that it is off. */
+  isOffDue(now) {
+    if (now - this._lookedAt > STALLED) this._heldSince += now - this._lookedAt;
+    this._lookedAt = now;
+    if (!(now - this._heldSince >= HELD) || this.latch?.off || now - this._offSaidAt < AGAIN) return false;
+    this._offSaidAt = now;
+    return true;
   }
 
   /** A stop was asked for here that no state has confirmed. */
@@ -46,7 +72,9 @@ export class StopRequest {
     }
     if (!this.latch?.engaged) return "";
     const who = `by ${this.latch.by}: ${this.latch.reason}`;
-    return linked ? `STOPPED, confirmed, ${who}` : `When last heard: STOPPED ${who}`;
+    const what = this.latch.off ? "OFF" : "STOPPED";
+    if (!linked) return `When last heard: ${what} ${who}`;
+    return !this.latch.off && now - this._offSaidAt < PATIENCE ? "STOPPED; off is asked for" : `${what}, confirmed, ${who}`;
   }
 }
 

@@ -163,7 +163,7 @@ class Connection:
             return f"not a message of a page: {error}"
         now = self._loop.time()
         if isinstance(said, Stop):
-            self._put(StopAsked(self.device))  # before its rate is looked at
+            self._put(StopAsked(self.device, said.off))  # before its rate is looked at
         if fault := self._too_many(now):
             return fault
         if isinstance(said, Seen):

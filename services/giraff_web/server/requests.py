@@ -35,7 +35,7 @@ _CONTENT: Final = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; manifest-src 'self'; "
     "connect-src 'self' wss://{host}; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
 )
-_TOLD_OF_STOP: Final = ("engaged", "id", "by", "reason", "engaged_ns", "instance")
+_TOLD_OF_STOP: Final = ("engaged", "off", "id", "by", "reason", "engaged_ns", "instance")
 """Fields of base's word that confirm a stop."""
 
 Answer = web.StreamResponse
@@ -49,7 +49,7 @@ class OpensPages(Protocol):
     """What takes a page's WebSocket, and a stop."""
 
     async def page(self, request: web.BaseRequest, device: str, cookie: str) -> Answer: ...
-    async def stop(self, device: str, address: str) -> EStop | None: ...
+    async def stop(self, device: str, address: str, *, off: bool) -> EStop | None: ...
 
 
 class Requests:
@@ -149,7 +149,7 @@ class Requests:
 
     async def _stop(self, request: web.BaseRequest) -> Answer:
         """Ask for it, and confirm it where base does so in time. A body, if there is one, is not waited for."""
-        word = await self._pages.stop(_device(request), str(request.remote))
+        word = await self._pages.stop(_device(request), str(request.remote), off="off" in request.query)
         if word is None:
             return web.json_response({"asked": True}, status=202)
         return web.json_response({"asked": True, "estop": {name: getattr(word, name) for name in _TOLD_OF_STOP}})

@@ -296,9 +296,9 @@ class Server:
                 guarded.end()
         return connection.socket
 
-    async def stop(self, device: str, address: str) -> EStop | None:
-        """Ask for the emergency stop. Return base's word of it, or None where it does not come in time."""
-        self._put(StopAsked(device))
+    async def stop(self, device: str, address: str, *, off: bool) -> EStop | None:
+        """Ask for the emergency stop, and for off. Return base's word of it, or None where it does not come in time."""
+        self._put(StopAsked(device, off))
         return await self._stop_answers.wait(address)
 
     def _forget(self, connection: Connection) -> None:

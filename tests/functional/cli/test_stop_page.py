@@ -106,6 +106,10 @@ def test_a_page_that_is_known_confirms_where_zenoh_cannot_be_opened_but_not_at_a
         keep(served.place)
         assert engage.engage_by_plan("anne", (), "", 60.0) == 0
         assert capsys.readouterr() == (f"anne: STOPPED, told by its page at {served.address}\n", "")
+        assert engage.engage_by_plan("anne", (), "", 60.0, off=True) == 1
+        assert capsys.readouterr().out.startswith(
+            "anne: STOPPED, not off: this robot's drive has no other off, told by"
+        )
         assert engage.engage_by_plan("anne", ("192.0.2.9",), "", 0.5) == 2
     assert "NOT CONFIRMED: it is not at the address of --connect" in capsys.readouterr().err
 

@@ -18,6 +18,7 @@ import giraff_cli.estop.client as it
 import giraff_node.network.query_client
 from giraff_cli.estop.client import engage, reset, status
 from giraff_cli.network.connection import RobotConnection
+from giraff_core.estop.request import NO_OFF
 from giraff_core.network import NetworkConfig
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import EStop, RobotTime, Tick
@@ -30,6 +31,7 @@ EPOCH = 5
 DONE = EStopAnswer(done=True, engaged=True, id=7, reason="", instance="b")
 LATCHED = EStop(engaged=True, id=7, by="ann@desk", reason="smoke")
 RELEASED = EStop(engaged=False, id=7, by="ann@desk", reason="")
+WISH = EStopEngage(by="me", reason="a cat")
 ANSWERS_AFTER = 0.02  # s
 
 SERVICES = (("base", "b"), ("guard", "no-base"))
@@ -164,7 +166,7 @@ def test_a_stop_that_one_of_two_bases_confirms_is_none_until_the_other_has_confi
     with network.base(), tokens[0], tokens[1]:
         with network.session.declare_token(alive_key(ROBOT, "base", "other")):
             told.append(engage(network.connection, "me", "", 1.0))
-            it.engage_all(network.connection, "me", "", 1.0, (), told.append)
+            it.engage_all(network.connection, WISH, 1.0, (), told.append)
             full = msgspec.structs.replace(DONE, done=False, reason="disk full", instance="other")
             with network.base(lambda _: full, instance="other"):
                 assert engage(network.connection, "me", "", 1.0).code == 1
@@ -195,7 +197,7 @@ def test_at_several_addresses_each_is_asked_for_itself_whatever_a_page_says(
     network.connection.network = NetworkConfig(connect=given)
     monkeypatch.setattr(network.connection, "open_other_doors", lambda _: None)
     told: list[it.Result] = []
-    assert it.engage_all(network.connection, "me", "", 1.0, given, told.append, other=Page()) == 2
+    assert it.engage_all(network.connection, WISH, 1.0, given, told.append, other=Page()) == 2
     assert "NOTHING IS STOPPED" in told[0].text
     assert ["NOT REACHED" in each.text for each in told[1:]] == [True, True]
 
@@ -207,7 +209,7 @@ def test_of_a_flood_of_names_the_first_are_told_and_those_that_answer_before_the
         for name in (ROBOT, *(f"r{number}" for number in range(49))):
             declared.enter_context(network.session.declare_token(alive_key(name, "base", "b")))
         network.connection.robot = ""
-        assert it.engage_all(network.connection, "me", "", 1.0, (), told.append) == 2
+        assert it.engage_all(network.connection, WISH, 1.0, (), told.append) == 2
         network.connection.robot = ROBOT
         assert it.hint_of_others(network.connection).endswith("--robot r17 and 39 more")
     assert told[0].text.startswith(f"{ROBOT}: NOT CONFIRMED after 1 s: {key_of(ROBOT, ESTOP_ENGAGE)} answers that")
@@ -234,12 +236,12 @@ def test_a_robot_that_may_be_another_is_asked_and_never_called_stopped(network: 
     told: list[it.Result] = []
     with network.base(), network.session.declare_token(alive_key(ROBOT, "base", "b")):
         told.append(engage(network.connection, "me", "", 10.0, doubt=doubt))
-        assert it.engage_all(network.connection, "me", "", 10.0, (), told.append, doubt=doubt) == 2
+        assert it.engage_all(network.connection, WISH, 10.0, (), told.append, doubt=doubt) == 2
     assert told == [(2, f"asked {ROBOT} at an unknown host; {doubt}")] * 2
     full = msgspec.structs.replace(DONE, done=False, reason="disk full")
     with network.base(lambda _: full), network.session.declare_token(alive_key(ROBOT, "base", "b")):
         told = [engage(network.connection, "me", "", 1.0, doubt=doubt)]
-        assert it.engage_all(network.connection, "me", "", 1.0, (), told.append, doubt=doubt) == 2
+        assert it.engage_all(network.connection, WISH, 1.0, (), told.append, doubt=doubt) == 2
     assert told == [(2, f"asked {ROBOT} at an unknown host; {doubt}")] * 2
     nobody = engage(network.connection, "me", "", 1.0, doubt=doubt)
     assert nobody.text.startswith("NOT CONFIRMED after 1 s: nobody answered")
@@ -275,10 +277,23 @@ def test_each_robot_is_asked_for_itself_whatever_goes_wrong_with_another(
     alive = [network.session.declare_token(alive_key(name, "base", "b")) for name in ("anna", ROBOT)]
     network.connection.robot = ""
     with network.base(), alive[0], alive[1]:
-        assert it.engage_all(network.connection, "me", "", 2.0, (), tell, doubt=doubt) == 2
+        assert it.engage_all(network.connection, WISH, 2.0, (), tell, doubt=doubt) == 2
     assert says in told[0].text
     assert told_at[0] < 0.5
     assert told[1].text.startswith("anna: NOT CONFIRMED after 2 s: giraff/anna/estop/engage: no such key")
+
+
+@pytest.mark.parametrize(("is_off", "what"), [(True, "OFF"), (False, f"STOPPED, not off: {NO_OFF}")])
+def test_off_is_told_where_base_tells_it(network: Network, is_off: bool, what: str) -> None:
+    told: list[it.Result] = []
+    state = msgspec.structs.replace(LATCHED, off=is_off)
+    with network.base(state=state) as asked, network.session.declare_token(alive_key(ROBOT, "base", "b")):
+        told.append(engage(network.connection, "me", "a cat", 10.0, off=True))
+        it.engage_all(network.connection, msgspec.structs.replace(WISH, off=True), 2.0, (), told.append)
+        assert status(network.connection, 1.0).text.startswith(f"{ROBOT}: {'OFF' if is_off else 'ENGAGED'}, latch 7")
+    assert all(request.off for request, _ in asked)
+    assert [result.code for result in told] == [0 if is_off else 1] * 2
+    assert told[0].text.startswith(f"{ROBOT}: {what}, latch 7; it stays so until")
 
 
 @pytest.mark.parametrize("name", [ROBOT, ""])
@@ -293,7 +308,7 @@ def test_robots_of_one_name_behind_two_doors_are_both_asked(
     alive = [each.session.declare_token(alive_key(ROBOT, "base", "b")) for each in (network, other)]
     with network.base(), other.base(lambda _: DONE if answers else None) as asked, alive[0], alive[1]:
         network.connection.robot = name
-        assert it.engage_all(network.connection, "me", "", 2.0, (), told.append) == code
+        assert it.engage_all(network.connection, WISH, 2.0, (), told.append) == code
     assert asked
     assert [result.code for result in told] == ([0] if answers else [0, 2])
 
@@ -374,7 +389,7 @@ def test_a_stop_of_all_is_not_done_where_an_address_does_not_answer_though_other
     monkeypatch.setattr(it, "_engage_heard", lambda *_: it.RELEASED)
     monkeypatch.setattr(it, "find_silent", lambda addresses: [f"{address}: No route to host" for address in addresses])
     for addresses, code in (((), 0), (("192.168.1.9",), 2)):
-        assert it.engage_all(network.connection, "me", "a cat", 10.0, addresses, told.append) == code
+        assert it.engage_all(network.connection, WISH, 10.0, addresses, told.append) == code
     assert [result.text for result in told] == [
         "--connect 192.168.1.9: No route to host; NOT REACHED: a robot there was NOT STOPPED, use its battery switch"
     ]

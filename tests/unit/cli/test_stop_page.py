@@ -66,13 +66,20 @@ def test_what_base_says_over_zenoh_counts_more_than_a_page(
     asking: tuple[tuple[object, str], ...], confirmed: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(it, "kept_pages", lambda _: (PAGE,))
-    monkeypatch.setattr(it, "ask", lambda _: GOOD)
-    page = PageStop("anne", Place("10.0.0.5", 8443), 60.0)
+    offs: list[bool] = []
+
+    def ask(_: Place, *, off: bool) -> Answer:
+        offs.append(off)
+        return GOOD
+
+    monkeypatch.setattr(it, "ask", ask)
+    page = PageStop("anne", Place("10.0.0.5", 8443), 60.0, off=True)
     for refusal, unconfirmed in asking:
         page.hear("anne", cast(Any, SimpleNamespace(refusal=refusal, unconfirmed=unconfirmed)))
     page.hear("bob", cast(Any, SimpleNamespace(refusal=object(), unconfirmed="")))
     assert page.stopped() == ({"anne"} if confirmed else set())
     assert (page.confirmed, page.unconfirmed) == (confirmed, "")
+    assert (offs, page.is_off) == ([True], False), "this page tells of no off"
 
 
 @pytest.mark.parametrize(

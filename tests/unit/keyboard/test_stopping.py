@@ -2,7 +2,10 @@
 
 from collections.abc import Callable
 
+import pytest
+
 from giraff_core.estop.request import EStopRequest
+from giraff_keyboard.stop_hold import StopHold
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer
 
@@ -17,7 +20,8 @@ class Line:
         self.refusal: EStopAnswer | None = None
         self.answer: EStopAnswer | None = None
 
-    def ask(self, settles: Callable[[EStopAnswer], bool | str]) -> "Line":
+    def ask(self, settles: Callable[[EStopAnswer], bool | str], off: bool) -> "Line":
+        assert not off
         self.requests += 1
         self.attempts = 0
         self.settles = settles
@@ -102,3 +106,22 @@ def test_it_can_stop_again_after_a_reset() -> None:
     assert not stopping.poll(0.9), "base has said so of the stop before"
     stopping.on_sample(STATED)
     assert stopping.poll(1.0)
+
+
+def held(*times: float) -> list[float]:
+    """Return when the space bar counts as held, of presses and repeats at these times."""
+    hold = StopHold()
+    return [now for now in times if hold.on_stop(now)]
+
+
+@pytest.mark.parametrize(("delay", "period"), [(0.25, 0.02), (0.5, 0.033), (0.66, 0.04), (0.5, 0.092), (1.0, 0.1)])
+def test_a_held_space_bar_asks_for_off_after_two_seconds(delay: float, period: float) -> None:
+    times = [7.0, *(7.0 + delay + n * period for n in range(200))]
+    assert held(*times)[0] - 7.0 == pytest.approx(2.0, abs=1.5 * period)
+
+
+def test_however_often_it_is_pressed_that_is_no_hold() -> None:
+    assert held(*(n * 0.125 for n in range(200))) == [], "hammered"
+    assert held(*(n * 0.9 for n in range(20))) == []
+    assert held(*(n + 0.05 * k for n in range(20) for k in range(10))) == [], "touched again and again"
+    assert held(*[3.0] * 500) == [], "pasted"

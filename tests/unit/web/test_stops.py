@@ -43,8 +43,8 @@ class Base:
         self.log: list[str] = []
         self.stops = Stops(self.engage, self.ask, LimitedLog(self.log.append))
 
-    def engage(self, device: str, settles: Callable[[EStopAnswer], bool | str]) -> Asked:
-        asked = self.ask(device)
+    def engage(self, device: str, settles: Callable[[EStopAnswer], bool | str], off: bool) -> Asked:
+        asked = self.ask(f"{device}, off" if off else device)
         asked.settles = settles
         return asked
 
@@ -52,8 +52,8 @@ class Base:
         self.asked.append(Asked(what))
         return self.asked[-1]
 
-    def says(self, now: float, *, engaged: bool, base: str = "base") -> None:
-        state = EStop(instance=base, engaged=engaged, id=4, by="x", reason="y", engaged_ns=9)
+    def says(self, now: float, *, engaged: bool, base: str = "base", off: bool = False) -> None:
+        state = EStop(instance=base, engaged=engaged, id=4, by="x", reason="y", engaged_ns=9, off=off)
         self.stops.on_estop(state, now)
 
 
@@ -205,3 +205,34 @@ def test_who_wants_a_stop_wants_no_release_any_more() -> None:
     assert base.asked[0].attempts == 0
     base.stops.reset("phone", RESET, 0.0)
     assert len(base.asked) == 2, "a stop is not confirmed yet"
+
+
+@pytest.mark.parametrize("knows_off", [True, False])
+def test_off_is_asked_for_under_a_stop_too_until_base_has_answered(knows_off: bool) -> None:
+    base = Base()
+    base.says(0.0, engaged=True)
+    base.stops.stop("phone", 0.1)
+    assert base.asked == []
+    for n in range(3):
+        base.stops.stop("phone", 0.2 + n * 0.1, off=True)
+        assert "SWITCHING OFF, NOT CONFIRMED" in base.stops.text
+    base.asked[0].answer = STOPPED
+    base.says(0.5, engaged=True, off=knows_off)
+    assert base.stops.poll(0.5)
+    word = base.stops.confirmed(0.5)
+    assert word is not None
+    assert word.off == knows_off
+    assert ("STOPPED, not off: this robot's drive has no other off" in base.stops.text) != knows_off
+    base.stops.stop("phone", 0.6, off=True)
+    assert [asked.what for asked in base.asked] == ["phone, off"]
+    base.says(3.0, engaged=True, off=knows_off)
+    base.says(3.1, engaged=False)
+    assert base.stops.text == ""
+
+
+def test_off_takes_the_place_of_a_stop_that_is_not_confirmed() -> None:
+    base = Base()
+    base.stops.stop("phone", 0.0)
+    base.stops.stop("phone", 2.0, off=True)
+    base.stops.stop("laptop", 2.1)
+    assert [asked.what for asked in base.asked] == ["phone", "phone, off"]

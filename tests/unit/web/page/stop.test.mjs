@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { AGAIN, LONGEST, StopRequest, isSameStop } from "../../../../services/giraff_web/page/stop.js";
+import { AGAIN, HELD, LONGEST, StopRequest, isSameStop } from "../../../../services/giraff_web/page/stop.js";
 
 const latch = (engaged = true, id = "1", engaged_ns = "5") => ({ engaged, by: "ann", reason: "a chair", id, engaged_ns });
 
@@ -47,6 +47,35 @@ test("a press after a long silence asks for as long again", () => {
   stop.press(10);
   stop.press(10 + LONGEST + 5);
   assert.equal(stop.isDue(10 + LONGEST + 5 + AGAIN), true);
+});
+
+test("held, it asks for off until base says so, and no sooner nor longer", () => {
+  const stop = new StopRequest();
+  const asked = (from, to) => {
+    let count = 0;
+    for (let ms = from * 1000; ms < to * 1000; ms += 100) count += stop.isOffDue(ms / 1000);
+    return count;
+  };
+  assert.equal(asked(0, 9), 0, "it is not held");
+  stop.press(10);
+  stop.hold(10);
+  stop.onLatch(latch());
+  assert.equal(asked(10, 10 + HELD), 0);
+  assert.equal(asked(10 + HELD, 11 + HELD), 1 / AGAIN);
+  assert.equal(stop.text(11 + HELD, true), "STOPPED; off is asked for");
+  stop.onLatch({ ...latch(), off: true });
+  assert.equal(stop.text(11 + HELD, true), "OFF, confirmed, by ann: a chair");
+  assert.equal(asked(11 + HELD, 20), 0);
+  stop.onLatch(latch());
+  for (let press = 20; press < 30; press += 1.5) {
+    stop.hold(press);
+    assert.equal(asked(press, press + 1), 0);
+    stop.letGo();
+    assert.equal(asked(press + 1, press + 1.5), 0, "presses do not add up");
+  }
+  stop.hold(30);
+  asked(30, 30.5);
+  assert.equal(stop.isOffDue(60), false, "the page stood still");
 });
 
 test("what was heard before the link was lost is not said of now", () => {
