@@ -33,7 +33,7 @@ NOISE: Final = 0.35
 """Counts: a sensor without noise is broken."""
 MOST_RATE: Final = 1e-4
 """rad in a millisecond, at which a person leans it."""
-BATTERY_UV_COUNT: Final = 15_000
+BATTERY_UV_COUNT: Final = 25_000
 
 SETTINGS: Final = BalanceConfigureFrame(
     seq=0,

@@ -10,11 +10,10 @@ import random
 import sys
 from pathlib import Path
 
-from giraff_schemas.boards import BOARDS
+from giraff_schemas.boards import BALANCER_BOARD, BOARDS, BoardType
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import (
     FRAME_CLASSES,
-    BoardKind,
     ConfigureFrame,
     DriveFrame,
     EstopFrame,
@@ -26,6 +25,7 @@ from giraff_schemas.wire import (
     TiltFrame,
     WheelsFrame,
 )
+from giraff_schemas.wires import balancer as balancer_wire
 from giraff_sim.board import Board
 
 HOST_FRAMES: tuple[type[Frame], ...] = (
@@ -36,13 +36,15 @@ HOST_FRAMES: tuple[type[Frame], ...] = (
     EstopFrame,
     TickFrame,
 )
+FRAMES: tuple[type[Frame], ...] = (*HOST_FRAMES, *FRAME_CLASSES.values(), *balancer_wire.FRAME_CLASSES.values())
+TYPES: dict[str, BoardType] = {board.name: board for board in (*BOARDS.values(), BALANCER_BOARD)}
 
 
 def noise(chance: random.Random) -> bytes:
     """Plain noise, a frame with random content, or a damaged frame."""
     if chance.random() < 0.4:
         return chance.randbytes(chance.randrange(1, 80))
-    kind = chance.choice([*HOST_FRAMES, *FRAME_CLASSES.values()])
+    kind = chance.choice(FRAMES)
     frame = bytearray(encode(bytes([kind.type]) + chance.randbytes(kind.layout.size - 1)))
     if chance.random() < 0.5:
         frame[chance.randrange(len(frame))] = chance.randrange(256)
@@ -52,23 +54,23 @@ def noise(chance: random.Random) -> bytes:
 def main() -> int:
     library, seed, milliseconds = Path(sys.argv[1]), sys.argv[2], int(sys.argv[3])
     chance = random.Random(seed)
-    kind = BoardKind[library.stem.upper()]
-    board = Board(BOARDS[kind], library)
+    board = Board(TYPES[library.stem], library)
     board.on_ping(lambda _sensor: chance.choice([0.0, -1.0, chance.uniform(0, 200_000)]))
-    decoder = Decoder()
+    decoder = Decoder(board.type.frames)
     errors = 0
     for now_ms in range(1, milliseconds + 1):
         if chance.random() < 0.5:
             board.write(noise(chance))
         for motor in board.model.motor:
             motor.position += chance.uniform(-50, 50)
+        board.model.sensor_volts = [chance.uniform(0, 3.3) for _ in range(4)]
         board.model.twi_address = chance.choice([0, 0x28, 0x28, 0x28])
         board.registers[0:64] = chance.randbytes(64) if chance.random() < 0.5 else bytes([0xA0, 0xFB]) + bytes(62)
         if chance.random() < 0.001:
             board.reset()
         board.run(now_ms * 1000)
         for frame in decoder.feed(board.read()):
-            if isinstance(frame, (WheelsFrame, TiltFrame, RangeFrame)):
+            if isinstance(frame, (WheelsFrame, TiltFrame, RangeFrame, balancer_wire.BalanceFrame)):
                 errors = max(errors, frame.line_errors)
     assert decoder.crc_errors + decoder.shape_errors <= board.model.resets, "only a reset tears the board's frames"
     assert max(motor.drive_peak for motor in board.model.motor) == 0, "noise drives"

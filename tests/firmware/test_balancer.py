@@ -7,7 +7,7 @@ import msgspec
 import pytest
 
 from giraff_schemas.boards import BALANCER_BOARD
-from giraff_schemas.wire import COMMAND_TIMEOUT_MS, DriveState, Refusal, ResetCause, Wiring
+from giraff_schemas.wire import COMMAND_TIMEOUT_MS, DriveState, HelloFrame, Refusal, ResetCause, Wiring
 from giraff_schemas.wires.balancer import (
     DRIVER_FULL,
     DRIVER_TIMEOUT_MS,
@@ -23,12 +23,14 @@ from giraff_schemas.wires.balancer import (
 from giraff_sim.board import Implementation, open_board
 from tests.firmware.balancing import BalancerBench
 from tests.firmware.bench import out_of_place
-from tests.firmware.builds import compiled
+from tests.firmware.builds import compiled, with_fault
 from tests.support.report import report
 
 PERIOD_MS = 5
 LINE_MS = 3  # of the packets to the motor driver
 TELEMETRY_MS = 15  # within which telemetry tells of what has happened
+WATCHDOG_MS = 250
+HANGS_AT = 19.4  # V of the battery, by faults/hung_loop.c: 2.5 V at the pin
 FRAME_MS = 1  # within which a drive frame has come over the line
 
 
@@ -318,6 +320,24 @@ def test_a_driver_that_was_off_is_told_its_settings_within_a_second(board: Balan
     board.model.driver_volts = 10.1
     board.run(1)
     assert not board.model.driver_open
+
+
+def test_a_loop_that_hangs_ends_by_the_driver_and_then_by_the_watchdog() -> None:
+    build = with_fault("hung_loop", "firmware_poll", "firmware_on_millisecond", target="host-balancer")
+    hung = BalancerBench(open_board(BALANCER_BOARD, Implementation.HOST, build))
+    hung.stand()
+    hung.lean = 0.02
+    hung.run(60)
+    assert 0 not in hung.duties()
+    healthy, hung.battery = hung.battery, HANGS_AT
+    hung.run(DRIVER_TIMEOUT_MS + PERIOD_MS)
+    assert (hung.duties(), hung.model.resets) == ((0, 0), 0)
+    hung.run(WATCHDOG_MS - DRIVER_TIMEOUT_MS)
+    assert hung.model.resets == 1
+    hung.battery = healthy
+    hung.run(40)
+    assert (hung.last(HelloFrame).reset_cause, hung.report().posture) == (ResetCause.WATCHDOG, BalancePosture.OFF)
+    hung.board.close()
 
 
 def test_each_count_is_counted_at_20_000_a_second_with_telemetry_running(board: BalancerBench) -> None:

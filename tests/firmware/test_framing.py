@@ -61,7 +61,8 @@ class CCodec:
 @pytest.fixture(scope="module")
 def c(tmp_path_factory: pytest.TempPathFactory) -> CCodec:
     sources = (FIRMWARE / "common" / f"{name}.c" for name in ("cobs", "crc", "frame"))
-    return CCodec(shared_library(tmp_path_factory.mktemp("codec") / "codec.so", *sources))
+    includes = [FIRMWARE / "common", FIRMWARE / "boards" / "base"]
+    return CCodec(shared_library(tmp_path_factory.mktemp("codec") / "codec.so", *sources, includes=includes))
 
 
 def python_decode(stream: bytes) -> tuple[list[bytes], int]:

@@ -27,7 +27,6 @@ def test_what_is_missing_is_named(arguments: list[str], complaint: str) -> None:
     ("board", "chosen", "part"),
     [
         ("base", [], "-p m644 -c usbasp"),
-        ("balancer", [], "-p m2560 -c wiring"),
         ("joystick", [], "-p m328p -c arduino"),
         ("ranger", [], "-p m2560 -c wiring"),
         ("ardros", ["PROGRAMMER=-c avrisp2"], "-p m2560 -c avrisp2"),

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from functools import cache
 
 import pytest
 
@@ -13,6 +14,7 @@ MILLISECONDS = 20_000
 SESSIONS = 60
 
 
+@cache
 def sanitizer_runtime() -> str:
     command = ["cc", "-print-file-name=libasan.so"]
     return finished(command, check=True).stdout.strip()
@@ -27,7 +29,7 @@ def told_by(program: str, board: str, *arguments: str) -> list[int]:
     return [int(word) for word in finished(command, env=environment, cwd=ROOT, check=True).stdout.split()]
 
 
-@pytest.mark.parametrize("board", ["base", "joystick", "ranger"])
+@pytest.mark.parametrize("board", ["base", "joystick", "ranger", "balancer"])
 def test_noise_does_nothing(board: str) -> None:
     (line_errors,) = told_by("noise", board, board, str(MILLISECONDS))
     assert line_errors > 100
