@@ -11,6 +11,7 @@ from giraff_schemas.wire import COMMAND_TIMEOUT_MS, DriveState, HelloFrame, Refu
 from giraff_schemas.wires.balancer import (
     DRIVER_FULL,
     DRIVER_TIMEOUT_MS,
+    FREE_SIDE_MS,
     BalanceAsk,
     BalanceCause,
     BalanceDriveFrame,
@@ -19,6 +20,7 @@ from giraff_schemas.wires.balancer import (
     BalanceFrame,
     BalanceLatch,
     BalancePosture,
+    BalanceSide,
 )
 from giraff_sim.board import Implementation, open_board
 from tests.firmware.balancing import BalancerBench
@@ -69,11 +71,15 @@ def test_it_stands_only_for_a_host_that_knows_that_it_is_off(board: BalancerBenc
     board.drive()
     board.drive(milliseconds=40, **stand)
     assert board.report().posture == BalancePosture.STANDS
+    board.drive()
+    told = board.report().board_ms
     board.estop(BalanceEngage.OFF)
-    known = board.report().board_ms
     board.estop(BalanceEngage.RELEASE)
-    board.drive(milliseconds=1000, board_ms=known - 100, **stand)
-    assert board.report().posture == BalancePosture.OFF
+    board.drive(board_ms=told)
+    accepted = board.report().accepted
+    board.drive(milliseconds=1600, **stand)
+    assert board.report().accepted > accepted
+    assert (board.report().flags, board.report().posture) == (BalanceFlag.UPRIGHT, BalancePosture.OFF)
     board.get_up()
 
 
@@ -207,7 +213,7 @@ def test_a_stop_leaves_it_standing_and_off_is_a_word_of_its_own(board: BalancerB
     board.drive(ask=BalanceAsk.SIT)
     assert (board.report().drive_state, board.report().last_refusal) == (DriveState.LATCHED, Refusal.LATCHED)
     assert board.report().posture == BalancePosture.STANDS
-    board.send(board.estop_frame(BalanceEngage.OFF, boot_id=0, session=0, board_ms=0))
+    board.send(board.estop_frame(3, boot_id=0, session=0, board_ms=0))  # no word that it knows
     board.run(FRAME_MS + 2 * PERIOD_MS + LINE_MS)
     assert board.duties() == (0, 0)
     board.run(TELEMETRY_MS)
@@ -236,6 +242,21 @@ def test_a_release_from_before_it_became_off_releases_nothing(quick: BalancerBen
     quick.send(release)
     quick.run(TELEMETRY_MS)
     assert (quick.report().latch, quick.report().last_refusal) == (BalanceLatch.OFF, Refusal.STALE)
+
+
+@pytest.mark.parametrize(("silent_ms", "sits"), [(100, True), (FREE_SIDE_MS, False)])
+def test_a_free_side_counts_for_a_moment_only(quick: BalancerBench, silent_ms: int, *, sits: bool) -> None:
+    """What was free may not be any more: a robot that has to come down goes off where it is."""
+    quick.stand()
+    quick.drive(milliseconds=40, free_side=BalanceSide.FORWARD)
+    quick.run(silent_ms)
+    quick.forget()
+    quick.battery = 9.5
+    quick.run(200)
+    postures = [each.posture for each in quick.all(BalanceFrame)]
+    assert (BalancePosture.SITS_DOWN in postures) == sits
+    assert (postures[-1] == BalancePosture.OFF) != sits
+    assert quick.report().cause == BalanceCause.BATTERY
 
 
 @pytest.mark.parametrize("engage", [BalanceEngage.STANDS, BalanceEngage.OFF], ids=str)
