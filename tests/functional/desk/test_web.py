@@ -214,6 +214,10 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         laptop.wait(lambda: "STOPPED, confirmed" in laptop.told(), "a stop that is shown as confirmed")
         assert laptop.page.locator("#why").inner_text().startswith("STOPPED. "), laptop.told()
         assert laptop.page.locator("[data-freedom=stopped]").count() == 4, laptop.told()
+        laptop.page.get_by_role("button", name="STOP", exact=True).hover()
+        laptop.page.mouse.down()
+        laptop.wait(lambda: "STOPPED, not off: this robot's drive has no" in laptop.told(), "what base says of off")
+        laptop.page.mouse.up()
         for size in ((390, 844), (360, 640)):
             phone.resize(*size)
             asks_whole(phone)
