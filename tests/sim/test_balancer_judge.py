@@ -45,7 +45,10 @@ def test_it_is_pushed_and_raised_and_tells_how_it_stood() -> None:
     assert world.body.raises_it
     state = ask(world, op="state").state
     assert state is not None
-    assert state.balance == messages.Balance(lean_sd=0.0, falls=0, is_settled=True)
+    assert state.balance is not None
+    told = state.balance.lean_sd, state.balance.falls, state.balance.stands, state.balance.is_settled
+    assert told == (0.0, 0, False, True)
+    assert state.balance.drawn.body_mass == DRIVE.body_mass, "a robot that is exactly as its file says"
     assert not ask(world, op="push", impulse=1.0, height=9.0).ok
 
 

@@ -25,7 +25,7 @@ from giraff_cli.terminal import addresses
 from giraff_cli.terminal.screen import LineScreen, NullScreen, Screen, as_svg, open_screen, say
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node import robot_now_ns
-from giraff_node.network.query_client import request_estop
+from giraff_node.network.query_client import EStopClient, request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
 from giraff_schemas.services import DEMONSTRATION, LOCALIZATION, SIMULATED, WEB
@@ -37,6 +37,8 @@ from giraff_telemetry.layout import Standing
 _LOOK_EVERY: Final = 0.2  # s
 _SERVICES_WITHIN: Final = 20.0  # s
 _REST_WITHIN: Final = 4.0  # s
+_SITS_WITHIN: Final = 4.0  # s
+_PUSH_AFTER: Final = 8.0  # s; a robot that balances has got up and drives by then
 _LOOKS_AT_REST: Final = 4  # in a row, by when odometry has caught up
 _NOTICES: Final = 1  # more would not fit 24 lines
 
@@ -152,7 +154,11 @@ class Run:
 
     def _drive(self, telemetry: RunTelemetry) -> None:
         until = math.inf if self._plan.seconds is None else time.monotonic() + self._plan.seconds
+        push_at = time.monotonic() + _PUSH_AFTER if self._plan.driver == "demo" else math.inf
         while self._look(telemetry):
+            if time.monotonic() >= push_at and telemetry.balance is not None:
+                self._robot.push()
+                push_at = math.inf
             left = until - time.monotonic()
             if self._driver is not None and not self._driver.is_there:
                 return
@@ -169,6 +175,13 @@ class Run:
             stop = request_estop(
                 self._connection.session, self._plan.robot.name, by="giraff run", reason="the run ends"
             )
+        if self._rests(telemetry, stop) and telemetry.balance is not None and telemetry.balance.stands:
+            telemetry.sit()
+            self._robot.make_sit_down()  # without power, which it loses now, it would fall
+            self._rests(telemetry, stop)
+
+    def _rests(self, telemetry: RunTelemetry, stop: EStopClient | None) -> bool:
+        """Wait until the robot is at rest, for a while; False when the world has ended, or a person cannot wait."""
         deadline = time.monotonic() + _REST_WITHIN
         asked = self._stopping.asked
         looks = 0
@@ -176,8 +189,9 @@ class Run:
             if stop is not None:
                 stop.poll(now)
             if self._stopping.wait(_LOOK_EVERY, patience=asked + 1) or not self._look(telemetry):
-                return
-            looks = looks + 1 if telemetry.truth.is_at_rest else 0
+                return False
+            looks = looks + 1 if telemetry.is_at_rest else 0
+        return True
 
     def _look(self, telemetry: RunTelemetry) -> bool:
         """Take in what there is and show it; False when the world has ended."""

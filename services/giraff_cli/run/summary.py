@@ -14,6 +14,7 @@ from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_core.latest import Latest
 from giraff_schemas.messages import Odometry
 from giraff_schemas.topics import BASE, ODOM
+from giraff_sim.bodies.balancer.drawn import Drawn as BalancerDrawn
 from giraff_sim.truth import Level
 from giraff_sim.truth import Truth as Drawn
 from giraff_telemetry.localization_summary import LocalizationSummary, localization_rows
@@ -30,6 +31,10 @@ class BalanceSummary(msgspec.Struct, frozen=True, kw_only=True):
     drift_m: float
     """The farthest that it came from where it had settled, before it drove or was pushed."""
     falls: int
+    """Until it was made to sit down at the end."""
+    sat_down: bool
+    drawn: BalancerDrawn
+    """How its body differs from its file."""
 
 
 class Summary(msgspec.Struct, frozen=True, kw_only=True):
@@ -55,7 +60,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     truth: Level
     """How far the robot could differ from its file."""
     drawn: Drawn | None
-    """How it did, from what it was built as: a calibration in the file is no part of this."""
+    """How it did, from what it was built as: a calibration in the file is no part of this. Of a robot that
+    balances `balance` tells."""
     closest_m: float
     """To anything in the room, ever."""
     contacts: int
@@ -109,7 +115,7 @@ def summarize(
         odom_mahalanobis=None if off is None else round(off, 2),
         within_ellipse=None if off is None else off <= ELLIPSE_95,
         truth=truth,
-        drawn=drawn,
+        drawn=drawn if telemetry.balance is None else None,
         closest_m=round(world.closest, 4),
         contacts=world.contacts,
         balance=_balance(telemetry),
@@ -139,7 +145,7 @@ def to_text(summary: Summary) -> str:
         ("odometry off by", "unknown" if error is None else f"{error:.3f} m, {summary.odom_error_deg:.2f}°{per_cent}"),
         ("its own sigma", _claim(summary)),
         *(localization_rows(summary.localization) if summary.localization is not None else ()),
-        ("true robot", _difference(summary.truth, summary.drawn)),
+        ("true robot", _difference(summary)),
         ("closest", f"{summary.closest_m:.3f} m, {counted(summary.contacts, 'contact')}"),
         *([("balance", _stood(summary.balance))] if summary.balance is not None else []),
         ("samples lost", _losses(summary)),
@@ -152,15 +158,22 @@ def to_text(summary: Summary) -> str:
 
 
 def _balance(telemetry: RunTelemetry) -> BalanceSummary | None:
-    if (balance := telemetry.truth.balance) is None:
+    if (balance := telemetry.balance) is None:
         return None
     return BalanceSummary(
-        lean_sd_deg=round(math.degrees(balance.lean_sd), 3), drift_m=round(telemetry.drift, 4), falls=balance.falls
+        lean_sd_deg=round(math.degrees(balance.lean_sd), 3),
+        drift_m=round(telemetry.drift, 4),
+        falls=balance.falls,
+        sat_down=telemetry.has_sat_down,
+        drawn=balance.drawn,
     )
 
 
 def _stood(balance: BalanceSummary) -> str:
-    return f"lean {balance.lean_sd_deg:.2f}° sd, drifted {balance.drift_m:.2f} m, {counted(balance.falls, 'fall')}"
+    ended = ", sat down" if balance.sat_down else ""
+    return (
+        f"lean {balance.lean_sd_deg:.2f}° sd, drifted {balance.drift_m:.2f} m, {counted(balance.falls, 'fall')}{ended}"
+    )
 
 
 def _sigma(odometry: Latest[Odometry] | None) -> OdometryError | None:
@@ -186,12 +199,20 @@ def _claim(summary: Summary) -> str:
     return f"{summary.odom_sigma_m:.3f} m, {summary.odom_sigma_deg:.2f}°,\n{off}"
 
 
-def _difference(level: Level, drawn: Drawn | None) -> str:
+def _difference(summary: Summary) -> str:
     """The drawn robot beside its file."""
-    if drawn is None:
+    level, drawn, balance = summary.truth, summary.drawn, summary.balance
+    if balance is not None and level != "exact":
+        body = balance.drawn
+        play, zero = (math.degrees(value) for value in (max(body.play), body.accelerometer_zero))
+        return (
+            f"{level}: {body.body_mass:.1f} kg at {body.centre_height:.3f} m, gear play {play:.1f}°,\nzero {zero:+.1f}°"
+        )
+    if drawn is None and balance is None:
         return f"{level}, unknown"
     if level == "exact":
         return "exact: as its file says"
+    assert drawn is not None, "it has one body or the other"  # noqa: S101
     left, right = drawn.left, drawn.right
     geometry = f"wheels {left.scale - 1.0:+.2%} {right.scale - 1.0:+.2%}, track {drawn.track_scale - 1.0:+.2%}"
     motors = f"motors {left.strength:.0%} {right.strength:.0%}, {drawn.turn_slip:.1%} of turning slips"

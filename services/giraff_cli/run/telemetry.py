@@ -12,6 +12,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import GuardedCommand, Odometry, RobotTime, Sample, TruePose
 from giraff_schemas.topics import ODOM, POSE, RANGE, TICK, TILT, WHEELS, Topic
+from giraff_sim.control.messages import Balance
 from giraff_telemetry.collector import Snapshot, Telemetry
 from giraff_telemetry.localization import WayByState
 from giraff_telemetry.localization_error import LocalizationError, LocalizationErrors
@@ -53,6 +54,7 @@ class RunTelemetry(Telemetry):
         self._first_truth = truth
         self._comparison = Comparison()
         self._stood_at: Pose | None = None
+        self._stood: Balance | None = None
         self.drift = 0.0
         """m. The farthest that a robot that balances came from where it had settled, before it drove or was pushed."""
         self._ages = AgeHistogram()
@@ -81,8 +83,25 @@ class RunTelemetry(Telemetry):
         said = self.latest(POSE, truth.robot_ns)
         self._map_way.come(truth.path, said.sample.state if said is not None and said.fresh else None)
 
+    def sit(self) -> None:
+        """A robot that balances sits down from now on. That is no fall."""
+        self._stood = self.truth.balance
+
+    @property
+    def balance(self) -> Balance | None:
+        """How a robot that balances stood, before it was made to sit down."""
+        return self._stood or self.truth.balance
+
+    @property
+    def is_at_rest(self) -> bool:
+        return self.truth.is_at_rest and (self._stood is None or self.has_sat_down)
+
+    @property
+    def has_sat_down(self) -> bool:
+        return self._stood is not None and self.truth.balance is not None and not self.truth.balance.stands
+
     def _see_drift(self, truth: Truth) -> None:
-        if truth.balance is None or not truth.is_at_rest:
+        if truth.balance is None or self._stood is not None or not truth.is_at_rest:
             self._stood_at = None
             return
         self._stood_at = self._stood_at or truth.pose

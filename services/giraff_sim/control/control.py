@@ -255,7 +255,13 @@ def _base_says(frame: BoardReport | None) -> messages.BaseSays | None:
 def _balance_of(body: Body) -> messages.Balance | None:
     if not isinstance(body, BalancerBody):
         return None
-    return messages.Balance(lean_sd=body.lean_sd, falls=body.plant.falls, is_settled=body.activity == 0)
+    return messages.Balance(
+        lean_sd=body.lean_sd,
+        falls=body.plant.falls,
+        stands=body.is_powered,
+        is_settled=body.activity == 0,
+        drawn=body.plant.drawn,
+    )
 
 
 def _finite(value: float) -> float:

@@ -8,6 +8,7 @@ import msgspec
 
 from giraff_schemas.wire import Wiring
 from giraff_sim.board import RunState
+from giraff_sim.bodies.balancer.drawn import Drawn
 from giraff_sim.record import Verdict
 from giraff_sim.truth import Truth
 from giraff_sim.world.bno055 import Bno055Fault
@@ -249,8 +250,12 @@ class Balance(msgspec.Struct, frozen=True, kw_only=True):
     lean_sd: float
     """rad. Standard deviation of its lean while it stood by itself."""
     falls: int
+    stands: bool
+    """Whether its motors have power."""
     is_settled: bool
     """Whether for 2 s it has not gone farther than it sways, or its motors have no power."""
+    drawn: Drawn
+    """How its body differs from its file. Of `truth` only what is not its body applies."""
 
 
 class State(msgspec.Struct, frozen=True, kw_only=True):

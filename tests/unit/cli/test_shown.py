@@ -19,9 +19,11 @@ from giraff_cli.terminal.screen import as_svg
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.localization import LocalizationState
+from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.control.messages import Balance
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.truth import Truth as Drawn
+from tests.support import balancer_file
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import (
     MS,
@@ -323,16 +325,30 @@ def test_the_summary_for_people_fits_a_terminal() -> None:
     assert "31.0 ms median, 31.0 ms p99" in text
 
 
+BODY = draw(balancer_file.DRIVE, balancer_file.ROBOT.track_width, 3)
+
+
 def test_the_summary_tells_how_a_robot_that_balances_stood() -> None:
     telemetry = ten_seconds()
     assert summary(telemetry).balance is None
     places = ((0.0, False), (1.0, True), (1.05, True), (1.4, False), (2.0, True), (1.96, True))
     for second, (x, is_settled) in enumerate(places, 11):
-        balance = Balance(lean_sd=0.01, falls=1, is_settled=is_settled)
+        balance = Balance(lean_sd=0.01, falls=1, stands=True, is_settled=is_settled, drawn=BODY)
         telemetry.see(replace(truth(second * SECOND, x=x), balance=balance))
-    told = summary(telemetry)
-    assert told.balance == BalanceSummary(lean_sd_deg=0.573, drift_m=0.05, falls=1)
-    assert "balance  lean 0.57° sd, drifted 0.05 m, 1 fall" in to_text(told)
+    stood = BalanceSummary(lean_sd_deg=0.573, drift_m=0.05, falls=1, sat_down=False, drawn=BODY)
+    assert summary(telemetry).balance == stood
+    telemetry.sit()
+    rests = [telemetry.is_at_rest]
+    lies = Balance(lean_sd=0.02, falls=2, stands=False, is_settled=True, drawn=BODY)
+    telemetry.see(replace(truth(17 * SECOND, x=9.0), balance=lies))
+    assert [*rests, telemetry.is_at_rest] == [False, True]
+    told = summary(telemetry, truth="calibrated", drawn=Drawn())
+    assert told.balance == msgspec.structs.replace(stood, sat_down=True)
+    assert told.drawn is None, "it is of another body"
+    assert msgspec.json.decode(to_json(told))["balance"]["drawn"]["body_mass"] == BODY.body_mass
+    assert "balance  lean 0.57° sd, drifted 0.05 m, 1 fall, sat down" in to_text(told)
+    assert f"calibrated: {BODY.body_mass:.1f} kg at " in to_text(told)
+    assert max(map(len, to_text(told).splitlines())) <= 80
 
 
 def test_the_picture_stands_alone() -> None:
