@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Final, NamedTuple
+from typing import Final, Literal, NamedTuple
 
 import msgspec
 
@@ -108,9 +108,11 @@ class Obstacles:
     def free_side(self, now: RobotTime) -> Side:
         """Return the side to which a robot that sits down has room. What no sensor knows to be free is not."""
         room = self._live.config.sit_room
-        ways: tuple[Way, ...] = ("forward", "backward")
-        free = (way for way in ways if all(each.room(way, self._motion, now) >= room for each in self._sources))
-        return next(free, "none")
+        sides: tuple[Literal["forward", "backward"], ...] = ("forward", "backward")
+        for side in sides:
+            if all(each.room(side, self._motion, now) >= room for each in self._sources):
+                return side
+        return "none"
 
     def limit(self, linear_x: float, angular_z: float, now: RobotTime) -> Limited:
         """What is let through of a twist, by the verdicts of this turn."""
