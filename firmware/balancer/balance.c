@@ -104,6 +104,7 @@ void balance_step(const struct balance_readings *readings, const struct balance_
         .wheels = &balance.wheels,
         .command = balance.torque.command,
         .is_off = is_off,
+        .sways = balance.reference.sways,
         .leans_over = balance.posture.leans_over,
     });
     bool stood_up = posture_step(&balance.posture, &(struct posture_input){

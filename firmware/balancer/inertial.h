@@ -8,7 +8,7 @@ enum { AXIS_0, AXIS_1, FORWARD, UP, CHANNELS };
 struct inertial {
     bool off_scale[CHANNELS];
     float good[CHANNELS];               /* counts */
-    float axis[2];                      /* rad/s of lean by each axis of the gyroscope; roll has opposite signs in them */
+    float axis[2];                      /* rad/s of lean by each axis of the gyroscope, and of roll: +, - */
     float rate;                         /* rad/s of lean by both: roll cancels out */
     float forward, up;                  /* g */
     float volts;                        /* of the battery, smoothed */

@@ -10,6 +10,10 @@
 #define ASTRAY 0.35f                    /* rad */
 #define ASTRAY_FOR PERIODS(0.3f)
 
+/* A robot that stands sits inside its gear play: its encoders, its motors and the line to them could be lost unseen. */
+#define SWAY_TURN 0.15f                 /* rad/s: less does not always overcome the friction */
+#define SWAY PERIODS(0.5f)              /* to each side: it turns by two degrees at most */
+
 /* How the trim is learned. */
 #define UNEXPLAINED_S 0.1f
 #define TRIM_STEP RAD(2.0f)             /* more is a push, not a shifted zero, and is hardly learned */
@@ -102,6 +106,12 @@ static void learn_trim(struct reference *r, const struct reference_input *in)
     r->usual = followed(r->usual, r->trim, is_new ? USUAL_FIRST_S : USUAL_S);
 }
 
+static float swayed(struct reference *r)
+{
+    r->sways_for = !r->sways ? SWAY / 2 : r->sways_for < 2 * SWAY ? r->sways_for + 1 : 0;
+    return !r->sways ? 0.0f : r->sways_for < SWAY ? SWAY_TURN : -SWAY_TURN;
+}
+
 void reference_step(struct reference *r, const struct reference_input *in)
 {
     const struct balance_settings *settings = &in->model->settings;
@@ -117,6 +127,8 @@ void reference_step(struct reference *r, const struct reference_input *in)
 
     float turned = in->model->turn_per_rad * (in->wheels->turned[RIGHT] - in->wheels->turned[LEFT]);
     r->turn = drives ? clipped(in->order->angular, settings->turn_max) : 0.0f;
+    r->sways = in->stands && r->turn == 0.0f && r->speed == 0.0f && !in->model->is_prototype;
+    r->turn += swayed(r);
     r->turn_behind = r->is_held ? 0.0f : clipped(r->turn_behind + r->turn * PERIOD - turned, TURN_BEHIND_MAX);
     learn_trim(r, in);
 }

@@ -14,12 +14,13 @@ struct reference {
     float turn_behind;                  /* rad by which it has turned less to the left than it is to */
     bool halts;                         /* the order of the last period */
     bool is_held;                       /* an obstacle holds it */
+    bool sways;                         /* it stands, and turns to and fro to see its encoders count */
+    uint16_t sways_for;                 /* periods, to this side */
     uint16_t slow, astray;              /* periods */
     float trim;                         /* rad: lean at which it stands */
     float usual;                        /* rad: the trim of the last half minute */
     float unexplained;                  /* rad by which the trim seems to be wrong */
-    float momentum;                     /* about the point where the wheels touch the floor: as the lean that gives it in
-                                         * a period, rad */
+    float momentum;                     /* about the wheels' contact, as the lean that gives it in a period: rad */
 };
 
 struct reference_input {

@@ -4,7 +4,7 @@
 #define RAIL PERIODS(0.01f)             /* two readings */
 #define SAME PERIODS(0.075f)            /* equal readings; without a fault up to 0.05 s */
 #define APART_S 0.02f
-#define APART_MAX RAD(6.0f)             /* a second; without a fault up to 3.3 */
+#define APART_MAX RAD(6.0f)             /* a second; without a fault up to 3.9 */
 #define APART_GAIN 0.12f                /* of the rate: the axes' gains differ by that much */
 #define ZERO_OFF_S 0.25f                /* in which it learns each axis's zero while it is off */
 #define ZERO_S 10.0f                    /* and else: they warm up */
@@ -16,6 +16,8 @@
 #define SLIP_MAX 0.35f                  /* m/s; without a fault up to 0.17 */
 #define SILENT_VOLTS 2.0f               /* by which a motor surely turns */
 #define SILENT PERIODS(0.1f)            /* without a fault up to 0.06 s */
+
+#define IDLE PERIODS(2.0f)              /* without a fault up to 0.75 s */
 
 #define KEPT (FAULT(CAUSE_ACCELEROMETER) | FAULT(CAUSE_LEFT_ENCODER) | FAULT(CAUSE_RIGHT_ENCODER))
 
@@ -30,13 +32,14 @@ static void watch_readings(struct watch *w, const struct watch_input *in)
     }
 }
 
-/* An axis that is lost shows nothing while the other one shows the lean. Both show roll, as when one wheel goes over an
- * edge: the difference of what they show would take that for a fault, the difference of how much they show does not. */
+/* A lost axis shows nothing while the other one shows the lean. Both show roll, with opposite signs. Of a robot that
+ * leans and turns the encoders tell the roll. When one wheel goes over an edge the axes differ in sign, not in size, so
+ * their sizes are compared. */
 static void watch_axes(struct watch *w, const struct watch_input *in)
 {
-    float own[2];
+    float roll = in->wheels->turn * in->kalman->lean, own[2];
     for (uint8_t k = 0; k < 2; k++) {
-        float axis = in->inertial->axis[k];
+        float axis = k == AXIS_0 ? in->inertial->axis[k] + roll : in->inertial->axis[k] - roll;
         w->zero[k] = followed(w->zero[k], axis - in->kalman->rate, in->is_off ? ZERO_OFF_S : ZERO_S);
         own[k] = magnitude(axis - w->zero[k]);
     }
@@ -55,7 +58,13 @@ static void watch_encoders(struct watch *w, const struct watch_input *in)
         bool is_silent = in->wheels->steps[k] == 0
                          && magnitude((float)in->command[k]) * in->inertial->volts > SILENT_VOLTS * DRIVER_FULL;
         w->silent[k] = lasting(w->silent[k], is_silent);
+        w->idle[k] = lasting(w->idle[k], in->sways && !in->is_off && in->wheels->steps[k] == 0);
     }
+}
+
+static bool is_lost(const struct watch *w, uint8_t wheel)
+{
+    return w->silent[wheel] >= SILENT || w->idle[wheel] >= IDLE;
 }
 
 void watch_step(struct watch *w, const struct watch_input *in)
@@ -78,7 +87,7 @@ void watch_step(struct watch *w, const struct watch_input *in)
     if (!in->leans_over && magnitude(k->lean) > FALLEN_LEAN)
         faults |= FAULT(CAUSE_FALLEN);
     if (!in->model->is_prototype) {
-        bool left = w->silent[LEFT] >= SILENT, right = w->silent[RIGHT] >= SILENT;
+        bool left = is_lost(w, LEFT), right = is_lost(w, RIGHT);
         if (left && right)
             faults |= FAULT(CAUSE_NO_WHEEL_TURNS);
         else if (left)

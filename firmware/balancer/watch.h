@@ -18,6 +18,7 @@ struct watch {
     float flat;                         /* rad: lean by the accelerometer */
     float slip;                         /* m/s by which encoders and fused speed differ */
     uint16_t silent[WHEELS];            /* periods without a count although the motor has power */
+    uint16_t idle[WHEELS];              /* periods without a count although the robot turns to and fro */
     uint16_t faults;                    /* now */
     uint16_t kept;                      /* since it stood up, of the sensors that it goes on without */
 };
@@ -30,6 +31,7 @@ struct watch_input {
     const struct wheel_speed *wheels;
     const int8_t *command;              /* of the last period */
     bool is_off;
+    bool sways;                         /* of reference.h */
     bool leans_over;                    /* on purpose, to sit down */
 };
 

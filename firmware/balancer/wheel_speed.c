@@ -47,7 +47,7 @@ void wheel_speed_fuse(struct wheel_speed *w, const struct model *model, const st
     w->moved = model->half_radius * (w->turned[LEFT] + w->turned[RIGHT] + leaned + leaned);
     w->told = model->half_radius * (w->speed[LEFT] + w->speed[RIGHT] + k->rate + k->rate);
     if (has_accelerometer)
-        w->axle += GRAVITY * PERIOD * (forward + k->lean * (1.0f - k->lean * k->lean * (1.0f / 6.0f)));     /* its sine */
+        w->axle += GRAVITY * PERIOD * (forward + k->lean * (1.0f - k->lean * k->lean * (1.0f / 6.0f)));
     else
         w->axle += model->settings.radius * PERIOD * w->acceleration;
     w->axle = followed(w->axle, w->told, FUSE_S);
