@@ -1,0 +1,179 @@
+"""What computes on the balancing robot's board: its filter, and when it stands, sits down and is off."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import cffi
+import numpy as np
+import pytest
+
+from giraff_schemas.wires.balancer import BalanceCause, BalanceFlag, BalancePosture, BalanceSide
+from tests.firmware.builds import FIRMWARE, shared_library
+
+PERIOD: Final = 0.005
+MODULES: Final = ("balance", "inertial", "kalman", "wheel_speed", "watch", "posture", "reference", "torque")
+DECLARED: Final = """
+struct balance_settings { float k1, k2, k3, k4, gravity, momentum_per_speed, momentum_per_rate, radius, track,
+    rad_per_count, motor_constant, motor_ohm, friction, torque_max, acceleration, braking, speed_max, turn_max,
+    volts_min; };
+struct balance_readings { float gyro[2]; float forward, up; int32_t counts[2]; float volts; bool cord_pulled; };
+struct balance_order { float linear, angular; bool halts, may_stand, sits, off; uint8_t off_cause, free_side; };
+struct balance_state { uint8_t posture, cause, flags; float lean, rate, accelerometer, trim, speed, turn, torque;
+    int8_t command[2]; };
+void balance_start(void);
+void balance_configure(const struct balance_settings *settings);
+void balance_step(const struct balance_readings *readings, const struct balance_order *order);
+const struct balance_state *balance_state(void);
+struct kalman { float lean, bias, rate, forward, up, measured, innovation, p00, p01, p11; };
+struct kalman_input { float rate, forward, up, axle; bool has_accelerometer; };
+void kalman_start(struct kalman *k);
+void kalman_step(struct kalman *k, const struct kalman_input *in);
+"""
+SETTINGS: Final = {
+    "k1": 744.0, "k2": 174.8, "k3": 133.2, "k4": 191.4, "gravity": 82.0, "momentum_per_speed": 15.7,
+    "momentum_per_rate": 6.9, "radius": 0.175, "track": 0.55, "rad_per_count": 2 * np.pi / 5120,
+    "motor_constant": 1.95, "motor_ohm": 0.35, "friction": 2.5, "torque_max": 70.0, "acceleration": 0.25,
+    "braking": 0.35, "speed_max": 0.4, "turn_max": 0.8, "volts_min": 10.4,
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory: pytest.TempPathFactory) -> tuple[cffi.FFI, Any]:
+    ffi = cffi.FFI()
+    ffi.cdef(DECLARED)
+    sources = (FIRMWARE / "balancer" / f"{name}.c" for name in MODULES)
+    library = tmp_path_factory.mktemp("balance") / "balance.so"
+    return ffi, ffi.dlopen(
+        str(shared_library(library, *sources, includes=(FIRMWARE / "common", FIRMWARE / "balancer")))
+    )
+
+
+class Robot:
+    """A board whose sensors show an upright robot that somebody holds."""
+
+    def __init__(self, compiled: tuple[cffi.FFI, Any]) -> None:
+        self._ffi, self._lib = compiled
+        self._noise = np.random.default_rng(1)
+        self._lib.balance_start()
+        self._lib.balance_configure(self._ffi.new("struct balance_settings *", SETTINGS))
+        self.readings: dict[str, Any] = {"counts": [0, 0], "volts": 12.0}
+        self.order: dict[str, Any] = {"halts": True}
+        self.sensors = np.array([471.0, 471.0, 512.0, 614.0])
+        """Counts: both axes of the gyroscope, forward, up."""
+
+    def step(self, periods: int = 1) -> Any:
+        for _ in range(periods):
+            *gyro, forward, up = self.sensors + self._noise.normal(0.0, 0.15, 4)
+            readings = {**self.readings, "gyro": gyro, "forward": forward, "up": up}
+            self._lib.balance_step(
+                self._ffi.new("struct balance_readings *", readings),
+                self._ffi.new("struct balance_order *", self.order),
+            )
+        return self._lib.balance_state()
+
+    def stand(self) -> None:
+        self.order["may_stand"] = True
+        assert any(self.step().posture == BalancePosture.STANDS for _ in range(1200))
+        self.order["may_stand"] = False
+
+
+@pytest.fixture
+def robot(compiled: tuple[cffi.FFI, Any]) -> Robot:
+    return Robot(compiled)
+
+
+def exact_leans(gyro: np.ndarray, forward: np.ndarray, up: np.ndarray, axle: np.ndarray) -> list[float]:
+    """The same filter as its equations are written: matrices, double precision."""
+    lean, covariance = np.zeros(2), np.diag([0.1**2, 0.06**2])
+    advance, wander, seen = (
+        np.array([[1.0, -PERIOD], [0.0, 1.0]]),
+        np.diag([3e-6, 3e-8]) * PERIOD,
+        np.array([[1.0, 0.0]]),
+    )
+    smooth, leans = np.array([0.0, 1.0]), []
+    for rate, f, u, a in zip(gyro, forward, up, axle / 9.81, strict=True):
+        smooth += PERIOD / 0.1 * (np.array([f, u]) - smooth)
+        lean = advance @ lean + np.array([PERIOD * rate, 0.0])
+        covariance = advance @ covariance @ advance.T + wander
+        strange = abs(np.hypot(*smooth) - 1.0) + 0.5 * abs(a)
+        gain = covariance @ seen.T / (seen @ covariance @ seen.T + 0.03**2 + strange**2)
+        lean = lean + gain[:, 0] * (np.arctan2(a - smooth[0], smooth[1]) - lean[0])
+        covariance = (np.eye(2) - gain @ seen) @ covariance
+        leans.append(lean[0])
+    return leans
+
+
+@pytest.mark.parametrize("wild", [False, True])
+def test_the_filter_is_within_a_tenth_of_a_degree_of_its_equations(compiled: tuple[cffi.FFI, Any], wild: bool) -> None:
+    ffi, lib = compiled
+    chance, count = np.random.default_rng(7), 6000
+    t = np.arange(count) * PERIOD
+    lean = np.radians(3.0) * np.sin(2.1 * t) + np.radians(1.5) * np.sin(6.7 * t)
+    axle = 0.8 * np.sin(3.3 * t)
+    if wild:
+        lean, axle = chance.normal(0.0, 0.4, count).cumsum() * 0.01, chance.normal(0.0, 3.0, count)
+    gyro = np.gradient(lean, PERIOD) + 0.05 + chance.normal(0.0, 0.005, count)
+    forward = axle / 9.81 - np.sin(lean) + chance.normal(0.0, 0.3 if wild else 0.003, count)
+    up = np.cos(lean) + chance.normal(0.0, 0.3 if wild else 0.003, count)
+    filtered: Any = ffi.new("struct kalman *")
+    lib.kalman_start(filtered)
+    leans = []
+    for rate, f, u, a in zip(gyro, forward, up, axle, strict=True):
+        lib.kalman_step(filtered, ffi.new("struct kalman_input *", [rate, f, u, a, True]))
+        leans.append(filtered.lean)
+    assert np.degrees(np.abs(np.array(leans) - exact_leans(gyro, forward, up, axle))).max() < 0.1
+
+
+def test_it_stands_up_only_when_asked_and_upright_and_still(robot: Robot) -> None:
+    state = robot.step(1200)
+    assert (state.posture, state.flags) == (BalancePosture.OFF, BalanceFlag.UPRIGHT)
+    robot.sensors[2] = 512.0 - 102.0 * np.sin(np.radians(6.0))
+    robot.order["may_stand"] = True
+    assert robot.step(1200).posture == BalancePosture.OFF
+    robot.sensors[2] = 512.0
+    robot.stand()
+
+
+@pytest.mark.parametrize(
+    ("what", "value", "cause"),
+    [("readings", {"cord_pulled": True}, "CORD"), ("order", {"off": True, "off_cause": 2}, "ESTOP_OFF")],
+)
+def test_the_cord_and_an_estop_off_take_the_power_in_one_period(
+    robot: Robot, what: str, value: dict[str, Any], cause: str
+) -> None:
+    robot.stand()
+    robot.sensors[:2] += 10.0
+    assert any(robot.step(20).command)
+    getattr(robot, what).update(value)
+    robot.order["may_stand"] = True
+    for _ in range(300):
+        state = robot.step()
+        assert (state.posture, state.cause, *state.command) == (BalancePosture.OFF, BalanceCause[cause], 0, 0)
+
+
+@pytest.mark.parametrize(("side", "sign"), [(BalanceSide.FORWARD, -1), (BalanceSide.BACKWARD, 1)])
+def test_it_sits_down_to_the_free_side(robot: Robot, side: BalanceSide, sign: int) -> None:
+    robot.stand()
+    robot.order |= {"sits": True, "free_side": side}
+    state = robot.step(15)
+    assert (state.posture, state.cause) == (BalancePosture.SITS_DOWN, BalanceCause.ASKED)
+    assert np.sign(state.torque) == sign  # the wheels run away to the other side
+
+
+@pytest.mark.parametrize(
+    ("what", "cause"),
+    [("order", "ASKED"), ("battery", "BATTERY"), ("accelerometer", "ACCELEROMETER"), ("gyroscope", "GYROSCOPE")],
+)
+def test_it_is_off_where_no_side_is_free_or_it_no_longer_knows_its_lean(robot: Robot, what: str, cause: str) -> None:
+    robot.stand()
+    if what == "order":
+        robot.order["sits"] = True
+    elif what == "battery":
+        robot.readings["volts"] = 9.0
+    else:
+        robot.sensors[3 if what == "accelerometer" else 0] = 0.0
+    if what == "gyroscope":
+        robot.order["free_side"] = BalanceSide.FORWARD  # it does not sit down: without its lean it cannot
+    state = robot.step(30 if what == "battery" else 2)
+    assert (state.posture, state.cause, *state.command) == (BalancePosture.OFF, BalanceCause[cause], 0, 0)
