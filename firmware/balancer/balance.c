@@ -9,6 +9,7 @@
 
 static struct {
     struct model model;
+    bool is_second;                     /* of two periods */
     struct inertial inertial;
     struct kalman kalman;
     struct wheel_speed wheels;
@@ -44,8 +45,8 @@ void balance_configure(const struct balance_settings *settings)
         .turn_per_rad = settings->radius / settings->track,
         .lean_per_acceleration = settings->momentum_per_speed * per_gravity,
         .acceleration_per_lean = settings->gravity / settings->momentum_per_speed,
-        .lean_per_speed = settings->momentum_per_speed * per_gravity / PERIOD,
-        .lean_per_rate = settings->momentum_per_rate * per_gravity / PERIOD,
+        .lean_per_speed = settings->momentum_per_speed * per_gravity / SLOW_PERIOD,
+        .lean_per_rate = settings->momentum_per_rate * per_gravity / SLOW_PERIOD,
         .volts_per_torque = settings->motor_ohm / settings->motor_constant,
         .acceleration_step = settings->acceleration * PERIOD,
         .braking_step = settings->braking * PERIOD,
@@ -85,6 +86,7 @@ void balance_step(const struct balance_readings *readings, const struct balance_
     const bool lost[WHEELS] = { balance.watch.kept & FAULT(CAUSE_LEFT_ENCODER),
                                 balance.watch.kept & FAULT(CAUSE_RIGHT_ENCODER) };
 
+    balance.is_second = !balance.is_second;
     inertial_step(&balance.inertial, readings);
     wheel_speed_count(&balance.wheels, model, readings->counts, lost);
     kalman_step(&balance.kalman, &(struct kalman_input){
@@ -93,7 +95,7 @@ void balance_step(const struct balance_readings *readings, const struct balance_
         .up = balance.inertial.up,
         /* By hand it can be lifted and its wheels turned. */
         .axle = is_off ? 0.0f : wheel_speed_acceleration(&balance.wheels, model, &balance.kalman),
-        .has_accelerometer = has_accelerometer,
+        .corrects = has_accelerometer && !balance.is_second,
     });
     wheel_speed_fuse(&balance.wheels, model, &balance.kalman, balance.inertial.forward, has_accelerometer);
     watch_step(&balance.watch, &(struct watch_input){
@@ -105,6 +107,7 @@ void balance_step(const struct balance_readings *readings, const struct balance_
         .command = balance.torque.command,
         .is_off = is_off,
         .sways = balance.reference.sways,
+        .is_second = balance.is_second,
         .leans_over = balance.posture.leans_over,
     });
     bool stood_up = posture_step(&balance.posture, &(struct posture_input){
@@ -126,6 +129,7 @@ void balance_step(const struct balance_readings *readings, const struct balance_
         .wheels = &balance.wheels,
         .stands = balance.posture.posture == BALANCE_STANDS,
         .since = balance.posture.since,
+        .is_second = balance.is_second,
     });
     torque_step(&balance.torque, &(struct torque_input){
         .model = model,

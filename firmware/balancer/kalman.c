@@ -39,22 +39,23 @@ void kalman_step(struct kalman *k, const struct kalman_input *in)
     /* Predict: the lean grows by the rate, the bias stays. */
     k->rate = in->rate - k->bias;
     k->lean += k->rate * PERIOD;
-    k->p00 += PERIOD * (PERIOD * k->p11 - 2.0f * k->p01 + LEAN_NOISE);
-    k->p01 -= PERIOD * k->p11;
-    k->p11 += BIAS_NOISE * PERIOD;
+    if (!in->corrects)
+        return;
 
     /* The accelerometer also feels the axle's own acceleration. What the encoders know of it is subtracted. */
     float axle = in->axle * (1.0f / GRAVITY);
     k->measured = angle(axle - k->forward, k->up);
     k->innovation = k->measured - k->lean;
-    if (!in->has_accelerometer)
-        return;
+    k->p00 += SLOW_PERIOD * (SLOW_PERIOD * k->p11 - 2.0f * k->p01 + LEAN_NOISE);
+    k->p01 -= SLOW_PERIOD * k->p11;
+    k->p11 += BIAS_NOISE * SLOW_PERIOD;
 
     /* Update. What remains widens the noise, so that a push or a bump has little weight. */
     float square = k->forward * k->forward + k->up * k->up;
     float strange = 0.5f * magnitude(square - 1.0f) + AXLE_SHARE * magnitude(axle);     /* near 1 g half its square's */
-    float sd = SD_PER_G * strange;
-    float share = 1.0f / (k->p00 + MEASURED_SD * MEASURED_SD + sd * sd);
+    /* The variance of one measurement; two periods have half of it. */
+    float variance = MEASURED_SD * MEASURED_SD + SD_PER_G * SD_PER_G * strange * strange;
+    float share = 1.0f / (k->p00 + 0.5f * variance);
     float lean_gain = k->p00 * share, bias_gain = k->p01 * share;
     k->lean += lean_gain * k->innovation;
     k->bias += bias_gain * k->innovation;

@@ -16,7 +16,7 @@ struct kalman_input {
     float rate;                         /* rad/s, of the gyroscope */
     float forward, up;                  /* g, of the accelerometer */
     float axle;                         /* m/s2: the axle's own acceleration, by the encoders */
-    bool has_accelerometer;
+    bool corrects;                      /* by the accelerometer: in every second period, if there is one */
 };
 
 void kalman_start(struct kalman *k);

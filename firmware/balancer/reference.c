@@ -90,20 +90,20 @@ static void follow_speed(struct reference *r, const struct reference_input *in, 
  * where the wheels touch the floor. The part that gravity does not explain shows the error of the trim. */
 static void learn_trim(struct reference *r, const struct reference_input *in)
 {
-    if (in->model->is_prototype)
+    if (in->model->is_prototype || !in->is_second)
         return;
     float momentum = in->model->lean_per_speed * in->wheels->axle + in->model->lean_per_rate * in->kalman->rate;
     float gained = momentum - r->momentum;
     r->momentum = momentum;
-    r->unexplained = followed(r->unexplained, in->kalman->lean - r->trim - gained, UNEXPLAINED_S);
+    r->unexplained = followed_slowly(r->unexplained, in->kalman->lean - r->trim - gained, UNEXPLAINED_S);
     if (!in->stands)
         return;
     bool is_new = in->since < FIRST;
     bool comes_back = (r->unexplained > 0.0f) == (r->usual > r->trim);
-    float share = comes_back ? PERIOD / TRIM_BACK_S : is_new ? PERIOD / TRIM_FIRST_S : PERIOD / TRIM_S;
-    r->trim += share * clipped(r->unexplained, TRIM_STEP) - PERIOD * TRIM_PLACE / LEASH * r->ahead;
+    float share = comes_back ? SLOW_PERIOD / TRIM_BACK_S : is_new ? SLOW_PERIOD / TRIM_FIRST_S : SLOW_PERIOD / TRIM_S;
+    r->trim += share * clipped(r->unexplained, TRIM_STEP) - SLOW_PERIOD * TRIM_PLACE / LEASH * r->ahead;
     r->trim = clipped(r->trim, TRIM_MAX);
-    r->usual = followed(r->usual, r->trim, is_new ? USUAL_FIRST_S : USUAL_S);
+    r->usual = followed_slowly(r->usual, r->trim, is_new ? USUAL_FIRST_S : USUAL_S);
 }
 
 static float swayed(struct reference *r)

@@ -30,6 +30,7 @@ struct reference_input {
     const struct wheel_speed *wheels;
     bool stands;
     uint16_t since;                     /* periods in which it has stood */
+    bool is_second;                     /* of two periods */
 };
 
 /* It stands up, here. */

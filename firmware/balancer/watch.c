@@ -40,7 +40,8 @@ static void watch_axes(struct watch *w, const struct watch_input *in)
     float roll = in->wheels->turn * in->kalman->lean, own[2];
     for (uint8_t k = 0; k < 2; k++) {
         float axis = k == AXIS_0 ? in->inertial->axis[k] + roll : in->inertial->axis[k] - roll;
-        w->zero[k] = followed(w->zero[k], axis - in->kalman->rate, in->is_off ? ZERO_OFF_S : ZERO_S);
+        if (in->is_second)
+            w->zero[k] = followed_slowly(w->zero[k], axis - in->kalman->rate, in->is_off ? ZERO_OFF_S : ZERO_S);
         own[k] = magnitude(axis - w->zero[k]);
     }
     float apart = magnitude(own[0] - own[1]) - APART_GAIN * magnitude(in->kalman->rate);
@@ -72,8 +73,10 @@ void watch_step(struct watch *w, const struct watch_input *in)
     const struct kalman *k = in->kalman;
     watch_readings(w, in);
     watch_axes(w, in);
-    w->disputed = followed(w->disputed, k->innovation, LEAN_S);
-    w->flat = followed(w->flat, k->measured, LEAN_S);
+    if (in->is_second) {
+        w->disputed = followed_slowly(w->disputed, k->innovation, LEAN_S);
+        w->flat = followed_slowly(w->flat, k->measured, LEAN_S);
+    }
     w->slip = followed(w->slip, in->wheels->told - in->wheels->axle, SLIP_S);
     watch_encoders(w, in);
 

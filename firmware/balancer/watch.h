@@ -32,6 +32,7 @@ struct watch_input {
     const int8_t *command;              /* of the last period */
     bool is_off;
     bool sways;                         /* of reference.h */
+    bool is_second;                     /* of two periods */
     bool leans_over;                    /* on purpose, to sit down */
 };
 
