@@ -188,8 +188,10 @@ def among_people(seed: int) -> Figures:
     return figures
 
 
-def broken(fault: Callable[[Balancer], None], *, moves: bool, seconds: float = 5.0) -> Callable[[int], Figures]:
-    """Break something while it stands or drives, and go on asking for what it was asked for."""
+def broken(
+    fault: Callable[[Balancer], None], *, moves: bool, seconds: float = 5.0, speed: float = 0.0
+) -> Callable[[int], Figures]:
+    """Break something while it stands or drives, at a steady speed or to and fro, and go on asking for the same."""
 
     def play(seed: int) -> Figures:
         robot = Balancer(seed)
@@ -197,7 +199,9 @@ def broken(fault: Callable[[Balancer], None], *, moves: bool, seconds: float = 5
         side = side_of(seed)
         robot.free_side = BalanceSide.FORWARD if side > 0.0 else BalanceSide.BACKWARD
         if moves:
-            robot.before_each_ms = Errand(robot, seed, 0.0).go_on
+            robot.linear = speed * side
+            if not speed:
+                robot.before_each_ms = Errand(robot, seed, 0.0).go_on
             robot.run(8.0)
             robot.before_each_ms = lambda: None
         figures = then(robot, seconds, fault, side)
@@ -261,11 +265,11 @@ def carried(robot: Balancer) -> None:
 
 
 def battery_falls(robot: Balancer) -> None:
-    """Its battery falls by 3 V/s, from a tenth of a second above the limit."""
+    """Its battery falls by 0.4 V/s and is at the limit after 0.1 s. The motor driver cuts off a second later."""
     plant, limit = robot.plant, robot.drive_config.battery_minimum
-    plant.open_volts += limit - plant.volts + 0.3
+    plant.open_volts += limit - plant.volts + 0.04
 
     def fall() -> None:
-        plant.open_volts -= 0.003
+        plant.open_volts -= 0.0004
 
     robot.before_each_ms = fall
