@@ -78,7 +78,7 @@ FAULTS: Final = {
     "gyro_stuck_moving": Row(broken(gyro_stuck_at_middle, moves=True), {"off": 0.3}),
     "accelerometer_rail": Row(broken(sensor_at(0.0, 2, 3), moves=False), {"noticed": 0.02, "off": 1.1, "span": 0.35}),
     "accelerometer_rail_moving": Row(
-        broken(sensor_at(0.0, 2, 3), moves=True), {"noticed": 0.02, "off": 3.0, "span": 0.35}
+        broken(sensor_at(0.0, 2, 3), moves=True), {"noticed": 0.02, "off": 3.0, "span": 0.40}
     ),
     "accelerometer_frozen": Row(broken(sensor_frozen(2, 3), moves=False), {"noticed": 0.1, "off": 1.1, "span": 0.35}),
     "accelerometer_frozen_moving": Row(
@@ -95,7 +95,7 @@ FAULTS: Final = {
     "carried": Row(broken(carried, moves=False), {"off": 2.1}),
     "carried_moving": Row(broken(carried, moves=True), {"off": 2.1}),
     "battery": Row(broken(battery_falls, moves=False), {"noticed": 0.25, "off": 1.05, "span": 0.10}),
-    "battery_moving": Row(broken(battery_falls, moves=True), {"noticed": 0.25, "off": 3.25}),
+    "battery_moving": Row(broken(battery_falls, moves=True), {"noticed": 0.28, "off": 3.25}),
     "cord": Row(broken(cord_pulled, moves=False), {"off": 0.006, "span": 0.10}),
     "cord_moving": Row(broken(cord_pulled, moves=True, speed=0.4), {"off": 0.006, "span": 0.25}),
 }
