@@ -18,9 +18,12 @@ from giraff_sim.world.body import BoardReport
 from giraff_sim.world.room import Room
 
 _FULL_DUTY: Final = 255.0
-_SLICES: Final = 20  # ms between two looks at the way
+_LOOK_MS: Final = 20
+"""Between two looks at the way."""
 _LOOKS: Final = 100
 _SWAY: Final = 0.10  # m within 2 s: a robot that only stands stays within it, one that drives at 0.05 m/s does not
+_LET_GO_SWAY: Final = 0.30  # m, in its first seconds: it learns at which lean it stands
+_LET_GO_MS: Final = 12_000
 _SWAY_TURN: Final = 0.20  # rad within 2 s: it may dither its turn to feel its wheels
 _IDLE_MS: Final = 50  # a robot that stands has a command of 0 for less; for so long a person waits to let go
 
@@ -58,7 +61,7 @@ class BalancerBody:
         self.sensors = Sensors(self.plant, seed)
         self._late: deque[tuple[float, float]] = deque([(0.0, 0.0)] * drawn.delay, maxlen=drawn.delay)
         self._states_per_rad = drive.counts_per_turn / math.tau
-        self._looks = 0
+        self._looked_ms = 0
         self._track: deque[tuple[float, float]] = deque(maxlen=_LOOKS)
         self._pushes: list[tuple[float, float]] = []  # N s, s when each began
         self._stood, self._lean_sum, self._lean_squares = 0, 0.0, 0.0
@@ -89,16 +92,18 @@ class BalancerBody:
         model.cord_pulled = self.cord_pulled
 
     def look(self, board: Board) -> None:  # noqa: ARG002  # the pins cannot tell
-        self._looks += 1
-        if self._looks % _SLICES:
+        now_ms = round(self.plant.seconds * 1000)
+        if now_ms - self._looked_ms < _LOOK_MS:
             return
+        self._looked_ms = now_ms
         self._track.append((self.plant.way, self.plant.turned))
         if not self.powered_ms:
             self.activity = 0
             self._track.clear()
             return
         ways, turns = zip(*self._track, strict=True)
-        farther = max(max(ways) - min(ways) - _SWAY, max(turns) - min(turns) - _SWAY_TURN)
+        sway = _SWAY if self.powered_ms > _LET_GO_MS else _LET_GO_SWAY
+        farther = max(max(ways) - min(ways) - sway, max(turns) - min(turns) - _SWAY_TURN)
         self.activity = max(0, math.ceil(farther * 1000.0))
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_sim.dst.judging.wishes import Way
-from giraff_sim.world.body import Plant
+from giraff_sim.world.body import Body
 
 _CONTRARY: Final = 0.05  # m/s of the centre, or of each wheel where it turns
 _UNASKED: Final = 0.12  # the same of a way that nobody asks for: unlike motors turn a robot that drives, and drive one
@@ -17,8 +17,8 @@ _LASTS_US: Final = 500_000
 class Contrary:
     """Asked after each step, with and without power."""
 
-    def __init__(self, plant: Plant) -> None:
-        self._plant = plant
+    def __init__(self, body: Body) -> None:
+        self._plant, self._acts, self._settles_us = body.plant, body.acts, body.settles_us
         self._asked: tuple[str, Way] = "", (None, None)
         self._since_us = [0, 0]  # the robot goes the other way, or may still
         self._asks_us = 0  # when the operator may have asked for something last
@@ -30,8 +30,8 @@ class Contrary:
             self._asks_us = now_us
         changed = [operator != operator_before or now != before for now, before in zip(way, way_before, strict=True)]
         against = self._against(way, changed, now_us)
-        if now_us - self._asks_us > _LETS_GO_US:
-            return f"power {(now_us - self._asks_us) / 1e6:.3f} s after {operator} has let go"
+        if now_us - self._asks_us > _LETS_GO_US + self._settles_us:
+            return f"{self._acts} {(now_us - self._asks_us) / 1e6:.3f} s after {operator} has let go"
         return f"{against}, where {operator} points elsewhere" if against else ""
 
     def _against(self, way: Way, changed: list[bool], now_us: int) -> str:
@@ -40,7 +40,7 @@ class Contrary:
         against = ""
         for axis, (name, asked, speed) in enumerate(zip(("linear", "turning"), way, speeds, strict=True)):
             if changed[axis]:
-                self._since_us[axis] = now_us + _OBEYS_US
+                self._since_us[axis] = now_us + _OBEYS_US + self._settles_us
             elif asked is None or (asked * speed >= -_CONTRARY if asked else abs(speed) <= _UNASKED):
                 self._since_us[axis] = max(self._since_us[axis], now_us)
             if now_us - self._since_us[axis] > _LASTS_US:

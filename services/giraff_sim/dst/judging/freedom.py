@@ -32,6 +32,7 @@ class Freedom:
     def __init__(self, world: World, settings: Settings) -> None:
         self._world = world
         self._robot = settings.robot
+        self._patience_us = _PATIENCE_US + world.body.settles_us
         self._touching = Touching(world, settings)
         self._refused_us: int | None = None
         self._looked_us = 0
@@ -69,10 +70,10 @@ class Freedom:
             return ""
         if self._refused_us is None:
             self._refused_us = now_us
-        if now_us - self._refused_us <= _PATIENCE_US:
+        if now_us - self._refused_us <= self._patience_us:
             return ""
         self._refused_us = None
-        return f"armed, and asked to where it is free, but still for {_PATIENCE_US / 1e6:g} s: {state.reason}"
+        return f"armed, and asked to where it is free, but still for {self._patience_us / 1e6:g} s: {state.reason}"
 
     def _is_due(self, passed: Passed, state: BaseState, now_us: int) -> bool:
         given = passed.given

@@ -71,7 +71,7 @@ class Judge(Ledger):
         self._story = story
         self._explainer = Explainer(self, settings.robot, settings.base)
         self._obstacles = Obstacles(self._world, settings)
-        self._contrary = Contrary(body.plant)
+        self._contrary = Contrary(body)
         self._driver = ""  # instance of the operator whom the newest frame that asks for motion explains
         self.freedom = Freedom(self._world, settings)
         self._asked_us = 0  # when base last asked the board as it is now for motion
