@@ -36,10 +36,11 @@ def walked(step: Step, pose: Pose) -> Pose:
             return pose.moved(2.0 * radius * math.sin(abs(angle) / 2.0), angle)
         case GoTo(x=x, y=y):
             ahead, left = pose.sees(x, y)
-            distance = math.hypot(ahead, left)
+            distance = math.hypot(x - pose.x, y - pose.y)  # turned first, 5 mm would be a little less
             return pose.moved(0.0, math.atan2(left, ahead)).moved(distance, 0.0) if distance >= 0.005 else pose
 
 
+@example([Turn(angle=2.083984375), GoTo(x=0.0, y=0.005)], Pose(0.0, 0.0, 0.0))
 @example([Move(distance=1.0), Arc(radius=2.0, angle=-11.0), GoTo(x=-1.0, y=-1.0)], Pose(0.0, 1.0, 0.0))
 @given(st.lists(STEPS, min_size=1, max_size=5), POSES)
 def test_what_is_asked_is_where_a_walk_ends(steps: list[Step], start: Pose) -> None:
