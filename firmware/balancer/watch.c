@@ -17,7 +17,7 @@
 #define SILENT_VOLTS 2.0f               /* by which a motor surely turns */
 #define SILENT PERIODS(0.1f)            /* without a fault up to 0.06 s */
 
-#define IDLE PERIODS(2.0f)              /* without a fault up to 0.75 s */
+#define IDLE PERIODS(1.7f)              /* without a fault up to 0.75 s */
 
 #define KEPT (FAULT(CAUSE_ACCELEROMETER) | FAULT(CAUSE_LEFT_ENCODER) | FAULT(CAUSE_RIGHT_ENCODER))
 

@@ -4,7 +4,7 @@ import pytest
 
 from giraff_schemas.wires.balancer import BalanceCause, BalancePosture
 from tests.support.balancer import Balancer
-from tests.support.balancing import prototype, pushed, sensor_at, side_of, stopped, then
+from tests.support.balancing import prototype_pushed, pushed, sensor_at, side_of, stopped, then
 
 
 @pytest.mark.parametrize("seed", [0, 1])
@@ -43,7 +43,7 @@ def test_an_emergency_stop_ends_driving_and_it_stands() -> None:
 
 
 def test_the_prototype_without_encoders_stands_and_drifts_as_it_is_pushed() -> None:
-    push = prototype(1, seconds=0.6)
+    push = prototype_pushed(1, settle=0.6)
     assert push["up"] == 1.0
     assert push["gone"] > 0.25
 

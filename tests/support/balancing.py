@@ -152,9 +152,14 @@ def over_threshold(seed: int) -> Figures:
     return figures
 
 
-def prototype(seed: int, seconds: float = 30.0) -> Figures:
-    """Return figures of a push of 4 N s, after the robot without encoders has stood so long."""
-    return pushes(4.0, 4.0, settle=seconds, drive=PROTOTYPE, **known_zero(seed))(seed)
+def prototype_stands(seed: int) -> Figures:
+    """Return figures of 30 s in which the robot without encoders stands."""
+    return stands(seed, 30.0, settle=0.0, drive=PROTOTYPE, **known_zero(seed))
+
+
+def prototype_pushed(seed: int, settle: float = 2.0) -> Figures:
+    """Return figures of a push of 4 N s, soon after the robot without encoders stands: later it may be on its way."""
+    return pushes(4.0, 4.0, settle=settle, drive=PROTOTYPE, **known_zero(seed))(seed)
 
 
 class Errand:
