@@ -20,6 +20,8 @@ GRAVITY: Final = 9.81
 _GAIN: Final = Bounds(0.0, 10_000.0)
 _RADIUS_OFF: Final = 0.02
 """Largest share by which radius and counts may contradict `ticks_per_metre`."""
+_SPEED_TO_CATCH: Final = 0.5
+"""Share of the motors' speed without load that stays free, so that the wheels can get under the body."""
 
 
 class BalancerConfig(
@@ -82,6 +84,11 @@ class BalancerConfig(
         check_bounds(self)
         if (self.k3 == 0.0) != (self.k4 == 0.0):
             raise ValueError(f"k3 is {self.k3:g} and k4 {self.k4:g}: either both are 0, or none is")
+        if self.k1 <= self._gravity:
+            raise ValueError(
+                f"k1 is {self.k1:g} N m/rad: it must be above the {self._gravity:.0f} of gravity on the body, "
+                "or the robot falls"
+            )
         if not self.driver_minimum < self.battery_minimum < self.battery_nominal:
             raise ValueError(
                 f"driver_minimum is {self.driver_minimum:g} V, battery_minimum {self.battery_minimum:g} V and "
@@ -98,20 +105,31 @@ class BalancerConfig(
         """Why nobody knows yet whether the robot moves as it is asked."""
         if all(getattr(self, name) is not None for name in WIRING):
             return WELL
-        return Trouble("the wiring is not checked", "write it into [base.drive]: docs/commissioning.md")
+        return Trouble("the wiring is not checked", "write it into [base.drive]: docs/balancer.md")
 
     @property
     def wiring(self) -> Wiring:
         """The bits that the board's `configure` frame carries. An unchecked one counts as not set."""
         return Wiring(sum(Wiring[name.upper()] for name in WIRING if getattr(self, name)))
 
+    @property
+    def _gravity(self) -> float:
+        """N m/rad. What gravity gains on the body for each rad that it leans."""
+        return self.body_mass * GRAVITY * self.centre_height
+
     def require_countable(self, robot: RobotConfig) -> None:
-        """Raise ValueError where wheel and encoder contradict `ticks_per_metre`."""
+        """Raise ValueError where wheel and encoder contradict `ticks_per_metre`, or the motors `max_wheel_speed`."""
         counts = self.counts_per_turn / (math.tau * self.wheel_radius)
         if abs(counts / robot.ticks_per_metre - 1.0) > _RADIUS_OFF:
             raise ValueError(
                 f"wheel_radius and counts_per_turn give {counts:.0f} counts per metre, "
                 f"and ticks_per_metre is {robot.ticks_per_metre:.0f}: correct the wrong one"
+            )
+        no_load = self.battery_nominal / self.motor_constant * self.wheel_radius
+        if robot.max_wheel_speed > no_load * (1.0 - _SPEED_TO_CATCH):
+            raise ValueError(
+                f"max_wheel_speed is {robot.max_wheel_speed:g} m/s: a motor without load makes {no_load:.2f} m/s, "
+                f"and must have {_SPEED_TO_CATCH:.0%} of it left to catch the robot"
             )
 
     def board_settings(self, robot: RobotConfig) -> BalanceConfigureFrame:
@@ -130,7 +148,7 @@ class BalancerConfig(
             k2_mnm_s_rad=_thousandths(self.k2),
             k3_mnm_m=_thousandths(self.k3),
             k4_mnm_s_m=_thousandths(self.k4),
-            gravity_mnm_rad=_thousandths(mass * GRAVITY * height),
+            gravity_mnm_rad=_thousandths(self._gravity),
             momentum_gms=_thousandths(per_speed),
             momentum_gm2=_thousandths(per_rate),
             radius_um=round(radius * 1e6),

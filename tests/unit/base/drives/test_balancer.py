@@ -265,6 +265,8 @@ class TestBalancer(AnyDrive):
         ("fields", "told"),
         [
             ({"k3": 0.0}, "either both are 0, or none is"),
+            ({"k1": 0.0}, "k1 is 0 N m/rad: it must be above the 82 of gravity"),
+            ({"k1": 82.0}, "or the robot falls"),
             ({"battery_minimum": 9.9}, "they must rise"),
             ({"battery_nominal": 10.0}, "they must rise"),
         ],
@@ -277,3 +279,9 @@ class TestBalancer(AnyDrive):
         wrong = msgspec.structs.replace(ROBOT, ticks_per_metre=ROBOT.ticks_per_metre * 1.03)
         with pytest.raises(ValueError, match="give 4656 counts per metre"):
             DRIVE.require_countable(wrong)
+
+    def test_a_robot_too_fast_for_its_motors_is_refused(self) -> None:
+        wrong = msgspec.structs.replace(ROBOT, max_wheel_speed=0.54)
+        with pytest.raises(ValueError, match=r"makes 1\.08 m/s, and must have 50% of it left"):
+            DRIVE.require_countable(wrong)
+        msgspec.structs.replace(DRIVE, battery_nominal=24.0).require_countable(wrong)
