@@ -101,7 +101,7 @@ def check_wheels(port: str | None) -> int:
 def _of_wheels(path: Path, drive: object) -> WheelsConfig:
     if isinstance(drive, WheelsConfig):
         return drive
-    raise ConfigError(f"{path}: [base.drive] is not of type wheels, whose wiring this finds")
+    raise ConfigError(f"{path}: [base.drive] is not of type wheels, whose wiring this finds; write its wiring by hand")
 
 
 def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:

@@ -13,7 +13,7 @@ import zenoh
 
 from giraff_cli.doctor.findings import Finding, as_document, findings
 from giraff_cli.doctor.inspection import Inspection, Machine, Network, Robot
-from giraff_cli.doctor.machine import CORRECT_IT, geometry_of, look_at_boards, look_at_machine, wiring_checked
+from giraff_cli.doctor.machine import CORRECT_IT, geometry_of, look_at_boards, look_at_machine, wiring_problem
 from giraff_cli.doctor.probe import call_all, call_pages, has_free_port
 from giraff_cli.doctor.robot import listen
 from giraff_cli.network.command import print_error
@@ -114,7 +114,7 @@ def _look(
         machine=msgspec.structs.replace(
             machine,
             ports=() if robot is None else look_at_boards(running),
-            wiring_checked=not based_here or wiring_checked(),
+            wiring_problem=wiring_problem() if based_here else WELL,
             geometry=geometry_of(robot.name) if robot is not None and based_here else None,
         ),
         network=Network(

@@ -78,12 +78,12 @@ def _of_machine(machine: Machine) -> Iterator[Finding]:
             grave: Severity = "fault" if disk.free_bytes < _DISK_FULL else "warning"
             left = f"{disk.folder}: {disk.free_bytes / 1e6:.0f} MB of {disk.total_bytes / 1e6:.0f} MB are free"
             yield Finding(severity=grave, about="disk", what=left, fix="delete old recordings, or move them elsewhere")
-    if not machine.wiring_checked:
+    if machine.wiring_problem:
         yield Finding(
             severity="warning",
             about="wiring",
             what="how motors and encoders are soldered is not known, so base does not arm",
-            fix="lift the wheels and run giraff check wheels",
+            fix=machine.wiring_problem.remedy,
         )
     yield from (_told("warning", "operator", unranked_notice(operator)) for operator in machine.unranked_hands)
 

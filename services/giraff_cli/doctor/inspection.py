@@ -70,7 +70,8 @@ class Machine(msgspec.Struct, frozen=True, kw_only=True):
     """What robot file and environment write as it was before; unset: nothing, and JSON is as it was before, too."""
     keys_problem: Trouble = WELL
     keys_expired: bool = False
-    wiring_checked: bool = True
+    wiring_problem: Trouble = WELL
+    """Why nobody knows yet whether the robot moves as it is asked."""
     unranked_hands: tuple[str, ...] = ()
     """Operator names of its robot file's hands that no priority names: persons take the robot from them."""
     geometry: Geometry | None = None

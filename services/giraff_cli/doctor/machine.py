@@ -74,11 +74,11 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
     return tuple(found)
 
 
-def wiring_checked(environment: Mapping[str, str] = os.environ) -> bool:
-    """Return whether somebody has checked that the robot moves as it is asked; True where there is no robot file."""
+def wiring_problem(environment: Mapping[str, str] = os.environ) -> Trouble:
+    """Return why nobody knows yet whether the robot moves as it is asked; WELL where there is no robot file."""
     with contextlib.suppress(ConfigError):
-        return not load(BASE.table, BaseConfig, environment, port="").drive.unchecked
-    return True
+        return load(BASE.table, BaseConfig, environment, port="").drive.unchecked
+    return WELL
 
 
 def geometry_of(robot: str, environment: Mapping[str, str] = os.environ) -> Geometry | None:

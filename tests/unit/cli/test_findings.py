@@ -145,7 +145,10 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (of_machine(ports=(Port(service="base", problem=BAD),)), "fault base's board: it is bad -> mend it"),
         (of_machine(disks=(msgspec.structs.replace(DISK, free_bytes=10**7),)), "fault disk: /var/lib/giraff: 10 MB"),
         (of_machine(disks=(msgspec.structs.replace(DISK, free_bytes=10**8),)), "warning disk: /var/lib/giraff: 100 MB"),
-        (of_machine(wiring_checked=False), "warning wiring: how motors and encoders are soldered is not known"),
+        (
+            of_machine(wiring_problem=BAD),
+            "warning wiring: how motors and encoders are soldered is not known, so base does not arm -> mend it",
+        ),
         (
             of_machine(unranked_hands=("gamepad",)),
             "warning operator: operator gamepad has no priority, so any person's hand takes the robot from it -> if a",
