@@ -300,7 +300,8 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
     if not answer.done or answer.engaged:
         why = printable(answer.reason) or f"latch {answer.id} has come since"
         return Result(ENGAGED, f"STILL ENGAGED, {what}: {why}")
-    return Result(RELEASED, f"cleared {what}\n{robot} may move again, and does not yet: {_HOW_TO_DRIVE}")
+    how = f"{_HOLD_IT}; {_HOW_TO_DRIVE}" if state.off else _HOW_TO_DRIVE
+    return Result(RELEASED, f"cleared {what}\n{robot} may move again, and does not yet: {how}")
 
 
 def status(connection: RobotConnection, timeout: float) -> Result:
@@ -320,6 +321,7 @@ def status(connection: RobotConnection, timeout: float) -> Result:
 
 
 _HOW_TO_DRIVE: Final = "to drive, hold the hand level until it is armed"
+_HOLD_IT: Final = "it is off, so hold it upright and still"
 
 
 def _listen(connection: RobotConnection, deadline: float) -> list[EStop]:

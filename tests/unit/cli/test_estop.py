@@ -331,6 +331,11 @@ def test_a_reset_names_the_latch_it_clears_and_carries_a_fresh_tick(network: Net
     assert 0 <= when_ns - request.tick.robot_ns < 30_000_000
 
 
+def test_a_reset_of_off_says_that_the_robot_must_be_held(network: Network) -> None:
+    with network.base(cleared, msgspec.structs.replace(LATCHED, off=True)):
+        assert "it is off, so hold it upright and still; to drive" in reset(network.connection, "me", 10.0).text
+
+
 @pytest.mark.parametrize("engaged", [True, False])
 def test_a_reset_that_base_refuses_is_told_with_its_reason(network: Network, engaged: bool) -> None:
     with network.base(lambda _: EStopAnswer(done=False, engaged=engaged, id=9, reason="another latch")):
