@@ -56,15 +56,25 @@ class Robot:
         self._ffi, self._lib = compiled
         self._noise = np.random.default_rng(1)
         self._lib.balance_start()
-        self._lib.balance_configure(self._ffi.new("struct balance_settings *", SETTINGS))
+        self.configure()
         self.readings: dict[str, Any] = {"counts": [0, 0], "volts": 12.0}
         self.order: dict[str, Any] = {"halts": True}
         self.sensors = np.array([471.0, 471.0, 512.0, 614.0])
         """Counts: both axes of the gyroscope, forward, up."""
+        self.noise = np.full(4, 0.15)
+        """Counts, of each."""
+        self.turns = [0, 0]
+        """Counts by which the wheels go to and fro each period."""
+
+    def configure(self, **changes: float) -> None:
+        self._lib.balance_configure(self._ffi.new("struct balance_settings *", SETTINGS | changes))
 
     def step(self, periods: int = 1) -> Any:
         for _ in range(periods):
-            *gyro, forward, up = self.sensors + self._noise.normal(0.0, 0.15, 4)
+            *gyro, forward, up = self.sensors + self.noise * self._noise.normal(0.0, 1.0, 4)
+            self.turns = [-turn for turn in self.turns]
+            if any(self.turns):
+                self.readings["counts"] = [max(0, turn) for turn in self.turns]
             readings = {**self.readings, "gyro": gyro, "forward": forward, "up": up}
             self._lib.balance_step(
                 self._ffi.new("struct balance_readings *", readings),
@@ -139,6 +149,12 @@ def test_it_stands_up_only_when_asked_and_upright_and_still(robot: Robot) -> Non
     robot.stand()
 
 
+def test_it_does_not_stand_up_with_a_fault(robot: Robot) -> None:
+    robot.readings["volts"] = 9.0
+    robot.order["may_stand"] = True
+    assert all(robot.step().posture == BalancePosture.OFF for _ in range(1200))
+
+
 @pytest.mark.parametrize(
     ("what", "value", "cause"),
     [("readings", {"cord_pulled": True}, "CORD"), ("order", {"off": True, "off_cause": 2}, "ESTOP_OFF")],
@@ -181,3 +197,58 @@ def test_it_is_off_where_no_side_is_free_or_it_no_longer_knows_its_lean(robot: R
         robot.order["free_side"] = BalanceSide.FORWARD  # it does not sit down: without its lean it cannot
     state = robot.step(30 if what == "battery" else 2)
     assert (state.posture, state.cause, *state.command) == (BalancePosture.OFF, BalanceCause[cause], 0, 0)
+
+
+RATE: Final = np.array([1.0, 1.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("counts", "turns", "periods", "cause"),
+    [
+        (40.0 * RATE, [1, 1], 60, "FALLEN"),
+        ([10.0, 0.0, 0.0, 0.0], [1, 1], 20, "GYROSCOPE"),
+        (2.0 * RATE, [0, 1], 60, "LEFT_ENCODER"),
+        (0.0 * RATE, [0, 0], 410, "NO_WHEEL_TURNS"),
+        (0.0 * RATE, [1, 0], 410, "RIGHT_ENCODER"),
+    ],
+)
+def test_what_is_lost_while_it_stands_ends_that(
+    robot: Robot, counts: Any, turns: list[int], periods: int, cause: str
+) -> None:
+    robot.stand()
+    robot.turns = [1, 1]
+    robot.step(20)
+    robot.turns = turns
+    robot.sensors += counts
+    states = [(state.posture, state.cause) for state in (robot.step() for _ in range(periods))]
+    assert states[0][0] == BalancePosture.STANDS
+    assert states[-1] == (BalancePosture.OFF, BalanceCause[cause])
+
+
+def test_wheels_that_run_away_from_the_robot_are_in_the_air(robot: Robot) -> None:
+    robot.stand()
+    state = robot.step()
+    for turned in range(0, 400, 20):
+        robot.readings["counts"] = [turned, turned]
+        state = robot.step()
+    assert (state.posture, state.cause) == (BalancePosture.OFF, BalanceCause.LIFTED)
+
+
+@pytest.mark.parametrize("counts", [34.0, -34.0])
+def test_an_accelerometer_that_disagrees_for_long_ends_standing(robot: Robot, counts: float) -> None:
+    """Without encoders, since those would disagree with it as well."""
+    robot.configure(k3=0.0, k4=0.0)
+    robot.stand()
+    robot.sensors[2] += counts
+    assert robot.step(40).posture == BalancePosture.STANDS
+    state = robot.step(200)
+    assert (state.posture, state.cause) == (BalancePosture.OFF, BalanceCause.LEAN_DISPUTED)
+
+
+@pytest.mark.parametrize(("channels", "cause"), [([1], "GYROSCOPE"), ([2, 3], "ACCELEROMETER")])
+def test_readings_that_no_longer_change_are_lost(robot: Robot, channels: list[int], cause: str) -> None:
+    robot.stand()
+    robot.noise[channels] = 0.0
+    assert robot.step(14).posture == BalancePosture.STANDS
+    state = robot.step(4)
+    assert (state.posture, state.cause) == (BalancePosture.OFF, BalanceCause[cause])
