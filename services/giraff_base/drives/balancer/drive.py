@@ -18,6 +18,7 @@ from giraff_base.drives.balancer.words import (
     left_standing,
     lies,
     stopped_by,
+    untouched,
 )
 from giraff_base.drives.dialogue import Dialogue
 from giraff_core.robot import RobotConfig
@@ -39,6 +40,7 @@ from giraff_schemas.wires.balancer import (
 )
 
 _LEAST_SPEED: Final = 0.005  # m/s: less is the end of a slowing down, and no drive
+_TAKEN: Final = 0.1  # rad, 6 degrees: on its friction alone it stands up to 4
 _SWAYS: Final = 0.10, 0.20  # m/s and rad/s: a robot that stands sways by less
 _SIDES: Final[dict[Side, BalanceSide]] = {
     "none": BalanceSide.NONE,
@@ -61,6 +63,8 @@ class BalancerDrive(Dialogue[BalanceFrame]):
         self._settings = config.board_settings(robot)
         self._seq = 0
         self._drives = False  # the newest frame asks for motion
+        self._stood = False  # it was not off, in whatever session
+        self._untouched = False  # it went off and may still stand there on its friction: nobody has leaned it since
 
     @property
     def at_rest(self) -> bool:
@@ -83,6 +87,8 @@ class BalancerDrive(Dialogue[BalanceFrame]):
             return WELL
         if report.posture == BalancePosture.SITS_DOWN:
             return cause(report).of("the robot sits down")
+        if self._untouched:
+            return untouched(report)
         return WELL if report.flags & BalanceFlag.UPRIGHT else lies(report)
 
     @property
@@ -119,6 +125,10 @@ class BalancerDrive(Dialogue[BalanceFrame]):
 
     def _halts(self, report: BalanceFrame) -> list[str]:
         found, last = [], self._report
+        is_off = report.posture == BalancePosture.OFF
+        is_leaned = abs(report.lean_urad) * 1e-6 > _TAKEN
+        self._untouched = is_off and not is_leaned and (self._stood or self._untouched)
+        self._stood = not is_off
         if last is not None and last.posture == BalancePosture.STANDS != report.posture:
             found.append(left_standing(report))
         if report.flags & BalanceFlag.HELD or report.drive_state == DriveState.HELD:

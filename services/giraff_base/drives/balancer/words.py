@@ -55,6 +55,12 @@ def lies(report: BalanceFrame) -> Trouble:
     return Trouble(what, " and ".join([*([why.remedy] if why.remedy else []), "hold it upright and still"]))
 
 
+def untouched(report: BalanceFrame) -> Trouble:
+    """Say that a robot that went off may still stand on its friction, with nobody's hand on it."""
+    why = lies(report)
+    return Trouble(why.what, f"take hold of it and lean it once by 6 degrees; {why.remedy}")
+
+
 def stopped_by(report: BalanceFrame) -> EStopEngage | None:
     """Return the emergency stop that a pulled cord is."""
     return _CORD if report.flags & BalanceFlag.CORD else None

@@ -26,7 +26,7 @@ from giraff_schemas.wires.balancer import (
     BalanceSide,
 )
 from tests.support.balancer_file import DRIVE, ROBOT
-from tests.unit.base.drives.contract import SETTLED, AnyDrive, Bench
+from tests.unit.base.drives.contract import SESSION, SETTLED, AnyDrive, Bench
 
 _SHARE = BALANCE_REPORT_MS / 100  # of a speed's way to what is asked, in one report
 
@@ -42,6 +42,7 @@ class BalancerBoard:
         self.posture, self.cause = BalancePosture.OFF, BalanceCause.NONE
         self.drive_state, self.latch, self.refusal = DriveState.NOT_CONFIGURED, BalanceLatch.NONE, Refusal.NONE
         self.flags = BalanceFlag.UPRIGHT
+        self.lean = 20_000
         self.settings: BalanceConfigureFrame | None = None
         self.asked = self.moves = 0.0, 0.0
         self.free_side = BalanceSide.NONE
@@ -62,7 +63,7 @@ class BalancerBoard:
             "board_ms": self.board_ms,
             "boot_id": self.boot_id,
             "session": self.session,
-            "lean_urad": 20_000,
+            "lean_urad": self.lean,
             "speed_um_s": round(self.moves[0] * 1e6),
             "turn_urad_s": round(self.moves[1] * 1e6),
             "left_command": -127,
@@ -199,11 +200,31 @@ class TestBalancer(AnyDrive):
             assert why.startswith(told)
             assert "cause" not in why, "it has words"
             assert not bench.hear().disarms, "once"
-            assert bool(bench.drive.forbids) == (posture == BalancePosture.SITS_DOWN)
+            assert bench.drive.forbids
             board.posture, board.flags = BalancePosture.OFF, BalanceFlag(0)
             bench.hear()
             assert bench.drive.forbids.what.startswith("the robot is off: ")
             assert bench.drive.forbids.remedy.endswith("hold it upright and still")
+
+    @pytest.mark.parametrize("how", ["fault", "reset", "port"])
+    def test_where_it_went_off_it_gets_up_only_after_a_hand_has_leaned_it(self, how: str) -> None:
+        """Without power it often stands on its friction, upright and still: nobody may have a hand on it."""
+        bench = self.moving()
+        board = self.board_of(bench)
+        if how == "port":
+            bench.drive.open(SESSION + 1)
+        if how == "fault":
+            board.go_off(BalanceCause.LEFT_ENCODER)
+        else:
+            board.reset()
+        bench.run(reports=3 * SETTLED)
+        assert board.is_off()
+        assert "lean it once" in bench.drive.forbids.remedy
+        board.lean = -110_000
+        bench.step()
+        board.lean = 20_000
+        bench.run(reports=2 * SETTLED)
+        assert not board.is_off()
 
     def test_what_held_it_disarms(self) -> None:
         bench = self.moving()
