@@ -20,7 +20,7 @@ from giraff_node.config.robot_file import load
 from giraff_node.network.session import session_config
 from giraff_node.process.state import write_latch
 from giraff_schemas import services as table
-from giraff_schemas.topics import BASE, GUARD, LEASE
+from giraff_schemas.topics import ATTITUDE, BASE, GUARD, LEASE
 from giraff_sim.board import ROOT
 from giraff_sim.bodies.wheels.known import KNOWN
 from giraff_sim.control.client import SimulatorClient
@@ -66,9 +66,9 @@ SAID: Final = frozenset(
     for service in table.SERVICES
     if service.name in SERVICES
     for topic in service.publishes
-    if "*" not in topic.key
+    if "*" not in topic.key and topic is not ATTITUDE
 )
-"""Keys of one name that the robot's parts and its joystick say."""
+"""Keys of one name that the robot's parts and its joystick say, where it stands on two wheels by itself."""
 PATIENCE: Final = 60.0
 """s for whatever comes about: a wait ends at once when it does, and a busy machine is slow."""
 _LEVEL: Final = 1.5
