@@ -18,8 +18,8 @@ static uint8_t free_side;
 
 /* As the last period left them. */
 static uint8_t posture = BALANCE_OFF;
-static uint32_t off_ms;                         /* when it went off, */
-static bool host_knows;                         /* and whether a host that has been told has said so */
+static uint32_t off_ms;                         /* when it went off, or was released, or a session began, */
+static bool host_knows;                         /* and whether a host that has been told since has said so */
 static uint32_t held_ms;
 
 static uint8_t last_refusal = REFUSAL_NONE;
@@ -44,6 +44,12 @@ static void refuse(enum refusal why)
 {
     last_refusal = (uint8_t)why;
     refused++;
+}
+
+static void ask_anew(uint32_t now_ms)
+{
+    off_ms = now_ms;
+    host_knows = false;
 }
 
 void command_start(void)
@@ -83,6 +89,7 @@ void command_on_configure(const struct balance_configure *asked, uint32_t boot_i
         driver_cut_off_below(asked->driver_min_mv);
     }
     has_last_seq = false;
+    ask_anew(now_ms);
     stop(DRIVE_AWAITING_ZERO);
 }
 
@@ -168,6 +175,7 @@ void command_on_estop(const struct balance_estop *asked, uint32_t boot_id, uint3
             refusal = judge_release(asked, boot_id, now_ms);
             if (refusal == REFUSAL_NONE && drive_state == DRIVE_LATCHED) {
                 latch_release();
+                ask_anew(now_ms);
                 stop(DRIVE_AWAITING_ZERO);
             }
         }
@@ -183,10 +191,8 @@ static void follow(const struct balance_state *state, uint32_t now_ms)
     if (posture == BALANCE_STANDS && drive_state != DRIVE_NOT_CONFIGURED)
         stop(DRIVE_AWAITING_ZERO);
     posture = state->posture;
-    if (posture == BALANCE_OFF) {
-        off_ms = now_ms;
-        host_knows = false;
-    }
+    if (posture == BALANCE_OFF)
+        ask_anew(now_ms);
 }
 
 struct balance_order command_order(const struct balance_state *state, uint32_t now_ms)

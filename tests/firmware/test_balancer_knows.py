@@ -1,0 +1,27 @@
+"""The balancing robot's board: for how long it counts that a host has been told that the robot is off."""
+
+import pytest
+
+from giraff_schemas.boards import BALANCER_BOARD
+from giraff_schemas.wire import DriveState
+from giraff_schemas.wires.balancer import BalanceAsk, BalanceEngage, BalanceFlag, BalancePosture
+from giraff_sim.board import Implementation, open_board
+from tests.firmware.balancing import BalancerBench
+from tests.firmware.builds import compiled
+
+
+@pytest.mark.parametrize("what", ["session", "release"])
+def test_what_a_host_knew_before_a_new_session_or_a_release_counts_no_more(what: str) -> None:
+    board = BalancerBench(open_board(BALANCER_BOARD, Implementation.HOST, compiled()))
+    board.configure()
+    board.drive(milliseconds=1600)
+    assert board.report().flags & BalanceFlag.UPRIGHT
+    if what == "session":
+        board.configure(session=8)
+    else:
+        board.estop(BalanceEngage.STANDS)
+        board.estop(BalanceEngage.RELEASE)
+    board.drive(milliseconds=100, ask=BalanceAsk.STAND)
+    assert (board.report().posture, board.report().drive_state) == (BalancePosture.OFF, DriveState.ACTIVE)
+    board.get_up()
+    board.board.close()
