@@ -63,6 +63,8 @@ static void control(void)
     count_wheels(session->wiring);
     volts = means[BATTERY] * (float)session->battery_uv_count * 1e-6f;
     cord_pulled = hal_cord_is_pulled();
+    if (cord_pulled)
+        command_on_cord();
     struct balance_readings readings = {
         .gyro = { means[GYROSCOPE_0], means[GYROSCOPE_1] },
         .forward = means[FORWARD],

@@ -67,6 +67,8 @@ static enum refusal judge_configure(
         return REFUSAL_BOOT_ID;
     if (is_stale(asked->board_ms, now_ms))
         return REFUSAL_STALE;
+    if (posture != BALANCE_OFF && asked->wiring != in_force.wiring)
+        return REFUSAL_PROTOCOL;        /* what it stands by is not turned round under it */
     return REFUSAL_NONE;
 }
 
@@ -161,16 +163,27 @@ static enum refusal judge_release(const struct balance_estop *asked, uint32_t bo
     return REFUSAL_NONE;
 }
 
+static void engage(uint8_t wanted)
+{
+    if (wanted > latched())
+        latch_release();
+    latch_engage((enum latch)wanted);
+    stop(DRIVE_LATCHED);
+}
+
+void command_on_cord(void)
+{
+    ATOMICALLY {        /* the interrupt keeps the latch in EEPROM */
+        engage(BALANCE_LATCH_OFF);
+    }
+}
+
 void command_on_estop(const struct balance_estop *asked, uint32_t boot_id, uint32_t now_ms)
 {
     enum refusal refusal = REFUSAL_NONE;
     ATOMICALLY {        /* the interrupt keeps the latch in EEPROM */
         if (asked->engage) {
-            uint8_t wanted = asked->engage == ENGAGE_STANDS ? BALANCE_LATCH_STANDS : BALANCE_LATCH_OFF;
-            if (wanted > latched())
-                latch_release();
-            latch_engage((enum latch)wanted);
-            stop(DRIVE_LATCHED);
+            engage(asked->engage == ENGAGE_STANDS ? BALANCE_LATCH_STANDS : BALANCE_LATCH_OFF);
         } else {
             refusal = judge_release(asked, boot_id, now_ms);
             if (refusal == REFUSAL_NONE && drive_state == DRIVE_LATCHED) {

@@ -7,6 +7,7 @@ void command_start(void);
 void command_on_configure(const struct balance_configure *asked, uint32_t boot_id, uint32_t now_ms);
 void command_on_drive(const struct balance_drive *asked, uint32_t boot_id, uint32_t now_ms);
 void command_on_estop(const struct balance_estop *asked, uint32_t boot_id, uint32_t now_ms);
+void command_on_cord(void);     /* it is pulled: as an estop frame that engages off */
 
 /* Once each control period: what is asked of the robot now, which did as `state` says. */
 struct balance_order command_order(const struct balance_state *state, uint32_t now_ms);

@@ -87,7 +87,7 @@ void watch_step(struct watch *w, const struct watch_input *in)
         faults |= FAULT(CAUSE_ACCELEROMETER);
     if (in->inertial->volts < in->model->settings.volts_min)
         faults |= FAULT(CAUSE_BATTERY);
-    if (!in->leans_over && magnitude(k->lean) > FALLEN_LEAN)
+    if (!in->leans_over && !(magnitude(k->lean) <= FALLEN_LEAN))        /* a lean that is no number has fallen, too */
         faults |= FAULT(CAUSE_FALLEN);
     if (!in->model->is_prototype) {
         bool left = is_lost(w, LEFT), right = is_lost(w, RIGHT);

@@ -267,20 +267,22 @@ def test_a_latch_outlasts_every_reset(board: BalancerBench, engage: BalanceEngag
     assert board.report().posture == BalancePosture.OFF
 
 
-def test_the_cord_takes_the_power_at_once_and_off_is_what_it_was(board: BalancerBench) -> None:
+def test_the_cord_takes_the_power_at_once_and_is_latched_as_off(board: BalancerBench) -> None:
     board.stand()
     board.model.cord_pulled = 1
     board.run(1)
     assert board.model.driver_open
     board.run(TELEMETRY_MS)
-    assert (board.report().posture, board.report().cause) == (BalancePosture.OFF, BalanceCause.CORD)
-    assert board.report().flags & BalanceFlag.CORD
-    board.drive(milliseconds=1000)
-    board.drive(milliseconds=100, ask=BalanceAsk.STAND)
-    assert board.report().posture == BalancePosture.OFF
+    report = board.report()
+    assert (report.cause, report.latch, report.flags) == (BalanceCause.CORD, BalanceLatch.OFF, BalanceFlag.CORD)
+    board.estop(BalanceEngage.RELEASE)
+    assert board.report().latch == BalanceLatch.OFF, "while it is pulled, nothing releases that"
     board.model.cord_pulled = 0
-    board.drive(milliseconds=40)
-    assert board.report().posture == BalancePosture.OFF
+    board.board.reset(ResetCause.POWER_ON)
+    board.run(40)
+    board.configure()
+    assert board.report().latch == BalanceLatch.OFF
+    board.estop(BalanceEngage.RELEASE)
     board.get_up()
 
 

@@ -1,9 +1,9 @@
-"""The balancing robot's board: for how long it counts that a host has been told that the robot is off."""
+"""The balancing robot's board and another host: what the first one knew, and what the second one may change."""
 
 import pytest
 
 from giraff_schemas.boards import BALANCER_BOARD
-from giraff_schemas.wire import DriveState
+from giraff_schemas.wire import DriveState, Refusal, Wiring
 from giraff_schemas.wires.balancer import BalanceAsk, BalanceEngage, BalanceFlag, BalancePosture
 from giraff_sim.board import Implementation, open_board
 from tests.firmware.balancing import BalancerBench
@@ -24,4 +24,14 @@ def test_what_a_host_knew_before_a_new_session_or_a_release_counts_no_more(what:
     board.drive(milliseconds=100, ask=BalanceAsk.STAND)
     assert (board.report().posture, board.report().drive_state) == (BalancePosture.OFF, DriveState.ACTIVE)
     board.get_up()
+    board.board.close()
+
+
+def test_the_wiring_of_a_robot_that_stands_is_not_changed_under_it() -> None:
+    """With a motor turned round it would throw itself over."""
+    board = BalancerBench(open_board(BALANCER_BOARD, Implementation.HOST, compiled()))
+    board.stand()
+    board.configure(session=8, wiring=int(Wiring.INVERT_LEFT_MOTOR))
+    report = board.report()
+    assert (report.session, report.last_refusal, report.posture) == (7, Refusal.PROTOCOL, BalancePosture.STANDS)
     board.board.close()
