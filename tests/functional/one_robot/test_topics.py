@@ -41,6 +41,7 @@ PUBLISHERS = {
 
 KEYS: Final = {
     *PUBLISHERS,
+    "attitude",
     "bumper/*",
     "motion",
     "motion/hold",
@@ -51,7 +52,7 @@ KEYS: Final = {
     "serial/*",
     "serial_write/*",
 }
-"""All that a list has. There is no bumper, motion, localization, gateway, nor `giraff run`, which tells the truth."""
+"""All that a list has. Nothing leans, and there is no bumper, motion, localization, gateway nor `giraff run`."""
 
 
 def is_whole_list(rows: Any) -> bool:
