@@ -252,3 +252,26 @@ def test_readings_that_no_longer_change_are_lost(robot: Robot, channels: list[in
     assert robot.step(14).posture == BalancePosture.STANDS
     state = robot.step(4)
     assert (state.posture, state.cause) == (BalancePosture.OFF, BalanceCause[cause])
+
+
+def test_an_obstacle_holds_it_until_it_is_asked_for_nothing(robot: Robot) -> None:
+    """A person whom it has met must not be pushed on."""
+    robot.turns = [2, 2]
+    robot.stand()
+    robot.order.update(halts=False, linear=0.3)
+    state = robot.step(200)  # its speed grows to 0.25 m/s, and its wheels stay where they are
+    assert not state.flags & BalanceFlag.HELD
+    assert any(robot.step().flags & BalanceFlag.HELD for _ in range(300))
+    assert robot.step(20).flags & BalanceFlag.HELD
+    robot.order["linear"] = 0.0
+    assert not robot.step().flags & BalanceFlag.HELD
+
+
+def test_the_torque_stays_within_that_of_the_settings(robot: Robot) -> None:
+    robot.configure(torque_max=3.0, k1=7000.0)
+    robot.turns = [2, 2]
+    robot.stand()
+    state = robot.step(20)
+    assert abs(state.torque) <= 3.0
+    robot.sensors[2] -= 102.0 * np.sin(np.radians(8.0))
+    assert max(abs(robot.step().torque) for _ in range(40)) == pytest.approx(3.0)
