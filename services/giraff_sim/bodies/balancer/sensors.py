@@ -7,10 +7,9 @@ opposite signs. A robot that leans while it turns also rolls.
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Callable
 from typing import Final
-
-import numpy as np
 
 from giraff_base.drives.balancer.config import GRAVITY
 from giraff_sim.bodies.balancer.plant import STEP, Plant
@@ -27,8 +26,8 @@ _FULL: Final = 1024.0
 # counts. The noise of the converter and of each sensor. The two conversions of a channel in each ms share one value
 # here, so that the mean of a period has the noise of 5 conversions where a real board has that of 10.
 _CONVERTER: Final = 0.35
-_NOISE: Final = np.hypot(_CONVERTER, [0.13, 0.13, 0.25, 0.25])
-_AHEAD: Final = 500  # steps for which noise is drawn at once
+_GYRO_NOISE: Final = math.hypot(_CONVERTER, 0.13)
+_ACCELEROMETER_NOISE: Final = math.hypot(_CONVERTER, 0.25)
 _GYRO_SMOOTHING: Final = 1.0 - math.exp(-STEP * math.tau * 140.0)
 _ACCELEROMETER_SMOOTHING: Final = 1.0 - math.exp(-STEP * math.tau * 50.0)
 
@@ -38,8 +37,7 @@ class Sensors:
 
     def __init__(self, plant: Plant, seed: int) -> None:
         self._plant = plant
-        self._noise = np.random.default_rng(seed)
-        self._drawn: list[list[float]] = []
+        self._noise = random.Random(f"sensors {seed}").gauss
         self.broken: dict[int, Callable[[float], float]] = {}
         """By its channel: what a broken sensor makes of the V that it should give."""
         self._lean_rate = self._roll_rate = self._forward = 0.0
@@ -48,9 +46,7 @@ class Sensors:
     def volts(self) -> list[float]:
         """Return V of both axes of the gyroscope, and of the accelerometer forward and up, once each STEP."""
         plant, drawn = self._plant, self._plant.drawn
-        if not self._drawn:
-            self._drawn = (self._noise.standard_normal((_AHEAD, 4)) * _NOISE).tolist()
-        noise = self._drawn.pop()
+        noise = self._noise
         sin, cos, height, now = math.sin(plant.lean), math.cos(plant.lean), drawn.sensor_height, plant.seconds
         rate, swings = plant.lean_rate, plant.lean_acceleration
         self._lean_rate += (rate - self._lean_rate) * _GYRO_SMOOTHING
@@ -67,10 +63,10 @@ class Sensors:
         other = drawn.gyro_gain[1] * _DIAGONAL * (self._lean_rate - self._roll_rate)
         other += drawn.gyro_zero[1] + drawn.gyro_drift[1] * warm
         volts = [
-            _at_pin(_GYRO_ZERO + one * _COUNTS_PER_RAD_S + noise[0]),
-            _at_pin(_GYRO_ZERO + other * _COUNTS_PER_RAD_S + noise[1]),
-            _at_pin(_ACCELEROMETER_ZERO + _COUNTS_PER_G * self._forward + noise[2]),
-            _at_pin(_ACCELEROMETER_ZERO + _COUNTS_PER_G * self._up + noise[3]),
+            _at_pin(_GYRO_ZERO + one * _COUNTS_PER_RAD_S + noise(0.0, _GYRO_NOISE)),
+            _at_pin(_GYRO_ZERO + other * _COUNTS_PER_RAD_S + noise(0.0, _GYRO_NOISE)),
+            _at_pin(_ACCELEROMETER_ZERO + _COUNTS_PER_G * self._forward + noise(0.0, _ACCELEROMETER_NOISE)),
+            _at_pin(_ACCELEROMETER_ZERO + _COUNTS_PER_G * self._up + noise(0.0, _ACCELEROMETER_NOISE)),
         ]
         for channel, gives in self.broken.items():
             volts[channel] = gives(volts[channel])
