@@ -9,7 +9,6 @@ from typing import Final
 import msgspec
 
 from giraff_schemas.wires.balancer import (
-    PROTOCOL_HASH,
     BalanceAsk,
     BalanceConfigureFrame,
     BalanceDriveFrame,
@@ -21,6 +20,7 @@ from giraff_schemas.wires.balancer import (
 )
 from giraff_sim.board import Board
 from tests.firmware.bench import Bench
+from tests.support.balancer_file import DRIVE, ROBOT
 
 AREF: Final = 3.3
 COUNTS: Final = 1024
@@ -33,38 +33,9 @@ NOISE: Final = 0.35
 """Counts: a sensor without noise is broken."""
 MOST_RATE: Final = 1e-4
 """rad in a millisecond, at which a person leans it."""
-BATTERY_UV_COUNT: Final = 25_000
-
-SETTINGS: Final = BalanceConfigureFrame(
-    seq=0,
-    boot_id=0,
-    board_ms=0,
-    protocol_hash=PROTOCOL_HASH,
-    session=7,
-    wiring=0,
-    k1_mnm_rad=744_000,
-    k2_mnm_s_rad=174_800,
-    k3_mnm_m=133_200,
-    k4_mnm_s_m=191_400,
-    gravity_mnm_rad=82_000,
-    momentum_gms=42_000,
-    momentum_gm2=7_000,
-    radius_um=175_000,
-    track_um=550_000,
-    counts_per_turn=5120,
-    motor_mv_s=1950,
-    motor_mohm=350,
-    friction_mnm=2500,
-    torque_max_mnm=70_000,
-    acceleration_mm_s2=350,
-    braking_mm_s2=350,
-    speed_max_mm_s=400,
-    turn_max_mrad_s=800,
-    battery_uv_count=BATTERY_UV_COUNT,
-    battery_min_mv=10_400,
-    driver_min_mv=10_000,
-)
-"""Those of the nominal robot."""
+# A divider by which neither a full nor a low battery is what faults/hung_loop.c waits for.
+SETTINGS: Final = msgspec.structs.replace(DRIVE.board_settings(ROBOT), session=7, battery_uv_count=25_000)
+"""Those of the robot file."""
 
 
 class BalancerBench(Bench):
@@ -91,7 +62,7 @@ class BalancerBench(Bench):
             (turns, turns, *(ACCELEROMETER_ZERO + COUNTS_PER_G * part for part in gravity))
         ):
             self.model.sensor_volts[sensor] = (counts + 0.5 + self._noise.gauss(0, NOISE)) * AREF / COUNTS
-        self.model.battery_volts = (self.battery / BATTERY_UV_COUNT * 1e6 + 0.5) * AREF / COUNTS
+        self.model.battery_volts = (self.battery / SETTINGS.battery_uv_count * 1e6 + 0.5) * AREF / COUNTS
 
     def report(self) -> BalanceFrame:
         return self.last(BalanceFrame)

@@ -11,7 +11,7 @@ from giraff_sim.bodies.balancer.people import half_sine
 from giraff_sim.bodies.balancer.plant import STEP, Plant
 from giraff_sim.bodies.balancer.sensors import VOLTS_PER_COUNT, Sensors
 from giraff_sim.world.room import Pose, Room
-from tests.support.balancer import DRIVE, ROBOT
+from tests.support.balancer_file import DRIVE, ROBOT
 
 G = 9.81
 

@@ -9,10 +9,7 @@ from typing import Any, Final, NamedTuple
 import msgspec
 import numpy as np
 
-from giraff_base.config import BaseConfig
 from giraff_base.drives.balancer.config import BalancerConfig
-from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import load
 from giraff_schemas.boards import BALANCER_BOARD
 from giraff_schemas.framing import Decoder, encode
 from giraff_schemas.wire import Frame
@@ -26,23 +23,13 @@ from giraff_schemas.wires.balancer import (
     BalancePosture,
     BalanceSide,
 )
-from giraff_sim.board import ROOT, Implementation, open_board
+from giraff_sim.board import Implementation, open_board
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.bodies.balancer.plant import Plant
 from giraff_sim.world.room import Pose, Room
+from tests.support.balancer_file import DRIVE, ROBOT
 
-_FILE: Final = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")}
-ROBOT: Final = load("robot", RobotConfig, _FILE)
-
-
-def _drive() -> BalancerConfig:
-    drive = load("base", BaseConfig, _FILE).drive
-    assert isinstance(drive, BalancerConfig)
-    return drive
-
-
-DRIVE: Final = _drive()
 PROTOTYPE: Final = msgspec.structs.replace(DRIVE, k3=0.0, k4=0.0)
 """It goes by its lean alone, as the source's LEGO robot."""
 HANDLE: Final = 0.8

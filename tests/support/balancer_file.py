@@ -4,11 +4,12 @@ from typing import Final
 
 from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import load
 from giraff_sim.board import ROOT
-from giraff_sim.dst.drill import known_settings
+from giraff_sim.bodies.kinds import read_drive, with_known
 
-_settings = known_settings({"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")})
-_drive = _settings.base.drive
+_GIVEN: Final = with_known({"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")})
+_drive = read_drive(_GIVEN)
 assert isinstance(_drive, BalancerConfig)
-ROBOT: Final[RobotConfig] = _settings.robot
+ROBOT: Final = load("robot", RobotConfig, _GIVEN)
 DRIVE: Final[BalancerConfig] = _drive

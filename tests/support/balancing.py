@@ -13,7 +13,8 @@ from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_schemas.wires.balancer import BalanceFlag, BalanceSide
 from giraff_sim.bodies.balancer.people import Threshold
 from giraff_sim.bodies.balancer.sensors import VOLTS_PER_COUNT
-from tests.support.balancer import DRIVE, HANDLE, PROTOTYPE, Balancer
+from tests.support.balancer import HANDLE, PROTOTYPE, Balancer
+from tests.support.balancer_file import DRIVE
 
 Figures = dict[str, float]
 SETTLE_S: Final = 8.0

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 from typing import Annotated, ClassVar, Final
 
-import msgspec
-
+from giraff_base.drives.soldered import Soldered
 from giraff_core.bounds import Bounds, check_bounds
-from giraff_core.robot import WIRING, RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
 from giraff_schemas.boards import BALANCER_BOARD, BoardType
 from giraff_schemas.trouble import WELL, Trouble
-from giraff_schemas.wire import Wiring
 from giraff_schemas.wires.balancer import PROTOCOL_HASH, BalanceConfigureFrame
 
 GRAVITY: Final = 9.81
@@ -24,9 +22,7 @@ _SPEED_TO_CATCH: Final = 0.5
 """Share of the motors' speed without load that stays free, so that the wheels can get under the body."""
 
 
-class BalancerConfig(
-    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="balancer"
-):
+class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="balancer"):
     """Gains, body, motors, battery and wiring of a robot that balances. Torques are those at the wheels."""
 
     LIVE: ClassVar = Tuning.READ_ONLY
@@ -72,13 +68,6 @@ class BalancerConfig(
     """V. Below it the robot sits down."""
     driver_minimum: Annotated[float, Bounds(6.0, 30.0, "V")] = 10.0
     """V. Below it the motor driver cuts off, and the robot falls."""
-    # How motors and encoders are soldered. None: nobody has checked, and base does not arm.
-    swap_motors: bool | None = None
-    swap_encoders: bool | None = None
-    invert_left_motor: bool | None = None
-    invert_right_motor: bool | None = None
-    invert_left_encoder: bool | None = None
-    invert_right_encoder: bool | None = None
 
     def __post_init__(self) -> None:
         check_bounds(self)
@@ -103,14 +92,9 @@ class BalancerConfig(
     @property
     def unchecked(self) -> Trouble:
         """Why nobody knows yet whether the robot moves as it is asked."""
-        if all(getattr(self, name) is not None for name in WIRING):
+        if self.is_checked:
             return WELL
         return Trouble("the wiring is not checked", "write it into [base.drive]: docs/balancer.md")
-
-    @property
-    def wiring(self) -> Wiring:
-        """The bits that the board's `configure` frame carries. An unchecked one counts as not set."""
-        return Wiring(sum(Wiring[name.upper()] for name in WIRING if getattr(self, name)))
 
     @property
     def _gravity(self) -> float:

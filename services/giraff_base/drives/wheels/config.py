@@ -7,8 +7,9 @@ from typing import Annotated, ClassVar, Final, Literal
 
 import msgspec
 
+from giraff_base.drives.soldered import Soldered
 from giraff_core.bounds import Bounds, check_bounds
-from giraff_core.robot import WIRING, RobotConfig
+from giraff_core.robot import RobotConfig
 from giraff_core.tuning import Tuning
 from giraff_schemas.boards import ARDROS_BOARD, BASE_BOARD, BoardType
 from giraff_schemas.trouble import WELL, Trouble
@@ -91,9 +92,7 @@ def by_levels(wiring: Wiring, level_max: int, stall_level: int) -> ConfigureFram
     )
 
 
-class WheelsConfig(
-    msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="wheels"
-):
+class WheelsConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="wheels"):
     """Motors, battery and wiring of a robot on two driven wheels."""
 
     LIVE: ClassVar = Tuning.READ_ONLY
@@ -113,13 +112,6 @@ class WheelsConfig(
     """How the board holds a speed, where it is asked for one."""
     stall_level: Annotated[int, Bounds(1, 255)] = 25
     """Level from which a wheel that does not turn is stuck: one at which each wheel turns for certain, of 255."""
-    # How motors and encoders are soldered. None: nobody has checked, and base does not arm.
-    swap_motors: bool | None = None
-    swap_encoders: bool | None = None
-    invert_left_motor: bool | None = None
-    invert_right_motor: bool | None = None
-    invert_left_encoder: bool | None = None
-    invert_right_encoder: bool | None = None
 
     def __post_init__(self) -> None:
         check_bounds(self)
@@ -144,18 +136,9 @@ class WheelsConfig(
     @property
     def unchecked(self) -> Trouble:
         """Why nobody knows yet whether the robot moves as it is asked."""
-        if all(getattr(self, name) is not None for name in WIRING):
+        if self.is_checked:
             return WELL
         return Trouble("the wiring is not checked", "lift the wheels and run giraff check wheels")
-
-    @property
-    def wiring(self) -> Wiring:
-        """The bits that the base board's `configure` frame carries; what is not checked counts as not set."""
-        result = Wiring(0)
-        for name in WIRING:
-            if getattr(self, name):
-                result |= Wiring[name.upper()]
-        return result
 
     def require_countable(self, robot: RobotConfig) -> None:
         """Raise ValueError where the wheels may be faster than the board counts: nobody would see what is lost."""

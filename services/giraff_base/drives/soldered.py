@@ -1,0 +1,29 @@
+"""How motors and encoders are soldered: fields of `[base.drive]` that each kind on two wheels has."""
+
+from __future__ import annotations
+
+import msgspec
+
+from giraff_core.robot import WIRING
+from giraff_schemas.wire import Wiring
+
+
+class Soldered(msgspec.Struct, frozen=True, kw_only=True):
+    """The six bits of the wiring. None: nobody has checked, and base does not arm."""
+
+    swap_motors: bool | None = None
+    swap_encoders: bool | None = None
+    invert_left_motor: bool | None = None
+    invert_right_motor: bool | None = None
+    invert_left_encoder: bool | None = None
+    invert_right_encoder: bool | None = None
+
+    @property
+    def is_checked(self) -> bool:
+        """Whether somebody has checked all of them."""
+        return all(getattr(self, name) is not None for name in WIRING)
+
+    @property
+    def wiring(self) -> Wiring:
+        """The bits that the board's `configure` frame carries. An unchecked one counts as not set."""
+        return Wiring(sum(Wiring[name.upper()] for name in WIRING if getattr(self, name)))
