@@ -20,6 +20,7 @@ from giraff_sim.board import ROOT
 from tests.hosts.hardware import ROBOT, Hardware
 from tests.hosts.machine import Machine, kill, run
 from tests.hosts.switch import Switch
+from tests.support.waiting import wait
 
 NAME: Final = "sim-site"
 NUMBERS: Final = {"robot": 12, "laptop": 11, "stranger": 13}
@@ -130,7 +131,9 @@ class ProcessSite:
     def pid(self, name: str) -> int:
         """Return the number of a running program. It is a child of what was started."""
         first = self._running[name].pid
-        return int(Path(f"/proc/{first}/task/{first}/children").read_text(encoding="utf-8"))
+        children = Path(f"/proc/{first}/task/{first}/children")
+        wait(children.read_text, 20.0, what=f"the child of {name}")
+        return int(children.read_text(encoding="utf-8"))
 
     def ip(self, host: str, *commands: str) -> None:
         """Run commands of ip(8) on a host."""
