@@ -18,6 +18,7 @@ from tests.support.balancing import (
     cord_pulled,
     encoders_cut,
     gyro_stuck_at_middle,
+    held,
     known_zero,
     leaned_on,
     lifted,
@@ -52,6 +53,8 @@ ROWS: Final = {
     "pushed_5": Row(pushes(5.0), {"lean": 6.5, "away": 0.32, "back": 0.10, "back_speed": 0.14}, at_least=UP),
     "pushed_8": Row(pushes(8.0), {"away": 0.62, "back": 0.10, "back_speed": 0.15}, at_least=UP),
     "leaned_on_and_let_go": Row(leaned_on, {"back": 0.25, "back_speed": 0.23}, at_least=UP),
+    "held": Row(held(0.0), {"touch": 6.0, "held": 0.0}, at_least=UP),
+    "held_and_asked": Row(held(0.3), {"touch": 30.0, "noticed": 3.5}, at_least=UP),
     **{
         f"{'silent' if by_silence else 'stopped'}_at_{speed}": Row(
             stopped(speed, by_silence=by_silence), {"away": path, "back": 0.09, "back_speed": 0.11}, at_least=UP

@@ -78,8 +78,11 @@ def test_a_vpn_that_comes_stops_no_drive(tmp_path: Path) -> None:
     with ProcessSite(tmp_path) as site:
         site.start(LAN, "door", "base", "guard", "ranger")
         site.start(LAN, "joystick", host="laptop")
-        # A busy machine that pauses ends a drive, too, but hardly three in a row.
-        assert any(_drives_on(site, number) for number in (77, 78, 79)), site.log("guard")
+        # A busy machine that pauses ends a drive, too, but hardly two of three.
+        goes_on = [_drives_on(site, 77), _drives_on(site, 78)]
+        if goes_on.count(True) == 1:
+            goes_on.append(_drives_on(site, 79))
+        assert goes_on.count(True) == 2, site.log("guard")
 
 
 def _drives_on(site: ProcessSite, number: int) -> bool:

@@ -5,7 +5,6 @@ from typing import Any
 
 import pytest
 
-from giraff_sim.bodies.balancer.body import nominal
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.bodies.balancer.people import half_sine
 from giraff_sim.bodies.balancer.plant import STEP, Plant
@@ -117,5 +116,5 @@ def test_both_axes_see_the_lean_and_opposite_shares_of_the_roll() -> None:
 
 
 def test_the_nominal_robot_is_that_of_its_file() -> None:
-    drawn = nominal(ROBOT, DRIVE)
+    drawn = plant_of().drawn
     assert (drawn.body_mass, drawn.friction, drawn.delay) == (DRIVE.body_mass, (DRIVE.friction,) * 2, 3)

@@ -11,7 +11,7 @@ import numpy as np
 
 from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_schemas.wires.balancer import BalanceFlag, BalanceSide
-from giraff_sim.bodies.balancer.people import Threshold
+from giraff_sim.bodies.balancer.people import Spring, Threshold
 from giraff_sim.bodies.balancer.sensors import VOLTS_PER_COUNT
 from tests.support.balancer import HANDLE, PROTOTYPE, Balancer
 from tests.support.balancer_file import DRIVE
@@ -91,6 +91,24 @@ def leaned_on(seed: int) -> Figures:
     figures = then(robot, 5.0, lambda _: None, side_of(seed))
     robot.close()
     return figures
+
+
+def held(speed: float) -> Callable[[int], Figures]:
+    """Take hold of the handle of one that stands, and ask it for a speed. `touch` is the N that the person feels."""
+
+    def play(seed: int) -> Figures:
+        robot = Balancer(seed)
+        robot.stand(SETTLE_S)
+        plant = robot.plant
+        plant.loads.spring = Spring(plant.way + HANDLE * math.sin(plant.lean), HANDLE, stiffness=500.0, damping=30.0)
+        felt = [0.0]
+        robot.before_each_ms = lambda: felt.append(abs(plant.touch))
+        robot.linear = speed * side_of(seed)
+        figures = then(robot, 6.0, lambda _: None, side_of(seed)) | {"touch": max(felt)}
+        robot.close()
+        return figures
+
+    return play
 
 
 def stopped(speed: float, *, by_silence: bool, settle: float = SETTLE_S) -> Callable[[int], Figures]:

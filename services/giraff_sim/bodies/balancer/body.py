@@ -10,7 +10,7 @@ from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wires.balancer import BalanceFrame
 from giraff_sim.board import Board
-from giraff_sim.bodies.balancer.drawn import Drawn, draw
+from giraff_sim.bodies.balancer.drawn import Drawn
 from giraff_sim.bodies.balancer.people import PUSH_S, half_sine
 from giraff_sim.bodies.balancer.plant import STEP, Plant
 from giraff_sim.bodies.balancer.sensors import VOLTS_PER_COUNT, Sensors
@@ -140,8 +140,3 @@ class BalancerBody:
             self._lean_squares += lean * lean
         elif self.raises_it and loads.grip is None:
             loads.grip = 0.0
-
-
-def nominal(robot: RobotConfig, drive: BalancerConfig) -> Drawn:
-    """Return the robot of the file, not drawn."""
-    return draw(drive, robot.track_width, 0, 0.0)

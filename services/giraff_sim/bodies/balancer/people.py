@@ -10,7 +10,7 @@ PUSH_S: Final = 0.2
 
 
 class Spring(NamedTuple):
-    """A person who holds the robot at a height, as soft as a spring. A wall only pushes back."""
+    """A person who holds the robot at a height, as soft as a spring."""
 
     place: float
     """m along the robot's way."""
@@ -20,14 +20,10 @@ class Spring(NamedTuple):
     """N/m."""
     damping: float = 0.0
     """N s/m."""
-    is_wall: bool = False
 
     def force(self, place: float, speed: float) -> float:
         """N on the robot whose point at that height is there and moves."""
-        if not self.is_wall:
-            return -self.stiffness * (place - self.place) - self.damping * speed
-        depth = place - self.place
-        return -max(0.0, self.stiffness * depth + self.damping * speed) if depth > 0.0 else 0.0
+        return -self.stiffness * (place - self.place) - self.damping * speed
 
 
 class Threshold(NamedTuple):

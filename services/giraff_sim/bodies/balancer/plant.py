@@ -158,7 +158,7 @@ class Plant(Disc):
         self.grade = 0.0
         """rad by which the axle's path rises."""
         self.touch = 0.0
-        """N by which a person or a wall pushes it forward, beside a push."""
+        """N by which a person who holds it pushes it forward, beside a push."""
         self.seconds = 0.0
         self.falls = 0
         """How often it came to lie on a caster."""
@@ -166,7 +166,6 @@ class Plant(Disc):
         """m/s of the mast's top when it last did so."""
         self._lies = False
         self.open_volts = self.volts = drawn.open_volts
-        self.lowest_volts = drawn.open_volts
         self._total = drawn.body_mass + 2.0 * drawn.wheel_mass
         self._moment = drawn.body_mass * drawn.centre_height
         self._about_axle = drawn.body_inertia + drawn.body_mass * drawn.centre_height**2
@@ -206,7 +205,6 @@ class Plant(Disc):
         left.step(None if is_open else left_share * volts, load, speed - half_turn, lean, lean_rate)
         right.step(None if is_open else right_share * volts, load, speed + half_turn, lean, lean_rate)
         self.volts = self.open_volts - drawn.battery_ohm * (left_share * left.amperes + right_share * right.amperes)
-        self.lowest_volts = min(self.lowest_volts, self.volts)
         # The chassis: two coupled equations, of the way and of the lean.
         tension = left.tension + right.tension
         forward = left.traction + right.traction - weight * math.sin(grade) + loads.force + touch
