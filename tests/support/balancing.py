@@ -118,7 +118,7 @@ def stopped(speed: float, *, by_silence: bool, settle: float = SETTLE_S) -> Call
         robot, side = Balancer(seed), side_of(seed)
         robot.stand(settle)
         robot.linear = speed * side
-        robot.run(5.0 + speed / 0.25 if settle >= SETTLE_S else 2.0)
+        robot.run(5.0 + speed / 0.25 if settle >= SETTLE_S else 2.3)
         robot.is_silent = by_silence
         if by_silence:
             robot.run(0.3)
