@@ -32,6 +32,7 @@ from tests.support.balancing import (
     sensor_frozen,
     sits,
     stands,
+    starts,
     stopped,
     with_bag,
 )
@@ -39,6 +40,8 @@ from tests.support.report import report
 
 ROBOTS: Final = 20
 UP: Final = {"up": 1.0}
+RUN_ON: Final = 0.12
+"""m. `[guard] run_on` of the robot's file."""
 ROWS: Final = {
     "stands": Row(
         lambda seed: stands(seed, 60.0, settle=20.0),
@@ -57,10 +60,22 @@ ROWS: Final = {
     "held_and_asked": Row(held(0.3), {"touch": 30.0, "noticed": 3.5}, at_least=UP),
     **{
         f"{'silent' if by_silence else 'stopped'}_at_{speed}": Row(
-            stopped(speed, by_silence=by_silence), {"away": path, "back": 0.09, "back_speed": 0.11}, at_least=UP
+            stopped(speed, by_silence=by_silence),
+            {"away": path, "back": 0.09, "back_speed": 0.11, "run_on": RUN_ON},
+            at_least=UP,
         )
         for by_silence in (False, True)
         for speed, path in ((0.1, 0.14), (0.2, 0.19), (0.3, 0.26), (0.4, 0.36))
+    },
+    **{
+        f"stopped_after_{after}_s": Row(
+            stopped(0.4, by_silence=False, after=after), {"run_on": RUN_ON, "back": 0.09}, at_least=UP
+        )
+        for after in (0.4, 0.8, 1.2, 1.6)
+    },
+    **{
+        f"starts_to_{speed}": Row(starts(speed), {"over": 0.10, "back": 0.035}, at_least=UP)
+        for speed in (0.1, 0.2, 0.3, 0.4)
     },
     "sits": Row(sits, {"off": 0.7, "span": 0.10, "top": 1.2}, at_least={"right_side": 1.0}),
     "sits_from_0.3": Row(
@@ -91,7 +106,7 @@ FAULTS: Final = {
     ),
     # One of the twenty drives a curve about that wheel, which hardly turns: it does as it is asked, and shows nothing.
     "encoder_moving": Row(
-        broken(encoders_cut(0), moves=True), {}, {"noticed": (2.0, 3), "off": (3.4, 1), "span": (0.46, 1)}
+        broken(encoders_cut(0), moves=True), {}, {"noticed": (2.0, 3), "off": (3.4, 2), "span": (0.46, 1)}
     ),
     "both_encoders_moving": Row(broken(encoders_cut(0, 1), moves=True), {"span": 0.20}, {"off": (1.8, 3)}),
     "line_moving": Row(broken(line_cut, moves=True), {"span": 0.20}, {"noticed": (0.7, 3)}),

@@ -32,7 +32,7 @@ def test_it_stands_comes_back_a_little_from_a_push_and_sits_down(seed: int) -> N
 
 
 def test_an_emergency_stop_ends_driving_and_it_stands() -> None:
-    stop = stopped(0.3, by_silence=False, settle=1.2)(1)
+    stop = stopped(0.3, by_silence=False, settle=1.2, after=2.3)(1)
     assert stop["up"] == 1.0
     assert 0.10 < stop["away"] < 0.26
     assert stop["back"] < 0.09

@@ -18,6 +18,8 @@ from tests.support.balancer_file import DRIVE
 
 Figures = dict[str, float]
 SETTLE_S: Final = 8.0
+DECELERATION: Final = 0.35
+"""m/s². `[guard] deceleration` of the robot's file."""
 
 
 class Row(NamedTuple):
@@ -111,14 +113,34 @@ def held(speed: float) -> Callable[[int], Figures]:
     return play
 
 
-def stopped(speed: float, *, by_silence: bool, settle: float = SETTLE_S) -> Callable[[int], Figures]:
-    """Drive at a steady speed, stop it, and go on asking it to drive. A silent host counts from its time-out."""
+def starts(speed: float) -> Callable[[int], Figures]:
+    """Ask one that stands for a speed. `over`: m/s by which it is too fast, `back`: m that it first rolls back."""
+
+    def play(seed: int) -> Figures:
+        robot, side = Balancer(seed), side_of(seed)
+        robot.stand(SETTLE_S)
+        robot.linear = speed * side
+        track = robot.run(6.0)
+        ways, speeds = ([side * value for value in values] for values in list(zip(*track.rows, strict=True))[:2])
+        robot.close()
+        return {"up": float(robot.stands), "over": max(speeds) - speed, "back": -min(ways)}
+
+    return play
+
+
+def stopped(
+    speed: float, *, by_silence: bool, settle: float = SETTLE_S, after: float | None = None
+) -> Callable[[int], Figures]:
+    """Drive at a steady speed, or for `after` s, stop it, and go on asking it to drive.
+
+    A silent host counts from its time-out. `run_on`: m that it goes beyond those of braking at 0.35 m/s².
+    """
 
     def play(seed: int) -> Figures:
         robot, side = Balancer(seed), side_of(seed)
         robot.stand(settle)
         robot.linear = speed * side
-        robot.run(5.0 + speed / 0.25 if settle >= SETTLE_S else 2.3)
+        robot.run(after or 5.0 + speed / 0.25)
         robot.is_silent = by_silence
         if by_silence:
             robot.run(0.3)
@@ -126,7 +148,7 @@ def stopped(speed: float, *, by_silence: bool, settle: float = SETTLE_S) -> Call
             robot.engage()
         figures = then(robot, 6.0 if settle >= SETTLE_S else 3.0, lambda _: None, side)
         robot.close()
-        return figures
+        return figures | {"run_on": figures["away"] - speed**2 / (2.0 * DECELERATION)}
 
     return play
 
