@@ -11,7 +11,7 @@ from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Bumper
 from giraff_guard.config import GuardConfig
-from giraff_guard.limits import SIGN, Limits, Way
+from giraff_guard.limits import OTHER, SIGN, Limits, Way
 from giraff_guard.motion import Motion
 from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import RobotTime, Verdict
@@ -47,11 +47,17 @@ class BumperSource:
             switch.lose_place()
 
     def straight(self, way: Way, motion: Motion, now: RobotTime) -> Verdict:
-        """Full speed, or none."""
-        limits = self._limits
-        for switch in self._of(way):
-            if why := str(switch.blindness(limits.config.range_budget, now)) or switch.push(motion, limits.config.near):
-                return limits.block(switch.name, why)
+        """Full speed, or none. A robot that rolls back as it drives off creeps where a bumper behind it is unheard."""
+        limits, config = self._limits, self._limits.config
+        if blocked := self._blocked(way, motion, now):
+            return blocked
+        if config.room_behind > 0.0:
+            for switch in self._of(OTHER[way]):
+                if why := switch.push(motion, config.near):
+                    return limits.block(switch.name, f"{why}; driving {way} rolls the robot back first")
+            for switch in self._of(OTHER[way]):
+                if blindness := switch.blindness(config.range_budget, now):
+                    return limits.creep(switch.name, str(blindness))
         return limits.allow(limits.most)
 
     def curve(self, way: Way, curvature: float, motion: Motion, now: RobotTime) -> None:
@@ -59,7 +65,7 @@ class BumperSource:
 
     def room(self, way: Way, motion: Motion, now: RobotTime) -> float:
         """It knows only whether something touches it."""
-        return 0.0 if self.straight(way, motion, now).freedom == "blocked" else math.inf
+        return 0.0 if self._blocked(way, motion, now) else math.inf
 
     def turn(self, motion: Motion) -> None:
         """Turning is how one gets away from what it has touched."""
@@ -80,6 +86,13 @@ class BumperSource:
         """It looks nowhere."""
         del way
         return ""
+
+    def _blocked(self, way: Way, motion: Motion, now: RobotTime) -> Verdict | None:
+        limits = self._limits
+        for switch in self._of(way):
+            if why := str(switch.blindness(limits.config.range_budget, now)) or switch.push(motion, limits.config.near):
+                return limits.block(switch.name, why)
+        return None
 
     def _of(self, way: Way) -> list[_Switch]:
         return [switch for switch in self.names.values() if switch.way == way]

@@ -28,6 +28,11 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     deceleration: Annotated[float | None, Tuning.LOWER_ONLY, Bounds(0.05, 10.0, "m/s²")] = None
     """m/s² that the stopping distance counts on; the robot's real one must be larger. None: it has not been measured,
     and the robot creeps."""
+    run_on: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.0, 1.0, "m")] = 0.0
+    """m that every stop takes besides: to brake, a robot that balances first runs on, so that it leans back."""
+    room_behind: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.0, 1.0, "m")] = 0.0
+    """m beyond the footprint that must be free the other way before the robot drives. A robot that balances rolls back
+    as it drives off, and after a stop. 0: the robot does not roll back."""
     range_budget: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.05, 2.0, "s")] = 0.40
     """s; an older reading does not count: its directions are blind."""
     operator_budget: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.05, 2.0, "s")] = 0.4

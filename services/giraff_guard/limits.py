@@ -13,6 +13,7 @@ from giraff_schemas.messages import Freedom, Verdict
 Way = Literal["forward", "backward"]
 
 SIGN: Final[dict[Way, float]] = {"forward": 1.0, "backward": -1.0}
+OTHER: Final[dict[Way, Way]] = {"forward": "backward", "backward": "forward"}
 _UNMEASURED: Final = 0.5
 """m/s² that a robot of unknown deceleration is taken to brake with from creeping."""
 
@@ -41,11 +42,13 @@ class Limits:
 
     def fastest(self, room: float, old: float = 0.0) -> float:
         """m/s from which the robot stops within `room` m, by what is `old` s old."""
-        return fastest(room, self.config.reaction_time + old, self.config.deceleration or _UNMEASURED)
+        config = self.config
+        return fastest(room, config.reaction_time + old, config.deceleration or _UNMEASURED, config.run_on)
 
     def stops_within(self, speed: float) -> float:
         """m that it takes to stop from `speed` (m/s)."""
-        return stopping_distance(speed, self.config.reaction_time, self.config.deceleration or _UNMEASURED)
+        config = self.config
+        return stopping_distance(speed, config.reaction_time, config.deceleration or _UNMEASURED, config.run_on)
 
     def block(self, sensor: str, reason: str) -> Verdict:
         """Nothing passes."""

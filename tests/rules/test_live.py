@@ -33,7 +33,7 @@ WITHOUT = {"giraff_router"}
 """Services that are no `Node` of a robot, and answer for no parameters."""
 EXAMPLES: dict[str, msgspec.Struct] = {
     "base": BASE,
-    "guard": GuardConfig(deceleration=1.5),
+    "guard": GuardConfig(deceleration=1.5, run_on=0.12, room_behind=0.2),
 }
 """Of those that cannot do with the defaults alone, or say more with others."""
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import Final
 
 from giraff_core.freshness import age
 from giraff_guard.limits import SIGN, Limits, Way
 from giraff_guard.motion import Motion
 from giraff_guard.ultrasonic.sensor import Ping, Sensor
 from giraff_schemas.messages import RobotTime, Verdict
+
+_ROLLS: Final = "the robot would first roll back towards it"
 
 
 class Nearest:
@@ -42,10 +45,30 @@ class Nearest:
         if sensor.blindness(now) or sensor.lost(motion) or sensor.doubt(motion, now):
             return 0.0
         believed = sensor.believed([other for other in self._sensors if other is not sensor])
-        return min(
-            self._clearance(sensor, ping.distance) - ping.place.ahead(motion.place, sensor.pose.yaw)
-            for ping in believed
-        )
+        return min(self._left(sensor, ping, motion) for ping in believed)
+
+    def opposite(self, sensor: Sensor, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict | None:
+        """Limit the other way by one sensor of this way, to which the robot first rolls back; None: not at all.
+
+        `blocked`: this sensor blocked it last. A silence limits nothing.
+        """
+        limits, config = self._limits, self._limits.config
+        if blindness := sensor.blindness(now):
+            return limits.creep(sensor.name, str(blindness))
+        believed = sensor.believed([other for other in self._sensors if other is not sensor])
+        echoes = [ping for ping in believed if ping.echo]
+        room = min((self._left(sensor, ping, motion) for ping in echoes), default=math.inf)
+        if room < config.room_behind + (config.release if blocked else 0.0):
+            seen = min(ping.distance for ping in echoes)
+            return limits.block(sensor.name, f"{sensor.name} sees something at {seen:.2f} m, and {_ROLLS}")
+        if sensor.lost(motion):
+            lost = f"{sensor.name} lost something nearer than {config.near:g} m"
+            return limits.block(sensor.name, f"{lost}, and {_ROLLS}")
+        return None
+
+    def _left(self, sensor: Sensor, ping: Ping, motion: Motion) -> float:
+        """m between the footprint and what a reading told, as the robot has moved since."""
+        return self._clearance(sensor, ping.distance) - ping.place.ahead(motion.place, sensor.pose.yaw)
 
     def _by_ping(self, sensor: Sensor, ping: Ping, motion: Motion, now: RobotTime, *, blocked: bool) -> Verdict:
         limits, config = self._limits, self._limits.config

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import Final
 
-from giraff_guard.limits import SIGN, Limits, Way
+from giraff_guard.limits import OTHER, SIGN, Limits, Way
 from giraff_guard.motion import Motion
 from giraff_guard.ultrasonic.held import RecentObstacles
 from giraff_guard.ultrasonic.memory import Echoes
@@ -26,8 +27,10 @@ class UltrasonicWay:
     def __init__(self, way: Way, limits: Limits, sensors: list[Sensor]) -> None:
         self._way: Way = way
         self._limits = limits
-        self.sensors = [sensor for sensor in sensors if SIGN[way] * math.cos(sensor.pose.yaw) > 0.7]
+        self.sensors = _along(way, sensors)
         self._nearest = Nearest(way, limits, self.sensors)
+        self._behind = _along(OTHER[way], sensors)
+        self._nearest_behind = Nearest(OTHER[way], limits, self._behind)
         self._held = RecentObstacles(way, limits)
         self._blocked = True
         self._blocker = ""
@@ -53,6 +56,8 @@ class UltrasonicWay:
             verdicts.extend(self._held.verdicts(silent, motion, now))
         if not self.sensors:
             verdicts.append(limits.creep("", f"no sensor looks {self._way}"))
+        if limits.config.room_behind > 0.0:
+            verdicts.extend(self._rolling_back(motion, now))
         if limits.config.deceleration is None:
             verdicts.append(limits.creep("", "deceleration has not been measured; measure it, and set it in [guard]"))
         verdict = min(verdicts, key=lambda each: each.allowed)
@@ -62,6 +67,15 @@ class UltrasonicWay:
         elif (allowed := limits.config.creep_linear + self._regained) < verdict.allowed:
             return limits.allow(allowed, verdict.sensor, "this way was blocked until just now; speeding up")
         return verdict
+
+    def _rolling_back(self, motion: Motion, now: RobotTime) -> Iterator[Verdict]:
+        """What stands behind, or may: driving off, and after a stop, the robot rolls back."""
+        if not self._behind:
+            yield self._limits.creep("", f"no sensor looks {OTHER[self._way]}, where the robot first rolls back")
+        for sensor in self._behind:
+            blocked = self._blocked and self._blocker == sensor.name
+            if verdict := self._nearest_behind.opposite(sensor, motion, now, blocked=blocked):
+                yield verdict
 
     def room(self, motion: Motion, echoes: Echoes, now: RobotTime) -> float:
         """Return m beyond the footprint that are known to be free; 0 without a sensor that looks there."""
@@ -85,3 +99,8 @@ class UltrasonicWay:
         if not left or not right or abs(difference) < _ASIDE:
             return ""
         return "left" if difference > 0.0 else "right"
+
+
+def _along(way: Way, sensors: list[Sensor]) -> list[Sensor]:
+    """Those that look this way."""
+    return [sensor for sensor in sensors if SIGN[way] * math.cos(sensor.pose.yaw) > 0.7]

@@ -51,6 +51,12 @@ def test_the_fastest_speed_uses_up_the_room(room: float, reaction_time: float, d
     assert stopping_distance(speed, reaction_time, deceleration) == pytest.approx(room, abs=1e-6)
 
 
+def test_a_run_on_is_in_each_stop_of_a_robot_that_moves() -> None:
+    assert stopping_distance(0.4, 0.1, 0.35, run_on=0.12) == pytest.approx(0.04 + 0.2286 + 0.12, abs=1e-4)
+    assert stopping_distance(0.0, 0.1, 0.35, run_on=0.12) == 0.0
+    assert fastest(0.12, 0.1, 0.35, run_on=0.12) == 0.0
+
+
 @given(room=ROOMS, more=st.floats(0.001, 5.0), reaction_time=TIMES, deceleration=DECELERATIONS)
 def test_more_room_allows_more_and_more_delay_less(
     room: float, more: float, reaction_time: float, deceleration: float
