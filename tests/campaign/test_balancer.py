@@ -8,6 +8,7 @@ from typing import Final
 
 import pytest
 
+from tests.loop.balancer import between_walls, breaks_on_tour, tour
 from tests.support.balancing import (
     Figures,
     Row,
@@ -34,11 +35,14 @@ from tests.support.balancing import (
     stands,
     starts,
     stopped,
+    wheel_stuck,
     with_bag,
 )
 from tests.support.report import report
 
 ROBOTS: Final = 20
+DRIVEN: Final = 10
+"""Robots that are driven with all services."""
 UP: Final = {"up": 1.0}
 RUN_ON: Final = 0.12
 """m. `[guard] run_on` of the robot's file."""
@@ -113,6 +117,7 @@ FAULTS: Final = {
     "encoder": Row(broken(encoders_cut(0), moves=False, seconds=8.0), {"span": 0.45}, {"noticed": (3.0, 0)}),
     "both_encoders": Row(broken(encoders_cut(0, 1), moves=False, seconds=8.0), {"span": 0.45}, {"noticed": (3.0, 0)}),
     "line": Row(broken(line_cut, moves=False, seconds=8.0), {"span": 0.45}, {"noticed": (6.0, 0)}),
+    "wheel_stuck_moving": Row(broken(wheel_stuck, moves=True), {"span": 1.0}, {"noticed": (2.1, 9)}),
     "lifted": Row(broken(lifted, moves=False), {}, {"off": (0.7, 2)}),
     "lifted_moving": Row(broken(lifted, moves=True), {}, {"off": (1.5, 8)}),
     "carried": Row(broken(carried, moves=False), {"off": 2.1}),
@@ -123,6 +128,19 @@ FAULTS: Final = {
     "cord_moving": Row(broken(cord_pulled, moves=True, speed=0.4), {"off": 0.006, "span": 0.25}),
 }
 PEOPLE: Final = Row(among_people, {}, {"held": (0.0, 1)}, at_least=UP)
+
+
+ON_TOUR: Final = {
+    "gyro_rail": sensor_at(0.0, 0),
+    "accelerometer_frozen": sensor_frozen(2, 3),
+    "encoder": encoders_cut(0),
+    "both_encoders": encoders_cut(0, 1),
+    "line": line_cut,
+    "wheel_stuck": wheel_stuck,
+    "lifted": lifted,
+    "cord": cord_pulled,
+}
+"""What fails while it is driven round the furnished room. A fallen robot lies within its footprint."""
 
 
 def exceeded(row: Row, robots: list[Figures]) -> dict[str, list[float]]:
@@ -161,3 +179,32 @@ def test_ten_minutes_among_people_show_no_fault() -> None:
     robots = [among_people(seed) for seed in range(5)]
     report("campaign/balancer_people", told(PEOPLE, robots))
     assert exceeded(PEOPLE, robots) == {}
+
+
+@pytest.mark.parametrize("seed", range(DRIVEN))
+def test_a_drawn_robot_drives_round_the_furnished_room(seed: int) -> None:
+    drive = tour(seed)
+    report(f"campaign/balancer_tour_{seed}", drive._asdict())
+    assert (drive.contacts, drive.falls) == (0, 0)
+    assert drive.path > 5.0
+    assert drive.fastest < 0.45
+
+
+def test_drawn_robots_stop_before_a_wall_and_turn_in_place() -> None:
+    drives = [between_walls(seed) for seed in range(DRIVEN)]
+    figures = {"closest": min(each.drive.closest for each in drives), "astray": max(each.astray for each in drives)}
+    report("campaign/balancer_walls", figures)
+    assert [(each.drive.contacts, each.drive.falls) for each in drives] == [(0, 0)] * DRIVEN
+    assert figures["closest"] > 0.20
+    assert figures["astray"] < 0.10
+    assert min(each.turned for each in drives) > 3.0
+
+
+@pytest.mark.parametrize("name", ON_TOUR)
+def test_a_fault_on_a_tour_touches_nothing_and_ends_it(name: str) -> None:
+    drives = [breaks_on_tour(seed, ON_TOUR[name]) for seed in range(DRIVEN)]
+    figures = {"gone": max(each.gone for each in drives), "drive_on": sum(each.drives for each in drives)}
+    report(f"campaign/balancer_on_tour_{name}", figures)
+    assert [each.contacts for each in drives] == [0] * DRIVEN
+    assert figures["gone"] < 1.0
+    assert figures["drive_on"] == 0

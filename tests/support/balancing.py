@@ -288,6 +288,10 @@ def encoders_cut(*wheels: int) -> Callable[[Balancer], None]:
     return fault
 
 
+def wheel_stuck(robot: Balancer) -> None:
+    robot.plant.left.is_blocked = True
+
+
 def line_cut(robot: Balancer) -> None:
     robot.body.line_cut = True
 

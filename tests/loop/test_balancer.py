@@ -1,0 +1,19 @@
+"""A robot that balances is driven by a hand. tests/campaign/test_balancer.py has the drawn ones."""
+
+from __future__ import annotations
+
+from tests.loop.balancer import against_wall, no_other_margin, tour
+
+
+def test_it_drives_round_the_furnished_room() -> None:
+    drive = tour(1, 12.0)
+    assert (drive.contacts, drive.falls) == (0, 0)
+    assert drive.path > 1.0
+    assert drive.fastest < 0.45
+
+
+def test_its_run_on_alone_keeps_it_off_a_wall() -> None:
+    drive = against_wall(6, 1.3, no_other_margin())
+    assert (drive.contacts, drive.falls) == (0, 0)
+    assert drive.path > 0.8
+    assert drive.closest > 0.05
