@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import rerun.blueprint as rrb
 
-from giraff_viewer.plots import PLOTS
+from giraff_viewer.plots import BALANCE_PLOTS, BALANCE_PWM, PLOTS
 from giraff_viewer.rows import FLOOR
 from giraff_viewer.scene import GUARD, HAND, LOG
 
@@ -16,8 +16,11 @@ LIVE_WINDOW = 60.0
 """s that the lines of a live robot go back: more cannot be told apart, and takes longer to draw."""
 
 
-def blueprint(*, live: bool) -> rrb.Blueprint:
-    """The newest moment is followed until somebody looks back."""
+def blueprint(*, live: bool, balances: bool = False) -> rrb.Blueprint:
+    """The newest moment is followed until somebody looks back. `balances`: with the plots of a robot that does."""
+    titles = {plot: title for plot, (title, _) in (BALANCE_PLOTS | PLOTS if balances else PLOTS).items()}
+    if balances:
+        titles["pwm"] = BALANCE_PWM
     floor = rrb.Spatial2DView(origin=FLOOR, name="floor")
     hand = rrb.Spatial2DView(
         origin=HAND, name="hand, g", visual_bounds=rrb.VisualBounds2D(x_range=[-1.1, 1.1], y_range=[-1.1, 1.1])
@@ -31,10 +34,10 @@ def blueprint(*, live: bool) -> rrb.Blueprint:
             plot_legend=rrb.PlotLegend(corner=rrb.Corner2D.LeftTop),
             time_ranges=_of_late() if live else None,
         )
-        for plot, (title, _) in PLOTS.items()
+        for plot, title in titles.items()
     ]
     left = rrb.Vertical(floor, rrb.Horizontal(hand, words, column_shares=[1, 3]), row_shares=[5, 3])
-    right = rrb.Vertical(rrb.Grid(*plots, grid_columns=2), log, row_shares=[3, 1])
+    right = rrb.Vertical(rrb.Grid(*plots, grid_columns=2), log, row_shares=[5 if balances else 3, 1])
     return rrb.Blueprint(
         rrb.Horizontal(left, right, column_shares=[1, 1]),
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),

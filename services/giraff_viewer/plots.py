@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Final, NamedTuple
 
 from giraff_schemas.messages import (
+    Attitude,
     BaseState,
     Battery,
     DriveCommand,
@@ -43,14 +44,33 @@ PLOTS: Final[dict[str, tuple[str, dict[str, Colour]]]] = {
 }
 """By plot: its title and its lines; those of the ranges are the sensors."""
 
+BALANCE_PLOTS: Final[dict[str, tuple[str, dict[str, Colour]]]] = {
+    "lean": ("lean, degrees", {"accelerometer": VIOLET, "fused": GREEN, "trim": WHITE}),
+    "rate": ("lean rate, degrees/s", {"rate": AMBER}),
+    "wheels": ("wheels, m/s", {"left": CYAN, "right": PINK}),
+    "torque": ("torque of both motors, N m", {"torque": BLUE}),
+}
+"""The plots of a robot that balances, before the others."""
+BALANCE_PWM: Final = "motor command, 255 is full"
+"""Title of the plot `pwm` of such a robot, whose motor driver takes no PWM."""
+
 _RANGE_COLOURS: Final = (CYAN, PINK, AMBER, GREEN, BLUE, VIOLET)
 
 
 def series(sensors: tuple[str, ...]) -> list[Series]:
     """All lines of a robot with these sensors."""
-    lines = [Series(f"plots/{plot}/{name}", name, c) for plot, (_, names) in PLOTS.items() for name, c in names.items()]
+    lines = _lines(PLOTS)
     colours = (_RANGE_COLOURS[number % len(_RANGE_COLOURS)] for number in range(len(sensors)))
     return lines + [Series(_range_path(name), name, colour) for name, colour in zip(sensors, colours, strict=True)]
+
+
+def balance_series() -> list[Series]:
+    """Return the lines that a robot has beside them when it balances."""
+    return _lines(BALANCE_PLOTS)
+
+
+def _lines(plots: dict[str, tuple[str, dict[str, Colour]]]) -> list[Series]:
+    return [Series(f"plots/{plot}/{name}", name, c) for plot, (_, names) in plots.items() for name, c in names.items()]
 
 
 class Values:
@@ -58,6 +78,8 @@ class Values:
 
     def __init__(self) -> None:
         self._now: RobotTime | None = None
+        self.balances = False
+        """The robot has told its attitude."""
 
     def of(self, sample: Sample) -> Iterator[Value]:
         """What a sample adds to the plots."""
@@ -67,8 +89,14 @@ class Values:
             case DriveCommand() | GuardedCommand() | Odometry():
                 yield from self._motion(sample)
             case Wheels():
-                yield "plots/pwm/left", float(sample.left_pwm_counts)
-                yield "plots/pwm/right", float(sample.right_pwm_counts)
+                yield from self._wheels(sample)
+            case Attitude():
+                self.balances = True
+                yield "plots/lean/accelerometer", math.degrees(sample.accelerometer_lean)
+                yield "plots/lean/fused", math.degrees(sample.lean)
+                yield "plots/lean/trim", math.degrees(sample.trim)
+                yield "plots/rate/rate", math.degrees(sample.rate)
+                yield "plots/torque/torque", sample.torque
             case Range():
                 yield _range_path(sample.sensor), math.nan if sample.range is None else sample.range
                 yield from self._age("ranges", sample.tick)
@@ -86,6 +114,13 @@ class Values:
         yield f"plots/turn/{who}", sample.angular_z
         if isinstance(sample, Odometry):
             yield from self._age("odom", sample.tick)
+
+    def _wheels(self, sample: Wheels) -> Iterator[Value]:
+        yield "plots/pwm/left", float(sample.left_pwm_counts)
+        yield "plots/pwm/right", float(sample.right_pwm_counts)
+        if self.balances:
+            yield "plots/wheels/left", sample.left_velocity
+            yield "plots/wheels/right", sample.right_velocity
 
     def _age(self, of: str, tick: RobotTime | None) -> Iterator[Value]:
         if self._now is not None and tick is not None and tick.epoch == self._now.epoch:

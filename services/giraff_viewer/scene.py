@@ -19,7 +19,7 @@ from giraff_schemas.topics import Topic
 from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, PATH, ROBOT, TILT, TRUTH, WHITE
 from giraff_viewer.cones import Cone, ConeState
 from giraff_viewer.ghost import Ghost
-from giraff_viewer.plots import Values, series
+from giraff_viewer.plots import Series, Values, balance_series, series
 from giraff_viewer.rows import FLOOR, Row, planar, turned
 from giraff_viewer.shapes import arc, cone, ellipse, headings, outline, placed
 from giraff_viewer.story import Line, Story
@@ -74,9 +74,16 @@ class Scene:
                 planar("base_link", frame, pose.x, pose.y, pose.yaw),
                 (f"{FLOOR}/{frame}", rr.CoordinateFrame(frame)),
             ]
-        for line in series(tuple(self._robot.sensors)):
-            rows.append((line.path, rr.SeriesLines(colors=[line.colour], names=[line.name], widths=[1.5])))
-        return rows
+        return rows + _styles(series(tuple(self._robot.sensors)))
+
+    def begin_balance(self) -> list[Row]:
+        """Return what never changes of a robot that balances."""
+        return _styles(balance_series())
+
+    @property
+    def balances(self) -> bool:
+        """Whether the robot has told its attitude."""
+        return self._values.balances
 
     def on_sample(self, topic: Topic[Any], sample: Sample, at_ns: int) -> list[Row]:
         """What a sample changes."""
@@ -179,6 +186,10 @@ class Scene:
             return False
         self._last[what] = at_ns
         return True
+
+
+def _styles(lines: list[Series]) -> list[Row]:
+    return [(each.path, rr.SeriesLines(colors=[each.colour], names=[each.name], widths=[1.5])) for each in lines]
 
 
 def _tilt(tilt: Tilt) -> Any:

@@ -26,7 +26,9 @@ class Show:
     """Draws one robot. Times are ns since 1970, when each thing was heard."""
 
     def __init__(self, robot: RobotConfig, *, live: bool) -> None:
+        self._live = live
         self._blueprint = blueprint(live=live)
+        self._balances = False  # the screen has the plots of a robot that balances
         self.heard = 0
         """Samples."""
         self._scene = Scene(robot)
@@ -77,7 +79,12 @@ class Show:
     def on_sample(self, topic: Topic[Any], sample: Sample, at_ns: int) -> None:
         """Draw what a sample changes."""
         self.heard += 1
-        self._log(self._scene.on_sample(topic, sample, at_ns), at_ns)
+        rows = self._scene.on_sample(topic, sample, at_ns)
+        if self._scene.balances and not self._balances:
+            self._balances = True
+            self._log_static(self._scene.begin_balance())
+            self._stream.send_blueprint(blueprint(live=self._live, balances=True))
+        self._log(rows, at_ns)
 
     def on_liveliness(self, service: str, instance: str, at_ns: int, *, present: bool) -> None:
         """Tell that a service has come or gone."""
@@ -102,7 +109,10 @@ class Show:
         self._stream.disconnect()
 
     def _begin(self) -> None:
-        for path, what in self._scene.begin():
+        self._log_static(self._scene.begin())
+
+    def _log_static(self, rows: list[Row]) -> None:
+        for path, what in rows:
             self._stream.log(path, what, static=True)
 
     def _log(self, rows: list[Row], at_ns: int) -> None:

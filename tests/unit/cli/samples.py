@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from giraff_cli.run.odometry_error import Truth
@@ -10,6 +11,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import (
+    Attitude,
     BaseState,
     Battery,
     BoardState,
@@ -98,6 +100,21 @@ def wheels(robot_ns: int) -> Wheels:
         right_pwm_counts=0,
         board_us=robot_ns // 1000,
         boot_id=1,
+        tick=at(robot_ns),
+    )
+
+
+def attitude(robot_ns: int, posture: str = "stands", cause: str = "") -> Attitude:
+    """A robot that leans forward by 1.5 degrees."""
+    lean = math.radians(1.5)
+    return Attitude(
+        lean=lean,
+        rate=-0.1,
+        accelerometer_lean=2.0 * lean,
+        trim=0.0,
+        torque=-12.5,
+        posture=posture,
+        cause=cause,
         tick=at(robot_ns),
     )
 

@@ -24,7 +24,7 @@ from giraff_viewer.scene import Scene, stock
 from giraff_viewer.shapes import HALF_CONE, REACH, Strip, cone, ellipse, headings, outline
 from giraff_viewer.story import Story
 from giraff_viewer.trail import Trail
-from tests.unit.cli.samples import MS, at, base, estop, guard, odometry, reading, verdict
+from tests.unit.cli.samples import MS, at, attitude, base, estop, guard, odometry, reading, verdict, wheels
 
 SECOND = 1_000_000_000
 BLOCKED = verdict(0.0, "blocked", "front_left", "front_left sees something at 0.37 m", "turn left")
@@ -256,6 +256,18 @@ def test_a_line_gets_25_points_a_second() -> None:
     scene = Scene(stock("sim"))
     points = [scene.on_sample(topics.ODOM, odometry(n, 0.0), SECOND + n * 10 * MS) for n in range(100)]
     assert sum("plots/speed/measured" in paths(rows) for rows in points) == 25
+
+
+def test_a_robot_that_balances_has_plots_of_its_own_and_others_have_none() -> None:
+    scene = Scene(stock("sim"))
+    assert paths(scene.on_sample(topics.WHEELS, wheels(0), SECOND)) == {"plots/pwm/left", "plots/pwm/right"}
+    rows = dict(scene.on_sample(topics.ATTITUDE, attitude(0), SECOND))
+    degrees = {path: what.scalars.as_arrow_array().to_pylist()[0] for path, what in rows.items()}
+    assert degrees["plots/lean/fused"] == pytest.approx(1.5)
+    assert degrees["plots/rate/rate"] == pytest.approx(math.degrees(-0.1))
+    assert scene.balances
+    seen = paths(scene.on_sample(topics.WHEELS, wheels(0), 2 * SECOND)) | set(degrees)
+    assert seen >= paths(scene.begin_balance())
 
 
 @pytest.mark.parametrize("limit", ["500MB", "2GiB", "1.5 GB", "25%"])
