@@ -8,6 +8,7 @@ from typing import Any, Final
 from giraff_core.latest import FRESH, Latest, LatestSamples
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
+    Attitude,
     BaseState,
     Battery,
     EStop,
@@ -21,6 +22,7 @@ from giraff_schemas.messages import (
     Wheels,
 )
 from giraff_schemas.topics import (
+    ATTITUDE,
     BASE,
     BATTERY,
     CMD_VEL,
@@ -74,6 +76,8 @@ class Snapshot:
     estop: Latest[EStop] | None
     lease: Latest[Lease] | None
     localization: Latest[MapPose] | None
+    attitude: Latest[Attitude] | None
+    """None: it is no robot that balances."""
     ranges: dict[str, Latest[Range] | None]
     """By sensor: first those that the guard knows of, in the order of the robot file."""
     rates: dict[str, KeyRate]
@@ -186,6 +190,7 @@ class Telemetry(LatestSamples):
             estop=self.latest(ESTOP, now_ns),
             lease=self.latest(LEASE, now_ns),
             localization=self.latest(POSE, now_ns),
+            attitude=self.latest(ATTITUDE, now_ns),
             ranges={sensor: ranges.get(sensor) for sensor in dict.fromkeys(sensors)},
             rates={name: self._rate(self._keys[name], now_ns) for name in self._names()},
             services={service: len(instances) for service, instances in self.instances.items()},

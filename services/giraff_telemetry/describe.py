@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final, NamedTuple
 
 from giraff_core.latest import Latest
-from giraff_schemas.messages import GuardState, Range, Verdict
+from giraff_schemas.messages import Attitude, GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.collector import Snapshot
@@ -105,6 +106,20 @@ def localization_text(snapshot: Snapshot) -> str:
     if seen is None:
         return ""
     return short_pose_text(seen.sample) if seen.fresh else f"not heard for {seen.age:.0f} s"
+
+
+def balance_text(snapshot: Snapshot) -> str:
+    """Return how a robot that balances holds itself. Empty: it is none, or nothing has told it."""
+    seen = snapshot.attitude
+    if seen is None:
+        return ""
+    return posture_text(seen.sample) if seen.fresh else f"not heard for {seen.age:.0f} s"
+
+
+def posture_text(attitude: Attitude) -> str:
+    """Return posture, lean and torque, and the cause where it does not stand."""
+    why = f", because {attitude.cause}" if attitude.cause and attitude.posture != "stands" else ""
+    return f"{attitude.posture}{why}: leans {math.degrees(attitude.lean):z.1f}°, {attitude.torque:z.0f} N m"
 
 
 def estop_text(snapshot: Snapshot) -> str:

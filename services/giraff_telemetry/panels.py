@@ -13,10 +13,11 @@ from rich.text import Text
 from giraff_core.latest import Latest
 from giraff_schemas.messages import Range
 from giraff_schemas.text import printable
-from giraff_schemas.topics import MAP, MOTION, MOTION_HOLD, PARTICLES, POSE
+from giraff_schemas.topics import ATTITUDE, MAP, MOTION, MOTION_HOLD, PARTICLES, POSE
 from giraff_telemetry.collector import KeyRate, Snapshot, range_key
 from giraff_telemetry.describe import (
     DIRECTIONS,
+    balance_text,
     base_reason,
     base_text,
     holder_text,
@@ -29,7 +30,7 @@ from giraff_telemetry.layout import HEADING, NONE, block, left, right, text_or_d
 _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
-_LEFT_OUT: Final = (MOTION.key, MOTION_HOLD.key, POSE.key, PARTICLES.key, MAP.key)
+_LEFT_OUT: Final = (MOTION.key, MOTION_HOLD.key, POSE.key, PARTICLES.key, MAP.key, ATTITUDE.key)
 FREEDOM_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
 _STATES: Final = {"localized": "green", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
 _BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}
@@ -110,7 +111,7 @@ def command(snapshot: Snapshot) -> Table:
 
 
 def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table:
-    """How each key flows, but for ranges, motion and localization: with more rows a screen is no longer 24 high."""
+    """How each key flows, but for ranges, motion, localization and attitude: with more rows it is no longer 24 high."""
     left_out = {*_LEFT_OUT, *(range_key(sensor) for sensor in snapshot.ranges)}
     rates = [(key, rate) for key, rate in snapshot.rates.items() if key not in left_out]
     lost = sum(rate.lost for rate in snapshot.rates.values())
@@ -136,6 +137,16 @@ def localization(snapshot: Snapshot, more: str = "") -> Text:
     if more:
         text.append(f"{printable(more)}  ")
     return text.append_text(text_or_dash(localization_text(snapshot), style))
+
+
+def balance(snapshot: Snapshot) -> Text:
+    """How a robot that balances holds itself, in a row; blank for others."""
+    seen = snapshot.attitude
+    if seen is None:
+        return Text()
+    style = "dim" if not seen.fresh else "green" if seen.sample.posture == "stands" else "yellow"
+    text = Text.assemble(("BALANCE  ", HEADING), no_wrap=True, overflow="ellipsis")
+    return text.append_text(text_or_dash(balance_text(snapshot), style))
 
 
 def dim(seen: Latest[Any] | None) -> str:

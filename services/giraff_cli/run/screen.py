@@ -92,9 +92,11 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
 
 
 def _last_row(snapshot: RunSnapshot, frame: Frame) -> list[RenderableType]:
-    """What went wrong, else what is known of the place on the map: for both there is no room."""
-    if frame.notices or frame.localization is None:
+    """What went wrong, else the place on the map, else how it balances: for more than one there is no room."""
+    if frame.notices:
         return [*map(notice, frame.notices)]
+    if frame.localization is None:
+        return [] if snapshot.attitude is None else [blocks.balance(snapshot)]
     off = snapshot.off_map
     told = "" if off is None else f"off {off.distance:.2f} m, {math.degrees(off.angle):.1f}°"
     return [blocks.localization(snapshot, told if frame.localization == "alive" else frame.localization)]

@@ -56,6 +56,8 @@ class WatchReport(msgspec.Struct, frozen=True, kw_only=True):
     estop: dict[str, Any] | None
     battery: dict[str, Any] | None
     localization: dict[str, Any] | None
+    attitude: dict[str, Any] | None
+    """None: it is no robot that balances."""
     topics: dict[str, TopicReport]
     """By key, below the robot's name."""
     unreadable: tuple[str, ...]
@@ -92,6 +94,7 @@ def report(view: WatchView) -> WatchReport:
         estop=_sample(snapshot.estop),
         battery=_sample(snapshot.battery),
         localization=_sample(snapshot.localization),
+        attitude=_sample(snapshot.attitude),
         topics={key: _topic(rate) for key, rate in snapshot.rates.items()},
         unreadable=view.notices,
     )

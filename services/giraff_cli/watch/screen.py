@@ -14,6 +14,7 @@ from giraff_schemas.services import ROBOTS_OWN
 from giraff_telemetry import panels as blocks
 from giraff_telemetry.collector import Snapshot
 from giraff_telemetry.describe import (
+    balance_text,
     base_text,
     estop_text,
     forward_text,
@@ -81,7 +82,7 @@ class WatchView:
             ),
             Text() if snapshot.localization is None else blocks.localization(snapshot),
             beside(blocks.ranges(snapshot), blocks.base(snapshot, ("e-stop", text_or_dash(estop_text(snapshot))))),
-            Text(),
+            blocks.balance(snapshot),
             blocks.guard(snapshot),
             blocks.topics(snapshot, _TOPIC_COLUMNS, with_age=True),
             why(limit_text(snapshot)),
@@ -104,6 +105,7 @@ def _told(snapshot: Snapshot) -> list[str]:
         f"holder {holder_text(snapshot) or 'unknown'}",
         f"base {base_text(snapshot)}",
     ]
+    told += [] if snapshot.attitude is None else [balance_text(snapshot)]
     told += [] if snapshot.localization is None else [f"map {localization_text(snapshot)}"]
     told += [] if battery is None else [f"{battery.sample.voltage:.1f} V"]
     told += [f"not there: {', '.join(gone)}"] if gone else []

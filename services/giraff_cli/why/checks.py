@@ -10,9 +10,9 @@ from giraff_core.latest import Latest
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS
-from giraff_schemas.topics import BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
+from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 from giraff_schemas.trouble import Trouble
-from giraff_telemetry.describe import START_A_HAND, verdicts
+from giraff_telemetry.describe import START_A_HAND, posture_text, verdicts
 
 _BUDGET: Final = GuardConfig().operator_budget
 
@@ -187,7 +187,11 @@ def wheels(chain: ChainState) -> Link:
         return Link(name="wheels", standing="STOPS", text="base tells nothing of them; restart giraff_base")
     state = heard.sample
     speeds = f"{state.left_velocity:z.2f} and {state.right_velocity:z.2f} m/s"
-    return link_from("wheels", "ok", heard, f"{speeds} at PWM {state.left_pwm_counts} and {state.right_pwm_counts}")
+    counts = f"{state.left_pwm_counts} and {state.right_pwm_counts}"
+    if (attitude := chain.observation.newest(ATTITUDE)) is None:
+        return link_from("wheels", "ok", heard, f"{speeds} at PWM {counts}")
+    text = f"{speeds} at motor commands of {counts} of 255; {posture_text(attitude.sample)}"
+    return link_from("wheels", "ok" if attitude.sample.posture == "stands" else "waits", heard, text)
 
 
 def _judged(way: str, verdict: Verdict) -> str:

@@ -12,7 +12,7 @@ from giraff_cli.why.diagnosis import LINKS
 from giraff_cli.why.observation import Observation
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
-from tests.unit.cli.samples import MS, base, lease, reading, verdict
+from tests.unit.cli.samples import MS, attitude, base, lease, reading, verdict
 from tests.unit.cli.scenes import CAUSES, HAND, NOW, Scene, blocked, command, fault, state
 
 
@@ -46,6 +46,17 @@ def test_with_nothing_wrong_nothing_is_found() -> None:
     assert {link.standing for link in diagnosis.links} == {"ok"}
     assert (diagnosis.stopped_by, diagnosis.drives) == ("", False)
     assert diagnosis.conclusion == "nothing stops the robot: it drives when the hand asks for it"
+
+
+def test_the_wheels_of_a_robot_that_balances_are_told_with_how_it_holds_itself() -> None:
+    chain = Scene()
+    chain.put(topics.ATTITUDE, attitude(0), "b")
+    told = "motor commands of 0 and 0 of 255; stands: leans 1.5°, -12 N m"
+    wheels = chain.diagnosis().links[-1]
+    assert (wheels.standing, wheels.text.endswith(told)) == ("ok", True), wheels.text
+    chain.put(topics.ATTITUDE, attitude(0, "sits down", "the battery was low"), "b")
+    wheels = chain.diagnosis().links[-1]
+    assert (wheels.standing, "sits down, because the battery was low" in wheels.text) == ("waits", True), wheels.text
 
 
 def test_a_robot_that_drives_does() -> None:

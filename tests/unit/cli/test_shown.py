@@ -29,6 +29,7 @@ from tests.unit.cli.samples import (
     MS,
     SENSORS,
     Network,
+    attitude,
     base,
     estop,
     guard,
@@ -139,6 +140,14 @@ def test_the_view_tells_the_place_on_the_map_in_a_row_that_is_there_anyway() -> 
     assert ended[-1].startswith("MAP  ended  ")
     starting = rendered(ten_seconds().snapshot(13 * SECOND), replace(FRAME, localization="starting"))
     assert starting[-1].rstrip() == "MAP  starting  -"
+
+
+def test_the_last_row_tells_how_a_robot_balances() -> None:
+    telemetry = ten_seconds()
+    Network(telemetry).send(topics.ATTITUDE, attitude(10 * SECOND), 10 * SECOND)
+    shown = rendered(telemetry.snapshot(10 * SECOND))
+    assert len(shown) <= 24
+    assert shown[-1].rstrip() == "BALANCE  stands: leans 1.5°, -12 N m"
 
 
 def test_the_line_tells_the_place_on_the_map() -> None:

@@ -22,6 +22,7 @@ from tests.unit.cli.samples import (
     MS,
     SENSORS,
     Network,
+    attitude,
     base,
     drive_ten_seconds,
     estop,
@@ -212,6 +213,21 @@ def test_the_place_on_the_map_is_told_where_anybody_tells_it() -> None:
     assert (told["state"], told["map"], told["age"]) == ("localized", "hall", 0.0)
 
 
+def test_how_a_robot_that_balances_holds_itself_is_told() -> None:
+    assert "BALANCE" not in "\n".join(drawn(view(heard())))
+    telemetry = heard()
+    network = Network(telemetry)
+    network.send(topics.ATTITUDE, attitude(NOW), NOW)
+    network.send(topics.POSE, map_pose(0, Pose(1.5, 2.2, 0.0)), NOW)
+    shown = drawn(view(telemetry, notices=("n" * 200,)))
+    assert len(shown) <= 24
+    assert "BALANCE  stands: leans 1.5°, -12 N m" in [row.rstrip() for row in shown]
+    assert "| base driving | stands: leans 1.5°, -12 N m | map" in view(telemetry).line()
+    network.send(topics.ATTITUDE, attitude(NOW, "off", "the gyroscope failed"), NOW)
+    assert "| off, because the gyroscope failed: leans 1.5°" in view(telemetry).line()
+    assert report(telemetry)["attitude"]["posture"] == "off"
+
+
 def test_the_report_has_the_names_that_are_promised() -> None:
     told = report(heard())
     assert set(told) == {
@@ -234,6 +250,7 @@ def test_the_report_has_the_names_that_are_promised() -> None:
         "estop",
         "battery",
         "localization",
+        "attitude",
         "topics",
         "unreadable",
     }
