@@ -177,6 +177,25 @@ class Echo(msgspec.Struct, frozen=True, kw_only=True):
     reason: str
 
 
+class Balance(msgspec.Struct, frozen=True, kw_only=True):
+    """How a robot that balances holds itself. Leaning forward is positive."""
+
+    posture: str
+    """off, stands or sits down."""
+    cause: str
+    """Why it is off or sits down."""
+    lean: float
+    """rad, by gyroscope and accelerometer together."""
+    accelerometer_lean: float
+    """rad, by the accelerometer alone."""
+    rate: float
+    """rad/s."""
+    torque: float
+    """N m of both motors."""
+    wheels: tuple[float, float] | None
+    """m/s of the left and the right wheel."""
+
+
 class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """All that is shown, 25 times a second at most; None: it is not heard."""
 
@@ -212,6 +231,8 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """V."""
     round_trip: float | None
     """s from the hand to the wheels."""
+    balance: Balance | None = None
+    """None: it is no robot that balances."""
 
 
 class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):

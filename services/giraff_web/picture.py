@@ -9,10 +9,10 @@ from typing import Final
 from giraff_core.latest import LatestSamples
 from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
-from giraff_schemas.messages import EStop, GuardState, Odometry, Range, Sample, Verdict
-from giraff_schemas.topics import BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
+from giraff_schemas.messages import Attitude, EStop, GuardState, Odometry, Range, Sample, Verdict
+from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
 from giraff_schemas.trouble import WELL, trouble_of
-from giraff_web.messages import Direction, Echo, Latch, Part, State, moment
+from giraff_web.messages import Balance, Direction, Echo, Latch, Part, State, moment
 from giraff_web.policy import WebPolicy
 
 STALE: Final = 1.5
@@ -54,6 +54,7 @@ class Picture:
         self._n += 1
         base, guard, estop = self._newest(BASE, now), self._newest(GUARD, now), self._newest(ESTOP, now)
         odom, battery = self._newest(ODOM, now), self._newest(BATTERY, now, 3.0 / BATTERY.rate_hz)
+        attitude = self._newest(ATTITUDE, now)
         operator, asked = policy.operator, policy.poll(now)
         age = now - operator.heard
         driver = policy.driver if operator.holds else None
@@ -78,6 +79,7 @@ class Picture:
             path=round(odom.path, 3) if odom else None,
             battery=round(battery.voltage, 2) if battery else None,
             round_trip=base.round_trip if base else None,
+            balance=self._balance(attitude, odom) if attitude else None,
         )
 
     def _go_on(self, odom: Odometry) -> None:
@@ -87,6 +89,18 @@ class Picture:
         here = odom.x, odom.y
         if not self._trail or math.dist(self._trail[-1], here) >= _APART:
             self._trail.append(here)
+
+    def _balance(self, attitude: Attitude, odom: Odometry | None) -> Balance:
+        wheels = self._robot.kinematics.wheel_speeds(odom.linear_x, odom.angular_z) if odom else None
+        return Balance(
+            posture=attitude.posture,
+            cause=attitude.cause,
+            lean=round(attitude.lean, 5),
+            accelerometer_lean=round(attitude.accelerometer_lean, 5),
+            rate=round(attitude.rate, 4),
+            torque=round(attitude.torque, 2),
+            wheels=(round(wheels[0], 3), round(wheels[1], 3)) if wheels else None,
+        )
 
     def _echo(self, sensor: str, now: float) -> Echo:
         latest = self._latest.latest(RANGE.at(sensor), round(now * 1e9))

@@ -14,6 +14,7 @@ from giraff_core.timer import Timer
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
+    ATTITUDE,
     BASE,
     BATTERY,
     ESTOP,
@@ -62,7 +63,7 @@ class Web(OperatorService):
         self.link = pages
         told = (BASE, GUARD, ESTOP, BATTERY, RANGE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
-        self._told.append(io.inbox(ODOM, limit=1, wakes=False))
+        self._told += [io.inbox(topic, limit=1, wakes=False) for topic in (ODOM, ATTITUDE)]
         self._show_timer = Timer(SHOWN_HZ)
         self.timers = (self.timer, self._show_timer)
         self._lost: dict[int, Trouble] = {}

@@ -1,5 +1,6 @@
 // What the page is made of, wired together.
 
+import { Balance } from "./balance.js";
 import { Floor, Trail } from "./floor.js";
 import { Hand, isFresh } from "./hand.js";
 import * as keys from "./keys.js";
@@ -45,6 +46,7 @@ const panel = new Panel();
 const others = new Others((page) => link.say({ type: "end", page }));
 const floor = new Floor(byId("floor"));
 const trail = new Trail();
+const balance = new Balance();
 const stop = new StopButton(clock, {
   say: (off) => {
     hand.onStop();
@@ -81,6 +83,7 @@ function onMessage(message) {
     hand.onState(message.tick, Boolean(message.stop?.engaged), message.page === at.me, now);
     stop.onState(message);
     trail.onState(message);
+    balance.onState(message, now);
     floor.touch();
     link.say({ type: "seen", n: message.n });
   } else if (message.type === "pages") {
@@ -161,6 +164,7 @@ function draw(now) {
   wake(hand.hold > 0);
   panel.draw(at, now);
   others.draw(at);
+  balance.draw(at.state, linked, now);
   stop.draw(now, linked);
   question.draw(at.state?.stop, at.mayDrive, linked);
 }

@@ -23,6 +23,8 @@ const TAKE = { tilt: "hold the field", pad: "hold the pad", keys: "press a drive
 const WATCHING = "You can watch and stop. To drive, open the address that the robot’s page service shows now.";
 const ARM = { tilt: "hold the field and keep the phone flat", pad: "hold the pad without dragging", keys: "let go of the keys" };
 
+export const DEGREES = 180 / Math.PI;
+
 const known = (value) => typeof value === "number" && Number.isFinite(value);
 
 /** Age of what is shown, s, as people read it. */
@@ -130,6 +132,13 @@ export function floorLines(state) {
     lines.push(`Position: x ${fixed(x, 1)} m, y ${fixed(y, 1)} m, heading ${Math.round((yaw * 180) / Math.PI)}°`);
   }
   return lines;
+}
+
+/** How a robot that balances holds itself: "Stands: leans 1.2°, 3 N m". */
+export function balanceText(balance) {
+  const because = balance.cause && balance.posture !== "stands" ? `, because ${balance.cause}` : "";
+  const lean = fixed(balance.lean * DEGREES, 1);
+  return `${sentence(balance.posture)}${because}: leans ${lean}°, ${fixed(balance.torque, 0)} N m`;
 }
 
 /** Without a minus before a zero, nor numbers that jump between both. */

@@ -9,7 +9,7 @@ from giraff_web.messages import State, ToPage
 from giraff_web.picture import STALE, Picture
 from giraff_web.policy import WebPolicy
 from tests.support.robots import ROBOT
-from tests.unit.cli.samples import base, guard, verdict
+from tests.unit.cli.samples import attitude, base, guard, verdict
 
 TICK = RobotTime(epoch=7, robot_ns=1 << 62)
 
@@ -52,6 +52,17 @@ def test_what_is_not_heard_is_not_shown() -> None:
     assert set(state.ranges) == set(ROBOT.sensors)
     assert {echo.state for echo in state.ranges.values()} == {"silent"}
     assert "guard" in state.why
+
+
+def test_how_a_robot_balances_is_shown_with_its_wheels_and_of_no_other_robot() -> None:
+    shown = Shown()
+    shown.picture.take(odometry(1.0), 0.0)
+    assert shown.at(0.1).balance is None
+    shown.picture.take(attitude(0), 0.0)
+    balance = shown.at(0.1).balance
+    assert balance is not None
+    assert (balance.posture, balance.lean, balance.wheels) == ("stands", 0.02618, (0.2, 0.2))
+    assert shown.at(STALE + 0.1).balance is None
 
 
 def test_a_tick_goes_down_exactly_and_none_of_a_robot_that_is_lost() -> None:

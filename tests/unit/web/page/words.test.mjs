@@ -90,6 +90,13 @@ test("what is not heard is no number", () => {
   assert.deepEqual(some, { speed: "0.00 m/s", turn: "0.3 rad/s", battery: "24.6 V", trip: "43 ms", path: "3.3 m" });
 });
 
+test("how a robot balances, and why where it does not", () => {
+  const stands = { posture: "stands", cause: "the battery was low", lean: -0.0261, torque: -0.2 };
+  assert.equal(words.balanceText(stands), "Stands: leans -1.5°, 0 N m");
+  const off = words.balanceText({ ...stands, posture: "off" });
+  assert.equal(off, "Off, because the battery was low: leans -1.5°, 0 N m");
+});
+
 test("the floor plan as lines", () => {
   const ranges = {
     front_left: { state: "echo", range: 0.84, reason: "" },
