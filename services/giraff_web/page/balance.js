@@ -11,13 +11,13 @@ const PLOTS = [
   {
     title: "Lean",
     unit: "°",
-    reach: 5,
+    reach: 2,
     lines: [
       ["accelerometer", (each) => each.accelerometer_lean * DEGREES, "quiet"],
       ["fused", (each) => each.lean * DEGREES, "accent"],
     ],
   },
-  { title: "Lean rate", unit: "°/s", reach: 20, lines: [["", (each) => each.rate * DEGREES, "accent"]] },
+  { title: "Lean rate", unit: "°/s", reach: 10, lines: [["", (each) => each.rate * DEGREES, "accent"]] },
   {
     title: "Wheels",
     unit: " m/s",
@@ -27,7 +27,7 @@ const PLOTS = [
       ["right", (each) => each.wheels?.[1], "warn"],
     ],
   },
-  { title: "Torque", unit: " N m", reach: 20, lines: [["", (each) => each.torque, "accent"]] },
+  { title: "Torque", unit: " N m", reach: 10, lines: [["", (each) => each.torque, "accent"]] },
 ];
 
 /** How far a plot reaches to either side of zero: in steps, so that it seldom changes. */
