@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -22,6 +23,7 @@ from giraff_viewer.plots import Values
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene, stock
 from giraff_viewer.shapes import HALF_CONE, REACH, Strip, cone, ellipse, headings, outline
+from giraff_viewer.show import Show
 from giraff_viewer.story import Story
 from giraff_viewer.trail import Trail
 from tests.unit.cli.samples import MS, at, attitude, base, estop, guard, odometry, reading, verdict, wheels
@@ -268,6 +270,18 @@ def test_a_robot_that_balances_has_plots_of_its_own_and_others_have_none() -> No
     assert scene.balances
     seen = paths(scene.on_sample(topics.WHEELS, wheels(0), 2 * SECOND)) | set(degrees)
     assert seen >= paths(scene.begin_balance())
+
+
+@pytest.mark.parametrize("balances", [False, True])
+def test_the_screen_gets_those_plots_with_the_first_attitude(tmp_path: Path, balances: bool) -> None:
+    show = Show(stock("sim"), live=False)
+    show.to_file(tmp_path / "drive.rrd")
+    for second in (1, 2):
+        show.on_sample(topics.WHEELS, wheels(0), second * SECOND)
+        if balances:
+            show.on_sample(topics.ATTITUDE, attitude(0), second * SECOND)
+    show.close()
+    assert (tmp_path / "drive.rrd").read_bytes().count(b"motor command, 255") == balances
 
 
 @pytest.mark.parametrize("limit", ["500MB", "2GiB", "1.5 GB", "25%"])
