@@ -29,6 +29,12 @@ class MotionConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     """m along the way, by which the end of a piece may be missed: a robot that rests farther off is moved again."""
     heading_tolerance: Annotated[float, Tuning.FREE, Bounds(0.001, 0.5, "rad")] = 0.005
     """rad; the same of a turn."""
+    rest_speed: Annotated[float, Tuning.FREE, Bounds(0.001, 0.5, "m/s")] = 0.005
+    """m/s at most, as odometry has it, of a robot that stands: a robot that balances sways."""
+    rest_turn_speed: Annotated[float, Tuning.FREE, Bounds(0.001, 2.0, "rad/s")] = 0.005
+    """rad/s; the same of its turning."""
+    rest_time: Annotated[float, Tuning.FREE, Bounds(0.1, 1.4, "s")] = 0.2
+    """s for which it has stood before it is judged where it is: a robot that balances rolls back first."""
     patience: Annotated[float, Tuning.FREE, Bounds(0.1, 60.0, "s")] = 1.0
     """s for which its way may be blocked before it ends."""
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
 from giraff_motion.legs import Leg, Limits
 from giraff_schemas.messages import Direction, Odometry
 
 _TRIES: Final = 4
-SETTLES: Final = 0.2
-"""s at rest, after which what was missed is known."""
-_RESTS: Final = 0.005
-"""m/s or rad/s, as odometry has it, at which the robot counts as standing."""
+_STUCK: Final = 0.005
+"""m/s or rad/s. A robot that is asked to move and is no faster does not move."""
 _FIRST_COAST: Final = 0.1
 _MOST_COAST: Final = 0.5
 """s"""
@@ -23,6 +21,21 @@ _STIFF: Final = 0.5
 """s: a robot that stands although it is asked to move is asked for more by its least speed in so long."""
 
 STANDS: Final = (0.0, 0.0)
+
+
+class Rest(NamedTuple):
+    """The speeds that odometry may have of a robot that stands."""
+
+    speed: float
+    """m/s"""
+    turn_speed: float
+    """rad/s"""
+    time: float
+    """s. The robot has stood for so long before its place is judged."""
+
+    def holds(self, odometry: Odometry) -> bool:
+        """Return whether the robot stands."""
+        return abs(odometry.linear_x) <= self.speed and abs(odometry.angular_z) <= self.turn_speed
 
 
 class Coast:
@@ -40,9 +53,9 @@ class Coast:
 class Driver:
     """Along one leg. Times are s of any one monotonic clock."""
 
-    def __init__(self, leg: Leg, limits: Limits, coast: Coast, pose: Pose) -> None:
+    def __init__(self, leg: Leg, limits: Limits, rest: Rest, coast: Coast, pose: Pose) -> None:
         self._leg = leg
-        self._limits = limits
+        self._limits, self._rest = limits, rest
         self._coast = coast
         self._tries = 0
         self._least = limits.least
@@ -80,7 +93,7 @@ class Driver:
     def _speed(self, remaining: float, speed: float, now: float) -> float:
         """√(2·a·d), within its limits."""
         limits = self._limits
-        if speed > _RESTS:
+        if speed > _STUCK:
             self._stuck_since = None
         elif self._stuck_since is None:
             self._stuck_since = now
@@ -92,9 +105,9 @@ class Driver:
         return min(limits.top, max(self._least, math.sqrt(2.0 * limits.deceleration * to_go)))
 
     def _settle(self, pose: Pose, remaining: float, odometry: Odometry, now: float) -> None:
-        if not is_at_rest(odometry):
+        if not self._rest.holds(odometry):
             self._moved = now
-        if now - self._moved < SETTLES:
+        if now - self._moved < self._rest.time:
             return
         before, speed = self._at_stop
         self._coast.learn(before - remaining, speed)
@@ -102,8 +115,3 @@ class Driver:
             self.is_done = True
         else:
             self._begin(pose)
-
-
-def is_at_rest(odometry: Odometry) -> bool:
-    """As the wheels have it."""
-    return max(abs(odometry.linear_x), abs(odometry.angular_z)) <= _RESTS

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Final
 
 from giraff_core.kinematics.pose import Pose
-from giraff_motion.driver import SETTLES, STANDS, Coast, Driver, is_at_rest
+from giraff_motion.driver import STANDS, Coast, Driver, Rest
 from giraff_motion.travel import Travel
 from giraff_motion.way import Way
 from giraff_schemas.messages import Direction, GuardState, Odometry, RobotTime, Verdict
@@ -30,6 +30,7 @@ class Goal:
         request: MotionRequest,
         way: Way,
         travel: Travel,
+        rest: Rest,
         coasts: Mapping[bool, Coast],
         patience: float,
         time_limit: float,
@@ -51,6 +52,7 @@ class Goal:
         self.reason = _ARMS
         self._way = way
         self._travel = travel
+        self._rest = rest
         self._coasts = coasts
         self._patience = patience
         self._driver: Driver | None = None
@@ -102,7 +104,7 @@ class Goal:
         """Take where the robot is: also while it rolls to rest."""
         if self.stage != "ended":
             self._travel.add(odometry)
-        if not is_at_rest(odometry):
+        if not self._rest.holds(odometry):
             self._rolled_at = now
 
     def is_level(self, since: float, heard: float, now: float) -> bool:
@@ -149,7 +151,9 @@ class Goal:
 
     def settle(self, now: float) -> None:
         """It has ended for good when the robot rests, or when nobody tells that it does."""
-        if self.stage == "stopping" and (now - self._rolled_at >= SETTLES or now - self.ended_at > _RESTS_WITHIN):
+        if self.stage == "stopping" and (
+            now - self._rolled_at >= self._rest.time or now - self.ended_at > _RESTS_WITHIN
+        ):
             self.stage = "ended"
 
     def state(self, now: float) -> MotionState:
@@ -176,7 +180,7 @@ class Goal:
         """Begin the next piece, if there is one."""
         if (planned := self._way.next(self.pose)) is not None:
             _, leg, limits = planned
-            self._driver = Driver(leg, limits, self._coasts[leg.turns], self.pose)
+            self._driver = Driver(leg, limits, self._rest, self._coasts[leg.turns], self.pose)
 
     def _wait(self, verdict: Verdict, now: float) -> None:
         if self._blocked_since is None:

@@ -8,7 +8,7 @@ from giraff_core.bounds import Bounds
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_motion.config import MotionConfig
-from giraff_motion.driver import Coast
+from giraff_motion.driver import Coast, Rest
 from giraff_motion.goal import Goal
 from giraff_motion.legs import Limits
 from giraff_motion.localized import Localized
@@ -41,7 +41,9 @@ class Pilot:
             _LONGEST.require("time_limit", request.time_limit)
         nominal = _BEGINS + sum(planned.seconds for planned in way.legs)
         limit = request.time_limit or min(_NOMINAL * nominal, _LONGEST.high)
-        return Goal(request, way, travel, self._coasts, self._live.config.patience, limit, now)
+        config = self._live.config
+        rest = Rest(config.rest_speed, config.rest_turn_speed, config.rest_time)
+        return Goal(request, way, travel, rest, self._coasts, config.patience, limit, now)
 
     def _limits(self, request: MotionRequest) -> tuple[Limits, Limits]:
         config, robot = self._live.config, self._robot

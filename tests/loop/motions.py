@@ -228,6 +228,7 @@ def stage(
     seed: int = 1,
     settings: Settings = SETTINGS,
     truth: Truth | None = None,
+    step_us: int = COARSE_STEP_US,
 ) -> Iterator[Stage]:
     """`seed`: also of the link between the two machines, which takes up to 20 ms."""
     world = world_of(
@@ -237,7 +238,7 @@ def stage(
         EXACT,
         StillHand(),
         seed,
-        COARSE_STEP_US,
+        step_us,
         truth=truth or Truth(),
     )
     agenda = EventQueue()

@@ -1,0 +1,33 @@
+"""A motion of a robot that balances through all of it, in simulated time. It sways while it stands."""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+from giraff_core.kinematics.pose import Pose
+from giraff_schemas.motion import MotionGo, Move, Turn
+from giraff_sim.board import ROOT
+from giraff_sim.config import SimConfig
+from giraff_sim.dst.drill import known_settings
+from giraff_sim.truth import draw_truth
+from giraff_sim.world.world import STEP_US
+from tests.loop.motions import stage
+
+SETTINGS: Final = known_settings({"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")})
+END: Final = Pose(0.6, -0.3, math.pi / 2.0)
+
+
+def test_it_arrives_by_odometry_and_in_truth() -> None:
+    truth = draw_truth("calibrated", SimConfig().truth, 1)
+    with stage(settings=SETTINGS, truth=truth, step_us=STEP_US) as it:
+        plant = it.loop.simulation.world.plant
+        it.ask(MotionGo, steps=(Move(distance=0.6), Turn(angle=math.pi / 2.0), Move(distance=-0.3)))
+        it.until_ended(20.0)
+        state = it.state
+        it.run(0.5)  # what it does once its motion has ended
+        assert state.outcome == "arrived", state
+        for pose in (state.achieved, plant.pose):
+            assert math.dist((pose.x, pose.y), END[:2]) < 0.10
+            assert abs(pose.yaw - END.yaw) < math.radians(6.0)
+        assert plant.contacts == 0
