@@ -63,7 +63,8 @@ class Web(OperatorService):
         self.link = pages
         told = (BASE, GUARD, ESTOP, BATTERY, RANGE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
-        self._told += [io.inbox(topic, limit=1, wakes=False) for topic in (ODOM, ATTITUDE)]
+        newest: tuple[Topic[Any], ...] = (ODOM, ATTITUDE)
+        self._told += [io.inbox(topic, limit=1, wakes=False) for topic in newest]
         self._show_timer = Timer(SHOWN_HZ)
         self.timers = (self.timer, self._show_timer)
         self._lost: dict[int, Trouble] = {}
