@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import msgspec
 
-LiveText = Literal["up", "down", "free", "fixed"]
+LiveText = Literal["up", "down", "free", "checked", "fixed"]
 
 
 class Param(msgspec.Struct, frozen=True, kw_only=True):
@@ -23,7 +23,8 @@ class Param(msgspec.Struct, frozen=True, kw_only=True):
     kind: str
     """Its type, in words."""
     live: LiveText
-    """What may be done to it now: `up` and `down` bear on safety, and only that way from `filed`; `fixed`: nothing."""
+    """What may be done to it now: `up` and `down` bear on safety, and only that way from `filed`; `checked`: until the
+    service ends; `fixed`: nothing."""
     doc: str
     """Unit, and what it is for."""
 

@@ -20,6 +20,8 @@ class Tuning(Enum):
     """It bears on safety, and a smaller value is the tighter one; None is tighter than any."""
     FREE = "free"
     """It bears on no safety: any valid value, at once."""
+    CHECKED = "checked"
+    """It bears on safety and has no looser side: any value that its table's own check takes, at once. Never saved."""
     READ_ONLY = "fixed"
     """It takes the robot file and a restart."""
 

@@ -13,8 +13,12 @@ _MAY: Final = {
     "up": "safety: may be raised live",
     "down": "safety: may be lowered live",
     "free": "may change live",
+    "checked": "may change live, until a restart",
     "fixed": "robot file and restart",
 }
+
+
+_NOT_SAVED: Final = "NOT SAVED, until the service ends"
 
 
 class Shown(NamedTuple):
@@ -129,7 +133,8 @@ def text(value: Any) -> str:
 
 def _state(param: Param) -> str:
     if param.value != param.filed:
-        return f"robot file: {text(param.filed)}; {'saved' if param.saved else 'NOT SAVED, until the service ends'}"
+        unsaved = "until the service restarts, and never saved" if param.live == "checked" else _NOT_SAVED
+        return f"robot file: {text(param.filed)}; {'saved' if param.saved else unsaved}"
     return "" if param.saved else "NOT SAVED: another value was, and comes again after a restart"
 
 

@@ -73,7 +73,7 @@ class ParameterServer(Generic[ConfigT]):
         except ParamError as error:
             return self._answer(Trouble(str(error)))
         reconfigure(self._params.config)
-        self._log("%s is %s, by %s", request.name, getattr(self._params.config, request.name), request.by)
+        self._log("%s is %s, by %s", request.name, self._params.value(request.name), request.by)
         return self._answer(WELL, request.name)
 
     def _begin_to_save(self, asked: PendingQuery[ParamSave, ParamAnswer]) -> None:
@@ -90,7 +90,7 @@ class ParameterServer(Generic[ConfigT]):
             return self._answer(Trouble(f"{why_not}; the value counts until a restart", _MAKE_WRITABLE))
         self._params.saved = kept
         self._log("saved in %s, by %s: %s", self._file, request.by, kept)
-        return self._answer(WELL, *(request.names or kept))
+        return self._answer(WELL, *(request.names or (*kept, *self._params.unsaved)))
 
     def _restore(self, store: Store, name: str) -> None:
         try:

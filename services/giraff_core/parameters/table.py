@@ -2,6 +2,7 @@
 
 A safety value can only be tightened, and a tightening can be taken back as far as the robot file goes: what the robot
 file says is what somebody answers for. Whatever was saved counts after a restart only where it is no looser than that.
+The fields of an inner table of several kinds are parameters of their own: `drive.k1`.
 """
 
 from __future__ import annotations
@@ -37,13 +38,16 @@ class Parameters(Generic[ConfigT]):
         """What is kept over restarts, by field."""
         self._service = service
         self._filed = filed
-        self._live = live_fields(type(filed))
         # Read from their source now: the turn that answers a question is one that stops motors, too.
         self._documented = {**_described(type(filed)), **_described(type(robot), _SHARED)}
         self._moved: dict[str, str] = {}
-        self._kinds = {name: value for name in self._live if _is_told_apart(value := getattr(filed, name))}
-        for name, value in self._kinds.items():
+        self._live: dict[str, Tuning] = {}
+        for name, tuning in live_fields(type(filed)).items():
+            if not _is_told_apart(value := getattr(filed, name)):
+                self._live[name] = tuning or Tuning.READ_ONLY
+                continue
             kind: type[msgspec.Struct] = type(value)
+            self._live |= {f"{name}.{field}": its or Tuning.READ_ONLY for field, its in live_fields(kind).items()}
             of_kind = _described(kind, f"{name}.")
             self._documented |= of_kind
             moved = {_SHARED + field: f"{name}.{field}" for field in MOVED_TO_DRIVE}
@@ -53,11 +57,23 @@ class Parameters(Generic[ConfigT]):
 
     def restore(self, saved: Mapping[str, Any]) -> list[str]:
         """Put in force what was saved, as far as it may be; what of it is not, and why."""
+        never = [self._never_saved(name) for name in saved if self._live.get(name) is Tuning.CHECKED]
+        saved = {name: value for name, value in saved.items() if self._live.get(name) is not Tuning.CHECKED}
         try:
-            self.config, self.saved = self._changed(self._filed, saved), dict(saved)
+            self.config, self.saved = self._changed(self._filed, saved), saved
         except ParamError:
-            return self._restore_each(saved)
-        return []
+            return never + self._restore_each(saved)
+        return never
+
+    def value(self, name: str) -> Any:
+        """Return the value of a parameter that is in force."""
+        return _at(self.config, name)
+
+    @property
+    def unsaved(self) -> tuple[str, ...]:
+        """Names of those that nobody can save and that differ from the robot file."""
+        checked = (name for name, live in self._live.items() if live is Tuning.CHECKED)
+        return tuple(name for name in checked if _at(self.config, name) != _at(self._filed, name))
 
     def set(self, name: str, value: Any) -> None:
         """Put another value in force. Raises ParamError."""
@@ -72,8 +88,11 @@ class Parameters(Generic[ConfigT]):
         for name in wanted:
             if name not in self._live:
                 raise ParamError(self._unknown(name))
-        now, filed = _plain(self.config), _plain(self._filed)
-        after = {name: now[name] if name in (wanted or now) else self.saved.get(name, filed[name]) for name in now}
+            if self._live[name] is Tuning.CHECKED:
+                raise ParamError(self._never_saved(name))
+        now, filed = self._values(self.config), self._values(self._filed)
+        lasting = [name for name in now if self._live[name] is not Tuning.CHECKED]
+        after = {name: now[name] if name in (wanted or now) else self.saved.get(name, filed[name]) for name in lasting}
         kept = {name: value for name, value in after.items() if value != filed[name]}
         try:
             self._changed(self._filed, kept)
@@ -83,15 +102,11 @@ class Parameters(Generic[ConfigT]):
 
     def describe(self, names: Iterable[str] = ()) -> tuple[Param, ...]:
         """As they are now; all of them where none is named."""
-        now, filed, shared = _plain(self.config), _plain(self._filed), _plain(self._robot)
+        now, filed, shared = self._values(self.config), self._values(self._filed), _plain(self._robot)
         own = [
             self._described(name, now[name], filed[name], saved=self.saved.get(name, filed[name]) == now[name])
             for name in self._live
-            if name not in self._kinds
         ]
-        for name, kind in self._kinds.items():
-            fields = ((f"{name}.{field}", filed[name][field]) for field in kind.__struct_fields__)
-            own += [self._described(field, value, value, saved=True) for field, value in fields]
         own += [self._described(_SHARED + name, value, value, saved=True) for name, value in shared.items()]
         # An operator of the version before reads there what it asks of a robot.
         told = {param.name: param for param in own}
@@ -105,17 +120,20 @@ class Parameters(Generic[ConfigT]):
             full = f"{self._service}.{name}"
             if name not in self._live:
                 raise ParamError(self._unknown(name))
-            if self._live_of(name) is Tuning.READ_ONLY:
+            if self._live[name] is Tuning.READ_ONLY:
                 raise ParamError(f"{full} cannot change while the service runs: it takes the robot file and a restart")
+        plain = _plain(config)
+        for name, value in values.items():
+            table, dot, field = name.rpartition(".")
+            (plain[table] if dot else plain)[field] = value
         try:
-            changed = msgspec.convert({**_plain(config), **values}, type(config), strict=False)
+            changed = msgspec.convert(plain, type(config), strict=False)
         except msgspec.ValidationError as error:
             told = ", ".join(f"{self._service}.{name} {value}" for name, value in values.items())
             raise ParamError(f"{told}: {error}") from error
         for name in values:
-            live = self._live_of(name)
-            before, after = getattr(self._filed, name), getattr(changed, name)
-            if live is not Tuning.FREE and loosens(live, before, after):
+            live, before, after = self._live[name], _at(self._filed, name), _at(changed, name)
+            if live not in (Tuning.FREE, Tuning.CHECKED) and loosens(live, before, after):
                 raise ParamError(
                     f"{self._service}.{name} {_shown(after)} is looser than {_shown(before)}: "
                     "loosening takes the robot file, standstill and a restart"
@@ -136,12 +154,21 @@ class Parameters(Generic[ConfigT]):
             return [*ignored.values()]
         return self._restore_each({name: saved[name] for name in ignored})
 
-    def _live_of(self, name: str) -> Tuning:
-        return self._live[name] or Tuning.READ_ONLY
+    def _values(self, config: ConfigT) -> dict[str, Any]:
+        """By parameter, what JSON has."""
+        plain = _plain(config)
+        return {
+            name: plain[table][field] if dot else plain[name]
+            for name in self._live
+            for table, dot, field in (name.rpartition("."),)
+        }
+
+    def _never_saved(self, name: str) -> str:
+        return f"{self._service}.{name} is never saved: after a restart the robot file counts again, so write it there"
 
     def _described(self, name: str, value: Any, filed: Any, *, saved: bool) -> Param:
         kind, doc = self._documented[name]
-        live = self._live.get(name) or Tuning.READ_ONLY
+        live = self._live.get(name, Tuning.READ_ONLY)
         return Param(name=name, value=value, filed=filed, saved=saved, kind=kind, live=live.value, doc=doc)
 
     def _unknown(self, name: str) -> str:
@@ -159,6 +186,14 @@ def _plain(config: msgspec.Struct) -> dict[str, Any]:
     """By field, what JSON has."""
     plain: dict[str, Any] = msgspec.to_builtins(config)
     return plain
+
+
+def _at(config: msgspec.Struct, name: str) -> Any:
+    """Return the value of `margin`, or of `drive.k1` within its table."""
+    found: Any = config
+    for field in name.split("."):
+        found = getattr(found, field)
+    return found
 
 
 def _is_told_apart(value: Any) -> bool:

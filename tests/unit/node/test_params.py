@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.param.format import without_moved
+from giraff_cli.param.format import Shown, without_moved
 from giraff_core.bounds import require_positive
 from giraff_core.parameters.table import ParamError, Parameters
 from giraff_core.robot import MOVED_TO_DRIVE
@@ -30,6 +30,21 @@ class Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
         require_positive(self, "margin")
         if self.noise > 100:
             raise ValueError(f"noise is {self.noise}: it must be 100 at most")
+
+
+class Inner(msgspec.Struct, frozen=True, kw_only=True, tag_field="type", tag="inner"):
+    gain: Annotated[float, Tuning.CHECKED] = 3.0
+    floor: Annotated[float, Tuning.RAISE_ONLY] = 1.0
+    size: Annotated[float, Tuning.READ_ONLY] = 1.0
+
+    def __post_init__(self) -> None:
+        if not 2.0 < self.gain < 9.0:
+            raise ValueError("gain must be within 2..9")
+
+
+class Outer(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    drive: Annotated[Inner, Tuning.READ_ONLY] = Inner()
+    noise: Annotated[int, Tuning.FREE] = 3
 
 
 @pytest.fixture
@@ -182,6 +197,43 @@ def test_what_would_not_count_after_a_restart_is_not_saved(faded: Parameters[Fad
     )
     faded.saved = faded.to_save(("proof",))
     assert faded.to_save(("fade",)) == {"proof": 5.0, "fade": 8.0}
+
+
+def test_fields_of_an_inner_table_are_set_by_their_names() -> None:
+    params = Parameters("base", Outer(), ROBOT)
+    params.set("drive.gain", 2.5)  # no side of it is looser
+    params.set("drive.gain", 8)
+    params.set("drive.floor", 2.0)
+    assert params.config == Outer(drive=Inner(gain=8.0, floor=2.0))
+    for name, value, why in (
+        ("drive.gain", 9.5, "base.drive.gain 9.5: gain must be within 2..9"),
+        ("drive.gain", "nan", "gain must be within"),
+        ("drive.floor", 0.5, "looser than 1"),
+        ("drive.size", 2.0, "base.drive.size cannot change"),
+        ("drive.gian", 2.0, "did you mean base.drive.gain"),
+        ("drive", {}, "it takes the robot file and a restart"),
+    ):
+        with pytest.raises(ParamError, match=why):
+            params.set(name, value)
+    assert params.config == Outer(drive=Inner(gain=8.0, floor=2.0))
+    [gain] = params.describe(("drive.gain",))
+    assert (gain.value, gain.filed, gain.saved, gain.live) == (8.0, 3.0, False, "checked")
+    assert Shown("base", "pc", gain).sentence() == (
+        "base.drive.gain 8 (robot file: 3; until the service restarts, and never saved)"
+    )
+
+
+def test_what_is_only_checked_is_never_saved_nor_restored() -> None:
+    params = Parameters("base", Outer(), ROBOT)
+    params.set("drive.gain", 8.0)
+    params.set("drive.floor", 2.0)
+    assert params.to_save(()) == {"drive.floor": 2.0}
+    assert params.unsaved == ("drive.gain",)
+    with pytest.raises(ParamError, match=r"base\.drive\.gain is never saved: .* so write it there"):
+        params.to_save(("drive.gain",))
+    after = Parameters("base", Outer(), ROBOT)
+    assert len(after.restore({"drive.gain": 8.0, "drive.floor": 2.0})) == 1
+    assert after.config == Outer(drive=Inner(floor=2.0))
 
 
 def test_a_drive_is_a_row_a_field_and_fixed() -> None:
