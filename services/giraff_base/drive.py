@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Protocol
 
+import msgspec
+
 from giraff_schemas.messages import BoardState, RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import Topic
@@ -76,6 +78,10 @@ class Drive(Protocol):
 
     def state(self) -> BoardState:
         """Return the board's state as its newest report tells it."""
+        ...
+
+    def reconfigure(self, config: msgspec.Struct) -> None:
+        """Go by another table `[base.drive]` of the same kind. A drive whose table is fixed has nothing to do."""
         ...
 
     def open(self, session: int) -> None:

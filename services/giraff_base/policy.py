@@ -60,6 +60,11 @@ class BasePolicy:
         """What is wrong, by what has it."""
         return self._authority.faults
 
+    def on_reconfigured(self, config: BaseConfig) -> None:
+        """Put another configuration in force, between two turns."""
+        self._live.replace(config)
+        self._drive.reconfigure(config.drive)
+
     def on_link_opened(self, session: int) -> None:
         """The port was opened, perhaps again. `session`: random, not 0; tells this opening from any other."""
         self._link_fault = WELL

@@ -1,9 +1,11 @@
 """A robot that balances stands, is pushed, sits down and stops. tests/campaign/test_balancer.py has the drawn ones."""
 
+import msgspec
 import pytest
 
 from giraff_schemas.wires.balancer import BalanceCause, BalancePosture
 from tests.support.balancer import Balancer
+from tests.support.balancer_file import DRIVE
 from tests.support.balancing import prototype_pushed, pushed, sensor_at, side_of, stopped, then
 
 
@@ -48,9 +50,20 @@ def test_the_prototype_without_encoders_stands_and_drifts_as_it_is_pushed() -> N
     assert push["gone"] > 0.25
 
 
-def test_a_gyroscope_at_its_rail_turns_it_off() -> None:
+def test_new_gains_leave_it_standing_and_a_gyroscope_at_its_rail_turns_it_off() -> None:
     robot = Balancer(1)
-    robot.stand(3.5)
+    robot.stand(2.0)
+    postures: set[BalancePosture] = set()
+    robot.before_each_ms = lambda: postures.add(robot.posture)
+    for k1 in (1200.0, DRIVE.k1):
+        robot.drive_config = msgspec.structs.replace(DRIVE, k1=k1)
+        robot.session += 1
+        tuned = then(robot, 0.75, lambda _: None, 1.0)
+        assert tuned["span"] < 0.08
+        assert robot.report is not None
+        assert robot.report.session == robot.session
+    assert postures == {BalancePosture.STANDS}
+    robot.before_each_ms = lambda: None
     figures = then(robot, 1.0, sensor_at(0.0, 0), 1.0)
     assert figures["off"] <= 0.02
     assert robot.causes == [BalanceCause.GYROSCOPE]

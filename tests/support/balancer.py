@@ -34,7 +34,6 @@ PROTOTYPE: Final = msgspec.structs.replace(DRIVE, k3=0.0, k4=0.0)
 """It goes by its lean alone, as the source's LEGO robot."""
 HANDLE: Final = 0.8
 """m above the axle, where a person pushes."""
-_SESSION: Final = 7
 _FRAME_MS: Final = 20
 _TRACK_MS: Final = 5
 _OFF_ROWS: Final = 40  # a robot that stands still gets nothing for less
@@ -117,6 +116,8 @@ class Balancer:
         self.is_silent = False
         """Whether the host sends nothing any more."""
         self.before_each_ms: Callable[[], None] = lambda: None
+        self.session = 7
+        """Another one makes the host tell the board `drive_config` anew."""
         self._now_ms = 0
         self._seq = 0
         self._decoder = Decoder(BALANCER_BOARD.frames)
@@ -166,7 +167,7 @@ class Balancer:
                 seq=0,
                 boot_id=self.report.boot_id,
                 board_ms=self.report.board_ms,
-                session=_SESSION,
+                session=self.session,
                 engage=how,
             )
         )
@@ -196,10 +197,12 @@ class Balancer:
             self.causes.append(frame.cause)
 
     def _talk(self, report: BalanceFrame) -> None:
-        if report.session != _SESSION:
+        if report.session != self.session:
             settings = self.drive_config.board_settings(ROBOT)
             self._send(
-                msgspec.structs.replace(settings, boot_id=report.boot_id, board_ms=report.board_ms, session=_SESSION)
+                msgspec.structs.replace(
+                    settings, boot_id=report.boot_id, board_ms=report.board_ms, session=self.session
+                )
             )
             return
         self._seq = (self._seq + 1) & 0xFFFF

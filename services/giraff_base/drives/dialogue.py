@@ -6,6 +6,8 @@ from abc import ABC, abstractmethod
 from enum import IntEnum
 from typing import Final, Generic, Protocol, TypeVar
 
+import msgspec
+
 from giraff_base.drive import Answer, Report
 from giraff_schemas.messages import BoardState, RobotTime, Sample
 from giraff_schemas.requests import EStopEngage
@@ -14,6 +16,7 @@ from giraff_schemas.wire import DriveState, Frame, Refusal
 
 _CONFIGURE_PERIOD_NS = 50_000_000
 _UNLATCHED: Final = 0
+_LAST_SESSION: Final = 0xFFFFFFFF
 _BEING_RELEASED: Final = Trouble("the base board is being released")
 _BEING_CONFIGURED: Final = Trouble("the base board is being configured")
 _REFUSES: Final = Trouble("the base board refuses the configuration", "check [base.drive], or reflash the board")
@@ -51,6 +54,7 @@ class Dialogue(ABC, Generic[ReportT]):
         self._kind, self._latches = kind, latches
         self._report: ReportT | None = None
         self._session = 0
+        self._ours: set[int] = set()  # sessions since the port was opened: one for each configuration
         self._next_configure_ns = 0
         self._releasing = False  # a reset has not reached the board yet
         self._off = False  # base's emergency stop is off
@@ -67,8 +71,12 @@ class Dialogue(ABC, Generic[ReportT]):
     def state(self) -> BoardState:
         return board_state(self._report, self._latches)
 
+    def reconfigure(self, config: msgspec.Struct) -> None:
+        pass
+
     def open(self, session: int) -> None:
         self._session = session
+        self._ours = {session}
         self.lose()
 
     def lose(self) -> None:
@@ -85,7 +93,7 @@ class Dialogue(ABC, Generic[ReportT]):
         return Report(
             disarms=disarms,
             latched=self._engages(frame),
-            samples=self._samples(frame, now) if frame.session == self._session else (),
+            samples=self._samples(frame, now) if frame.session in self._ours else (),
         )
 
     def release(self) -> None:
@@ -114,9 +122,14 @@ class Dialogue(ABC, Generic[ReportT]):
         if last is not None and report.boot_id != last.boot_id:
             self._releasing = False
             found.append("the base board was reset")
-        elif last is not None and last.session == self._session and report.session != self._session:
+        elif last is not None and last.session in self._ours and report.session not in self._ours:
             found.append("another program took over the base board")
         return tuple(found)
+
+    def _renew(self) -> None:
+        """Begin another session: the board reports its number only once it has taken the new settings."""
+        self._session = self._session % _LAST_SESSION + 1
+        self._ours.add(self._session)
 
     def _configured(self, report: ReportT, now: RobotTime) -> Answer:
         reason = _REFUSES if report.last_refusal == Refusal.PROTOCOL else _BEING_CONFIGURED

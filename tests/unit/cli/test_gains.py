@@ -8,7 +8,8 @@ import pytest
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.balancer.config import BalancerConfig
-from giraff_cli.tune.gains import PERIOD, gains_of, sampled
+from giraff_base.drives.balancer.stability import PERIOD, Gains, Loop
+from giraff_cli.tune.gains import gains_of, sampled
 from giraff_node.config.robot_file import load
 from tests.rules.repository import ROOT
 
@@ -38,3 +39,25 @@ def test_they_hold_it_with_a_period_of_delay_and_on_bodies_that_differ(times: fl
         gains = times * np.array(gains_of(drive))
         delayed = np.block([[a, b], [gains, np.zeros(1)]])
         assert np.abs(np.linalg.eigvals(delayed)).max() < 1.0
+
+
+def test_jury_judges_the_loop_as_its_poles_do() -> None:
+    drive, chance, seen = of_the_file(), np.random.default_rng(1), set[bool]()
+    a, b = sampled(drive)
+    for _ in range(200):
+        gains = Gains(*map(float, np.array(gains_of(drive)) * np.exp(chance.uniform(-2.0, 2.0, 4))))
+        for delay in (1, 3):
+            delayed = np.zeros((4 + delay, 4 + delay))
+            delayed[:4, :4], delayed[:4, 4:5], delayed[-1, :4] = a, b, gains
+            delayed[4:-1, 5:] = np.eye(delay - 1)
+            holds = Loop(drive.mechanics, gains).holds(delays=(delay,))
+            assert holds == (np.abs(np.linalg.eigvals(delayed)).max() < 1.0)
+            seen.add(holds)
+    assert seen == {False, True}
+
+
+def test_gains_without_place_and_speed_are_judged_by_the_lean_alone() -> None:
+    mechanics = of_the_file().mechanics
+    assert Loop(mechanics, Gains(744.0, 174.8, 0.0, 0.0)).has_margin
+    assert not Loop(mechanics, Gains(744.0, 174.8, 0.0001, 0.0)).has_margin
+    assert not Loop(mechanics, Gains(744.0, 10.0, 0.0, 0.0)).has_margin

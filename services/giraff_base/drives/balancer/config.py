@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, ClassVar, Final
 
+from giraff_base.drives.balancer.stability import MARGIN, Gains, Loop, Mechanics, advice
 from giraff_base.drives.soldered import Soldered
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
@@ -27,13 +28,13 @@ class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=
 
     LIVE: ClassVar = Tuning.READ_ONLY
 
-    k1: Annotated[float, _GAIN]
+    k1: Annotated[float, Tuning.CHECKED, _GAIN]
     """N m/rad. Torque of both motors for each rad that it leans."""
-    k2: Annotated[float, _GAIN]
+    k2: Annotated[float, Tuning.CHECKED, _GAIN]
     """N m s/rad. Torque for each rad/s."""
-    k3: Annotated[float, _GAIN]
+    k3: Annotated[float, Tuning.CHECKED, _GAIN]
     """N m/m. Torque for each m that it is beyond its place. With k3 = k4 = 0 it goes by its lean alone and drifts."""
-    k4: Annotated[float, _GAIN]
+    k4: Annotated[float, Tuning.CHECKED, _GAIN]
     """N m s/m. Torque for each m/s that it is too fast."""
     body_mass: Annotated[float, Bounds(1.0, 200.0, "kg")]
     """kg of all that leans: chassis, batteries and mast."""
@@ -73,10 +74,11 @@ class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=
         check_bounds(self)
         if (self.k3 == 0.0) != (self.k4 == 0.0):
             raise ValueError(f"k3 is {self.k3:g} and k4 {self.k4:g}: either both are 0, or none is")
-        if self.k1 <= self._gravity:
+        if not Loop(self.mechanics, self.gains).has_margin:
             raise ValueError(
-                f"k1 is {self.k1:g} N m/rad: it must be above the {self._gravity:.0f} of gravity on the body, "
-                "or the robot falls"
+                f"the robot falls with k1 {self.k1:g}, k2 {self.k2:g}, k3 {self.k3:g} and k4 {self.k4:g}, or with "
+                f"{MARGIN[0]:g} or {MARGIN[-1]:g} times as much: "
+                f"{advice(self.mechanics, self.gains) or '`giraff tune balance` computes others'}"
             )
         if not self.driver_minimum < self.battery_minimum < self.battery_nominal:
             raise ValueError(
@@ -95,6 +97,23 @@ class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=
         if self.is_checked:
             return WELL
         return Trouble("the wiring is not checked", "write it into [base.drive]: docs/balancer.md")
+
+    @property
+    def gains(self) -> Gains:
+        """The four gains."""
+        return Gains(self.k1, self.k2, self.k3, self.k4)
+
+    @property
+    def mechanics(self) -> Mechanics:
+        """The body near upright. The rotors turn against it."""
+        mass, height, radius, rotors = self.body_mass, self.centre_height, self.wheel_radius, 2 * self.rotor_inertia
+        return Mechanics(
+            rolling=mass + 2 * self.wheel_mass + (2 * self.wheel_inertia + rotors) / radius**2,
+            coupling=mass * height - rotors / radius,
+            tipping=self.body_inertia + mass * height**2 + rotors,
+            gravity=self._gravity,
+            wheel_radius=radius,
+        )
 
     @property
     def _gravity(self) -> float:

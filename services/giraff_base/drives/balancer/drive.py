@@ -59,7 +59,7 @@ class BalancerDrive(Dialogue[BalanceFrame]):
     def __init__(self, robot: RobotConfig, config: BalancerConfig) -> None:
         super().__init__(BalanceFrame, BalanceLatch)
         config.require_countable(robot)
-        self._kinematics, self._max_turn = robot.kinematics, robot.max_angular_speed
+        self._robot, self._kinematics, self._max_turn = robot, robot.kinematics, robot.max_angular_speed
         self._settings = config.board_settings(robot)
         self._seq = 0
         self._drives = False  # the newest frame asks for motion
@@ -81,7 +81,7 @@ class BalancerDrive(Dialogue[BalanceFrame]):
     @property
     def forbids(self) -> Trouble:
         report = self._report
-        if report is None or report.session != self._session:
+        if report is None or report.session not in self._ours:
             return _UNHEARD
         if report.posture == BalancePosture.STANDS:
             return WELL
@@ -94,6 +94,13 @@ class BalancerDrive(Dialogue[BalanceFrame]):
     @property
     def waits(self) -> Trouble:
         return self.forbids or (WELL if self._newest.posture == BalancePosture.STANDS else GETS_UP) or super().waits
+
+    def reconfigure(self, config: msgspec.Struct) -> None:
+        assert isinstance(config, BalancerConfig), "a kind of drive does not change while base runs"  # noqa: S101
+        settings = config.board_settings(self._robot)
+        if settings != self._settings:
+            self._settings = settings
+            self._renew()
 
     def lose(self) -> None:
         self._drives = False

@@ -286,8 +286,11 @@ class TestBalancer(AnyDrive):
         ("fields", "told"),
         [
             ({"k3": 0.0}, "either both are 0, or none is"),
-            ({"k1": 0.0}, "k1 is 0 N m/rad: it must be above the 82 of gravity"),
-            ({"k1": 82.0}, "or the robot falls"),
+            ({"k1": 0.0}, "the robot falls with k1 0, .* `giraff tune balance` computes others"),
+            ({"k1": 150.0}, "or with 0.5 or 2 times as much: raise k1 to"),
+            ({"k2": 30.0}, "raise k2 to"),
+            ({"k4": 3000.0}, "lower k4 to"),
+            ({"k3": 0.0, "k4": 0.0, "k1": 82.0}, "raise k1 to"),
             ({"battery_minimum": 9.9}, "they must rise"),
             ({"battery_nominal": 10.0}, "they must rise"),
         ],
@@ -295,6 +298,28 @@ class TestBalancer(AnyDrive):
     def test_settings_that_contradict_each_other_are_refused(self, fields: dict[str, float], told: str) -> None:
         with pytest.raises(ValueError, match=told):
             msgspec.structs.replace(DRIVE, **fields)
+
+    def test_new_gains_count_once_the_board_proves_that_it_has_them(self) -> None:
+        bench = self.moving()
+        board = self.board_of(bench)
+        bench.drive.reconfigure(msgspec.structs.replace(DRIVE, k1=1200.0))
+        assert not bench.hear().disarms
+        assert (bench.drive.forbids, board.is_off()) == (Trouble(), False)
+        assert bench.hear().samples, "they are of the same robot"
+        unproved = bench.drive.settle(bench.now, engaged=False)
+        assert unproved is not None, "nothing drives by gains that the board may not have"
+        bench.run(0.3)
+        assert board.settings is not None
+        assert (board.session, board.settings.k1_mnm_rad) == (SESSION + 1, 1_200_000)
+        assert not bench.hear().disarms
+        bench.drive.reconfigure(msgspec.structs.replace(DRIVE, k1=1200.0))
+        bench.hear()
+        assert bench.drive.settle(bench.now, engaged=False) is None, "the board has them already"
+        theirs = self.bench()
+        theirs.board = board
+        theirs.drive.open(SESSION + 9)
+        theirs.run()
+        assert bench.hear().disarms
 
     def test_a_wheel_that_contradicts_the_counts_is_refused(self) -> None:
         wrong = msgspec.structs.replace(ROBOT, ticks_per_metre=ROBOT.ticks_per_metre * 1.03)
