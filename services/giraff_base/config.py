@@ -51,3 +51,8 @@ class BaseConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         check_bounds(self)
         if self.battery_low and self.battery_cutoff > self.battery_low:
             raise ValueError(f"battery_cutoff is {self.battery_cutoff}: it must not be above battery_low")
+        if isinstance(self.drive, BalancerConfig) and 0.0 < self.battery_cutoff <= self.drive.battery_minimum:
+            raise ValueError(
+                f"battery_cutoff is {self.battery_cutoff:g} V: it must be above drive.battery_minimum, "
+                f"{self.drive.battery_minimum:g} V, at which the robot sits down, or it never counts"
+            )

@@ -1,5 +1,9 @@
 """What a robot file that leaves it out says of [base]."""
 
+import msgspec
+import pytest
+
+from tests.support import balancer_file
 from tests.support.robots import BASE
 
 
@@ -11,3 +15,10 @@ def test_what_a_robot_file_leaves_out_is_what_safety_was_reckoned_with() -> None
     assert (default.arm_time, default.neutral_gap) == (0.2, 0.1)
     assert (default.linear_acceleration, default.angular_acceleration) == (0.6, 2.5)
     assert (default.battery_low, default.battery_cutoff) == (22.0, 20.0)
+
+
+def test_a_cutoff_that_never_counts_is_refused() -> None:
+    balancer = msgspec.structs.replace(BASE, drive=balancer_file.DRIVE, battery_low=11.8, battery_cutoff=10.5)
+    with pytest.raises(ValueError, match="battery_cutoff is 10.4 V: it must be above drive.battery_minimum, 10.4 V"):
+        msgspec.structs.replace(balancer, battery_cutoff=10.4)
+    msgspec.structs.replace(balancer, battery_cutoff=0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, ClassVar, Final
 
-from giraff_base.drives.balancer.stability import MARGIN, Gains, Loop, Mechanics, advice
+from giraff_base.drives.balancer.stability import Gains, Loop, Mechanics, advice
 from giraff_base.drives.soldered import Soldered
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.robot import RobotConfig
@@ -17,25 +17,19 @@ from giraff_schemas.wires.balancer import PROTOCOL_HASH, BalanceConfigureFrame
 GRAVITY: Final = 9.81
 """m/s²."""
 _GAIN: Final = Bounds(0.0, 10_000.0)
+_CATCHES: Final = math.radians(14.0)
+"""rad. Up to this lean the board tries to catch the robot; beyond it, it goes off."""
+_TO_CATCH: Final = 2.0
+"""Times the torque that just ends the growth of a fall there: as much again brings the body back."""
 _RADIUS_OFF: Final = 0.02
 """Largest share by which radius and counts may contradict `ticks_per_metre`."""
 _SPEED_TO_CATCH: Final = 0.5
 """Share of the motors' speed without load that stays free, so that the wheels can get under the body."""
 
 
-class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="balancer"):
-    """Gains, body, motors, battery and wiring of a robot that balances. Torques are those at the wheels."""
+class BalancingBody(Soldered, frozen=True, kw_only=True):
+    """The body, from which gains are computed."""
 
-    LIVE: ClassVar = Tuning.READ_ONLY
-
-    k1: Annotated[float, Tuning.CHECKED, _GAIN]
-    """N m/rad. Torque of both motors for each rad that it leans."""
-    k2: Annotated[float, Tuning.CHECKED, _GAIN]
-    """N m s/rad. Torque for each rad/s."""
-    k3: Annotated[float, Tuning.CHECKED, _GAIN]
-    """N m/m. Torque for each m that it is beyond its place. With k3 = k4 = 0 it goes by its lean alone and drifts."""
-    k4: Annotated[float, Tuning.CHECKED, _GAIN]
-    """N m s/m. Torque for each m/s that it is too fast."""
     body_mass: Annotated[float, Bounds(1.0, 200.0, "kg")]
     """kg of all that leans: chassis, batteries and mast."""
     centre_height: Annotated[float, Bounds(0.02, 2.0, "m")]
@@ -48,6 +42,42 @@ class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=
     rotor_inertia: Annotated[float, Bounds(0.0, 10.0, "kg m²")]
     """kg m² of a motor's rotor, as seen at the wheel: multiplied by the square of the gear ratio."""
     wheel_radius: Annotated[float, Bounds(0.01, 1.0, "m")]
+    torque_max: Annotated[float, Bounds(0.1, 1000.0, "N m")]
+    """N m. Largest torque of both motors. To catch itself it needs more than to stand: a low limit makes it fall."""
+
+    @property
+    def mechanics(self) -> Mechanics:
+        """The body near upright. The rotors turn against it."""
+        mass, height, radius, rotors = self.body_mass, self.centre_height, self.wheel_radius, 2 * self.rotor_inertia
+        return Mechanics(
+            rolling=mass + 2 * self.wheel_mass + (2 * self.wheel_inertia + rotors) / radius**2,
+            coupling=mass * height - rotors / radius,
+            tipping=self.body_inertia + mass * height**2 + rotors,
+            gravity=self.gravity,
+            wheel_radius=radius,
+        )
+
+    @property
+    def gravity(self) -> float:
+        """N m/rad. What gravity gains on the body for each rad that it leans."""
+        return self.body_mass * GRAVITY * self.centre_height
+
+
+class BalancerConfig(
+    BalancingBody, frozen=True, kw_only=True, forbid_unknown_fields=True, tag_field="type", tag="balancer"
+):
+    """Gains, motors, battery and wiring of a robot that balances. Torques are those at the wheels."""
+
+    LIVE: ClassVar = Tuning.READ_ONLY
+
+    k1: Annotated[float, Tuning.CHECKED, _GAIN]
+    """N m/rad. Torque of both motors for each rad that it leans."""
+    k2: Annotated[float, Tuning.CHECKED, _GAIN]
+    """N m s/rad. Torque for each rad/s."""
+    k3: Annotated[float, Tuning.CHECKED, _GAIN]
+    """N m/m. Torque for each m that it is beyond its place. With k3 = k4 = 0 it goes by its lean alone and drifts."""
+    k4: Annotated[float, Tuning.CHECKED, _GAIN]
+    """N m s/m. Torque for each m/s that it is too fast."""
     counts_per_turn: Annotated[int, Bounds(16, 65_535)]
     """Encoder counts for each turn of a wheel."""
     motor_constant: Annotated[float, Bounds(0.001, 60.0, "V s/rad")]
@@ -56,8 +86,6 @@ class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=
     """ohm of a motor with its leads."""
     friction: Annotated[float, Bounds(0.0, 60.0, "N m")]
     """N m of dry friction of one motor with its gear, at the wheel."""
-    torque_max: Annotated[float, Bounds(0.1, 1000.0, "N m")]
-    """N m. Largest torque of both motors. To catch itself it needs more than to stand: a low limit makes it fall."""
     acceleration: Annotated[float, Bounds(0.01, 5.0, "m/s²")] = 0.25
     """m/s² at which the board changes the speed that it holds."""
     braking: Annotated[float, Bounds(0.01, 0.5, "m/s²")] = 0.35
@@ -77,8 +105,12 @@ class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=
         if not Loop(self.mechanics, self.gains).has_margin:
             raise ValueError(
                 f"the robot falls with k1 {self.k1:g}, k2 {self.k2:g}, k3 {self.k3:g} and k4 {self.k4:g}, or with "
-                f"{MARGIN[0]:g} or {MARGIN[-1]:g} times as much: "
+                "a third or 2.25 times as much: "
                 f"{advice(self.mechanics, self.gains) or '`giraff tune balance` computes others'}"
+            )
+        if self.torque_max <= (least := _TO_CATCH * self.mechanics.turning_torque * _CATCHES):
+            raise ValueError(
+                f"torque_max is {self.torque_max:g} N m: it must be above {least:.1f}, or a push makes the robot fall"
             )
         if not self.driver_minimum < self.battery_minimum < self.battery_nominal:
             raise ValueError(
@@ -102,23 +134,6 @@ class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=
     def gains(self) -> Gains:
         """The four gains."""
         return Gains(self.k1, self.k2, self.k3, self.k4)
-
-    @property
-    def mechanics(self) -> Mechanics:
-        """The body near upright. The rotors turn against it."""
-        mass, height, radius, rotors = self.body_mass, self.centre_height, self.wheel_radius, 2 * self.rotor_inertia
-        return Mechanics(
-            rolling=mass + 2 * self.wheel_mass + (2 * self.wheel_inertia + rotors) / radius**2,
-            coupling=mass * height - rotors / radius,
-            tipping=self.body_inertia + mass * height**2 + rotors,
-            gravity=self._gravity,
-            wheel_radius=radius,
-        )
-
-    @property
-    def _gravity(self) -> float:
-        """N m/rad. What gravity gains on the body for each rad that it leans."""
-        return self.body_mass * GRAVITY * self.centre_height
 
     def require_countable(self, robot: RobotConfig) -> None:
         """Raise ValueError where wheel and encoder contradict `ticks_per_metre`, or the motors `max_wheel_speed`."""
@@ -151,7 +166,7 @@ class BalancerConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=
             k2_mnm_s_rad=_thousandths(self.k2),
             k3_mnm_m=_thousandths(self.k3),
             k4_mnm_s_m=_thousandths(self.k4),
-            gravity_mnm_rad=_thousandths(self._gravity),
+            gravity_mnm_rad=_thousandths(self.gravity),
             momentum_gms=_thousandths(per_speed),
             momentum_gm2=_thousandths(per_rate),
             radius_um=round(radius * 1e6),

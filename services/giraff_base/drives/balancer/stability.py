@@ -7,6 +7,7 @@ part of the model: the board compensates them. Plain Python: base has no numpy.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 from giraff_schemas.wires.balancer import BALANCE_PERIOD_MS
@@ -18,12 +19,12 @@ PERIOD: Final = BALANCE_PERIOD_MS / 1000
 """s between two commands of the board."""
 DELAYS: Final = (1, 2, 3)
 """Periods between a reading and the torque that answers it: sensors, computing and the line to the driver."""
-MARGIN: Final = (0.5, 1.0, 2.0)
-"""All gains together, times each of these, must hold the robot."""
+MARGIN: Final = (1 / 3, 1.0, 2.25)
+"""All gains together, times each of these, must hold the robot. With a half and twice, pushes fell drawn robots."""
 _TERMS: Final = 12  # of the series of an exponential
 _LEAN: Final = 2  # states of a robot that goes by its lean alone: lean and rate
 _STEP: Final = 1.5
-_STEPS: Final = 8  # of a search for a gain that holds it: up to 25 times as much
+_STEPS: Final = 6  # of a search for a gain that holds it: up to 11 times as much
 _NAMES: Final = ("k1", "k2", "k3", "k4")
 
 
@@ -54,6 +55,11 @@ class Mechanics(NamedTuple):
     wheel_radius: float
     """m."""
 
+    @property
+    def turning_torque(self) -> float:
+        """N m/rad. Torque that just ends the growth of a fall, for each rad of lean."""
+        return self.rolling * self.gravity / (self.rolling + self.coupling / self.wheel_radius)
+
     def sampled(self, period: float = PERIOD) -> tuple[Rows, list[float]]:
         """Return what a state and a torque become in one period."""
         size = self.rolling * self.tipping - self.coupling**2
@@ -69,27 +75,36 @@ class Mechanics(NamedTuple):
         return [row[:4] for row in whole[:4]], [row[4] for row in whole[:4]]
 
 
+@lru_cache(maxsize=4)
+def _polynomials(mechanics: Mechanics, count: int) -> tuple[list[float], Rows]:
+    """Return the body's polynomial of the shift by a period, and what the first `count` gains add to it.
+
+    By Faddeev and LeVerrier. The search for other gains asks again and again, in a turn that stops motors, too.
+    """
+    a, b = mechanics.sampled()
+    a = [row[:count] for row in a[:count]]
+    body, added = [1.0], []
+    power = _identity(count)
+    for step in range(1, count + 1):
+        added.append([sum(map(_product, row, b)) for row in power])
+        power = _times(a, power)
+        body.append(-sum(power[each][each] for each in range(count)) / step)
+        for each in range(count):
+            power[each][each] += body[-1]
+    return body, added
+
+
 class Loop:
-    """A body and its gains, as polynomials of the shift by one period."""
+    """A body and its gains."""
 
     def __init__(self, mechanics: Mechanics, gains: Gains) -> None:
-        a, b = mechanics.sampled()
-        count = 4 if gains.k3 or gains.k4 else _LEAN
-        a = [row[:count] for row in a[:count]]
-        open_, fed = [1.0], []  # the body's polynomial, and what the gains add to it; by Faddeev and LeVerrier
-        power = _identity(count)
-        for step in range(1, count + 1):
-            fed.append(sum(gains[row] * sum(map(_product, power[row], b)) for row in range(count)))
-            power = _times(a, power)
-            open_.append(-sum(power[each][each] for each in range(count)) / step)
-            for each in range(count):
-                power[each][each] += open_[-1]
-        self._open, self._fed = open_, fed
+        self._body, added = _polynomials(mechanics, 4 if gains.k3 or gains.k4 else _LEAN)
+        self._fed = [sum(map(_product, gains, each)) for each in added]
 
     def holds(self, factor: float = 1.0, delays: Sequence[int] = DELAYS) -> bool:
         """Return whether all gains times `factor` are stable with each delay."""
         for delay in delays:
-            closed = [*self._open, *([0.0] * delay)]
+            closed = [*self._body, *([0.0] * delay)]
             for at, value in enumerate(self._fed, len(closed) - len(self._fed)):
                 closed[at] -= factor * value
             if not is_stable(closed):

@@ -287,10 +287,11 @@ class TestBalancer(AnyDrive):
         [
             ({"k3": 0.0}, "either both are 0, or none is"),
             ({"k1": 0.0}, "the robot falls with k1 0, .* `giraff tune balance` computes others"),
-            ({"k1": 150.0}, "or with 0.5 or 2 times as much: raise k1 to"),
+            ({"k1": 150.0}, r"or with a third or 2\.25 times as much: raise k1 to"),
             ({"k2": 30.0}, "raise k2 to"),
-            ({"k4": 3000.0}, "lower k4 to"),
+            ({"k4": 1500.0}, "lower k4 to"),
             ({"k3": 0.0, "k4": 0.0, "k1": 82.0}, "raise k1 to"),
+            ({"torque_max": 30.0}, r"torque_max is 30 N m: it must be above 30\.7"),
             ({"battery_minimum": 9.9}, "they must rise"),
             ({"battery_nominal": 10.0}, "they must rise"),
         ],
