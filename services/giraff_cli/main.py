@@ -25,6 +25,7 @@ from giraff_cli.replay.commands import replay
 from giraff_cli.run.commands import run
 from giraff_cli.top.commands import top
 from giraff_cli.topic.commands import topic
+from giraff_cli.tune.commands import tune
 from giraff_cli.view.commands import view
 from giraff_cli.watch.commands import watch
 from giraff_cli.web.commands import web
@@ -52,6 +53,7 @@ for name, verbs in (
     ("node", node),
     ("param", param),
     ("odom", odom),
+    ("tune", tune),
 ):
     app.add_typer(verbs, name=name)
 

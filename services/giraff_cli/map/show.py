@@ -10,6 +10,7 @@ from typing import Final
 from giraff_cli.map.dots import drawn
 from giraff_cli.map.picture import picture
 from giraff_cli.network.command import print_error
+from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.text import counted
 from giraff_maps.floor_plan import FloorPlan, MapError
@@ -36,7 +37,7 @@ def show(file: Path, svg: Path | None) -> int:
 
     def tell() -> int:
         columns, lines = _room_for_it()
-        for line in (summary(plan, ascii_only=not _takes_dots()), *drawn(plan, columns, lines, dots=_takes_dots())):
+        for line in (summary(plan, ascii_only=not takes_dots()), *drawn(plan, columns, lines, dots=takes_dots())):
             print(line)
         return 0
 
@@ -59,12 +60,3 @@ def _room_for_it() -> tuple[int, int]:
         return _PIPE
     columns, lines = shutil.get_terminal_size(_PIPE)
     return max(10, min(columns - 1, _WIDEST)), max(10, lines - _BESIDE)
-
-
-def _takes_dots() -> bool:
-    """Whether standard output has more characters than ASCII's."""
-    try:
-        "⣿├─┤²".encode(sys.stdout.encoding or "ascii")
-    except (UnicodeEncodeError, LookupError):
-        return False
-    return True

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from giraff_base.drives.balancer.config import BalancerConfig
+from giraff_base.drives.balancer.config import BalancingBody
 from giraff_base.drives.balancer.stability import PERIOD, Gains
 
 Matrix = NDArray[np.float64]
@@ -18,9 +18,9 @@ _TORQUE_COSTS_ONE: Final = 14.0  # N m
 _DOUBLINGS: Final = 16  # 2^16 periods, 5 minutes: the gains do not change any more
 
 
-def gains_of(drive: BalancerConfig, period: float = PERIOD) -> Gains:
+def gains_of(body: BalancingBody, period: float = PERIOD) -> Gains:
     """Return the gains of the linear-quadratic regulator, sampled each `period` s."""
-    a, b = sampled(drive, period)
+    a, b = sampled(body, period)
     cost = np.diag(1.0 / np.square(_COSTS_ONE))
     effort = np.array([[1.0 / _TORQUE_COSTS_ONE**2]])
     price = _riccati(a, b, cost, effort)
@@ -28,9 +28,9 @@ def gains_of(drive: BalancerConfig, period: float = PERIOD) -> Gains:
     return Gains(*map(float, gains.ravel()))
 
 
-def sampled(drive: BalancerConfig, period: float = PERIOD) -> tuple[Matrix, Matrix]:
+def sampled(body: BalancingBody, period: float = PERIOD) -> tuple[Matrix, Matrix]:
     """Return what a state and a torque become in one period, of a body near upright."""
-    a, b = drive.mechanics.sampled(period)
+    a, b = body.mechanics.sampled(period)
     return np.array(a), np.array(b)[:, np.newaxis]
 
 

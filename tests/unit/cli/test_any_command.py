@@ -100,6 +100,7 @@ ROBOTLESS: Mapping[str, str] = {
     "keys list": "likewise",
     "map show": "unit/maps: it asks a file",
     "map convert": "likewise",
+    "tune balance": "unit/cli/test_gains.py: likewise",
 }
 """Those that ask no robot, and where below tests/ they are tried."""
 WAITING = {"watch", "record", "view", "drive", "web"}

@@ -43,7 +43,17 @@ WORDS: dict[str, tuple[str, ...]] = {
     "run": ("--local", "--for", "1", "--boards", "host"),
 }
 """What a command must be given besides its name."""
-SESSIONLESS = {"check wheels", "dst", "keys init", "keys host", "keys list", "map convert", "map show", "replay"}
+SESSIONLESS = {
+    "check wheels",
+    "dst",
+    "keys init",
+    "keys host",
+    "keys list",
+    "map convert",
+    "map show",
+    "replay",
+    "tune balance",
+}
 """Those that open no session."""
 GOES_ON = "doctor"
 """It is asked what is wrong."""

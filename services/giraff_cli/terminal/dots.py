@@ -1,0 +1,49 @@
+"""A drawing in characters: eight dots in each, or `#` where a terminal has none."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from typing import Final
+
+_DOTS: Final = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))  # of a braille character: by row, then column
+_BRAILLE: Final = 0x2800
+ACROSS: Final = 2
+"""Dots of a character, from left to right."""
+DOWN: Final = 4
+"""Dots of a character, from top to bottom."""
+
+
+class Dots:
+    """Dots that are set one by one, counted from the upper left one."""
+
+    def __init__(self) -> None:
+        self._cells: dict[tuple[int, int], int] = {}
+
+    def set(self, across: int, down: int) -> None:
+        """Set one dot."""
+        at = down // DOWN, across // ACROSS
+        self._cells[at] = self._cells.get(at, 0) | _DOTS[down % DOWN][across % ACROSS]
+
+    def lines(self, *, dots: bool) -> Iterator[str]:
+        """Return the lines of text down to the lowest dot."""
+        height = 1 + max(line for line, _ in self._cells)
+        width = 1 + max(column for _, column in self._cells)
+        for line in range(height):
+            signs = (_sign(self._cells.get((line, column), 0), dots=dots) for column in range(width))
+            yield "".join(signs).rstrip()
+
+
+def takes_dots() -> bool:
+    """Return whether standard output has more characters than ASCII's."""
+    try:
+        "⣿├─┤²".encode(sys.stdout.encoding or "ascii")
+    except (UnicodeEncodeError, LookupError):
+        return False
+    return True
+
+
+def _sign(bits: int, *, dots: bool) -> str:
+    if not bits:
+        return " "
+    return chr(_BRAILLE + bits) if dots else "#"

@@ -1,0 +1,145 @@
+"""`giraff tune balance`: gains from the physics of a robot file, beside those that the file has."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+
+from giraff_base.drives.balancer.config import BalancingBody
+from giraff_base.drives.balancer.stability import DELAYS, MARGIN, Gains, Loop
+from giraff_cli.network.command import print_error
+from giraff_cli.terminal.dots import ACROSS, DOWN, Dots, takes_dots
+from giraff_cli.terminal.output import guard_stdout
+from giraff_cli.tune.gains import gains_of
+from giraff_cli.tune.step import SECONDS, STEP, Response, respond
+from giraff_core.bounds import check_bounds
+from giraff_node.config.robot_file import ConfigError, read
+
+_NAMES: Final = Gains._fields
+_BALANCER: Final = "balancer"
+_COLUMNS: Final = 72  # of the drawing
+_LINES: Final = 12
+_FARTHEST: Final = 1000.0  # times all gains: nothing beyond is searched
+_HALVINGS: Final = 40
+
+
+class FiledBody(BalancingBody, frozen=True, kw_only=True):
+    """What of `[base.drive]` gains are computed from, and its gains, which may be missing or wrong."""
+
+    k1: float | None = None
+    k2: float | None = None
+    k3: float | None = None
+    k4: float | None = None
+
+    def __post_init__(self) -> None:
+        check_bounds(self)
+
+    @property
+    def gains(self) -> Gains | None:
+        """Return the four gains. None: one is missing."""
+        k1, k2, k3, k4 = self.k1, self.k2, self.k3, self.k4
+        return None if k1 is None or k2 is None or k3 is None or k4 is None else Gains(k1, k2, k3, k4)
+
+
+def tune_balance(file: Path | None) -> int:
+    """Return the exit code."""
+    environment = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
+    try:
+        settings = read(environment)
+    except ConfigError as error:
+        return print_error(str(error))
+    try:
+        body = _body(settings.tables.get("base", {}).get("drive"))
+    except (ValueError, msgspec.ValidationError) as error:
+        return print_error(f"{settings.place('base')}: {error}")
+
+    def tell() -> int:
+        for line in told(settings.where, body, dots=takes_dots()):
+            print(line)
+        return 0
+
+    return guard_stdout(tell)
+
+
+def told(where: str, body: FiledBody, *, dots: bool) -> Iterator[str]:
+    """Return the lines of the report."""
+    computed = Gains(*(float(f"{gain:.4g}") for gain in gains_of(body)))
+    rows = {"computed": computed}
+    if body.gains is not None and body.gains != computed:
+        rows["in the file"] = body.gains
+    is_same = ", and those of the file are the same" if body.gains == computed else ""
+    yield f"{where}: gains computed from the physics{is_same}"
+    yield ""
+    yield f"{'':12}{'k1':>10}{'k2':>10}{'k3':>10}{'k4':>10}"
+    for name, gains in rows.items():
+        yield f"{name:12}" + "".join(f"{gain:10g}" for gain in gains)
+    yield ""
+    for name, gains in rows.items():
+        yield f"{name}: {_margin(body, gains)}"
+        if Loop(body.mechanics, gains).holds():
+            yield f"{'':{len(name) + 2}}{_step(respond(body, gains))}"
+    yield ""
+    yield f"a step of {STEP * 100:g} cm with the computed gains, in cm:"
+    yield from _drawn(respond(body, computed), dots=dots)
+    yield ""
+    yield "try them while it stands, held by a rope; they count until base restarts:"
+    yield from (f"    giraff param set base.drive.{name} {gain:g}" for name, gain in zip(_NAMES, computed, strict=True))
+    yield "keep them in the robot file:"
+    yield "    [base.drive]"
+    yield from (f"    {name} = {float(gain)}" for name, gain in zip(_NAMES, computed, strict=True))
+
+
+def _body(drive: Any) -> FiledBody:
+    kind = drive.get("type") if isinstance(drive, dict) else None
+    if kind != _BALANCER:
+        raise ValueError(f"drive.type is {kind!r}: only for '{_BALANCER}' there are gains to compute; name its file")
+    return msgspec.convert(drive, FiledBody, strict=False)
+
+
+def _margin(body: BalancingBody, gains: Gains) -> str:
+    loop = Loop(body.mechanics, gains)
+    if not loop.holds():
+        return "the robot falls"
+    spans = [f"{_edge(loop, delay, 1 / _FARTHEST):.2g} to {_edge(loop, delay, _FARTHEST):.2g}" for delay in DELAYS]
+    unsafe = "" if loop.has_margin else f"; base refuses them: it asks for {MARGIN[0]:.2g} to {MARGIN[-1]:.2g}"
+    return f"it stands with all four times {', '.join(spans)} at 1, 2, 3 periods of delay{unsafe}"
+
+
+def _edge(loop: Loop, delay: int, farthest: float) -> float:
+    """Return the last factor on all gains that holds the robot, on the way to `farthest`."""
+    holds, falls = 0.0, math.log(farthest)
+    if loop.holds(farthest, (delay,)):
+        return farthest
+    for _ in range(_HALVINGS):
+        middle = (holds + falls) / 2
+        holds, falls = (middle, falls) if loop.holds(math.exp(middle), (delay,)) else (holds, middle)
+    return math.exp(holds)
+
+
+def _step(response: Response) -> str:
+    settled = response.settled
+    arrives = "does not arrive" if settled is None else f"stays within 5 mm after {settled:.1f} s"
+    return (
+        f"a step of {STEP * 100:g} cm: it {arrives}, leans by {math.degrees(response.lean):.1f} degrees and takes "
+        f"{response.torque:.1f} N m at most"
+    )
+
+
+def _drawn(response: Response, *, dots: bool) -> Iterator[str]:
+    low, high = min(*response.way, 0.0), max(*response.way, STEP)
+    drawing = Dots()
+    width, height = _COLUMNS * ACROSS - 1, _LINES * DOWN - 1
+    for at, way in enumerate(response.way):
+        drawing.set(round(at / len(response.way) * width), round((high - way) / (high - low) * height))
+    lines = [*drawing.lines(dots=dots)]
+    scale = {0: high, len(lines) - 1: low}
+    bar = "│" if dots else "|"
+    for number, line in enumerate(lines):
+        label = f"{scale[number] * 100:6.1f}" if number in scale else ""
+        yield f"{label:6} {bar}{line}"
+    yield f"{'':7}0{'':{_COLUMNS - 4}}{SECONDS:g} s"
