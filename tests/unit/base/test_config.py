@@ -19,6 +19,6 @@ def test_what_a_robot_file_leaves_out_is_what_safety_was_reckoned_with() -> None
 
 def test_a_cutoff_that_never_counts_is_refused() -> None:
     balancer = msgspec.structs.replace(BASE, drive=balancer_file.DRIVE, battery_low=11.8, battery_cutoff=10.5)
-    with pytest.raises(ValueError, match="battery_cutoff is 10.4 V: it must be above drive.battery_minimum, 10.4 V"):
+    with pytest.raises(ValueError, match=r"battery_cutoff is 10\.4 V: it must be above drive\.battery_minimum"):
         msgspec.structs.replace(balancer, battery_cutoff=10.4)
     msgspec.structs.replace(balancer, battery_cutoff=0.0)

@@ -7,7 +7,10 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_schemas.messages import Attitude, Side, Wheels
+from giraff_base.policy import BasePolicy
+from giraff_core.estop.latch import RELEASED
+from giraff_core.live import Live
+from giraff_schemas.messages import Attitude, RobotTime, Side, Wheels
 from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import COMMAND_TIMEOUT_MS, ECHO_MAX_AGE_MS, DriveState, Frame, Refusal
 from giraff_schemas.wires.balancer import (
@@ -25,6 +28,7 @@ from giraff_schemas.wires.balancer import (
     BalancePosture,
     BalanceSide,
 )
+from tests.support import robots
 from tests.support.balancer_file import DRIVE, ROBOT
 from tests.unit.base.drives.contract import SESSION, SETTLED, AnyDrive, Bench
 
@@ -321,6 +325,20 @@ class TestBalancer(AnyDrive):
         theirs.drive.open(SESSION + 9)
         theirs.run()
         assert bench.hear().disarms
+
+    def test_base_tells_its_board(self) -> None:
+        config = msgspec.structs.replace(robots.BASE, drive=DRIVE)
+        policy, board, now = BasePolicy(Live(config), ROBOT, RELEASED), BalancerBoard(), 10**12
+        policy.on_link_opened(SESSION)
+        policy.on_reconfigured(msgspec.structs.replace(config, drive=msgspec.structs.replace(DRIVE, k1=1200.0)))
+        for _ in range(SETTLED):
+            now += board.period_ns
+            time = RobotTime(epoch=7, robot_ns=now)
+            policy.on_frames([board.report()], time)
+            if (frame := policy.next_frame(time)) is not None:
+                board.receive(frame)
+        assert board.settings is not None
+        assert (board.session, board.settings.k1_mnm_rad) == (SESSION + 1, 1_200_000)
 
     def test_a_wheel_that_contradicts_the_counts_is_refused(self) -> None:
         wrong = msgspec.structs.replace(ROBOT, ticks_per_metre=ROBOT.ticks_per_metre * 1.03)
