@@ -22,6 +22,7 @@ ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 """The table of a service."""
 
 _SHARED: Final = "robot."
+_PLACE: Final = " - at `$"  # in a text of msgspec: the name says it already
 
 
 class ParamError(Exception):
@@ -130,7 +131,7 @@ class Parameters(Generic[ConfigT]):
             changed = msgspec.convert(plain, type(config), strict=False)
         except msgspec.ValidationError as error:
             told = ", ".join(f"{self._service}.{name} {value}" for name, value in values.items())
-            raise ParamError(f"{told}: {error}") from error
+            raise ParamError(f"{told}: {str(error).partition(_PLACE)[0]}") from error
         for name in values:
             live, before, after = self._live[name], _at(self._filed, name), _at(changed, name)
             if live not in (Tuning.FREE, Tuning.CHECKED) and loosens(live, before, after):

@@ -206,7 +206,7 @@ def test_fields_of_an_inner_table_are_set_by_their_names() -> None:
     params.set("drive.floor", 2.0)
     assert params.config == Outer(drive=Inner(gain=8.0, floor=2.0))
     for name, value, why in (
-        ("drive.gain", 9.5, "base.drive.gain 9.5: gain must be within 2..9"),
+        ("drive.gain", 9.5, "base.drive.gain 9.5: gain must be within 2..9$"),
         ("drive.gain", "nan", "gain must be within"),
         ("drive.floor", 0.5, "looser than 1"),
         ("drive.size", 2.0, "base.drive.size cannot change"),
