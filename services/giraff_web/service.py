@@ -23,6 +23,7 @@ from giraff_schemas.topics import (
     GUARD,
     ODOM,
     RANGE,
+    Topic,
 )
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_web.config import WebConfig
@@ -63,7 +64,7 @@ class Web(OperatorService):
         self.link = pages
         told = (BASE, GUARD, ESTOP, BATTERY, RANGE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
-        newest: tuple[Topic[Any], ...] = (ODOM, ATTITUDE)
+        newest: list[Topic[Any]] = [ODOM, ATTITUDE]
         self._told += [io.inbox(topic, limit=1, wakes=False) for topic in newest]
         self._show_timer = Timer(SHOWN_HZ)
         self.timers = (self.timer, self._show_timer)
