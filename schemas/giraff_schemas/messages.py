@@ -121,8 +121,7 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Of the lease in force; another one than before disarms. 0: nobody holds it."""
     operator_tick: RobotTime | None
     range_tick: RobotTime | None
-    """Oldest moment among the ranges that what the operator asks relies on; one that never came counts as robot_ns 0.
-    None: it relies on none."""
+    """Oldest moment of the ranges that the wish relies on; robot_ns 0 if one never came. None: it relies on none."""
     source: Source
     faults: int
     """How often `source` has come to be a fault since the guard began; another number than before disarms. The word of
@@ -265,9 +264,11 @@ class Attitude(Sample, frozen=True, kw_only=True):
     """Why it is off or sits down; empty: it has not stood since its board began."""
     tick: RobotTime
     """When base read the report."""
+    pivot: float = 0.0
+    """m. Height above the floor of the axle, about which it leans."""
 
     def __post_init__(self) -> None:
-        require_finite(self, self.lean, self.rate, self.accelerometer_lean, self.trim, self.torque)
+        require_finite(self, self.lean, self.rate, self.accelerometer_lean, self.trim, self.torque, self.pivot)
 
 
 class Odometry(Sample, frozen=True, kw_only=True):

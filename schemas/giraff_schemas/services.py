@@ -96,7 +96,7 @@ GUARD: Final = Service(
     host="robot",
     missing=("fault", "nothing moves: base obeys the guard alone"),
     publishes=(t.CMD_VEL, t.LEASE, t.GUARD),
-    subscribes=(t.TICK, t.RANGE, t.BUMPER, t.WHEELS, t.OPERATOR_CMD_VEL),
+    subscribes=(t.TICK, t.RANGE, t.BUMPER, t.WHEELS, t.ATTITUDE, t.OPERATOR_CMD_VEL),
     simulated=True,
     inside=True,
 )

@@ -68,7 +68,7 @@ RANGE = Topic("range/*", m.Range, 1000 / 60 / 3, "control", "sensor", inside=Tru
 BUMPER = Topic("bumper/*", Bump, 20, "control", "sensor", inside=True)
 CMD_VEL = Topic("cmd_vel", m.GuardedCommand, 50, "control", inside=True)
 WHEELS = Topic("wheels", m.Wheels, 100, "control", inside=True)
-ATTITUDE = Topic("attitude", m.Attitude, 100, "state")
+ATTITUDE = Topic("attitude", m.Attitude, 100, "control", inside=True)
 ODOM = Topic("odom", m.Odometry, 100, "state")
 BASE = Topic("base", m.BaseState, 10, "state")
 BATTERY = Topic("battery", m.Battery, 2, "state")

@@ -43,8 +43,8 @@ MOVED_TO_DRIVE: Final = (
 class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """An ultrasonic sensor in `base_link`: metres, radians.
 
-    The guard and the simulation go by x, y and yaw: to them each sensor looks level. z, roll and pitch are for who asks
-    where its frame is.
+    The guard and the simulation go by x, y and yaw: on a robot that stands upright each sensor looks level to them.
+    They use z where a robot leans. roll and pitch are for who asks where its frame is.
     """
 
     index: int
@@ -52,7 +52,7 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     x: Annotated[float, PLACE]
     y: Annotated[float, PLACE]
     z: Annotated[float, PLACE] = 0.0
-    """m up."""
+    """m above the floor. A robot that balances needs it: it leans, and the sensor looks at the floor then."""
     roll: Annotated[float, ANGLE] = 0.0
     """rad. About the fixed axes of `base_link`, first roll, then pitch, then yaw (REP-103)."""
     pitch: Annotated[float, Bounds(-_STEEPEST, _STEEPEST, "rad", "are these degrees?")] = 0.0

@@ -8,7 +8,7 @@ from giraff_core.freshness import age
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_schemas.bumper import Bump
-from giraff_schemas.messages import Range, RobotTime, Tick, Wheels
+from giraff_schemas.messages import Attitude, Range, RobotTime, Tick, Wheels
 from giraff_schemas.trouble import WELL, Trouble
 
 _NOT_ITS_CLOCK: Final = Trouble(
@@ -74,7 +74,7 @@ class Identity:
         self._base = Bond("base", config.maker_silence)
         self._rangers = {name: Bond(f"ranger for {name}", config.maker_silence) for name in robot.sensor_names}
         self._tick: Tick | None = None
-        self._wheels_seq = -1
+        self._report_seqs: dict[type[Wheels | Attitude], int] = {}
         self._foreign_ns: int | None = None
         self._unproven: dict[str, int] = {}
 
@@ -97,7 +97,7 @@ class Identity:
         held = self._tick
         if held is None or (held.instance, held.epoch) != (tick.instance, tick.epoch):
             self._tick = tick
-            self._wheels_seq = -1
+            self._report_seqs.clear()
             return True
         if tick.robot_ns > held.robot_ns:
             self._tick = tick
@@ -113,13 +113,14 @@ class Identity:
             return False
         return bond.admit(reading.instance, reading.seq, robot_ns)
 
-    def admits_wheels(self, wheels: Wheels, robot_ns: int) -> bool:
-        """Whether a report of the wheels counts: base's own only."""
-        if self._tick is None or wheels.instance != self._tick.instance or wheels.seq <= self._wheels_seq:
+    def admits_report(self, report: Wheels | Attitude, robot_ns: int) -> bool:
+        """Whether a report of the wheels or of the lean counts: base's own only."""
+        last_seq = self._report_seqs.get(type(report), -1)
+        if self._tick is None or report.instance != self._tick.instance or report.seq <= last_seq:
             return False
-        if not self._fresh(wheels.tick, self.now(robot_ns)):
+        if not self._fresh(report.tick, self.now(robot_ns)):
             return False
-        self._wheels_seq = wheels.seq
+        self._report_seqs[type(report)] = report.seq
         return True
 
     def fault(self, robot_ns: int) -> Trouble:

@@ -1,4 +1,4 @@
-"""Where the robot has been in the last moments, from its wheels: how far it came since a reading."""
+"""Where the robot has been in the last moments, and how it leaned: how far it came since a reading."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_schemas.messages import RobotTime, Wheels
+from giraff_schemas.messages import Attitude, RobotTime, Wheels
 
 _KEPT_NS: Final = 1_500_000_000
 _SLACK: Final = 0.02
@@ -23,6 +23,19 @@ class _Moment(NamedTuple):
     place: Pose
 
 
+class Lean(NamedTuple):
+    """How a robot leans about its axle."""
+
+    angle: float
+    """rad, forward positive."""
+    pivot: float
+    """m of the axle above the floor."""
+
+
+LEVEL: Final = Lean(0.0, 0.0)
+"""The lean of a robot on wheels."""
+
+
 class Motion:
     """Integrates the wheels. Where they are not heard, what was passed on counts as driven."""
 
@@ -32,6 +45,7 @@ class Motion:
         self._drive = robot.kinematics
         self._wheels: Wheels | None = None
         self._moments: deque[_Moment] = deque()
+        self._leans: deque[tuple[int, Lean]] = deque()
         self._passed: deque[tuple[int, float, float]] = deque()  # (robot_ns, m/s, rad/s), newest last
         self.heard = False
         """Whether the wheels say where the robot is."""
@@ -61,6 +75,12 @@ class Motion:
                 distance, turn = self._drive.twist(left, right)
         self._measured = self._measured.moved(distance, turn)  # not from where it was reckoned meanwhile
         self._reach(wheels.tick.robot_ns, self._measured, abs(distance), abs(turn))
+
+    def on_attitude(self, attitude: Attitude) -> None:
+        """Follow a report that is newer than the last."""
+        self._leans.append((attitude.tick.robot_ns, Lean(attitude.lean, attitude.pivot)))
+        while self._leans[-1][0] - self._leans[0][0] > _KEPT_NS:
+            self._leans.popleft()
 
     def on_passed(self, linear_x: float, angular_z: float, now: RobotTime) -> None:
         """What the guard lets through from now on."""
@@ -95,6 +115,22 @@ class Motion:
                 return Pose(*(a + (b - a) * share for a, b in zip(here, there, strict=True)))
             later = moment
         return later.place if later else self.place
+
+    def lean_at(self, robot_ns: int) -> Lean | None:
+        """Return how the robot leaned, LEVEL if it never told a lean; None: no report within `range_budget` tells."""
+        later: tuple[int, Lean] | None = None
+        found: Lean | None = None if self._leans else LEVEL
+        for at_ns, lean in reversed(self._leans):
+            if at_ns <= robot_ns:
+                if (robot_ns - at_ns) * 1e-9 > self._live.config.range_budget:
+                    return None
+                if later is None:
+                    return lean
+                share = (robot_ns - at_ns) / (later[0] - at_ns)
+                return Lean(lean.angle + (later[1].angle - lean.angle) * share, lean.pivot)
+            later = at_ns, lean
+            found = lean if (at_ns - robot_ns) * 1e-9 <= self._live.config.range_budget else None
+        return found
 
     def speed(self, sign: float) -> float:
         """m/s the robot does forward (1) or backward (-1), never negative: the larger of measured and commanded.

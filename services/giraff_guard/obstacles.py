@@ -15,7 +15,7 @@ from giraff_guard.kinds import Sensed, sources_of
 from giraff_guard.limits import Way
 from giraff_guard.motion import Motion
 from giraff_guard.source import Source
-from giraff_schemas.messages import RobotTime, Side, Verdict, Wheels
+from giraff_schemas.messages import Attitude, RobotTime, Side, Verdict, Wheels
 from giraff_schemas.trouble import WELL, Trouble
 
 _BACK: Final[dict[Way, str]] = {"forward": "back up", "backward": "drive forward"}
@@ -81,6 +81,10 @@ class Obstacles:
             for source in self._sources:
                 source.lose_place()
         self._motion.look(now)
+
+    def on_attitude(self, attitude: Attitude) -> None:
+        """A report newer than the last."""
+        self._motion.on_attitude(attitude)
 
     def forget(self) -> None:
         """A new epoch: nothing that was remembered has a known age."""

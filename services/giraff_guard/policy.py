@@ -11,6 +11,7 @@ from giraff_guard.identity import Identity
 from giraff_guard.kinds import Sensed
 from giraff_guard.obstacles import Obstacles
 from giraff_schemas.messages import (
+    Attitude,
     DriveCommand,
     GuardedCommand,
     GuardState,
@@ -59,8 +60,13 @@ class GuardPolicy:
 
     def on_wheels(self, wheels: Wheels, robot_ns: int) -> None:
         """Take what the wheels do."""
-        if self._identity.admits_wheels(wheels, robot_ns):
+        if self._identity.admits_report(wheels, robot_ns):
             self._obstacles.on_wheels(wheels, self._identity.now(robot_ns))
+
+    def on_attitude(self, attitude: Attitude, robot_ns: int) -> None:
+        """Take how a robot that balances leans."""
+        if self._identity.admits_report(attitude, robot_ns):
+            self._obstacles.on_attitude(attitude)
 
     def on_command(self, command: DriveCommand, robot_ns: int) -> bool:
         """Take an operator's command. True: it is a word of who drives, which cannot wait for the next decision."""

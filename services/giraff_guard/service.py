@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from giraff_core.inbox import Inbox
@@ -13,11 +14,13 @@ from giraff_core.timer import PromptTimer, Timer
 from giraff_guard.config import GuardConfig
 from giraff_guard.kinds import sensed_by
 from giraff_guard.policy import GuardPolicy
-from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, WHEELS
+from giraff_schemas.topics import ATTITUDE, CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, WHEELS, SampleT
 
 
 class Guard:
-    """Reads `tick`, `wheels`, what sensors say and `cmd_vel/*`; writes `cmd_vel`, and `lease` and `guard` about it.
+    """Reads `tick`, `wheels`, `attitude`, what sensors say and `cmd_vel/*`.
+
+    It writes `cmd_vel`, and `lease` and `guard` about it.
 
     It decides at once on a word of who drives and on a reading that lets less pass, and else at its rate.
     """
@@ -32,7 +35,7 @@ class Guard:
         self._policy = policy(live, robot, first_lease=io.token())
         io.on_reconfigured = live.replace
         # All of each, and not the newest: of two makers who speak in turn, the newest may always be the same one's.
-        self._ticks = io.inbox(TICK, wakes=False)
+        self._ticks, self._attitudes = io.inbox(TICK, wakes=False), io.inbox(ATTITUDE, wakes=False)
         self._sensed: list[Inbox[Any]] = [io.inbox(topic) for topic in sensed_by(robot)]
         self._wheels, self._commands = io.inbox(WHEELS, wakes=False), io.inbox(OPERATOR_CMD_VEL)
         self._guarded, self._states, self._leases = io.publisher(CMD_VEL), io.publisher(GUARD), io.publisher(LEASE)
@@ -43,13 +46,12 @@ class Guard:
 
     def turn(self, now: float) -> None:
         policy, clock = self._policy, self._io.robot_ns
-        for tick in self._ticks.take():
-            policy.on_tick(tick, clock())
+        self._hand_on(self._ticks, policy.on_tick)
+        self._hand_on(self._attitudes, policy.on_attitude)
         for sample in (sample for inbox in self._sensed for sample in inbox.take()):
             if policy.on_sensed(sample, clock()):
                 self._timer.hurry("range", now)
-        for report in self._wheels.take():
-            policy.on_wheels(report, clock())
+        self._hand_on(self._wheels, policy.on_wheels)
         for command in self._commands.take():
             if policy.on_command(command, clock()):
                 self._timer.hurry("command", now)
@@ -64,6 +66,10 @@ class Guard:
         if state.reason != self._reason or self._state_timer.due(now):
             self._reason = state.reason
             self._states.put(state)
+
+    def _hand_on(self, inbox: Inbox[SampleT], take: Callable[[SampleT, int], object]) -> None:
+        for sample in inbox.take():
+            take(sample, self._io.robot_ns())
 
     def _tell_what_is_wrong(self) -> None:
         policy = self._policy

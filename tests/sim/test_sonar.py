@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from giraff_core.robot import SensorPose
 from giraff_sim.config import SimConfig
 from giraff_sim.world.room import Pose, Room
-from giraff_sim.world.sonar import NO_ECHO_US, SILENT_US, STUCK_US, Sonar, SonarFault, sonars
+from giraff_sim.world.sonar import NO_ECHO_US, SILENT_US, STUCK_US, Lean, Sonar, SonarFault, sonars
 from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall
 from tests.support.robots import ROBOT
 
@@ -50,6 +50,22 @@ def test_the_mount_counts() -> None:
     assert heard == {0: pytest.approx(1.75), 1: pytest.approx(1.75), 2: None}
     turned = Pose(0.0, 0.0, math.pi)
     assert sonars(ROBOT.sensors, room, EXACT, 1)[2].heard(turned) == pytest.approx(1.75)
+
+
+def test_on_a_body_that_leans_it_looks_along_a_slanted_axis_and_may_hear_the_floor() -> None:
+    """0.3 m up and 0.125 m above the axle, at 8 degrees: it looks at the floor from 2.2 m on."""
+    lean, mount = Lean(math.radians(8.0), 0.175), SensorPose(index=0, x=0.0, y=0.0, z=0.3, yaw=0.0)
+    sin, cos = math.sin(lean.angle), math.cos(lean.angle)
+    wall = sonar_in(room_with_wall(1.0), mount=mount)
+    assert wall.echo_us(ORIGIN, lean) / 5800.0 == pytest.approx((1.0 - 0.125 * sin) / cos)
+    assert wall.must_have_heard is not None
+    assert wall.must_have_heard[1] is not None
+    hall = sonar_in(empty_room(), mount=mount)
+    told = [hall.echo_us(ORIGIN, lean) / 5800.0 for _ in range(500)]
+    floor = [value for value in told if value == pytest.approx((0.175 + 0.125 * cos) / sin)]
+    assert len(floor) / len(told) == pytest.approx(0.2, abs=0.05)
+    assert hall.must_have_heard == (ORIGIN, None, 0)
+    assert hall.echo_us(ORIGIN, Lean(-lean.angle, 0.175)) == NO_ECHO_US, "leaning back it looks up"
 
 
 @pytest.mark.parametrize("degrees", [0, 5, 10, 15, 20, 24.9])

@@ -22,6 +22,7 @@ from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy
 from giraff_schemas.bumper import Bump
 from giraff_schemas.messages import (
+    Attitude,
     DriveCommand,
     GuardedCommand,
     GuardState,
@@ -149,7 +150,7 @@ class _Inputs:
 
     def __init__(self, said: RecordedSamples) -> None:
         self._waiting: dict[type[Sample], list[Any]] = {
-            type_: said.of(type_)[::-1] for type_ in (Tick, Range, Wheels, DriveCommand)
+            type_: said.of(type_)[::-1] for type_ in (Tick, Attitude, Range, Wheels, DriveCommand)
         }
         self._newest: dict[str, Range] = {}
         self._last_tick: RobotTime | None = None  # of the holder's newest command that was taken
@@ -215,6 +216,7 @@ class _Guard:
             Range: policy.on_sensed,
             Bump: policy.on_sensed,
             Wheels: policy.on_wheels,
+            Attitude: policy.on_attitude,
             DriveCommand: policy.on_command,
         }
         for sample in inputs:

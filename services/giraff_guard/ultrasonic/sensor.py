@@ -12,7 +12,8 @@ from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_core.sensors import HC_SR04, UltrasonicModel
 from giraff_guard.config import GuardConfig
-from giraff_guard.motion import Motion
+from giraff_guard.motion import LEVEL, Lean, Motion
+from giraff_guard.ultrasonic.level import floor_from, level_distance
 from giraff_guard.ultrasonic.self_test import SelfTest
 from giraff_guard.ultrasonic.silence_trust import SilenceTrust
 from giraff_schemas.messages import Range, RobotTime
@@ -51,6 +52,8 @@ class Sensor:
         """The last echo that follows from one of those kept before it: both are of one surface."""
         self.surest: Ping | None = None
         """The last one that follows from an echo just before it."""
+        self._unlevelled = WELL
+        """Why the newest reading could not be levelled."""
         self._lost: tuple[Pose, float] | None = None  # where the robot was when a touching echo was lost, m
         self._self_test = SelfTest(live)
 
@@ -86,10 +89,16 @@ class Sensor:
         if reading.state == "fault" or reading.tick is None or not math.isfinite(age(reading.tick, now)):
             self._pings.clear()
             return
+        lean = motion.lean_at(reading.tick.robot_ns)
+        self._unlevelled = self._why_not_levelled(lean)
+        if lean is None or self._unlevelled:
+            self._pings.clear()
+            return
+        distance, is_echo = self._levelled(reading, lean)
         ping = Ping(
             robot_ns=reading.tick.robot_ns,
-            distance=min(self.reach, reading.range if reading.range is not None else self.reach),
-            echo=reading.state == "echo",
+            distance=distance,
+            echo=is_echo,
             place=motion.place_at(reading.tick.robot_ns),
         )
         before = self.newest
@@ -121,6 +130,8 @@ class Sensor:
         if old > self._live.config.range_budget:
             last = f"{old:.1f} s old" if math.isfinite(old) else "of no known age"
             return Trouble(f"{self.name} is stale ({last})", "check giraff_ranger and its board")
+        if self._unlevelled:
+            return self._unlevelled
         if self._self_test.frozen:
             return Trouble(
                 f"{self.name} is frozen: it repeats one echo while the robot moves", "check it, or look for slip"
@@ -180,6 +191,28 @@ class Sensor:
             return [last, doubted]
         outvoted = all(self._outvotes(other.newest, doubted, other) for other in others)
         return [last] if outvoted else [last, doubted]
+
+    def _why_not_levelled(self, lean: Lean | None) -> Trouble:
+        if lean is None:
+            return Trouble(f"{self.name} looks along a body whose lean is not known", "check giraff_base and its board")
+        if lean is not LEVEL and self.pose.z <= 0.0:
+            return Trouble(f"{self.name} is on a body that leans, and its height is not known", "set its z")
+        return WELL
+
+    def _levelled(self, reading: Range, lean: Lean) -> tuple[float, bool]:
+        """Return m of level way ahead of the sensor's place on an upright robot, and whether something echoed there.
+
+        From where it may hear the floor on, an echo is no obstacle and no proof, and a silence tells no more.
+        """
+        distance, is_echo = (
+            min(self.reach, reading.range if reading.range is not None else self.reach),
+            reading.state == "echo",
+        )
+        if lean is LEVEL:
+            return distance, is_echo
+        floor = floor_from(self.pose, self.half_cone, lean)
+        level = level_distance(min(distance, floor), self.pose, lean)
+        return min(self.reach, level), is_echo and distance < floor
 
     def _is_alone(self, doubted: Ping, before: list[Ping], last: Ping) -> bool:
         """Whether nothing near it, and nothing that could have come there at a walk, was heard around it."""

@@ -30,6 +30,10 @@ class Plant(Protocol):
     """rad/s at which they turn the body, counter-clockwise positive."""
     path_length: float
     """m the centre has moved."""
+    lean: float
+    """rad that the body leans forward about its axle; 0 of one on wheels."""
+    pivot: float
+    """m of that axle above the floor."""
     contacts: int
     """How often the body came to touch something."""
     open_volts: float

@@ -17,6 +17,10 @@ class Disc:
         self.pose = room.start
         self.path_length = 0.0
         """m the centre has moved."""
+        self.lean = 0.0
+        """rad from the vertical, forward positive."""
+        self.pivot = 0.0
+        """m above the floor of the axle about which it leans."""
         self.contacts = 0
         """How often the body came to touch something."""
         self._radius = radius

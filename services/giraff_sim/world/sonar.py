@@ -10,7 +10,7 @@ import math
 import random
 from collections.abc import Mapping
 from enum import StrEnum
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 
@@ -34,6 +34,19 @@ _DOUBTFUL: Final = math.cos(math.radians(30.0))  # beyond: mostly not heard
 _HEARD_SLANTED: Final = 0.2  # share of pings heard beyond that; sweeps recorded 0 to 0.42
 _LOST_SLANTED: Final = 0.5  # share of the unheard ones that end in no echo; the others come by a detour
 _DETOUR: Final = (1.3, 3.0)  # times the true range
+_FLOOR: Final = -1  # no surface of a room has this number
+
+
+class Lean(NamedTuple):
+    """How the body that carries the sensor leans."""
+
+    angle: float
+    """rad, forward positive."""
+    pivot: float
+    """m above the floor of the axle about which it leans."""
+
+
+UPRIGHT: Final = Lean(0.0, 0.0)
 
 
 class SonarFault(StrEnum):
@@ -78,13 +91,13 @@ class Sonar:
         """m that the newest ping tells, sound or not; None where it tells of no echo."""
         self._last_us = NO_ECHO_US
 
-    def echo_us(self, robot: Pose) -> float:
+    def echo_us(self, robot: Pose, lean: Lean = UPRIGHT) -> float:
         """Ping with the robot at `robot`: the echo pulse's length, or SILENT_US, or STUCK_US."""
-        pulse_us = self._answer_us(robot)
+        pulse_us = self._answer_us(robot, lean)
         self.told = pulse_us / ECHO_US_PER_M if 0.0 < pulse_us < NO_ECHO_US else None
         return pulse_us
 
-    def _answer_us(self, robot: Pose) -> float:
+    def _answer_us(self, robot: Pose, lean: Lean) -> float:
         self.pings += 1
         self.must_have_heard = self.measured = None
         match self.fault:
@@ -101,7 +114,7 @@ class Sonar:
                     return NO_ECHO_US
                 return self._wild.uniform(SHORTEST, RANGE) * ECHO_US_PER_M
             case SonarFault.NONE | SonarFault.WILD_SOME:
-                self._last_us = self._pulse_us(self._ping(robot))
+                self._last_us = self._pulse_us(self._ping(robot, lean))
                 self.measured = self._last_us / ECHO_US_PER_M if self._last_us < NO_ECHO_US else None
             case SonarFault.FROZEN:
                 pass
@@ -131,24 +144,29 @@ class Sonar:
 
         return min(self._room.points_at(echo.surface, origin.x, origin.y, echo.distance), key=off_axis)
 
-    def origin(self, robot: Pose) -> Pose:
+    def origin(self, robot: Pose, lean: Lean = UPRIGHT) -> Pose:
         """Where the sensor truly is, and looks, with the robot at `robot`."""
         cos, sin = math.cos(robot.yaw), math.sin(robot.yaw)
         mount = self._mount
-        x, y = robot.x + cos * mount.x - sin * mount.y, robot.y + sin * mount.x + cos * mount.y
+        ahead = mount.x
+        if lean.angle:
+            ahead = mount.x * math.cos(lean.angle) + (mount.z - lean.pivot) * math.sin(lean.angle)
+        x, y = robot.x + cos * ahead - sin * mount.y, robot.y + sin * ahead + cos * mount.y
         return Pose(x, y, robot.yaw + mount.yaw)
 
     def _surest(self, hits: list[Hit], axis: float) -> Hit | None:
         """The first of these, nearest first, that is heard for certain."""
         return next((hit for hit in hits if self._incidence(hit, axis) >= _SURE), None)
 
-    def _ping(self, robot: Pose) -> float | None:
+    def _ping(self, robot: Pose, lean: Lean) -> float | None:
         """The range one ping measures before noise, m; None when nothing answers."""
-        origin = self.origin(robot)
+        origin = self.origin(robot, lean)
         hits = sorted(self.hits(origin))
         if self.fault is SonarFault.NONE:
             self.must_have_heard = robot, self._surest(hits, origin.yaw), self._room.version
-        verdicts: dict[int, bool] = {}
+        if lean.angle:
+            hits = self._along_the_dip(robot, lean, hits)
+        verdicts: dict[int, bool] = {_FLOOR: self._random.random() < _HEARD_SLANTED} if lean.angle else {}
         for hit in hits:
             if hit.round or hit.surface not in verdicts:
                 verdicts[hit.surface] = self._is_heard(hit, origin.yaw)
@@ -168,6 +186,26 @@ class Sonar:
                 offsets.append(offset)
         rays = (self._room.ray(origin.x, origin.y, origin.yaw + offset, RANGE) for offset in offsets)
         return [hit for hit in rays if hit is not None]
+
+    def _along_the_dip(self, robot: Pose, lean: Lean, hits: list[Hit]) -> list[Hit]:
+        """Return the hits as a sensor that dips meets them, and the floor, a slanted surface.
+
+        What lies behind where it looks at the floor must not have been heard.
+        """
+        sin = math.sin(lean.angle) * math.cos(self._mount.yaw)
+        cos = math.sqrt(1.0 - sin * sin)
+        found = [hit._replace(distance=far) for hit in hits if (far := hit.distance / cos) <= RANGE]
+        mount = self._mount
+        height = lean.pivot + (mount.z - lean.pivot) * math.cos(lean.angle) - mount.x * math.sin(lean.angle)
+        floor = max(0.0, height) / sin if sin > 0.0 else math.inf
+        if self.must_have_heard is not None:
+            # The judges ask the room from an upright robot.
+            sure = self.sure_echo(robot)
+            is_nearer = sure is not None and sure.distance < min(RANGE, floor) * cos
+            self.must_have_heard = robot, sure if is_nearer else None, self._room.version
+        if floor <= RANGE:
+            found.append(Hit(distance=floor, surface=_FLOOR, incidence=sin, round=False))
+        return sorted(found)
 
     def _is_heard(self, hit: Hit, axis: float) -> bool:
         incidence = self._incidence(hit, axis)

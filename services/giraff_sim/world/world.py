@@ -13,7 +13,7 @@ from giraff_sim.world.body import Body
 from giraff_sim.world.bumper import Bumper
 from giraff_sim.world.hand import LEVEL, Hand, Tremor
 from giraff_sim.world.room import Room, RoomError
-from giraff_sim.world.sonar import SILENT_US, sonars
+from giraff_sim.world.sonar import SILENT_US, Lean, sonars
 
 STEP_US: Final = 1000
 HAND_US: Final = 8000
@@ -74,4 +74,4 @@ class World:
     def echo_us(self, number: int) -> float:
         """The echo pulse of the sensor that was just triggered, as board_model.h has it."""
         sonar = self.sonars.get(number)
-        return SILENT_US if sonar is None else sonar.echo_us(self.plant.pose)
+        return SILENT_US if sonar is None else sonar.echo_us(self.plant.pose, Lean(self.plant.lean, self.plant.pivot))

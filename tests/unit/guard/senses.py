@@ -15,12 +15,13 @@ from giraff_guard.limits import Limits
 from giraff_guard.obstacles import Limited, Obstacles, Verdicts
 from giraff_guard.ultrasonic.memory import Echoes
 from giraff_guard.ultrasonic.source import UltrasonicSource
-from giraff_schemas.messages import Range, RobotTime, Verdict, Wheels
+from giraff_schemas.messages import Attitude, Range, RobotTime, Verdict, Wheels
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FRONT, NEAR, ROBOT, robot_with
 
 __all__ = ["CONFIG", "CYCLE", "EPOCH", "FAR", "FRONT", "NEAR", "ROBOT", "SIDES", "Senses", "opened", "robot_with"]
 
 CYCLE: Final = 0.18  # s: each sensor once
+PIVOT: Final = 0.175  # m
 _TURN: Final = 0.02  # s
 SIDES: Final = {"forward": FRONT, "backward": ("rear",)}
 
@@ -75,6 +76,21 @@ class Senses:
             tick=self.ago(age),
         )
         self.obstacles.on_wheels(report, self.now)
+
+    def lean(self, angle: float, age: float = 0.0) -> None:
+        """What base tells of a body that leans by this angle about an axle 0.175 m up."""
+        report = Attitude(
+            lean=angle,
+            rate=0.0,
+            accelerometer_lean=angle,
+            trim=0.0,
+            torque=0.0,
+            posture="stands",
+            cause="",
+            pivot=PIVOT,
+            tick=self.ago(age),
+        )
+        self.obstacles.on_attitude(report)
 
     def hear(
         self,

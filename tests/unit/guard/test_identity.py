@@ -65,7 +65,7 @@ class Air:
             boot_id=1,
             tick=self.ago(age, epoch),
         )
-        return self.identity.admits_wheels(report, self.robot_ns)
+        return self.identity.admits_report(report, self.robot_ns)
 
     @property
     def fault(self) -> str:

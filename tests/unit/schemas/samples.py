@@ -141,6 +141,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "posture": "sits down",
         "cause": "the battery was low",
         "tick": _TIME,
+        "pivot": 0.175,
     },
     m.Odometry: _START
     | _TWIST

@@ -61,6 +61,7 @@ class BalancerDrive(Dialogue[BalanceFrame]):
         config.require_countable(robot)
         self._robot, self._kinematics, self._max_turn = robot, robot.kinematics, robot.max_angular_speed
         self._settings = config.board_settings(robot)
+        self._wheel_radius = config.wheel_radius
         self._seq = 0
         self._drives = False  # the newest frame asks for motion
         self._stood = False  # it was not off, in whatever session
@@ -149,7 +150,7 @@ class BalancerDrive(Dialogue[BalanceFrame]):
         return latched_by(report.latch)
 
     def _samples(self, report: BalanceFrame, now: RobotTime) -> tuple[Sample, ...]:
-        return wheels(report, self._kinematics, now), attitude(report, now)
+        return wheels(report, self._kinematics, now), attitude(report, self._wheel_radius, now)
 
     def _configure(self, report: BalanceFrame) -> Frame:
         return msgspec.structs.replace(

@@ -28,8 +28,8 @@ def wheels(report: BalanceFrame, kinematics: DifferentialDrive, tick: RobotTime)
     )
 
 
-def attitude(report: BalanceFrame, tick: RobotTime) -> Attitude:
-    """Return how the robot holds itself."""
+def attitude(report: BalanceFrame, pivot: float, tick: RobotTime) -> Attitude:
+    """Return how the robot holds itself. `pivot`: m of its axle above the floor."""
     return Attitude(
         lean=report.lean_urad * 1e-6,
         rate=report.rate_urad_s * 1e-6,
@@ -39,4 +39,5 @@ def attitude(report: BalanceFrame, tick: RobotTime) -> Attitude:
         posture=posture(report),
         cause=cause(report).what,
         tick=tick,
+        pivot=pivot,
     )

@@ -147,8 +147,7 @@ class Plant(Disc):
         self.speed = 0.0
         """m/s of the axle, forward positive."""
         self.acceleration = 0.0
-        self.lean = 0.0
-        """rad from the vertical."""
+        self.pivot = drawn.radius
         self.lean_rate = 0.0
         self.lean_acceleration = 0.0
         self.turned = 0.0
