@@ -13,7 +13,7 @@ def test_it_drives_round_the_furnished_room() -> None:
 
 
 def test_its_run_on_alone_keeps_it_off_a_wall() -> None:
-    drive = against_wall(6, 1.3, no_other_margin())
+    drive = against_wall(3, 1.5, no_other_margin())
     assert (drive.contacts, drive.falls) == (0, 0)
     assert drive.path > 0.8
     assert drive.closest > 0.05
