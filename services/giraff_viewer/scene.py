@@ -11,6 +11,7 @@ from typing import Any, Final
 
 import msgspec
 import rerun as rr
+from rerun.components import AggregationPolicy
 
 from giraff_core.robot import RobotConfig
 from giraff_schemas.localization import MapPose, MapWalls, Particles
@@ -189,7 +190,11 @@ class Scene:
 
 
 def _styles(lines: list[Series]) -> list[Row]:
-    return [(each.path, rr.SeriesLines(colors=[each.colour], names=[each.name], widths=[1.5])) for each in lines]
+    peaks = AggregationPolicy.MinMax  # a mean of all points in a pixel would hide that a robot shakes
+    return [
+        (each.path, rr.SeriesLines(colors=[each.colour], names=[each.name], widths=[1.5], aggregation_policy=peaks))
+        for each in lines
+    ]
 
 
 def _tilt(tilt: Tilt) -> Any:

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 import pytest
 import rerun as rr
+from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_schemas import topics
@@ -270,6 +271,12 @@ def test_a_robot_that_balances_has_plots_of_its_own_and_others_have_none() -> No
     assert scene.balances
     seen = paths(scene.on_sample(topics.WHEELS, wheels(0), 2 * SECOND)) | set(degrees)
     assert seen >= paths(scene.begin_balance())
+
+
+def test_a_line_that_swings_is_drawn_with_its_peaks() -> None:
+    rows = Scene(stock("sim")).begin_balance()
+    policies = {path: row.aggregation_policy.as_arrow_array().to_pylist() for path, row in rows}
+    assert policies == {path: [AggregationPolicy.MinMax.value] for path in paths(rows)}
 
 
 @pytest.mark.parametrize("balances", [False, True])
