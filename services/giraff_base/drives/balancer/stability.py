@@ -25,6 +25,7 @@ _TERMS: Final = 12  # of the series of an exponential
 _LEAN: Final = 2  # states of a robot that goes by its lean alone: lean and rate
 _STEP: Final = 1.5
 _STEPS: Final = 6  # of a search for a gain that holds it: up to 11 times as much
+_HALVINGS: Final = 4  # between two steps
 _NAMES: Final = ("k1", "k2", "k3", "k4")
 
 
@@ -129,13 +130,39 @@ def is_stable(polynomial: Sequence[float]) -> bool:
 
 
 def advice(mechanics: Mechanics, gains: Gains) -> str:
-    """Return the smallest change of one gain that holds the robot. Empty: no single one does."""
+    """Return the smallest change of one gain that holds the robot, to 3 %. Empty: no single one does."""
+
     for step in range(1, _STEPS + 1):
+        found: list[tuple[float, str, float]] = []
         for name, value in zip(_NAMES, gains, strict=True):
-            for better in (value * _STEP**step, value / _STEP**step):
-                if value and Loop(mechanics, gains._replace(**{name: better})).has_margin:
-                    return f"{'raise' if better > value else 'lower'} {name} to {better:.4g}"
+            for base in (_STEP, 1 / _STEP):
+                power = _nearest(mechanics, gains, name, base, step)
+                if power is not None:
+                    found.append((power, f"{'raise' if base > 1.0 else 'lower'} {name}", _rounded(value * base**power)))
+        if found:
+            _, change, better = min(found)
+            return f"{change} to {better:g}"
     return ""
+
+
+def _nearest(mechanics: Mechanics, gains: Gains, name: str, base: float, step: int) -> float | None:
+    """Return the least power of `base` on a gain that holds the robot, between the step before and this one."""
+    value = getattr(gains, name)
+
+    def holds(power: float) -> bool:
+        return Loop(mechanics, gains._replace(**{name: _rounded(value * base**power)})).has_margin
+
+    if not value or not holds(step):
+        return None
+    low, high = step - 1.0, float(step)
+    for _ in range(_HALVINGS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high
+
+
+def _rounded(gain: float) -> float:
+    return float(f"{gain:.4g}")
 
 
 def _identity(size: int) -> Rows:

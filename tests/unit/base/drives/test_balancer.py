@@ -294,6 +294,8 @@ class TestBalancer(AnyDrive):
             ({"k1": 150.0}, r"or with a third or 2\.25 times as much: raise k1 to"),
             ({"k2": 30.0}, "raise k2 to"),
             ({"k4": 1500.0}, "lower k4 to"),
+            ({"k1": 300.0}, r"raise k1 to 473\.4$"),
+            ({"k3": 441.0}, "lower k3 to 430$"),
             ({"k3": 0.0, "k4": 0.0, "k1": 82.0}, "raise k1 to"),
             ({"torque_max": 30.0}, r"torque_max is 30 N m: it must be above 30\.7"),
             ({"battery_minimum": 9.9}, "they must rise"),
