@@ -16,7 +16,7 @@ from giraff_cli.network.command import print_error
 from giraff_cli.terminal.dots import ACROSS, DOWN, Dots, takes_dots
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.tune.gains import gains_of
-from giraff_cli.tune.step import SECONDS, STEP, Response, respond
+from giraff_cli.tune.step import SECONDS, STEP, Response, respond_to_step
 from giraff_core.bounds import check_bounds
 from giraff_node.config.robot_file import ConfigError, read
 
@@ -82,10 +82,10 @@ def told(where: str, body: FiledBody, *, dots: bool) -> Iterator[str]:
     for name, gains in rows.items():
         yield f"{name}: {_margin(body, gains)}"
         if Loop(body.mechanics, gains).holds():
-            yield f"{'':{len(name) + 2}}{_step(respond(body, gains))}"
+            yield f"{'':{len(name) + 2}}{_step(respond_to_step(body, gains))}"
     yield ""
     yield f"a step of {STEP * 100:g} cm with the computed gains, in cm:"
-    yield from _drawn(respond(body, computed), dots=dots)
+    yield from _drawn(respond_to_step(body, computed), dots=dots)
     yield ""
     yield "try them while it stands, held by a rope; they count until base restarts:"
     yield from (f"    giraff param set base.drive.{name} {gain:g}" for name, gain in zip(_NAMES, computed, strict=True))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections import deque
 from typing import Final, NamedTuple
 
 from giraff_base.drives.balancer.config import BalancingBody
-from giraff_base.drives.balancer.stability import DELAYS, PERIOD, Gains
+from giraff_base.drives.balancer.response import LEASH, respond
+from giraff_base.drives.balancer.stability import PERIOD, Gains
 
-STEP: Final = 0.05
+STEP: Final = LEASH
 """m. The board lets the held place be no farther away."""
 SECONDS: Final = 8.0
 _ARRIVED: Final = 0.1  # of the step: it stays within
@@ -31,17 +31,12 @@ class Response(NamedTuple):
         return None if late and late[-1] == len(self.way) else (late[-1] if late else 0) * PERIOD
 
 
-def respond(body: BalancingBody, gains: Gains) -> Response:
+def respond_to_step(body: BalancingBody, gains: Gains) -> Response:
     """Return the response with the longest delay."""
-    a, b = body.mechanics.sampled()
-    state = [0.0, 0.0, -STEP, 0.0]
-    waiting = deque([0.0] * DELAYS[-1])
-    way, lean, most = [], 0.0, 0.0
-    for _ in range(round(SECONDS / PERIOD)):
-        asked = sum(map(float.__mul__, gains, state))
-        waiting.append(max(-body.torque_max, min(body.torque_max, asked)))
-        torque = waiting.popleft()
-        state = [sum(map(float.__mul__, row, state)) + by * torque for row, by in zip(a, b, strict=True)]
-        way.append(state[2] + STEP)
-        lean, most = max(lean, abs(state[0])), max(most, abs(torque))
-    return Response(way, lean, most)
+    moments = respond(body.mechanics, gains, body.torque_max, way=-STEP)
+    kept = [next(moments) for _ in range(round(SECONDS / PERIOD))]
+    return Response(
+        way=[each.way + STEP for each in kept],
+        lean=max(abs(each.lean) for each in kept),
+        torque=max(abs(each.torque) for each in kept),
+    )

@@ -12,7 +12,7 @@ from giraff_base.config import BaseConfig
 from giraff_base.drives.balancer.config import BalancerConfig
 from giraff_base.drives.balancer.stability import PERIOD, Gains, Loop
 from giraff_cli.tune.gains import gains_of, sampled
-from giraff_cli.tune.step import STEP, respond
+from giraff_cli.tune.step import STEP, respond_to_step
 from giraff_node.config.robot_file import load
 from tests.rules.repository import ROOT
 from tests.unit.cli.typed import typed
@@ -75,7 +75,7 @@ def test_the_command_tells_the_gains_their_margin_and_how_to_try_them(
     code, out, _ = typed(monkeypatch, capsys, "tune", "balance", "--file", str(other))
     assert code == 0, "a file that base refuses is what it mends"
     assert "computed: it stands with all four times 0.19 to 10, 0.19 to 6.1, 0.19 to 4.3 at 1, 2, 3 periods" in out
-    assert "a step of 5 cm: it stays within 5 mm after 2.4 s, leans by 0.5 degrees and takes 6.7 N m at most" in out
+    assert "a step of 5 cm: it stays within 5 mm after 2.8 s, leans by 0.5 degrees and takes 6.7 N m at most" in out
     assert "in the file: the robot falls" in out
     assert "giraff param set base.drive.k1 744\n" in out
     assert any("⣀" in line for line in out.splitlines()) or "##" in out
@@ -90,9 +90,9 @@ def test_the_command_tells_the_gains_their_margin_and_how_to_try_them(
 
 def test_a_step_begins_the_wrong_way_and_a_bound_on_the_torque_holds() -> None:
     drive = of_the_file()
-    response = respond(drive, drive.gains)
+    response = respond_to_step(drive, drive.gains)
     assert -0.01 < min(response.way) < -0.001, "the body must lean first"
     assert response.torque == pytest.approx(drive.k3 * STEP)
     stiff = Gains(*(5.0 * gain for gain in drive.gains))
-    weak = respond(msgspec.structs.replace(drive, torque_max=31.0), stiff)
+    weak = respond_to_step(msgspec.structs.replace(drive, torque_max=31.0), stiff)
     assert weak.torque == 31.0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, ClassVar, Final
 
+from giraff_base.drives.balancer.response import run_on
 from giraff_base.drives.balancer.stability import Gains, Loop, Mechanics, advice
 from giraff_base.drives.soldered import Soldered
 from giraff_core.bounds import Bounds, check_bounds
@@ -21,6 +22,8 @@ _CATCHES: Final = math.radians(14.0)
 """rad. Up to this lean the board tries to catch the robot; beyond it, it goes off."""
 _TO_CATCH: Final = 2.0
 """Times the torque that just ends the growth of a fall there: as much again brings the body back."""
+_RUN_ON: Final = 0.06
+"""m. A halt may go on by so much on the linear body, where drawn robots went on by up to 0.11 m."""
 _RADIUS_OFF: Final = 0.02
 """Largest share by which radius and counts may contradict `ticks_per_metre`."""
 _SPEED_TO_CATCH: Final = 0.5
@@ -134,6 +137,11 @@ class BalancerConfig(
     def gains(self) -> Gains:
         """The four gains."""
         return Gains(self.k1, self.k2, self.k3, self.k4)
+
+    def drives(self, robot: RobotConfig) -> bool:
+        """Return whether it may drive with its gains. Others hold it only while it stands."""
+        loop, speed = Loop(self.mechanics, self.gains), robot.max_wheel_speed
+        return loop.may_drive and run_on(self.mechanics, self.gains, self.torque_max, speed, self.braking) <= _RUN_ON
 
     def require_countable(self, robot: RobotConfig) -> None:
         """Raise ValueError where wheel and encoder contradict `ticks_per_metre`, or the motors `max_wheel_speed`."""

@@ -13,6 +13,8 @@ from giraff_base.drives.balancer.words import (
     AT_LIMIT,
     GETS_UP,
     HELD,
+    NEW_GAINS,
+    ONLY_STANDS,
     cause,
     latched_by,
     left_standing,
@@ -42,6 +44,7 @@ from giraff_schemas.wires.balancer import (
 _LEAST_SPEED: Final = 0.005  # m/s: less is the end of a slowing down, and no drive
 _TAKEN: Final = 0.1  # rad, 6 degrees: on its friction alone it stands up to 4
 _SWAYS: Final = 0.10, 0.20  # m/s and rad/s: a robot that stands sways by less
+_RESTS_NS: Final = 500_000_000  # for which it stands before it balances by other gains
 _SIDES: Final[dict[Side, BalanceSide]] = {
     "none": BalanceSide.NONE,
     "forward": BalanceSide.FORWARD,
@@ -60,7 +63,9 @@ class BalancerDrive(Dialogue[BalanceFrame]):
         super().__init__(BalanceFrame, BalanceLatch)
         config.require_countable(robot)
         self._robot, self._kinematics, self._max_turn = robot, robot.kinematics, robot.max_angular_speed
-        self._settings = config.board_settings(robot)
+        self._settings = self._wanted = config.board_settings(robot)
+        self._may_drive = config.drives(robot)
+        self._rested_ns: int | None = None  # since when it stands; None: it does not
         self._wheel_radius = config.wheel_radius
         self._seq = 0
         self._drives = False  # the newest frame asks for motion
@@ -98,21 +103,30 @@ class BalancerDrive(Dialogue[BalanceFrame]):
 
     def reconfigure(self, config: msgspec.Struct) -> None:
         assert isinstance(config, BalancerConfig), "a kind of drive does not change while base runs"  # noqa: S101
-        settings = config.board_settings(self._robot)
-        if settings != self._settings:
-            self._settings = settings
-            self._renew()
+        self._wanted, self._may_drive = config.board_settings(self._robot), config.drives(self._robot)
 
     def lose(self) -> None:
         self._drives = False
         super().lose()
+
+    def settle(self, now: RobotTime, *, engaged: bool) -> Answer | None:
+        """Tell the board other gains once the robot has stopped by those that it has."""
+        if not self.at_rest:
+            self._rested_ns = None
+        elif self._rested_ns is None:
+            self._rested_ns = now.robot_ns
+        elif self._wanted != self._settings and now.robot_ns - self._rested_ns >= _RESTS_NS:
+            self._settings = self._wanted
+            self._renew()
+        return super().settle(now, engaged=engaged)
 
     def ask(self, linear: float, angular: float, *, armed: bool, free_side: Side) -> Answer:
         report = self._newest
         linear, angular = self._kinematics.within_limits(linear, angular)
         slower = min(1.0, self._max_turn / abs(angular)) if angular else 1.0
         linear, angular = linear * slower, angular * slower
-        if max(map(abs, self._kinematics.wheel_speeds(linear, angular))) < _LEAST_SPEED:
+        reason = NEW_GAINS if self._wanted != self._settings else None if self._may_drive else ONLY_STANDS
+        if reason is not None or max(map(abs, self._kinematics.wheel_speeds(linear, angular))) < _LEAST_SPEED:
             linear = angular = 0.0
         self._drives = linear != 0.0 or angular != 0.0
         frame = BalanceDriveFrame(
@@ -125,8 +139,9 @@ class BalancerDrive(Dialogue[BalanceFrame]):
             ask=BalanceAsk.STAND if armed else BalanceAsk.KEEP,
             free_side=_SIDES[free_side],
         )
-        is_limited = self._drives and report.flags & BalanceFlag.AT_LIMIT
-        return Answer(frame, AT_LIMIT if is_limited else None, self._drives)
+        if self._drives and report.flags & BalanceFlag.AT_LIMIT:
+            reason = AT_LIMIT
+        return Answer(frame, reason, self._drives)
 
     def _is_held(self, report: BalanceFrame) -> bool:
         return report.latch == BalanceLatch.OFF or (report.latch == BalanceLatch.STANDS and not self._off)

@@ -20,7 +20,11 @@ PERIOD: Final = BALANCE_PERIOD_MS / 1000
 DELAYS: Final = (1, 2, 3)
 """Periods between a reading and the torque that answers it: sensors, computing and the line to the driver."""
 MARGIN: Final = (1 / 3, 1.0, 2.25)
-"""All gains together, times each of these, must hold the robot. With a half and twice, pushes fell drawn robots."""
+"""All gains together, times each of these, must hold a robot that stands. With a half and twice, pushes fell some."""
+_DRIVES: Final = (1 / 4, 3.5)
+"""The same for one that drives and stops."""
+_PLAY: Final = 8
+"""Periods of delay that the gears' play is worth to it. With gains that bear less, drawn robots swung and fell."""
 _TERMS: Final = 12  # of the series of an exponential
 _LEAN: Final = 2  # states of a robot that goes by its lean alone: lean and rate
 _STEP: Final = 1.5
@@ -116,6 +120,12 @@ class Loop:
     def has_margin(self) -> bool:
         """Whether it holds the robot with the margin that gains must have."""
         return all(self.holds(factor) for factor in MARGIN)
+
+    @property
+    def may_drive(self) -> bool:
+        """Whether it holds a robot that drives. One without encoders knows no speed, and never drives."""
+        has_encoders = len(self._fed) > _LEAN
+        return has_encoders and self.holds(delays=(_PLAY,)) and all(self.holds(factor) for factor in _DRIVES)
 
 
 def is_stable(polynomial: Sequence[float]) -> bool:

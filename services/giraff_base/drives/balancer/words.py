@@ -27,6 +27,11 @@ _CAUSES: Final[dict[int, Trouble]] = {
 _POSTURES: Final[dict[int, str]] = {BalancePosture.STANDS: "stands", BalancePosture.SITS_DOWN: "sits down"}
 _CORD: Final = EStopEngage(by="the cord", reason=f"it is pulled; put it back, then {RESET_COMMAND}", off=True)
 HELD: Final = "something held it: clear the way"
+NEW_GAINS: Final = Trouble("it stands still for other gains")
+ONLY_STANDS: Final = Trouble(
+    "it stands and does not drive: with these gains it would fall as it drives, or stop too late",
+    "`giraff tune balance` computes others",
+)
 AT_LIMIT: Final = Trouble("at its limit: it needs its whole torque to stay up")
 GETS_UP: Final = Trouble("the robot gets up")
 

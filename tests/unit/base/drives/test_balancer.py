@@ -7,6 +7,7 @@ from typing import Any
 import msgspec
 import pytest
 
+from giraff_base.drives.balancer.words import ONLY_STANDS
 from giraff_base.policy import BasePolicy
 from giraff_core.estop.latch import RELEASED
 from giraff_core.live import Live
@@ -310,30 +311,54 @@ class TestBalancer(AnyDrive):
         bench = self.moving()
         board = self.board_of(bench)
         bench.drive.reconfigure(msgspec.structs.replace(DRIVE, k1=1200.0))
-        assert not bench.hear().disarms
+        waits = 0
+        while (unproved := bench.drive.settle(bench.now, engaged=False)) is None:
+            assert not bench.step(0.3).disarms
+            assert board.is_safe(), "it stops by the gains that it has"
+            waits += 1
+        assert waits > 50, "it has stood for half a second"
         assert (bench.drive.forbids, board.is_off()) == (Trouble(), False)
         assert bench.hear().samples, "they are of the same robot"
-        unproved = bench.drive.settle(bench.now, engaged=False)
-        assert unproved is not None, "nothing drives by gains that the board may not have"
-        bench.run(0.3)
+        assert not unproved.moves, "nothing drives by gains that the board may not have"
+        bench.run()
+        bench.run(0.3, reports=100)
         assert board.settings is not None
         assert (board.session, board.settings.k1_mnm_rad) == (SESSION + 1, 1_200_000)
+        assert board.twist()[0] == pytest.approx(0.0, abs=0.001)
+        assert bench.ask(0.3).reason == ONLY_STANDS
         assert not bench.hear().disarms
         bench.drive.reconfigure(msgspec.structs.replace(DRIVE, k1=1200.0))
         bench.hear()
         assert bench.drive.settle(bench.now, engaged=False) is None, "the board has them already"
+        bench.drive.reconfigure(DRIVE)
+        bench.run(reports=60)
+        bench.run(0.3, reports=100)
+        assert board.twist()[0] == pytest.approx(0.3, abs=0.001), "it drives by the gains of its file"
         theirs = self.bench()
         theirs.board = board
         theirs.drive.open(SESSION + 9)
         theirs.run()
         assert bench.hear().disarms
 
+    @pytest.mark.parametrize(
+        ("fields", "drives"),
+        [
+            ({}, True),
+            ({"k1": 800.0}, True),
+            ({"k1": 1200.0}, False),
+            ({"k4": 120.0}, False),
+            ({"k3": 0.0, "k4": 0.0}, False),
+        ],
+    )
+    def test_it_drives_by_gains_with_which_it_stops_in_time(self, fields: dict[str, float], drives: bool) -> None:
+        assert msgspec.structs.replace(DRIVE, **fields).drives(ROBOT) is drives
+
     def test_base_tells_its_board(self) -> None:
         config = msgspec.structs.replace(robots.BASE, drive=DRIVE)
         policy, board, now = BasePolicy(Live(config), ROBOT, RELEASED), BalancerBoard(), 10**12
         policy.on_link_opened(SESSION)
         policy.on_reconfigured(msgspec.structs.replace(config, drive=msgspec.structs.replace(DRIVE, k1=1200.0)))
-        for _ in range(SETTLED):
+        for _ in range(SETTLED + 60):
             now += board.period_ns
             time = RobotTime(epoch=7, robot_ns=now)
             policy.on_frames([board.report()], time)
