@@ -220,7 +220,9 @@ class MotionPolicy(Hand):
         if why is not None:
             motion.end(*why, now)
         elif now - motion.began > motion.time_limit:
-            motion.end("time_limit", Trouble(f"not there after {motion.time_limit:.1f} s", _SLOW), now)
+            late, base = f"not there after {motion.time_limit:.1f} s", self._base[0]
+            said = WELL if base is None else trouble_of(base)
+            motion.end("time_limit", said.of(late) if said else Trouble(late, _SLOW), now)
         elif motion.stage == "arming":
             self._arm(motion, now)
 
