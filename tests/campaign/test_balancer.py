@@ -78,6 +78,18 @@ ROWS: Final = {
         for after in (0.4, 0.8, 1.2, 1.6)
     },
     **{
+        f"asked_for_nothing_at_{speed}": Row(
+            stopped(speed, by_zero=True), {"back": 0.09, "run_on": RUN_ON}, at_least=UP
+        )
+        for speed in (0.1, 0.2, 0.3, 0.4)
+    },
+    **{
+        f"asked_for_nothing_after_{after}_s": Row(
+            stopped(0.4, by_zero=True, after=after), {"back": 0.09, "run_on": RUN_ON}, at_least=UP
+        )
+        for after in (0.4, 0.8, 1.2, 1.6)
+    },
+    **{
         f"starts_to_{speed}": Row(starts(speed), {"over": 0.10, "back": 0.035}, at_least=UP)
         for speed in (0.1, 0.2, 0.3, 0.4)
     },

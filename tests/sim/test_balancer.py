@@ -13,7 +13,7 @@ from tests.support.balancing import prototype_pushed, pushed, sensor_at, side_of
 def test_it_stands_comes_back_a_little_from_a_push_and_sits_down(seed: int) -> None:
     robot, side = Balancer(seed), side_of(seed)
     robot.stand(3.5)  # 5 s with those in which it is held
-    stands = then(robot, 8.0, lambda _: None, side)
+    stands = then(robot, 5.0, lambda _: None, side)
     assert stands["sd"] < 1.1
     assert stands["span"] < 0.08
     push = pushed(robot, 5.0, 4.0, side)
@@ -42,6 +42,13 @@ def test_an_emergency_stop_ends_driving_and_it_stands() -> None:
     assert stop["last_speed"] < 0.02, "it is asked to drive and must not"
     assert stop["active_before"] > 0.0
     assert stop["active"] == 0.0, "it is in its safe state 3 s later"
+
+
+def test_a_stop_of_the_guard_in_the_middle_of_a_start_takes_no_more_than_its_run_on() -> None:
+    stop = stopped(0.4, by_zero=True, settle=1.2, after=0.8)(1)
+    assert stop["up"] == 1.0
+    assert stop["run_on"] < 0.10
+    assert stop["back"] < 0.09
 
 
 def test_the_prototype_without_encoders_stands_and_drifts_as_it_is_pushed() -> None:

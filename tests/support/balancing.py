@@ -129,11 +129,17 @@ def starts(speed: float) -> Callable[[int], Figures]:
 
 
 def stopped(
-    speed: float, *, by_silence: bool, settle: float = SETTLE_S, after: float | None = None
+    speed: float,
+    *,
+    by_silence: bool = False,
+    by_zero: bool = False,
+    settle: float = SETTLE_S,
+    after: float | None = None,
 ) -> Callable[[int], Figures]:
-    """Drive at a steady speed, or for `after` s, stop it, and go on asking it to drive.
+    """Drive at a steady speed, or for `after` s, stop it by its latch, and go on asking it to drive.
 
-    A silent host counts from its time-out. `run_on`: m that it goes beyond those of braking at 0.35 m/s².
+    `by_zero`: it is asked for nothing, as by each stop of the guard. A silent host counts from its time-out.
+    `run_on`: m that it goes beyond those of braking at 0.35 m/s².
     """
 
     def play(seed: int) -> Figures:
@@ -144,6 +150,8 @@ def stopped(
         robot.is_silent = by_silence
         if by_silence:
             robot.run(0.3)
+        elif by_zero:
+            robot.linear = 0.0
         else:
             robot.engage()
         figures = then(robot, 6.0 if settle >= SETTLE_S else 3.0, lambda _: None, side)
