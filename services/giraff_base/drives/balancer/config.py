@@ -24,6 +24,10 @@ _TO_CATCH: Final = 2.0
 """Times the torque that just ends the growth of a fall there: as much again brings the body back."""
 _RUN_ON: Final = 0.06
 """m. A halt may go on by so much on the linear body, where drawn robots went on by up to 0.11 m."""
+_RUN_ON_STANDING: Final = 0.20
+"""m. The same of one that only stands, from _HALTED. With 0.4 and more, drawn robots wandered for metres."""
+_HALTED: Final = 0.4
+"""m/s."""
 _RADIUS_OFF: Final = 0.02
 """Largest share by which radius and counts may contradict `ticks_per_metre`."""
 _SPEED_TO_CATCH: Final = 0.5
@@ -105,11 +109,16 @@ class BalancerConfig(
         check_bounds(self)
         if (self.k3 == 0.0) != (self.k4 == 0.0):
             raise ValueError(f"k3 is {self.k3:g} and k4 {self.k4:g}: either both are 0, or none is")
+        gains = f"k1 {self.k1:g}, k2 {self.k2:g}, k3 {self.k3:g} and k4 {self.k4:g}"
         if not Loop(self.mechanics, self.gains).has_margin:
             raise ValueError(
-                f"the robot falls with k1 {self.k1:g}, k2 {self.k2:g}, k3 {self.k3:g} and k4 {self.k4:g}, or with "
-                "a third or 2.25 times as much: "
+                f"the robot falls with {gains}, with a quarter or 3.5 times as much, or with the play of its gears: "
                 f"{advice(self.mechanics, self.gains) or '`giraff tune balance` computes others'}"
+            )
+        if (too_far := self._runs_on(_HALTED)) > _RUN_ON_STANDING:
+            raise ValueError(
+                f"with {gains} the robot runs on by {too_far:.2f} m before it stands, and wanders: "
+                "`giraff tune balance` computes others"
             )
         if self.torque_max <= (least := _TO_CATCH * self.mechanics.turning_torque * _CATCHES):
             raise ValueError(
@@ -140,8 +149,12 @@ class BalancerConfig(
 
     def drives(self, robot: RobotConfig) -> bool:
         """Return whether it may drive with its gains. Others hold it only while it stands."""
-        loop, speed = Loop(self.mechanics, self.gains), robot.max_wheel_speed
-        return loop.may_drive and run_on(self.mechanics, self.gains, self.torque_max, speed, self.braking) <= _RUN_ON
+        return Loop(self.mechanics, self.gains).has_encoders and self._runs_on(robot.max_wheel_speed) <= _RUN_ON
+
+    def _runs_on(self, speed: float) -> float:
+        if not Loop(self.mechanics, self.gains).has_encoders:
+            return 0.0
+        return run_on(self.mechanics, self.gains, self.torque_max, speed, self.braking)
 
     def require_countable(self, robot: RobotConfig) -> None:
         """Raise ValueError where wheel and encoder contradict `ticks_per_metre`, or the motors `max_wheel_speed`."""

@@ -29,8 +29,8 @@ _CORD: Final = EStopEngage(by="the cord", reason=f"it is pulled; put it back, th
 HELD: Final = "something held it: clear the way"
 NEW_GAINS: Final = Trouble("it stands still for other gains")
 ONLY_STANDS: Final = Trouble(
-    "it stands and does not drive: with these gains it would fall as it drives, or stop too late",
-    "`giraff tune balance` computes others",
+    "it stands and does not drive: with these gains it would stop too late",
+    "`giraff tune balance` computes others; or lower max_wheel_speed",
 )
 AT_LIMIT: Final = Trouble("at its limit: it needs its whole torque to stay up")
 GETS_UP: Final = Trouble("the robot gets up")
