@@ -117,9 +117,13 @@ class Motion:
         return later.place if later else self.place
 
     def lean_at(self, robot_ns: int) -> Lean | None:
-        """Return how the robot leaned, LEVEL if it never told a lean; None: no report within `range_budget` tells."""
+        """Return how the robot leaned, LEVEL on wheels; None: no report within `range_budget` tells.
+
+        A robot that runs on before it stops leans, and is on no wheels that hold it level.
+        """
         later: tuple[int, Lean] | None = None
-        found: Lean | None = None if self._leans else LEVEL
+        leans = bool(self._leans) or self._live.config.run_on > 0.0
+        found: Lean | None = None if leans else LEVEL
         for at_ns, lean in reversed(self._leans):
             if at_ns <= robot_ns:
                 if (robot_ns - at_ns) * 1e-9 > self._live.config.range_budget:

@@ -18,12 +18,32 @@ from giraff_guard.ultrasonic.source import UltrasonicSource
 from giraff_schemas.messages import Attitude, Range, RobotTime, Verdict, Wheels
 from tests.unit.guard.rig import CONFIG, EPOCH, FAR, FRONT, NEAR, ROBOT, robot_with
 
-__all__ = ["CONFIG", "CYCLE", "EPOCH", "FAR", "FRONT", "NEAR", "ROBOT", "SIDES", "Senses", "opened", "robot_with"]
+__all__ = [
+    "CONFIG",
+    "CYCLE",
+    "EPOCH",
+    "FAR",
+    "FRONT",
+    "NEAR",
+    "ROBOT",
+    "SIDES",
+    "Senses",
+    "opened",
+    "raised",
+    "robot_with",
+]
 
 CYCLE: Final = 0.18  # s: each sensor once
 PIVOT: Final = 0.175  # m
+HEIGHT: Final = 0.30  # m of each sensor above the floor
 _TURN: Final = 0.02  # s
 SIDES: Final = {"forward": FRONT, "backward": ("rear",)}
+
+
+def raised(robot: RobotConfig) -> RobotConfig:
+    """Return a robot whose file says how high its sensors are."""
+    sensors = {name: msgspec.structs.replace(pose, z=HEIGHT) for name, pose in robot.sensors.items()}
+    return msgspec.structs.replace(robot, sensors=sensors)
 
 
 class Senses:
@@ -57,6 +77,8 @@ class Senses:
             self._right += (self.linear + half) * _TURN
             if wheels:
                 self.report()
+            if self.config.run_on:
+                self.lean(0.0)
             self.judge()
             self.limit(*self.asked)
 

@@ -12,12 +12,9 @@ from giraff_guard.ultrasonic.sensor import Ping
 from giraff_guard.ultrasonic.source import UltrasonicSource
 from giraff_schemas.messages import Attitude
 from tests.unit.guard.rig import Rig
-from tests.unit.guard.senses import CONFIG, PIVOT, ROBOT, SIDES, Senses
+from tests.unit.guard.senses import CONFIG, HEIGHT, PIVOT, ROBOT, SIDES, Senses, raised
 
-HEIGHT = 0.30
-TALL = msgspec.structs.replace(
-    ROBOT, sensors={name: msgspec.structs.replace(pose, z=HEIGHT) for name, pose in ROBOT.sensors.items()}
-)
+TALL = raised(ROBOT)
 LEAN = math.radians(8.0)
 
 
@@ -117,3 +114,9 @@ def test_an_attitude_counts_by_base_alone_and_while_it_is_fresh() -> None:
         rig.guard.on_attitude(attitude, rig.robot_ns)
         found = rig.guard._obstacles._motion.lean_at(rig.robot_ns)
         assert (found is not LEVEL) is counts
+
+
+def test_a_robot_that_runs_on_is_blind_before_it_tells_its_lean() -> None:
+    senses = Senses(TALL, msgspec.structs.replace(CONFIG, run_on=0.12))
+    senses.hear(1.0)
+    assert "whose lean is not known" in senses.judge().forward.reason

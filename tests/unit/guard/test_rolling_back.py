@@ -8,15 +8,17 @@ import pytest
 from giraff_core.sensors import Bumper
 from giraff_guard.stopping import stopping_distance
 from giraff_schemas.bumper import Bump
-from tests.unit.guard.senses import CONFIG, FAR, ROBOT, Senses, opened, robot_with
+from tests.unit.guard.senses import CONFIG, FAR, Senses, opened, raised, robot_with
+from tests.unit.guard.senses import ROBOT as LEVEL_ROBOT
 
+ROBOT = raised(LEVEL_ROBOT)
 BALANCER = msgspec.structs.replace(CONFIG, deceleration=0.35, run_on=0.12, room_behind=0.2)
 LEAST = 0.287
 """m that the rear sensor of this robot reads where 0.2 m beyond the footprint are certain."""
 
 
 def test_a_stop_takes_the_run_on_besides() -> None:
-    senses = opened(config=BALANCER)
+    senses = opened(ROBOT, BALANCER)
     senses.cycle({"front_left": 0.7, "front_right": 0.7}, cycles=3)
     with_run_on = senses.verdict()
     assert with_run_on.freedom == "slow"
@@ -29,7 +31,7 @@ def test_a_stop_takes_the_run_on_besides() -> None:
 
 @pytest.mark.parametrize(("behind", "freedom"), [(LEAST - 0.01, "blocked"), (LEAST + 0.01, "free"), (None, "free")])
 def test_an_echo_behind_blocks_the_way_ahead_and_a_silence_does_not(behind: float | None, freedom: str) -> None:
-    senses = opened(config=BALANCER)
+    senses = opened(ROBOT, BALANCER)
     senses.cycle({"rear": behind}, cycles=3)
     senses.hear(FAR, "front_left", "front_right")
     judged = senses.verdict()
@@ -42,7 +44,7 @@ def test_an_echo_behind_blocks_the_way_ahead_and_a_silence_does_not(behind: floa
 
 
 def test_what_is_not_known_behind_is_a_reason_to_creep() -> None:
-    for senses in (opened(robot_with("front_left", "front_right"), BALANCER), opened(config=BALANCER)):
+    for senses in (opened(raised(robot_with("front_left", "front_right")), BALANCER), opened(ROBOT, BALANCER)):
         if "rear" in senses.robot.sensors:
             assert senses.allowed() == ROBOT.max_wheel_speed
             senses.hear(None, "rear", fault="no board")
@@ -65,7 +67,17 @@ def test_the_way_opens_again_where_there_is_a_little_more_room_behind() -> None:
         senses.cycle({"rear": behind}, cycles=3)
         return senses.allowed()
 
-    senses: Senses = opened(config=BALANCER)
+    senses: Senses = opened(ROBOT, BALANCER)
     assert allowed(LEAST - 0.01) == 0.0
     assert allowed(LEAST + 0.01) == 0.0
     assert allowed(LEAST + 0.06) > 0.0
+
+
+def test_a_robot_too_fast_to_stop_with_its_run_on_brakes() -> None:
+    senses = opened(ROBOT, BALANCER)
+    senses.cycle({"front_left": 0.58, "front_right": 0.58}, cycles=3)
+    senses.linear = 0.3
+    senses.report()
+    assert senses.verdict().reason.endswith("braking")
+    senses.live.replace(msgspec.structs.replace(BALANCER, run_on=0.0))
+    assert not senses.verdict().reason.endswith("braking")
