@@ -119,7 +119,7 @@ class Motion:
     def lean_at(self, robot_ns: int) -> Lean | None:
         """Return how the robot leaned, LEVEL on wheels; None: no report within `range_budget` tells.
 
-        A robot that runs on before it stops leans, and is on no wheels that hold it level.
+        A robot with a `run_on` balances, so its lean is not known before its first report.
         """
         later: tuple[int, Lean] | None = None
         leans = bool(self._leans) or self._live.config.run_on > 0.0

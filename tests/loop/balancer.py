@@ -10,24 +10,19 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from giraff_node.config.robot_file import load
 from giraff_schemas.wire import BoardKind
 from giraff_sim.board import ROOT, Board
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.plant import Plant
 from giraff_sim.closed_loop import ClosedLoop
-from giraff_sim.config import SimConfig
-from giraff_sim.dst.drill import known_settings
 from giraff_sim.settings import Settings
 from giraff_sim.truth import draw_truth
 from giraff_sim.world.demo_hand import DemoHand
 from giraff_sim.world.room import Room, read_room
 from tests.loop.loops import FULL_TILT, closed_loop, hold
 from tests.sim.robots import proving_room
+from tests.support.balancer_file import BALANCER, SIM
 
-_GIVEN: Final = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")}
-BALANCER: Final = known_settings(_GIVEN)
-SIM: Final = load("sim", SimConfig, _GIVEN)
 AT_0_3: Final = msgspec.structs.replace(BALANCER, robot=msgspec.structs.replace(BALANCER.robot, max_wheel_speed=0.3))
 """A hand asks it for 0.3 m/s at full tilt."""
 _STEP_US: Final = 1000  # a board that reads its sensors each 5 ms takes slower ones for frozen

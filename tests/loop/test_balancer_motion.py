@@ -7,20 +7,17 @@ from typing import Final
 
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.motion import MotionGo, Move, Turn
-from giraff_sim.board import ROOT
-from giraff_sim.config import SimConfig
-from giraff_sim.dst.drill import known_settings
 from giraff_sim.truth import draw_truth
 from giraff_sim.world.world import STEP_US
 from tests.loop.motions import stage
+from tests.support.balancer_file import BALANCER, SIM
 
-SETTINGS: Final = known_settings({"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")})
 END: Final = Pose(0.6, -0.3, math.pi / 2.0)
 
 
 def test_it_arrives_by_odometry_and_in_truth() -> None:
-    truth = draw_truth("calibrated", SimConfig().truth, 1)
-    with stage(settings=SETTINGS, truth=truth, step_us=STEP_US) as it:
+    truth = draw_truth("calibrated", SIM.truth, 1)
+    with stage(settings=BALANCER, truth=truth, step_us=STEP_US) as it:
         plant = it.loop.simulation.world.plant
         it.ask(MotionGo, steps=(Move(distance=0.6), Turn(angle=math.pi / 2.0), Move(distance=-0.3)))
         it.until_ended(20.0)

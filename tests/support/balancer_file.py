@@ -3,13 +3,15 @@
 from typing import Final
 
 from giraff_base.drives.balancer.config import BalancerConfig
-from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
 from giraff_sim.board import ROOT
-from giraff_sim.bodies.kinds import read_drive, with_known
+from giraff_sim.config import SimConfig
+from giraff_sim.dst.drill import known_settings
 
-_GIVEN: Final = with_known({"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")})
-_drive = read_drive(_GIVEN)
+_GIVEN: Final = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robots" / "balancer.toml")}
+BALANCER: Final = known_settings(_GIVEN)
+SIM: Final = load("sim", SimConfig, _GIVEN)
+ROBOT: Final = BALANCER.robot
+_drive = BALANCER.base.drive
 assert isinstance(_drive, BalancerConfig)
-ROBOT: Final = load("robot", RobotConfig, _GIVEN)
 DRIVE: Final[BalancerConfig] = _drive

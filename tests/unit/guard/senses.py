@@ -28,6 +28,7 @@ __all__ = [
     "ROBOT",
     "SIDES",
     "Senses",
+    "attitude",
     "opened",
     "raised",
     "robot_with",
@@ -44,6 +45,23 @@ def raised(robot: RobotConfig) -> RobotConfig:
     """Return a robot whose file says how high its sensors are."""
     sensors = {name: msgspec.structs.replace(pose, z=HEIGHT) for name, pose in robot.sensors.items()}
     return msgspec.structs.replace(robot, sensors=sensors)
+
+
+def attitude(angle: float, tick: RobotTime, *, seq: int = 0, instance: str = "") -> Attitude:
+    """Return what base tells of a body that leans by this angle about an axle 0.175 m up."""
+    return Attitude(
+        seq=seq,
+        instance=instance,
+        lean=angle,
+        rate=0.0,
+        accelerometer_lean=angle,
+        trim=0.0,
+        torque=0.0,
+        posture="stands",
+        cause="",
+        pivot=PIVOT,
+        tick=tick,
+    )
 
 
 class Senses:
@@ -100,19 +118,8 @@ class Senses:
         self.obstacles.on_wheels(report, self.now)
 
     def lean(self, angle: float, age: float = 0.0) -> None:
-        """What base tells of a body that leans by this angle about an axle 0.175 m up."""
-        report = Attitude(
-            lean=angle,
-            rate=0.0,
-            accelerometer_lean=angle,
-            trim=0.0,
-            torque=0.0,
-            posture="stands",
-            cause="",
-            pivot=PIVOT,
-            tick=self.ago(age),
-        )
-        self.obstacles.on_attitude(report)
+        """Hear from base that the body leans so."""
+        self.obstacles.on_attitude(attitude(angle, self.ago(age)))
 
     def hear(
         self,

@@ -10,9 +10,8 @@ import pytest
 from giraff_guard.motion import LEVEL, Lean, Motion
 from giraff_guard.ultrasonic.sensor import Ping
 from giraff_guard.ultrasonic.source import UltrasonicSource
-from giraff_schemas.messages import Attitude
 from tests.unit.guard.rig import Rig
-from tests.unit.guard.senses import CONFIG, HEIGHT, PIVOT, ROBOT, SIDES, Senses, raised
+from tests.unit.guard.senses import CONFIG, HEIGHT, PIVOT, ROBOT, SIDES, Senses, attitude, raised
 
 TALL = raised(ROBOT)
 LEAN = math.radians(8.0)
@@ -98,20 +97,7 @@ def test_the_lean_is_that_of_the_ping() -> None:
 def test_an_attitude_counts_by_base_alone_and_while_it_is_fresh() -> None:
     rig = Rig(TALL)
     for seq, (base, age, counts) in enumerate([("base-8", 0.0, False), ("base-7", 0.6, False), ("base-7", 0.0, True)]):
-        attitude = Attitude(
-            seq=seq,
-            instance=base,
-            lean=0.1,
-            rate=0.0,
-            accelerometer_lean=0.1,
-            trim=0.0,
-            torque=0.0,
-            posture="stands",
-            cause="",
-            tick=rig.ago(age),
-            pivot=PIVOT,
-        )
-        rig.guard.on_attitude(attitude, rig.robot_ns)
+        rig.guard.on_attitude(attitude(0.1, rig.ago(age), seq=seq, instance=base), rig.robot_ns)
         found = rig.guard._obstacles._motion.lean_at(rig.robot_ns)
         assert (found is not LEVEL) is counts
 

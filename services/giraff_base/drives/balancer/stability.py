@@ -142,17 +142,16 @@ def is_stable(polynomial: Sequence[float]) -> bool:
 
 def advice(mechanics: Mechanics, gains: Gains) -> str:
     """Return the smallest change of one gain that holds the robot, to 3 %. Empty: no single one does."""
-
     for step in range(1, _STEPS + 1):
-        found: list[tuple[float, str, float]] = []
+        found: list[tuple[float, str]] = []
         for name, value in zip(_NAMES, gains, strict=True):
             for base in (_STEP, 1 / _STEP):
                 power = _nearest(mechanics, gains, name, base, step)
                 if power is not None:
-                    found.append((power, f"{'raise' if base > 1.0 else 'lower'} {name}", _rounded(value * base**power)))
+                    change, beyond = ("raise", "more") if base > 1.0 else ("lower", "less")
+                    found.append((power, f"{change} {name} to {_rounded(value * base**power):g} or {beyond}"))
         if found:
-            _, change, better = min(found)
-            return f"{change} to {better:g} or {'more' if change.startswith('raise') else 'less'}"
+            return min(found)[1]
     return ""
 
 

@@ -27,7 +27,7 @@ _CAUSES: Final[dict[int, Trouble]] = {
 _POSTURES: Final[dict[int, str]] = {BalancePosture.STANDS: "stands", BalancePosture.SITS_DOWN: "sits down"}
 _CORD: Final = EStopEngage(by="the cord", reason=f"it is pulled; put it back, then {RESET_COMMAND}", off=True)
 HELD: Final = "something held it: clear the way"
-NEW_GAINS: Final = Trouble("it stands still for other gains")
+NEW_GAINS: Final = Trouble("it stops before it takes other gains")
 ONLY_STANDS: Final = Trouble(
     "it stands and does not drive: with these gains it would stop too late",
     "`giraff tune balance` computes others; or lower max_wheel_speed",

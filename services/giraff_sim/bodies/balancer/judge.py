@@ -32,7 +32,6 @@ class BalancerJudge:
         self._late = outlives_us * 1e-6 * robot.max_wheel_speed  # m before the stop begins
         self._most = robot.max_wheel_speed, robot.max_angular_speed
         self._asked_us: int | None = None  # when it was asked to move last; None: it must stop, or stands
-        self._asked = 0.0  # m/s, then
         self._stop: _Stop | None = None
         self._asks_too_much = ""
 
@@ -52,7 +51,7 @@ class BalancerJudge:
         too_much = abs(linear) > self._most[0] + _ROUNDING or abs(angular) > self._most[1] + _ROUNDING
         self._asks_too_much = f"{demand.text} is beyond this robot" if too_much else ""
         if not demand.is_nothing:
-            self._asked_us, self._asked, self._stop = now_us, linear, None
+            self._asked_us, self._stop = now_us, None
         elif self._asked_us is not None:
             self._begin_stop()
         return demand
@@ -83,5 +82,4 @@ class BalancerJudge:
     def _begin_stop(self) -> None:
         plant = self._body.plant
         self._asked_us = None
-        speed = max(abs(plant.speed), abs(self._asked))  # while it starts it leans for more than it has yet
-        self._stop = _Stop(plant.way, speed**2 / _TWICE_BRAKING + _RUNS_ON + self._late)
+        self._stop = _Stop(plant.way, plant.speed**2 / _TWICE_BRAKING + _RUNS_ON + self._late)
