@@ -6,6 +6,7 @@ from typing import TypeVar
 
 import msgspec
 
+from giraff_core.sensors import by_type
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_node.config.robot_file import ConfigError, load
 
@@ -20,9 +21,10 @@ def table_of(recording: Recording, table: str, config: type[ConfigT]) -> ConfigT
             return load(table, config)
         except ConfigError as error:
             raise ConfigError(f"{recording.path} was recorded where its robot file was not; {error}") from error
+    given = tables.get(table, {})
     try:
-        return msgspec.convert(tables.get(table, {}), config, strict=False)
-    except msgspec.ValidationError as error:
+        return msgspec.convert(by_type(given) if table == "robot" else given, config, strict=False)
+    except ValueError as error:
         raise RecordingError(
             f"{recording.path}: table [{table}] of the robot file in it is not one of this version: {error}"
         ) from error

@@ -11,6 +11,7 @@ from giraff_cli.network.command import print_error
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_core.robot import RobotConfig
+from giraff_core.sensors import by_type
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of
@@ -71,6 +72,7 @@ class RecordingViewer:
 def _geometry(recording: Recording) -> RobotConfig:
     """As it was when it was recorded, if the recording says so."""
     try:
-        return msgspec.convert(recording.tables()["robot"] | {"name": recording.robot}, RobotConfig, strict=False)
-    except (KeyError, TypeError, RecordingError, msgspec.MsgspecError):
+        table = by_type(recording.tables()["robot"] | {"name": recording.robot})
+        return msgspec.convert(table, RobotConfig, strict=False)
+    except (KeyError, TypeError, ValueError, RecordingError, msgspec.MsgspecError):
         return known_robot(recording.robot)
