@@ -54,8 +54,10 @@ lock: setup ## Pin what pyproject.toml asks for; ARGS=--upgrade takes the newest
 	$(PART) --extra serial --extra record --output-file requirements/recorder.lock
 	$(PART) --extra serial --extra web --output-file requirements/web.lock
 	$(PART) --extra serial --extra localization --output-file requirements/localization.lock
-	$(PART) --extra serial --extra cli --extra web --extra localization --output-file requirements/laptop.lock
-	$(PART) --extra serial --extra cli --extra sim --extra web --extra localization --output-file requirements/sim.lock
+	$(PART) --extra serial --extra camera --output-file requirements/camera.lock
+	$(PART) --extra serial --extra cli --extra web --extra localization --extra camera --output-file requirements/laptop.lock
+	$(PART) --extra serial --extra cli --extra sim --extra web --extra localization --extra camera \
+		--output-file requirements/sim.lock
 
 install: ## Without containers, as root: make install ROLE=robot (or laptop); DESTDIR=DIR for a look; docs/install.md
 	@scripts/install

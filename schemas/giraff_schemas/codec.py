@@ -55,7 +55,7 @@ def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None
         raise DecodeError(f"{key}: not MessagePack ({len(payload)} bytes): {error}") from error
     if not sample.instance:
         raise DecodeError(f"{key}: not a {topic.schema.__name__}: `instance` is missing or empty")
-    if topic.names and (said := getattr(sample, topic.names)) != key.rpartition("/")[2]:
+    if topic.names and (said := getattr(sample, topic.names)) != topic.name_in(key):
         raise DecodeError(f"{key}: says {said!r} as its `{topic.names}`, which its key does not")
     return sample
 

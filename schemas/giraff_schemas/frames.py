@@ -22,6 +22,11 @@ def range_frame(sensor: str) -> str:
     return f"range_{sensor}_link"
 
 
+def camera_frame(camera: str) -> str:
+    """The frame of a camera: x where it looks, y to its left (REP-103)."""
+    return f"camera_{camera}_link"
+
+
 class Transform(msgspec.Struct, frozen=True, kw_only=True):
     """Where a frame is: its pose in its parent. Answer to who asks for it, and what a look-up finds."""
 

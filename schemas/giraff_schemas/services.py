@@ -141,6 +141,15 @@ LOCALIZATION: Final = Service(
     optional=True,
 )
 """Tells where the robot is on a map. No part of what keeps it from obstacles."""
+CAMERA: Final = Service(
+    name="camera",
+    host="robot",
+    entry="main",
+    publishes=(t.CAMERA, t.CAMERA_SMALL, t.CAMERA_STATE),
+    subscribes=(t.TICK, t.CAMERA_ON),
+    optional=True,
+)
+"""Shows who has asked for it what a camera sees. No part of what keeps the robot from obstacles."""
 RECORDER: Final = Service(name="recorder", host="any", entry="main", optional=True)
 """Hears all that there is."""
 DOOR: Final = Service(

@@ -9,6 +9,7 @@ from typing import Any, Generic, Literal, TypeVar
 
 import msgspec
 
+from giraff_schemas import camera as c
 from giraff_schemas import localization as lo
 from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
@@ -18,8 +19,9 @@ from giraff_schemas.bumper import Bump
 
 SampleT = TypeVar("SampleT", bound=m.Sample)
 
-Qos = Literal["control", "state"]
-"""`control`: real-time priority, sent at once. `state`: below it. Both drop rather than wait: an old one is useless."""
+Qos = Literal["control", "state", "bulk"]
+"""`control`: real-time priority, sent at once. `state`: below it. `bulk`: last, in a session of its own.
+All drop rather than wait: an old one is useless."""
 
 ROOT = "giraff"
 LONGEST_CHUNK = 80
@@ -40,6 +42,10 @@ class Topic(msgspec.Struct, Generic[SampleT], frozen=True):
     """Field of the sample that says what `*` stands for, and must agree with it: access is granted by key."""
     inside: bool = False
     """Base and guard act on it, so it is taken from the robot's own host only."""
+
+    def name_in(self, key: str) -> str:
+        """The operator, sensor or camera that a key of this row is of: the chunk after its first one."""
+        return key.split("/")[-self.key.count("/")]
 
     def at(self, name: str) -> Topic[SampleT]:
         """The row of one operator or sensor."""
@@ -79,6 +85,13 @@ MOTION_HOLD = Topic("motion/hold", mo.MotionHold, 25, "control")
 POSE = Topic("pose", lo.MapPose, 10, "state")
 PARTICLES = Topic("particles", lo.Particles, 2, "state")
 MAP = Topic("map", lo.MapWalls, 0.2, "state")
+CAMERA = Topic("camera/*/@full", c.Picture, 15, "bulk", "camera")
+CAMERA_SMALL = Topic("camera/*/@small", c.Picture, 15, "bulk", "camera")
+CAMERA_ON = Topic("camera/*/on", c.CameraHold, 20, "state", "camera")
+CAMERA_STATE = Topic("camera/*/state", c.CameraState, 5, "state", "camera")
+CAMERA_PICTURES = (CAMERA, CAMERA_SMALL)
+"""What a camera sees. A chunk that begins with `@` is matched by no wildcard: who listens to all that a robot says does
+not see through its camera, nor does his link carry pictures."""
 TRUE_POSE = Topic("true_pose", m.TruePose, 5, "state")
 SERIAL = Topic("serial/*", m.SerialLine, 0, "state", "name")
 SERIAL_WRITE = Topic("serial_write/*", m.SerialWrite, 0, "state", "name")
@@ -103,6 +116,10 @@ TOPICS: tuple[Topic[Any], ...] = (
     POSE,
     PARTICLES,
     MAP,
+    CAMERA,
+    CAMERA_SMALL,
+    CAMERA_ON,
+    CAMERA_STATE,
     TRUE_POSE,
     SERIAL,
     SERIAL_WRITE,
@@ -158,9 +175,12 @@ def key_below(robot: str, below: str) -> str:
 def topic_of(key: str) -> Topic[Any] | None:
     """The row of a key below the robot's name: of `range/rear` that of `range/*`; None: the table has none."""
     for topic in TOPICS:
-        head, star, _ = topic.key.partition("*")
-        if key == topic.key or (star and key.startswith(head) and _is_chunk(key.removeprefix(head))):
+        if key == topic.key:
             return topic
+        if "*" in topic.key and key.count("/") == topic.key.count("/"):
+            name = topic.name_in(key)
+            if _is_chunk(name) and topic.key.replace("*", name) == key:
+                return topic
     return None
 
 

@@ -10,8 +10,10 @@ from typing import Any, Final
 
 import msgspec
 
-from giraff_schemas.services import MOTION, OPERATORS
+from giraff_schemas.services import CAMERA, MOTION, OPERATORS
 from giraff_schemas.topics import (
+    CAMERA_ON,
+    CAMERA_PICTURES,
     ESTOP_ENGAGE,
     MOTION_HOLD,
     MOTION_QUERIES,
@@ -38,6 +40,8 @@ _LINKS: Final = ("tcp", "tls", "udp", "quic", "ws")
 """Zenoh's words for the links to other hosts."""
 _OWN_HOST: Final = "this host"
 _DOES_ALL: Final = "does all"
+_NO_HANDS: Final = (MOTION.name, CAMERA.name)
+"""Names of an operator that grant something else than to drive."""
 
 
 class AccessConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -47,7 +51,7 @@ class AccessConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     """The robot's own hosts: the only ones whose word moves the motors."""
     operators: dict[str, tuple[str, ...]] = {}
     """Host of an operator -> the names under which it may ask to drive, as in `cmd_vel/<operator>`; `motion`: it may
-    ask giraff_motion, which alone says `cmd_vel/motion`."""
+    ask giraff_motion, which alone says `cmd_vel/motion`; `camera`: it may see what the robot's cameras see."""
     viewers: tuple[str, ...] = ()
     """Hosts that only read, and may stop the robot."""
     routers: tuple[str, ...] = ()
@@ -74,6 +78,7 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
     """
     below = f"{ROOT}/{robot}"
     everything = f"{below}/**"
+    pictures = [f"{below}/{topic.key}" for topic in CAMERA_PICTURES]  # `**` is no picture
     rules = [
         _rule("all are told", "egress", _TELLS, everything),
         _rule("all are asked", "egress", (*_ASKS, "query"), everything),
@@ -88,18 +93,27 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
             frame_key(robot),
         ),
         _rule("the robot tells", "ingress", (*_TELLS, "query"), everything),
+        _rule("some see", "egress", ("put",), *pictures),
+        _rule("some look", "ingress", ("declare_subscriber",), *pictures) | {"flows": ["ingress", "egress"]},
+        _rule("the robot shows", "ingress", ("put",), *pictures),
     ]
-    subjects = [_subject("known", access.hosts), _subject("robot", access.robot)]
+    subjects = [
+        _subject("known", access.hosts),
+        _subject("seeing", _who_sees(access)),
+        _subject("robot", access.robot),
+    ]
     policies = [
         _policy("known", "all are told", "all are asked", "all may listen", "all may look for robots", "all may stop"),
-        _policy("robot", "the robot tells"),
+        _policy("seeing", "some see", "some look"),
+        _policy("robot", "the robot tells", "the robot shows"),
     ]
     operators = access.operators
     if me in (*access.operators, *access.viewers):
         # Nothing there moves a motor, and all that comes from the robot comes with the router's certificate.
         if access.routers:
             subjects.append(_subject("router", access.routers))
-            policies.append(_policy("router", "the robot tells"))
+            shown = ("the robot shows",) if me in _who_sees(access) else ()
+            policies.append(_policy("router", "the robot tells", *shown))
     else:
         # Who it was that spoke is seen by the router alone. So the robot takes of it what some operator may say: never
         # a word of its own hosts, whatever the router says or has become.
@@ -107,11 +121,13 @@ def access_control(access: AccessConfig, robot: str, me: str = "") -> dict[str, 
         operators = operators | dict.fromkeys(access.routers, anybodys)
     for host, names in operators.items():
         subject, drives, present, asks = f"operator {host}", f"{host} drives", f"{host} is there", f"{host} asks"
-        says: list[Topic[Any]] = [OPERATOR_CMD_VEL.at(name) for name in names if name != MOTION.name] + [TILT]
+        says: list[Topic[Any]] = [OPERATOR_CMD_VEL.at(name) for name in names if name not in _NO_HANDS] + [TILT]
         queries = [*QUERIES, *PARAM_QUERIES]
         if MOTION.name in names:
             says.append(MOTION_HOLD)
             queries += MOTION_QUERIES
+        if CAMERA.name in names:
+            says.append(CAMERA_ON)
         rules += [
             _rule(drives, "ingress", ("put",), *(f"{below}/{topic.key}" for topic in says)),
             _rule(
@@ -140,7 +156,8 @@ def with_own_host(rules: dict[str, Any]) -> dict[str, Any]:
     return rules | {
         "rules": [
             *rules.get("rules", ()),
-            _rule(_DOES_ALL, "ingress", _ALL, "**") | {"flows": ["ingress", "egress"]},
+            _rule(_DOES_ALL, "ingress", _ALL, "**", *(f"{ROOT}/*/{topic.key}" for topic in CAMERA_PICTURES))
+            | {"flows": ["ingress", "egress"]},
         ],
         "subjects": [*rules.get("subjects", ()), {"id": _OWN_HOST, "link_protocols": [_SOCKET]}],
         "policies": [*rules.get("policies", ()), _policy(_OWN_HOST, _DOES_ALL)],
@@ -167,6 +184,12 @@ def with_inside(rules: dict[str, Any], *, is_split: bool) -> dict[str, Any]:
         control["rules"].append(held | {"permission": "deny"})
         control["policies"].append(_policy(whom, "inside only"))
     return control
+
+
+def _who_sees(access: AccessConfig) -> tuple[str, ...]:
+    """Hosts that pictures may go to: a router as soon as somebody behind it may have them, whom it knows itself."""
+    seers = tuple(host for host, names in access.operators.items() if CAMERA.name in names)
+    return (*access.robot, *seers, *(access.routers if seers else ()))
 
 
 def _rule(name: str, flow: str, messages: tuple[str, ...], *keys: str) -> dict[str, Any]:

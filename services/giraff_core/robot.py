@@ -12,9 +12,9 @@ from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_core.kinematics.differential_drive import DifferentialDrive
 from giraff_core.kinematics.parts import ANGLE, PLACE, PartPose, check_parts
-from giraff_core.sensors import HC_SR04, Bumper, UltrasonicModel
+from giraff_core.sensors import HC_SR04, Bumper, Camera, UltrasonicModel
 from giraff_core.tuning import Tuning
-from giraff_schemas.frames import BASE_FRAME, Transform, range_frame
+from giraff_schemas.frames import BASE_FRAME, Transform, camera_frame, range_frame
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS
 
@@ -105,6 +105,7 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     models: dict[str, UltrasonicModel] = {}
     """What is expected of those of `sensors` of which the robot file says so."""
     bumpers: dict[str, Bumper] = {}
+    cameras: dict[str, Camera] = {}
     unknown_sensors: dict[str, str] = {}
     """By name: a type that this version does not know. Who does not use it passes it over."""
     frames: dict[str, PartPose] = {}
@@ -117,13 +118,13 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
             require_chunk(sensor)
             if not 0 <= pose.index < RANGE_SENSORS:
                 raise ValueError(f"sensor {sensor} has index {pose.index}: the ranger board has 0..{RANGE_SENSORS - 1}")
-        for sensor in (*self.bumpers, *self.unknown_sensors):
+        for sensor in (*self.bumpers, *self.cameras, *self.unknown_sensors):
             require_chunk(sensor)
         for mounted in (self.sensors, self.bumpers):
             indices = [each.index for each in mounted.values()]
             if len(set(indices)) != len(indices):
                 raise ValueError(f"sensors share an index: {sorted(indices)}")
-        check_parts(self.frames, [range_frame(sensor) for sensor in self.sensors])
+        check_parts(self.frames, [*map(range_frame, self.sensors), *map(camera_frame, self.cameras)])
 
     @property
     def sensor_names(self) -> tuple[str, ...]:

@@ -12,12 +12,14 @@ from typing import Annotated, Any, ClassVar, Final, Literal
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.kinematics.parts import ANGLE, PLACE
 from giraff_core.tuning import Tuning
+from giraff_schemas.frames import BASE_FRAME, Transform, camera_frame
 from giraff_schemas.wires.bumper import BUMPERS
 
 ULTRASONIC: Final = "hc-sr04"
 """The type of a sensor that names none."""
-_TABLES: Final = {"bumper": "bumpers"}
+_TABLES: Final = {"bumper": "bumpers", "camera": "cameras"}
 """By type, the table of `RobotConfig` that holds all of it."""
 TYPES: Final = (*_TABLES, ULTRASONIC)
 TABLES: Final = ("sensors", "models", *_TABLES.values())
@@ -59,6 +61,54 @@ class Bumper(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     def __post_init__(self) -> None:
         if not 0 <= self.index < BUMPERS:
             raise ValueError(f"index is {self.index}: the ranger board has bumpers 0..{BUMPERS - 1}")
+
+
+class Camera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A camera in `base_link` (metres, radians), and its lens. `giraff calibrate camera` measures what is here.
+
+    The lens is that of a plumb-bob model, as ROS and OpenCV have it: pixels from the middle of the left upper one.
+    """
+
+    LIVE: ClassVar = Tuning.READ_ONLY
+
+    x: Annotated[float, PLACE] = 0.0
+    y: Annotated[float, PLACE] = 0.0
+    z: Annotated[float, Bounds(0.02, 3.0, "m", "how high above the floor is its lens?")]
+    """m above the floor."""
+    roll: Annotated[float, ANGLE] = 0.0
+    """rad. About the fixed axes of `base_link`, first roll, then pitch, then yaw (REP-103)."""
+    pitch: Annotated[float, Bounds(-math.pi / 2, math.pi / 2, "rad", "are these degrees?")] = 0.0
+    """rad; positive: it looks down."""
+    yaw: Annotated[float, ANGLE] = 0.0
+    width: Annotated[int, Bounds(64, 1920, "px")] = 320
+    height: Annotated[int, Bounds(48, 1080, "px")] = 240
+    focal_x: Annotated[float, Bounds(10.0, 10_000.0, "px")] = 230.0
+    """px, at this width; 230 of 320 is 70 degrees wide."""
+    focal_y: Annotated[float, Bounds(10.0, 10_000.0, "px")] = 230.0
+    center_x: Annotated[float | None, Bounds(0.0, 1920.0, "px")] = None
+    """px; None: the picture's middle."""
+    center_y: Annotated[float | None, Bounds(0.0, 1080.0, "px")] = None
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    """k1, k2, p1, p2, k3."""
+
+    def __post_init__(self) -> None:
+        check_bounds(self)
+        if not all(math.isfinite(value) for value in self.distortion):
+            raise ValueError("distortion has a number that is not finite")
+
+    def transform(self, name: str) -> Transform:
+        """Of the camera of this name."""
+        return Transform(
+            parent=BASE_FRAME,
+            child=camera_frame(name),
+            x=self.x,
+            y=self.y,
+            z=self.z,
+            roll=self.roll,
+            pitch=self.pitch,
+            yaw=self.yaw,
+            fixed=True,
+        )
 
 
 def by_type(robot: Mapping[str, Any]) -> dict[str, Any]:

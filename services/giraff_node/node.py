@@ -29,6 +29,7 @@ from giraff_core.robot import RobotConfig
 from giraff_node.boards.board_link import BoardLink
 from giraff_node.config.robot_file import ConfigError, read_known
 from giraff_node.network.base_reach import BaseReach
+from giraff_node.network.bulk_session import BulkPublisher, BulkSession
 from giraff_node.network.decode_errors import DecodeErrors
 from giraff_node.network.host_addresses import AddressWatch, host_addresses, placed_addresses
 from giraff_node.network.key_bundle import ExpiryWatch
@@ -174,6 +175,7 @@ class Node(Generic[ConfigT]):
         )
         is_deaf = role == "outside" and session is None and not own
         self._base_reach = BaseReach(self.session, network, self.robot.name) if is_deaf else None
+        self._bulk: BulkSession | None = None
         self._boards: list[BoardLink] = []
         self._declared: list[Any] = []  # a subscriber that nobody references ends
 
@@ -199,10 +201,16 @@ class Node(Generic[ConfigT]):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        if self._bulk is not None:
+            self._bulk.close()
         self._process.end(self.session, kind, error, trace)
 
-    def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT]:
+    def publisher(self, topic: Topic[SampleT]) -> Publisher[SampleT] | BulkPublisher[SampleT]:
         self._process.condition.publishes.append(topic.key)
+        if topic.qos == "bulk":
+            if self._bulk is None:
+                self._bulk = BulkSession(self.network, self.robot.name, lambda told: self.set_notice("door", told))
+            return BulkPublisher(self._bulk, self.robot.name, topic, self.instance)
         return Publisher(self.session, self.robot.name, topic, self.instance)
 
     def inbox(self, topic: Topic[SampleT], limit: int = 200, *, wakes: bool = True) -> Inbox[SampleT]:

@@ -1,7 +1,7 @@
-"""A slow, long and lossy cable between two machines: python bad_cable.py PID NAME PID NAME.
+"""A slow, long and lossy cable between two machines: python bad_cable.py KIND PID NAME PID NAME.
 
-PID: a process in each machine's network. NAME: of the cable's end there, a TAP device. The cable is what BAD says, each
-way, and ends with its standard input. This machine's kernel may have no `netem`, which would do it.
+KIND: of CABLES, each way. PID: a process in each machine's network. NAME: of the cable's end there, a TAP device. It
+ends with its standard input. This machine's kernel may have no `netem`, which would do it.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ class Cable(NamedTuple):
 
 
 BAD: Final = Cable(rate=10e6, delay=0.020, loss=0.02, queue=64e3)
+CABLES: Final = {"bad": BAD, "slow": Cable(rate=1e6, delay=0.020, loss=0.0, queue=64e3)}
 
 
 class Direction:
@@ -115,11 +116,11 @@ def _put(end: int, packet: bytes) -> None:
         os.write(end, packet)
 
 
-def main(ends: tuple[tuple[str, str], tuple[str, str]]) -> None:
+def main(cable: Cable, ends: tuple[tuple[str, str], tuple[str, str]]) -> None:
     opened = tuple(open_end(int(pid), name) for pid, name in ends)
     print("ready", flush=True)
-    carry((opened[0], opened[1]), BAD, sys.stdin.fileno())
+    carry((opened[0], opened[1]), cable, sys.stdin.fileno())
 
 
 if __name__ == "__main__":
-    main(((sys.argv[1], sys.argv[2]), (sys.argv[3], sys.argv[4])))
+    main(CABLES[sys.argv[1]], ((sys.argv[2], sys.argv[3]), (sys.argv[4], sys.argv[5])))

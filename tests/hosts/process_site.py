@@ -42,8 +42,8 @@ class ProcessSite:
             self.hardware = Hardware(directory, directory / "ports")
             end.callback(self.hardware.close)
             switch = Machine("switch", directory / "switch")
-            end.callback(switch.power_off)
             self.switch = Switch(switch)
+            end.callback(self.switch.off)
             self.machines = {name: Machine(name, directory / name) for name in NUMBERS}
             for name, machine in self.machines.items():
                 end.callback(machine.power_off)
@@ -63,6 +63,7 @@ class ProcessSite:
             "XDG_RUNTIME_DIR": "/run",  # of the machine alone
             **{f"GIRAFF_{board.upper()}_PORT": str(self.directory / "ports" / board) for board in ("base", "ranger")},
             "GIRAFF_JOYSTICK_PORT": str(self.directory / "ports" / "joystick"),
+            "GIRAFF_CAMERA_DEVICE": str(self.directory / "camera"),
         }
 
     def giraff(self, host: str, network: Mapping[str, str], *words: str) -> str:

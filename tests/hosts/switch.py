@@ -44,16 +44,16 @@ class Switch:
         run(["ip", "link", "add", *ends])
         self._connect(machine, number)
 
-    def plug_badly(self, machine: Machine, number: int) -> None:
-        """As `plug`, with the cable of bad_cable.py."""
-        ends = [str(self._machine.pid), machine.name, str(machine.pid), "eth0"]
-        cable = subprocess.Popen(
+    def plug_badly(self, machine: Machine, number: int, cable: str = "bad") -> None:
+        """As `plug`, with a cable of bad_cable.py."""
+        ends = [cable, str(self._machine.pid), machine.name, str(machine.pid), "eth0"]
+        process = subprocess.Popen(
             [sys.executable, "-I", str(_BAD_CABLE), *ends], stdin=subprocess.PIPE, stdout=subprocess.PIPE
         )
-        self._bad_cables[machine.name] = cable
-        let_first(cable.pid)
-        assert cable.stdout is not None
-        assert cable.stdout.readline() == b"ready\n", "no TAP devices: see above"
+        self._bad_cables[machine.name] = process
+        let_first(process.pid)
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"ready\n", "no TAP devices: see above"
         self._connect(machine, number)
 
     def _connect(self, machine: Machine, number: int) -> None:

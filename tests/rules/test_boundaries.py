@@ -140,9 +140,10 @@ OF_ONE_SERVICE = {
         *("cryptography", "_cffi_backend"),
     },
     "giraff_localization": {"numpy"},
+    "giraff_camera": {"numpy", "cv2"},
     "giraff_keyboard": {"rich"},
 }
-"""What only requirements/recorder.lock, web.lock, localization.lock and laptop.lock install."""
+"""What only requirements/recorder.lock, web.lock, localization.lock, camera.lock and laptop.lock install."""
 
 
 def test_the_robots_side_needs_the_robots_lock_only() -> None:

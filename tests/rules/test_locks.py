@@ -20,8 +20,9 @@ PARTS = {
     "recorder": ["serial", "record"],
     "web": ["serial", "web"],
     "localization": ["serial", "localization"],
-    "laptop": ["serial", "cli", "web", "localization"],
-    "sim": ["serial", "cli", "sim", "web", "localization"],
+    "camera": ["serial", "camera"],
+    "laptop": ["serial", "cli", "web", "localization", "camera"],
+    "sim": ["serial", "cli", "sim", "web", "localization", "camera"],
 }
 """Lock of what a kind of host needs -> the extras that it pins."""
 HASH = re.compile(r"    --hash=sha256:[0-9a-f]{64}( \\)?")

@@ -33,7 +33,7 @@ from giraff_schemas.trouble import Trouble
 from giraff_sim.dst.faults import machine
 from giraff_sim.settings import Services, Settings
 from tests.rules.repository import ROOT, packages, sources
-from tests.support.robots import BUMPED
+from tests.support.robots import FITTED
 
 IN_PACKAGES = [service for service in SERVICES if service.entry]
 TURNING = [
@@ -145,9 +145,10 @@ def test_it_declares_what_the_table_says(service: Service) -> None:
         "keyboard": (MagicMock(topics=DriveView.topics),),  # its screen
         "web": (MagicMock(), MagicMock()),  # its pages and its log
         "localization": (Trouble("there is none"),),  # its map
+        "camera": (MagicMock(), MagicMock()),  # what sees, and its log
     }
     given = load(service.table, config, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), **needed(service)})
-    build(service, io, given, BUMPED, *people.get(service.name, ()))
+    build(service, io, given, FITTED, *people.get(service.name, ()))
     of_another_drive = set(BalancerDrive.topics) if service is BASE else set()
     for method, rows in ((io.publisher, {*service.publishes} - of_another_drive), (io.inbox, service.subscribes)):
         assert {topics.topic_of(call.args[0].key) for call in method.call_args_list} - of_another_drive == set(rows)

@@ -7,7 +7,7 @@ import msgspec
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig, SensorPose
-from giraff_core.sensors import Bumper
+from giraff_core.sensors import Bumper, Camera
 
 ROBOT = RobotConfig(
     name="sim-test",
@@ -27,6 +27,8 @@ BUMPED = msgspec.structs.replace(
     ROBOT, bumpers={"front": Bumper(index=0, way="forward"), "back": Bumper(index=1, way="backward")}
 )
 """The same with a bumper at each half of its rim."""
+FITTED = msgspec.structs.replace(BUMPED, cameras={"head": Camera(z=1.0)})
+"""With all that a robot may have."""
 
 DRIVE = WheelsConfig(
     max_level=70,

@@ -11,7 +11,7 @@ from giraff_core.access import AccessConfig
 
 ROBOT: Final = "sim-secured"
 HOSTS: Final = ("robot", "laptop", "desk", "unnamed")
-ACCESS: Final = AccessConfig(robot=("robot",), operators={"laptop": ("joystick",)}, viewers=("desk",))
+ACCESS: Final = AccessConfig(robot=("robot",), operators={"laptop": ("joystick", "camera")}, viewers=("desk",))
 
 
 def authority(folder: Path) -> Path:

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from giraff_schemas.services import LOCALIZATION, PLAY, SERVICES
 from giraff_schemas.topics import (
+    CAMERA_ON,
     CMD_VEL,
     MOTION_HOLD,
     MOTION_QUERIES,
@@ -45,7 +46,7 @@ def find_topic(key: str, there: Iterable[str] = ()) -> Topic[Any]:
         raise UnknownKeyError(f"{key} is asked, not published: `giraff node list` shows who answers")
     if (row := topic_of(key)) is None:
         raise UnknownKeyError(no_such_key(key, (*(topic.key for topic in TOPICS), *there)))
-    return row if row.key == key else row.at(key.rpartition("/")[2])
+    return row if row.key == key else row.at(row.name_in(key))
 
 
 def no_such_key(key: str, there: Iterable[str]) -> str:
@@ -82,6 +83,8 @@ def publish_refusal(topic: Topic[Any], live: Mapping[str, Iterable[str]]) -> str
             f"{topic.key} drives, and the robot is there ({there}): only an operator may; "
             "a program of yours is one with giraff_client"
         )
+    if row == CAMERA_ON:
+        return f"{topic.key} asks for a picture, and the robot is there ({there}): giraff camera view asks for it"
     speakers = sorted(service for service, keys in live.items() if any(intersects(key, topic.key) for key in keys))
     if speakers or row.key in _ROBOTS_OWN:
         says = f"is said by {', '.join(speakers)}" if speakers else "is the robot's own word"

@@ -78,13 +78,13 @@ def parse_sample(topic: Topic[Any], text: str) -> Sample:
         if taken := [field for field in FILLED_IN if field in given]:
             raise NotASampleError(f"{', '.join(taken)}: filled in when it is published; leave it out")
         if topic.names:
-            given.setdefault(topic.names, topic.key.rpartition("/")[2])
+            given.setdefault(topic.names, topic.name_in(topic.key))
         sample: Sample = msgspec.convert(given, topic.schema)
     except msgspec.ValidationError as error:
         raise NotASampleError(f"not a {name}: {error}; it has {_example(topic)}") from error
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise NotASampleError(f"not JSON: {error}; quote it, like '{{{_example(topic)}}}'") from error
-    if topic.names and getattr(sample, topic.names) != topic.key.rpartition("/")[2]:
+    if topic.names and getattr(sample, topic.names) != topic.name_in(topic.key):
         raise NotASampleError(f"{topic.names} is {getattr(sample, topic.names)!r}, and the key says otherwise")
     if unknown := _unknown(given, msgspec.to_builtins(sample)):
         raise NotASampleError(f"a {name} has no {', '.join(unknown)}; it has {_example(topic)}")

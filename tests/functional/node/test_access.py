@@ -15,6 +15,7 @@ import zenoh
 from giraff_node.network.discovery import RobotMonitor
 from giraff_node.network.session import close_session, session_config
 from giraff_schemas.topics import (
+    CAMERA,
     CMD_VEL,
     ESTOP_ENGAGE,
     ESTOP_RESET,
@@ -70,6 +71,15 @@ def test_whoever_is_named_reads(network: Network, host: str, hears: bool) -> Non
     with network.hearing(host, key_of(ROBOT, ODOM)) as heard:
         network.base.put(key_of(ROBOT, ODOM), "odometry")
     assert heard == (["odometry"] if hears else [])
+
+
+@pytest.mark.parametrize(("host", "sees"), [("robot", True), ("laptop", True), ("desk", False), ("unnamed", False)])
+def test_who_has_the_right_and_asks_sees_what_a_camera_sees(network: Network, host: str, sees: bool) -> None:
+    """Nobody sees who merely listens to all that the robot says."""
+    for key, expected in ((CAMERA.at("head").key, sees), ("**", False)):
+        with network.hearing(host, f"giraff/{ROBOT}/{key}") as heard:
+            network.base.put(key_of(ROBOT, CAMERA.at("head")), "picture")
+        assert heard == (["picture"] if expected else []), key
 
 
 @pytest.mark.parametrize(("host", "told"), [("robot", True), ("laptop", True), ("desk", True), ("unnamed", False)])

@@ -16,6 +16,7 @@ from giraff_cli.calibrate.guided import guide, introduce, own_robot_file
 from giraff_cli.calibrate.plan import PLAN
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.robot import RobotConfig
+from giraff_core.sensors import by_type
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.discovery import simulated_name
 from giraff_sim.board import ROOT
@@ -36,8 +37,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def table(path: Path) -> dict[str, Any]:
-    robot: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))["robot"]
-    return robot
+    return by_type(tomllib.loads(path.read_text(encoding="utf-8"))["robot"])
 
 
 def guided(person: Person, taped: TapedRobot, path: Path, robot: str = "giraff") -> int:

@@ -150,5 +150,5 @@ def test_what_drives_its_way_relies_on_it() -> None:
 
 def test_a_sensor_of_a_type_that_nobody_knows_is_never_passed_over() -> None:
     robot = msgspec.structs.replace(ROBOT, unknown_sensors={"nose": "bumber"})
-    with pytest.raises(ValueError, match=r"sensors.nose\] is of the type 'bumber', .* known are: bumper, hc-sr04"):
+    with pytest.raises(ValueError, match=r"sensors.nose\] is of the type 'bumber', .* known are: bumper, camera, "):
         Obstacles(Live(CONFIG), robot)

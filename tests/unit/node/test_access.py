@@ -18,6 +18,8 @@ from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.session import session_config
 from giraff_schemas.services import SERVICES
 from giraff_schemas.topics import (
+    CAMERA_ON,
+    CAMERA_PICTURES,
     CMD_VEL,
     ESTOP_ENGAGE,
     ESTOP_RESET,
@@ -47,13 +49,18 @@ MINE, ANOTHERS = OPERATOR_CMD_VEL.at("joystick"), OPERATOR_CMD_VEL.at("keyboard"
 
 def lets_in(host: str, message: str, key: str, access: AccessConfig = ACCESS, me: str = "") -> bool:
     """Whether a node takes of this host a message whose key expression is that, or any part of it."""
+    return lets("ingress", host, message, key, access, me)
+
+
+def lets(flow: str, host: str, message: str, key: str, access: AccessConfig = ACCESS, me: str = "") -> bool:
+    """Whether a node takes it of this host, or gives it."""
     control = access_control(access, ROBOT, me)
     subjects = {subject["id"] for subject in control["subjects"] if host in subject.get("cert_common_names", ())}
     granted = {rule for policy in control["policies"] if subjects & {*policy["subjects"]} for rule in policy["rules"]}
     return any(
         zenoh.KeyExpr(allowed).intersects(zenoh.KeyExpr(key))
         for rule in control["rules"]
-        if rule["id"] in granted and "ingress" in rule["flows"] and message in rule["messages"]
+        if rule["id"] in granted and flow in rule["flows"] and message in rule["messages"]
         for allowed in rule["key_exprs"]
     )
 
@@ -120,6 +127,30 @@ def test_nobody_else_asks_for_a_motion_or_holds_one(host: str) -> None:
 def test_a_router_passes_on_motions_where_some_operator_may_ask() -> None:
     assert moves("router") == ASKS_AND_HOLDS
     assert moves("router", msgspec.structs.replace(MOVING, operators={"laptop": ("joystick",)})) == set()
+
+
+SEEING = AccessConfig(
+    robot=("robot",),
+    operators={"laptop": ("joystick",), "desk": ("web", "camera")},
+    viewers=("screen",),
+    routers=("router",),
+)
+NO_SEER = msgspec.structs.replace(SEEING, operators={"laptop": ("joystick",)})
+
+
+@pytest.mark.parametrize(
+    ("access", "asks", "sees"),
+    [(SEEING, {"robot", "desk", "router"}, {"robot", "desk", "router"}), (NO_SEER, {"robot"}, {"robot"})],
+)
+def test_who_has_the_name_asks_for_a_cameras_picture_and_gets_it(
+    access: AccessConfig, asks: set[str], sees: set[str]
+) -> None:
+    on = key_of(ROBOT, CAMERA_ON.at("head"))
+    assert {host for host in (*access.hosts, "unnamed") if lets_in(host, "put", on, access)} == asks
+    for topic in CAMERA_PICTURES:
+        key = key_of(ROBOT, topic.at("head"))
+        assert {host for host in access.hosts if lets("egress", host, "put", key, access)} == sees
+        assert {host for host in access.hosts if lets_in(host, "put", key, access)} == {"robot"}
 
 
 WITH_PAGE = AccessConfig(robot=("robot",), operators={"hall": ("web",)}, viewers=("screen",))

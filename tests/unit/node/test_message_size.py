@@ -70,7 +70,7 @@ def test_a_router_passes_on_what_is_there(
     assert taken(router_config(router)) == ZENOHS
 
 
-@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.schema.__name__)
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.key)
 def test_no_sample_comes_near(topic: Topic[Any]) -> None:
     sample = msgspec.convert(an_example(topic.schema), topic.schema)
     assert len(encode(sample)) < OURS // 10

@@ -15,6 +15,7 @@ from giraff_base.drives.wheels.config import SpeedControl, WheelsConfig
 from giraff_core.bounds import Bounds, bounds_of
 from giraff_core.kinematics.parts import PartPose
 from giraff_core.robot import RobotConfig, SensorPose
+from giraff_core.sensors import Camera, by_type
 from giraff_guard.config import GuardConfig
 from giraff_joystick.config import JoystickConfig
 from giraff_keyboard.config import KeyboardConfig
@@ -52,10 +53,12 @@ def convert(table: str, **fields: object) -> msgspec.Struct:
     values = DEPLOYED
     for name in table.split("."):
         values = values.get(name, {})
+    if table == "robot":
+        values = by_type(values)
     return msgspec.convert({**values, **fields}, TABLES[table], strict=False)
 
 
-@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, PartPose, SpeedControl, TruthRanges])
+@pytest.mark.parametrize("config", [*TABLES.values(), SensorPose, Camera, PartPose, SpeedControl, TruthRanges])
 def test_each_number_has_a_range(config: type[msgspec.Struct]) -> None:
     hints = get_type_hints(config)
     numbers = {name for name, hint in hints.items() if hint in (int, float, float | None)}

@@ -8,6 +8,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from giraff_schemas import bumper as b
+from giraff_schemas import camera as c
 from giraff_schemas import localization as lo
 from giraff_schemas import messages as m
 from giraff_schemas import motion as mo
@@ -23,6 +24,7 @@ _LEAVES: dict[Any, st.SearchStrategy[Any]] = {
     int: _COUNTS,
     float: _FINITE,
     str: _TEXTS,
+    bytes: st.binary(max_size=8),
     bool: st.booleans(),
     type(None): st.none(),
     m.RobotTime: st.builds(m.RobotTime, epoch=_EPOCHS, robot_ns=_ROBOT_NS),
@@ -98,6 +100,19 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     m.DriveCommand: _START
     | _TWIST
     | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": "", "remedy": "", "tick": _TIME},
+    c.Picture: _START
+    | {"camera": "head", "jpeg": b"\xff\xd8", "width": 320, "height": 240, "tick": _TIME, "exposure": 0.016},
+    c.CameraHold: _START
+    | {"camera": "head", "to": "c3", "state": 4, "by": "web", "size": "small", "seen": 2, "largest": "full"},
+    c.CameraState: _START
+    | {
+        "camera": "head",
+        "askers": [{"instance": "b2", "by": "web", "size": "small", "transfer": 0.02, "is_late": False}],
+        "width": 320,
+        "height": 240,
+        "rate": 15.0,
+    }
+    | _SAYS,
     m.SerialLine: _START | {"name": "arduino", "text": "23.5 °C", "goes_on": False, "replaced": 0},
     m.SerialWrite: _START | {"name": "arduino", "text": "led on"},
     m.Lease: _START | {"holder": "b2", "operator": "joystick", "counter": 9, "unranked": ["gamepad"]} | _SAYS,

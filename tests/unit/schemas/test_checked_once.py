@@ -19,9 +19,9 @@ from giraff_schemas.codec import decode, encode, stamped
 from giraff_schemas.topics import TOPICS, Topic
 from tests.unit.schemas.samples import an_example, messages
 
-every_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.schema.__name__)
+every_topic = pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.key)
 
-OURS = {f"giraff_schemas.{module}" for module in ("messages", "motion", "localization", "checks")}
+OURS = {f"giraff_schemas.{module}" for module in ("messages", "camera", "motion", "localization", "checks")}
 
 
 def fields_of(sample: msgspec.Struct) -> dict[str, Any]:
@@ -31,7 +31,7 @@ def fields_of(sample: msgspec.Struct) -> dict[str, Any]:
 
 def a_sample(topic: Topic[Any]) -> Any:
     example = an_example(topic.schema)
-    return msgspec.convert(example | ({topic.names: "key"} if topic.names else {}), topic.schema)
+    return msgspec.convert(example | ({topic.names: topic.name_in("some/key")} if topic.names else {}), topic.schema)
 
 
 def calls_in(act: Callable[[], Any]) -> tuple[Any, Counter[str]]:

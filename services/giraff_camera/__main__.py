@@ -1,0 +1,3 @@
+from giraff_camera.main import main
+
+main()

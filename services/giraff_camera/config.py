@@ -1,0 +1,33 @@
+"""The table `[camera]` of the robot file."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar
+
+import msgspec
+
+from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.tuning import Tuning
+
+
+class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which camera it is, and how its pictures are sent. Where it is and its size: `[robot.sensors.<name>]`."""
+
+    LIVE: ClassVar = Tuning.READ_ONLY
+
+    name: str = ""
+    """Of its table in [robot.sensors]; empty: the robot has one camera alone."""
+    device: str = "/dev/video0"
+    """Path of the camera; one below /dev/v4l/by-id names the same one wherever it is plugged in. A Unix socket there is
+    the simulated camera's."""
+    rate: Annotated[float, Bounds(0.5, 60.0, "Hz")] = 15.0
+    """Hz at most."""
+    quality: Annotated[int, Bounds(10, 95)] = 80
+    """Of the JPEG where it is not too large, 0 to 100."""
+    max_bytes: Annotated[int, Bounds(2_000, 60_000, "bytes")] = 40_000
+    """Of a picture. Zenoh carries 65 536 bytes here."""
+
+    def __post_init__(self) -> None:
+        check_bounds(self)
+        if not self.device:
+            raise ValueError("device is empty: give the path of the camera, like /dev/video0")

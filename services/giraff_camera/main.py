@@ -1,0 +1,33 @@
+"""giraff_camera: the process."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import closing
+from typing import Final
+
+from giraff_camera.config import CameraConfig
+from giraff_camera.libraries import missing_library
+from giraff_node import Node
+
+_REFUSED: Final = 2
+
+
+def main() -> None:
+    if why := missing_library():
+        print(f"giraff_camera: {why}", file=sys.stderr)
+        sys.exit(_REFUSED)
+    from giraff_camera.device.capture import Capture  # noqa: PLC0415  its libraries may be missing
+    from giraff_camera.device.opening import open_camera  # noqa: PLC0415
+    from giraff_camera.service import Camera, chosen  # noqa: PLC0415
+
+    with Node("camera", CameraConfig) as node:
+        config = node.config
+        try:
+            _, model = chosen(config, node.robot)
+        except ValueError as error:
+            node.log.error("%s", error)
+            sys.exit(_REFUSED)
+        capture = Capture(lambda: open_camera(config.device, model.width, model.height, config.rate))
+        with closing(capture):
+            node.run(Camera(node, config, node.robot, capture, node.log.info))

@@ -1,0 +1,57 @@
+"""The robot drives on over a slow link while somebody looks through its camera. No Docker."""
+
+from __future__ import annotations
+
+import json
+import statistics
+from pathlib import Path
+from typing import Final
+
+import msgspec
+import pytest
+
+from tests.hosts.looker import Came
+from tests.hosts.process_site import NAME, NUMBERS, ProcessSite
+from tests.support.moving_camera import MovingCamera
+from tests.support.process_robot import FULL_TILT
+from tests.support.waiting import wait
+
+pytestmark = pytest.mark.timeout(180)
+
+LAN: Final = {"mode": "lan"}
+LOOKER: Final = Path(__file__).with_name("looker.py")
+LATER: Final = 0.08
+"""s by which ticks may be older while somebody looks."""
+
+
+def nine_in_twenty(ages: list[float]) -> float:
+    """The age that 95 of 100 are below."""
+    return statistics.quantiles(ages, n=20)[-1]
+
+
+def test_over_a_link_of_one_megabit_the_robot_drives_on_while_somebody_looks(tmp_path: Path) -> None:
+    with ProcessSite(tmp_path) as site, MovingCamera(tmp_path / "camera"):
+        laptop = site.machines["laptop"]
+        site.switch.unplug(laptop)
+        site.switch.plug_badly(laptop, NUMBERS["laptop"], "slow")
+        site.start(LAN, "door", "base", "guard", "ranger", "camera")
+        site.start(LAN, "joystick", host="laptop")
+        site.hardware.drive()
+        site.hardware.simulator.tilt(0.0, FULL_TILT)  # it turns where it stands, which no wall ends
+        words = [str(LOOKER), NAME, "head", json.dumps(LAN), "4", "2"]
+        since = site.hardware.simulator.now()
+        came = msgspec.json.decode(site.run("laptop", LAN, words).splitlines()[-1], type=Came)
+        until = site.hardware.simulator.now()
+        record = site.hardware.simulator.record(since, until)
+        figures = (
+            f"ticks {nine_in_twenty(came.ticks['alone']):.3f} and {nine_in_twenty(came.ticks['looking']):.3f} s, "
+            f"{len(came.pictures)} pictures of {statistics.mean(came.bytes):.0f} bytes, "
+            f"{statistics.median(came.pictures):.3f} s old, {max(came.gaps):.3f} s between two"
+        )
+        print(figures)
+        assert site.hardware.drives(), site.log("guard")
+        assert record.driven_ms >= (until - since) / 1000 - 100, figures
+        assert not came.trouble
+        assert len(came.pictures) > 30, figures
+        assert nine_in_twenty(came.ticks["looking"]) - nine_in_twenty(came.ticks["alone"]) <= LATER, figures
+        wait(lambda: "looks at head no longer" in site.log("camera"), 30.0)
