@@ -18,6 +18,8 @@ HANGS: Final = 2.0
 """s after which a call to the camera hangs."""
 STUCK: Final = 30.0
 """s after which nobody waits for its end any longer."""
+_LAST_PICTURE: Final = 1.0
+"""s that an orderly end waits for the picture that is under way."""
 _MOST_RATE: Final = 200
 """Hz that `rate` tells at most."""
 T = TypeVar("T")
@@ -60,7 +62,7 @@ class Capture:
         with self._changed:
             self._closed = True
             self._changed.notify()
-        self._thread.join(HANGS)
+        self._thread.join(_LAST_PICTURE)
         self._waker.close()
 
     def descriptor(self) -> int | None:
