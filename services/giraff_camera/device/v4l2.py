@@ -43,7 +43,7 @@ class V4l2Camera:
         capture.set(cv2.CAP_PROP_FPS, max(1.0, rate))
         capture.set(cv2.CAP_PROP_BUFFERSIZE, _BUFFERS)
         if capture.get(cv2.CAP_PROP_FOURCC) == cv2.VideoWriter.fourcc(*"MJPG"):
-            # OpenCV shows a torn JPEG as a picture that is partly grey. `_decoded` sees that it is torn.
+            # OpenCV 4 shows a JPEG without its end as a picture that is partly grey; `_decoded` does not.
             capture.set(cv2.CAP_PROP_CONVERT_RGB, 0)
         given = capture.get(cv2.CAP_PROP_FPS)
         self._period = 1.0 / given if given > 0.0 else 1.0 / rate

@@ -98,7 +98,7 @@ def test_the_newest_picture_wins_and_none_outlives_a_stop(camera: Scripted, capt
     camera.pictures.put(5.0)
     wait(lambda: capture.rate == 6.0)
     capture.stop()
-    assert (capture.take(), readable(capture)) == (None, False)
+    assert (readable(capture), capture.take()) == (False, None)
 
 
 def test_a_camera_that_is_unplugged_is_opened_again(camera: Scripted, capture: Capture) -> None:
