@@ -5,6 +5,7 @@ from __future__ import annotations
 import typer
 
 from giraff_cli.calibrate.commands import calibrate
+from giraff_cli.camera.commands import camera
 from giraff_cli.check.commands import check
 from giraff_cli.doctor.commands import doctor
 from giraff_cli.drive.commands import drive
@@ -46,6 +47,7 @@ app.command(context_settings=NEGATIVE)(go)
 for name, verbs in (
     ("estop", estop),
     ("calibrate", calibrate),
+    ("camera", camera),
     ("check", check),
     ("keys", keys),
     ("map", maps),

@@ -1,0 +1,1 @@
+"""`giraff camera`: list, view."""

@@ -1,0 +1,49 @@
+"""The verbs of `giraff camera`. What they do is imported when it is asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from giraff_cli.options import AsJson, Connect, Ending, Listen, Robot, require_extra
+
+camera = typer.Typer(no_args_is_help=True, help="A robot's cameras: which there are, who looks, what they see.")
+
+Name = Annotated[
+    str | None, typer.Argument(metavar="[NAME]", help="Of the camera; else the only one.", show_default=False)
+]
+
+
+@camera.command("list")
+def list_cameras(robot: Robot = None, connect: Connect = None, seconds: Listen = 1.0, as_json: AsJson = False) -> None:
+    """The cameras of a robot: on or off, who looks, size, rate and what is wrong. It asks for no picture.
+
+    Exit code: 0; 2 no robot, or none of its cameras is heard.
+    """
+    from giraff_cli.camera.listing import list_cameras as it  # noqa: PLC0415
+
+    raise typer.Exit(it(robot, connect or (), seconds, as_json=as_json))
+
+
+@camera.command("view")
+def view_camera(
+    name: Name = None,
+    robot: Robot = None,
+    connect: Connect = None,
+    save: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="No window: write one picture as JPEG, and end.", show_default=False),
+    ] = None,
+    seconds: Ending = None,
+) -> None:
+    """What a camera of the robot sees, live, with its age. The robot says to all who asked for it.
+
+    Exit code: 0; 1 there is no picture, with the reason, or the viewer or the disk failed; 2 no robot, no such camera.
+    """
+    if save is None:
+        require_extra("camera view", "rerun", "viewer,cli")
+    from giraff_cli.camera.look import view_camera as it  # noqa: PLC0415
+
+    raise typer.Exit(it(name, robot, connect or (), save, seconds))
