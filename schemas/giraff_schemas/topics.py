@@ -172,15 +172,18 @@ def key_below(robot: str, below: str) -> str:
     return f"{ROOT}/{require_chunk(robot)}/{below}"
 
 
+def covers(topic: Topic[Any], key: str) -> bool:
+    """Whether a key below the robot's name is of this row: of `range/*` as much as `range/rear` is."""
+    if "*" not in topic.key:
+        return key == topic.key
+    return key.count("/") == topic.key.count("/") and topic.key.replace("*", topic.name_in(key)) == key
+
+
 def topic_of(key: str) -> Topic[Any] | None:
     """The row of a key below the robot's name: of `range/rear` that of `range/*`; None: the table has none."""
     for topic in TOPICS:
-        if key == topic.key:
+        if key == topic.key or (covers(topic, key) and _is_chunk(topic.name_in(key))):
             return topic
-        if "*" in topic.key and key.count("/") == topic.key.count("/"):
-            name = topic.name_in(key)
-            if _is_chunk(name) and topic.key.replace("*", name) == key:
-                return topic
     return None
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Generic
 
 from giraff_schemas.messages import Sample
-from giraff_schemas.topics import TOPICS, SampleT, Topic
+from giraff_schemas.topics import TOPICS, SampleT, Topic, covers
 
 FRESH: Final = 1.0  # s; twice the period of the slowest topic
 _MOST: Final = 20
@@ -67,8 +67,6 @@ class LatestSamples:
 
     def all(self, topic: Topic[SampleT], now_ns: int) -> list[Latest[SampleT]]:
         """Return the newest sample of each key and publisher of a topic, the newest first."""
-        head, star, _ = topic.key.partition("*")
-        keys = (key for key in self._heard if (key.startswith(head) if star else key == topic.key))
-        found = (heard for key in keys for heard in reversed(self._heard[key].values()))
+        found = (heard for key in self._heard if covers(topic, key) for heard in reversed(self._heard[key].values()))
         latest: list[Latest[SampleT]] = [Latest(sample, (now_ns - at_ns) * 1e-9) for sample, at_ns in found]  # type: ignore[arg-type]  # the key tells the type
         return sorted(latest, key=lambda each: each.age)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from giraff_core.latest import FRESH, Latest, LatestSamples
+from giraff_schemas.camera import CameraState
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import (
     Attitude,
@@ -25,6 +26,7 @@ from giraff_schemas.topics import (
     ATTITUDE,
     BASE,
     BATTERY,
+    CAMERA_STATE,
     CMD_VEL,
     ESTOP,
     GUARD,
@@ -80,6 +82,8 @@ class Snapshot:
     """None: it is no robot that balances."""
     ranges: dict[str, Latest[Range] | None]
     """By sensor: first those that the guard knows of, in the order of the robot file."""
+    cameras: dict[str, Latest[CameraState]]
+    """By name."""
     rates: dict[str, KeyRate]
     """By key, in the order of the topics table."""
     services: dict[str, int]
@@ -192,6 +196,7 @@ class Telemetry(LatestSamples):
             localization=self.latest(POSE, now_ns),
             attitude=self.latest(ATTITUDE, now_ns),
             ranges={sensor: ranges.get(sensor) for sensor in dict.fromkeys(sensors)},
+            cameras={heard.sample.camera: heard for heard in reversed(self.all(CAMERA_STATE, now_ns))},
             rates={name: self._rate(self._keys[name], now_ns) for name in self._names()},
             services={service: len(instances) for service, instances in self.instances.items()},
         )

@@ -6,6 +6,7 @@ import math
 from typing import Final, NamedTuple
 
 from giraff_core.latest import Latest
+from giraff_schemas.camera import CameraState
 from giraff_schemas.messages import Attitude, GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.trouble import Trouble
@@ -120,6 +121,17 @@ def posture_text(attitude: Attitude) -> str:
     """Return posture, lean and torque, and the cause where it does not stand."""
     why = f", because {attitude.cause}" if attitude.cause and attitude.posture != "stands" else ""
     return f"{attitude.posture}{why}: leans {math.degrees(attitude.lean):z.1f}°, {attitude.torque:z.0f} N m"
+
+
+def seen_text(state: CameraState) -> str:
+    """Return who sees what a camera sees. Empty: nobody does, and it sends nothing."""
+    return f"camera {state.camera} is seen by {', '.join(asker.by for asker in state.askers)}" if state.askers else ""
+
+
+def cameras_text(snapshot: Snapshot) -> str:
+    """Return which cameras are on, and who looks. Empty: none is."""
+    texts = (seen_text(seen.sample) for seen in snapshot.cameras.values() if seen.fresh)
+    return "; ".join(text for text in texts if text)
 
 
 def estop_text(snapshot: Snapshot) -> str:

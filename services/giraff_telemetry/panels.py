@@ -13,7 +13,7 @@ from rich.text import Text
 from giraff_core.latest import Latest
 from giraff_schemas.messages import Range
 from giraff_schemas.text import printable
-from giraff_schemas.topics import ATTITUDE, MAP, MOTION, MOTION_HOLD, PARTICLES, POSE
+from giraff_schemas.topics import ATTITUDE, CAMERA_ON, CAMERA_STATE, MAP, MOTION, MOTION_HOLD, PARTICLES, POSE, covers
 from giraff_telemetry.collector import KeyRate, Snapshot, range_key
 from giraff_telemetry.describe import (
     DIRECTIONS,
@@ -30,7 +30,7 @@ from giraff_telemetry.layout import HEADING, NONE, block, left, right, text_or_d
 _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
-_LEFT_OUT: Final = (MOTION.key, MOTION_HOLD.key, POSE.key, PARTICLES.key, MAP.key, ATTITUDE.key)
+_LEFT_OUT: Final = (MOTION, MOTION_HOLD, POSE, PARTICLES, MAP, ATTITUDE, CAMERA_ON, CAMERA_STATE)
 FREEDOM_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
 _STATES: Final = {"localized": "green", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
 _BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}
@@ -111,9 +111,13 @@ def command(snapshot: Snapshot) -> Table:
 
 
 def topics(snapshot: Snapshot, columns: int, *, with_age: bool = False) -> Table:
-    """How each key flows, but for ranges, motion, localization and attitude: with more rows it is no longer 24 high."""
-    left_out = {*_LEFT_OUT, *(range_key(sensor) for sensor in snapshot.ranges)}
-    rates = [(key, rate) for key, rate in snapshot.rates.items() if key not in left_out]
+    """How each key flows, but for some services that not all robots have: with more rows it is no longer 24 high."""
+    ranges_shown = {range_key(sensor) for sensor in snapshot.ranges}
+    rates = [
+        (key, rate)
+        for key, rate in snapshot.rates.items()
+        if key not in ranges_shown and not any(covers(topic, key) for topic in _LEFT_OUT)
+    ]
     lost = sum(rate.lost for rate in snapshot.rates.values())
     losing = any(rate.losing for rate in snapshot.rates.values())
     table = Table(box=None, padding=(0, 2, 0, 0), show_edge=False, pad_edge=False)

@@ -19,7 +19,17 @@ from giraff_schemas.health import Health
 from giraff_schemas.messages import Sample
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import SERVICES
-from giraff_schemas.topics import ATTITUDE, BATTERY, BUMPER, OPERATOR_CMD_VEL, PARAM_DESCRIBE, Topic, health_key, key_of
+from giraff_schemas.topics import (
+    ATTITUDE,
+    BATTERY,
+    BUMPER,
+    OPERATOR_CMD_VEL,
+    PARAM_DESCRIBE,
+    Topic,
+    covers,
+    health_key,
+    key_of,
+)
 from giraff_telemetry.collector import Telemetry
 
 MAKERS: Final[dict[Topic[Any], str]] = {
@@ -180,7 +190,7 @@ def _rates(listener: _Counted) -> Iterable[Rate]:
     """Of each key that was heard, or should have been."""
     hz, lost = listener.rates_hz, listener.lost
     for topic, maker in MAKERS.items():
-        for key in [key for key in listener.counts if _belongs(key, topic)] or [topic.key]:
+        for key in [key for key in listener.counts if covers(topic, key)] or [topic.key]:
             yield Rate(
                 key=key,
                 maker=maker,
@@ -189,8 +199,3 @@ def _rates(listener: _Counted) -> Iterable[Rate]:
                 heard=listener.counts.get(key, 0),
                 lost=lost.get(key, 0),
             )
-
-
-def _belongs(key: str, topic: Topic[Any]) -> bool:
-    head, star, _ = topic.key.partition("*")
-    return key.startswith(head) if star else key == topic.key

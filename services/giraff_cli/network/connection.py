@@ -20,7 +20,7 @@ from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
 from giraff_schemas.services import BASE, WEB
-from giraff_schemas.topics import ROOT, TOPICS, Topic, alive_key, key_of
+from giraff_schemas.topics import CAMERA_PICTURES, ROOT, TOPICS, Topic, alive_key, key_of
 
 _ASK_AGAIN: Final = 0.1  # s
 _ANY_NETWORK: Final = NetworkConfig()
@@ -86,9 +86,13 @@ class RobotConnection:
         return None
 
     def subscribe_all(self, topics: Iterable[Topic[Any]] = TOPICS) -> None:
-        """Hear these topics of the robot, and its services come and go."""
+        """Hear these topics of the robot, and its services come and go.
+
+        Pictures are left out: they go to those alone who ask for them.
+        """
         for topic in topics:
-            self.subscribe(topic)
+            if topic not in CAMERA_PICTURES:
+                self.subscribe(topic)
         self._declared[alive_key(self.robot)] = watch_tokens(self.session, self.robot, self._on_token)
 
     def subscribe(self, topic: Topic[Any]) -> None:

@@ -24,6 +24,8 @@ from giraff_schemas.topics import Topic
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _SILENT_AFTER: Final = 1.2  # s; twice the period of the slowest topic
 _LOOK_EVERY: Final = 0.02  # s
+_SHOWN_BYTES: Final = 100
+"""A field with more of them, like a picture, is shown by its length. --json has all of it."""
 
 
 class FieldError(Exception):
@@ -120,10 +122,11 @@ class Echo:
         return 0 if told or self._stopping.asked else print_error(f"nothing came on {self._topic.key} in {seconds:g} s")
 
     def _tell(self, key: str, sample: Sample, at_ns: int) -> None:
-        content = selected(msgspec.to_builtins(sample), self._fields)
         if self._as_json:
+            content = selected(msgspec.to_builtins(sample), self._fields)
             print(json_line({"key": key, "sample": content}), flush=True)
             return
+        content = selected(msgspec.to_builtins(sample, builtin_types=(bytes,)), self._fields)
         if self._fields:
             values = "  ".join(f"{name}: {_text(value)}" for name, value in content.items())
             print(printable(f"{key}: {values}"))
@@ -154,4 +157,7 @@ def _value(sample: dict[str, Any], field: str) -> Any:
 
 
 def _text(value: Any) -> str:
+    """For people."""
+    if isinstance(value, bytes) and len(value) > _SHOWN_BYTES:
+        return f"{len(value)} bytes"
     return msgspec.json.encode(value).decode() if not isinstance(value, str) else value

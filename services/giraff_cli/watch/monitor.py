@@ -21,6 +21,7 @@ from giraff_node.network.discovery import RobotMonitor, not_found_text, settle
 from giraff_node.network.host_addresses import AddressWatch, host_addresses
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.topics import (
+    CAMERA_ON,
     CMD_VEL,
     MAP,
     OPERATOR_CMD_VEL,
@@ -40,7 +41,7 @@ _MEET_WITHIN: Final = 1.0  # s until a robot that is there has told everything; 
 _MEET_EVERY: Final = 0.05  # s
 _NOTICED_FOR: Final = 3_000_000_000  # ns
 
-_NOT_NEEDED: Final = (TICK, TILT, OPERATOR_CMD_VEL, CMD_VEL, WHEELS, SERIAL, SERIAL_WRITE, PARTICLES, MAP)
+_NOT_NEEDED: Final = (TICK, TILT, OPERATOR_CMD_VEL, CMD_VEL, WHEELS, SERIAL, SERIAL_WRITE, PARTICLES, MAP, CAMERA_ON)
 """Two thirds of all samples, and each costs a tenth of a millisecond."""
 
 

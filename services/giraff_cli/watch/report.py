@@ -58,6 +58,8 @@ class WatchReport(msgspec.Struct, frozen=True, kw_only=True):
     localization: dict[str, Any] | None
     attitude: dict[str, Any] | None
     """None: it is no robot that balances."""
+    cameras: dict[str, dict[str, Any] | None]
+    """By name: `askers` are those who see what it sees now."""
     topics: dict[str, TopicReport]
     """By key, below the robot's name."""
     unreadable: tuple[str, ...]
@@ -95,6 +97,7 @@ def report(view: WatchView) -> WatchReport:
         battery=_sample(snapshot.battery),
         localization=_sample(snapshot.localization),
         attitude=_sample(snapshot.attitude),
+        cameras={camera: _sample(seen) for camera, seen in snapshot.cameras.items()},
         topics={key: _topic(rate) for key, rate in snapshot.rates.items()},
         unreadable=view.notices,
     )

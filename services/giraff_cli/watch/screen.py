@@ -16,6 +16,7 @@ from giraff_telemetry.collector import Snapshot
 from giraff_telemetry.describe import (
     balance_text,
     base_text,
+    cameras_text,
     estop_text,
     forward_text,
     holder_text,
@@ -107,6 +108,7 @@ def _told(snapshot: Snapshot) -> list[str]:
     ]
     told += [] if snapshot.attitude is None else [balance_text(snapshot)]
     told += [] if snapshot.localization is None else [f"map {localization_text(snapshot)}"]
+    told += [cameras] if (cameras := cameras_text(snapshot)) else []
     told += [] if battery is None else [f"{battery.sample.voltage:.1f} V"]
     told += [f"not there: {', '.join(gone)}"] if gone else []
     return [*told, limit] if limit else told
@@ -118,6 +120,8 @@ def _silent(view: WatchView) -> str:
 
 def _header(view: WatchView) -> RenderableType:
     parts = [(f"giraff watch · {view.robot or 'any robot'} · ", "bold"), (clock(view.elapsed), "bold")]
+    if cameras := cameras_text(view.snapshot):
+        parts.append((f" · {cameras}", "bold yellow"))
     if view.silence is not None:
         parts.append((f" · silent since {view.silence:.0f} s", "bold red"))
     return header(*parts)

@@ -9,6 +9,8 @@ import msgspec
 from giraff_cli.why import checks as links
 from giraff_cli.why.chain import ChainState, Link
 from giraff_cli.why.observation import Observation
+from giraff_schemas.topics import CAMERA_STATE
+from giraff_telemetry.describe import seen_text
 
 LINKS: Final = ("hand", "operator", "lease", "ranger", "guard", "base", "e-stop", "board", "wheels")
 """From hand to wheel, as they are told."""
@@ -38,6 +40,8 @@ class Diagnosis(msgspec.Struct, frozen=True, kw_only=True):
     conclusion: str
     """What that is, and what to do."""
     links: tuple[Link, ...]
+    cameras: tuple[str, ...] = ()
+    """Who sees what the robot's cameras see, a line each that is on. It stops nothing."""
 
 
 def diagnose(observation: Observation) -> Diagnosis:
@@ -54,6 +58,7 @@ def diagnose(observation: Observation) -> Diagnosis:
         stopped_by=broken[0].name if broken else "",
         conclusion=_conclude(chain, broken, drives),
         links=chain,
+        cameras=tuple(text for seen in observation.of(CAMERA_STATE) if (text := seen_text(seen.sample))),
     )
 
 

@@ -85,6 +85,8 @@ def _show(diagnosis: Diagnosis, unreadable: list[str]) -> None:
         age = "" if link.age is None else f"{link.age * 1000.0:.0f} ms"
         table.add_row(link.name, Text(link.standing, style=_STYLES[link.standing]), age, Text(link.text))
     console.print(table)
+    for camera in diagnosis.cameras:
+        console.print(Text(camera, style="yellow"))
     for complaint in unreadable:
         console.print(Text(f"unreadable: {complaint}", style="yellow"))
     style = "bold red" if diagnosis.stopped_by else "bold green"

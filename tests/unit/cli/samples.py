@@ -9,6 +9,7 @@ from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
+from giraff_schemas.camera import Asker, CameraState
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import (
     Attitude,
@@ -165,6 +166,18 @@ def lease(holder: str = "hand", operator: str = "joystick") -> Lease:
 
 def reading(sensor: str, distance: float | None, state: RangeState = "echo", reason: str = "") -> Range:
     return Range(sensor=sensor, state=state, range=distance, echo_us=0, reason=reason, tick=None)
+
+
+def camera(*askers: str, reason: str = "") -> CameraState:
+    """A camera that is called head, and who looks."""
+    return CameraState(
+        camera="head",
+        askers=tuple(Asker(instance=by, by=by, size="full") for by in askers),
+        width=320,
+        height=240,
+        rate=14.9 if askers else 0.0,
+        reason=reason,
+    )
 
 
 class Network:

@@ -12,7 +12,7 @@ from giraff_cli.why.diagnosis import LINKS
 from giraff_cli.why.observation import Observation
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
-from tests.unit.cli.samples import MS, attitude, base, lease, reading, verdict
+from tests.unit.cli.samples import MS, attitude, base, camera, lease, reading, verdict
 from tests.unit.cli.scenes import CAUSES, HAND, NOW, Scene, blocked, command, fault, state
 
 
@@ -45,6 +45,14 @@ def test_with_nothing_wrong_nothing_is_found() -> None:
     assert tuple(link.name for link in diagnosis.links) == LINKS
     assert {link.standing for link in diagnosis.links} == {"ok"}
     assert (diagnosis.stopped_by, diagnosis.drives) == ("", False)
+    assert diagnosis.conclusion == "nothing stops the robot: it drives when the hand asks for it"
+
+
+def test_a_camera_that_is_on_is_no_fault() -> None:
+    chain = Scene()
+    chain.put(topics.CAMERA_STATE, camera("ann@desk"), "c", "head")
+    diagnosis = chain.diagnosis()
+    assert diagnosis.cameras == ("camera head is seen by ann@desk",)
     assert diagnosis.conclusion == "nothing stops the robot: it drives when the hand asks for it"
 
 

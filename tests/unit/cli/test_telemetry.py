@@ -139,6 +139,10 @@ def test_keys_are_in_the_order_of_the_table() -> None:
         topics.POSE,
         topics.PARTICLES,
         topics.MAP,
+        topics.CAMERA,
+        topics.CAMERA_SMALL,
+        topics.CAMERA_ON,
+        topics.CAMERA_STATE,
     )
     order = [topic.key for topic in topics.TOPICS if topic.rate_hz and topic not in others]
     heads = [key.partition("/")[0] for key in ten_seconds().rates_hz]

@@ -24,6 +24,7 @@ from tests.unit.cli.samples import (
     Network,
     attitude,
     base,
+    camera,
     drive_ten_seconds,
     estop,
     guard,
@@ -251,6 +252,7 @@ def test_the_report_has_the_names_that_are_promised() -> None:
         "battery",
         "localization",
         "attitude",
+        "cameras",
         "topics",
         "unreadable",
     }
@@ -295,3 +297,18 @@ def test_the_longest_of_all_fits_24_rows() -> None:
     network.send(topics.GUARD, guard(long), NOW, maker="n")
     network.send(topics.BASE, base(armed=False, reason="b " * 200), NOW, maker="n")
     assert len(drawn(view(telemetry, notices=("n" * 200,)))) <= 24
+
+
+def test_a_camera_that_is_on_says_who_sees_it() -> None:
+    telemetry = heard()
+    network = Network(telemetry)
+    network.send(topics.CAMERA_STATE, camera(), NOW, name="head")
+    network.send(topics.CAMERA_ON, Battery(voltage=0.0), NOW, name="head")  # of the state the key alone counts
+    assert (" · camera" in drawn(view(telemetry))[0], "camera" in view(telemetry).line()) == (False, False)
+    network.send(topics.CAMERA_STATE, camera("ann@desk"), NOW, name="head")
+    shown = drawn(view(telemetry))
+    assert "giraff · 0:12 · camera head is seen by ann@desk ─" in shown[0]
+    assert len(shown) <= 24
+    assert "| camera head is seen by ann@desk | 24.3 V |" in view(telemetry).line()
+    assert report(telemetry)["cameras"]["head"]["askers"][0]["by"] == "ann@desk"
+    assert "camera" not in view(telemetry, NOW + 2 * SECOND).line()
