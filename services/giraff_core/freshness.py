@@ -22,6 +22,16 @@ def age(tick: RobotTime | None, now: RobotTime) -> float:
     return (now.robot_ns - tick.robot_ns) * 1e-9
 
 
+def age_here(tick: RobotTime | None, newest: RobotTime, since: float) -> float:
+    """Age (s) of what carries `tick`, on a host that heard the tick `newest` `since` s ago.
+
+    What comes over another link may carry a tick that this host has not heard yet.
+    """
+    if tick is not None and tick.robot_ns > newest.robot_ns and not math.isinf(ahead := age(newest, tick)):
+        return max(0.0, since - ahead)
+    return age(tick, newest) + since
+
+
 class TickFilter:
     """Base's ticks as a host receives them: late, twice, overtaken, or once again.
 

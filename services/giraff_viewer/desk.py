@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import rerun.blueprint as rrb
 
+from giraff_viewer.pictures import picture_path
 from giraff_viewer.plots import BALANCE_PLOTS, BALANCE_PWM, PLOTS
 from giraff_viewer.rows import FLOOR
 from giraff_viewer.scene import GUARD, HAND, LOG
@@ -16,8 +19,11 @@ LIVE_WINDOW = 60.0
 """s that the lines of a live robot go back: more cannot be told apart, and takes longer to draw."""
 
 
-def blueprint(*, live: bool, balances: bool = False) -> rrb.Blueprint:
-    """The newest moment is followed until somebody looks back. `balances`: with the plots of a robot that does."""
+def blueprint(*, live: bool, balances: bool = False, cameras: Sequence[str] = ()) -> rrb.Blueprint:
+    """The newest moment is followed until somebody looks back. `balances`: with the plots of a robot that does.
+
+    `cameras`: those with pictures, which stand above the floor.
+    """
     titles = {plot: title for plot, (title, _) in (BALANCE_PLOTS | PLOTS if balances else PLOTS).items()}
     if balances:
         titles["pwm"] = BALANCE_PWM
@@ -36,16 +42,32 @@ def blueprint(*, live: bool, balances: bool = False) -> rrb.Blueprint:
         )
         for plot, title in titles.items()
     ]
-    left = rrb.Vertical(floor, rrb.Horizontal(hand, words, column_shares=[1, 3]), row_shares=[5, 3])
+    below = rrb.Horizontal(hand, words, column_shares=[1, 3])
+    eyes = [rrb.Horizontal(*map(camera_view, cameras))] if cameras else []
+    left = rrb.Vertical(*eyes, floor, below, row_shares=[4, 5, 3] if eyes else [5, 3])
     right = rrb.Vertical(rrb.Grid(*plots, grid_columns=2), log, row_shares=[5 if balances else 3, 1])
+    return _desk(rrb.Horizontal(left, right, column_shares=[1, 1]))
+
+
+def camera_blueprint(camera: str) -> rrb.Blueprint:
+    """What a camera sees, and nothing else."""
+    return _desk(camera_view(camera))
+
+
+def _desk(shown: rrb.Horizontal | rrb.View) -> rrb.Blueprint:
     return rrb.Blueprint(
-        rrb.Horizontal(left, right, column_shares=[1, 1]),
+        shown,
         rrb.TimePanel(state="collapsed", timeline=TIMELINE, play_state="following"),
         rrb.SelectionPanel(state="collapsed"),
         rrb.BlueprintPanel(state="collapsed"),
         auto_views=False,
         auto_layout=False,
     )
+
+
+def camera_view(camera: str) -> rrb.Spatial2DView:
+    """Return what shows the pictures of a camera."""
+    return rrb.Spatial2DView(origin=picture_path(camera), name=f"camera {camera}")
 
 
 def _of_late() -> rrb.VisibleTimeRange:

@@ -14,12 +14,14 @@ import rerun as rr
 from rerun.components import AggregationPolicy
 
 from giraff_core.robot import RobotConfig
+from giraff_schemas.camera import Picture
 from giraff_schemas.localization import MapPose, MapWalls, Particles
-from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tilt, TruePose
+from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tick, Tilt, TruePose
 from giraff_schemas.topics import Topic
 from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, PATH, ROBOT, TILT, TRUTH, WHITE
 from giraff_viewer.cones import Cone, ConeState
 from giraff_viewer.ghost import Ghost
+from giraff_viewer.pictures import Pictures
 from giraff_viewer.plots import Series, Values, balance_series, series
 from giraff_viewer.rows import FLOOR, Row, planar, turned
 from giraff_viewer.shapes import arc, cone, ellipse, headings, outline, placed
@@ -48,6 +50,7 @@ class Scene:
         self._outline = outline(robot.footprint_radius, robot.track_width)
         self._whereabouts = Whereabouts(self._outline, _HEADING * robot.footprint_radius)
         self._ghost = Ghost()
+        self._pictures = Pictures()
         self._trail = Trail()
         self._moved = False
         self._story = Story()
@@ -86,6 +89,11 @@ class Scene:
         """Whether the robot has told its attitude."""
         return self._values.balances
 
+    @property
+    def cameras(self) -> tuple[str, ...]:
+        """Those that a picture was heard of."""
+        return self._pictures.cameras
+
     def on_sample(self, topic: Topic[Any], sample: Sample, at_ns: int) -> list[Row]:
         """What a sample changes."""
         values = self._values.of(sample)
@@ -100,6 +108,8 @@ class Scene:
                 rows += self._draw_cones(at_ns)
             case MapPose() | Particles() | MapWalls():
                 rows += self._whereabouts.on_sample(sample)
+            case Tick() | Picture():
+                rows += self._pictures.on_sample(sample, at_ns)
             case Tilt() if self._due(HAND, _PLOT_EVERY, at_ns):
                 rows.append((f"{HAND}/tilt", _tilt(sample)))
             case GuardState():
@@ -119,7 +129,7 @@ class Scene:
 
     def look(self, now_ns: int) -> list[Row]:
         """What the time that passes changes: a sensor that is silent, a way that is longer than its line."""
-        return self._draw_cones(now_ns) + self._draw_trail(now_ns)
+        return self._draw_cones(now_ns) + self._draw_trail(now_ns) + self._pictures.look(now_ns)
 
     def _move(self, odometry: Odometry, at_ns: int) -> list[Row]:
         rows: list[Row] = []

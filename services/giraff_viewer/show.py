@@ -12,7 +12,7 @@ import rerun as rr
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import Sample
 from giraff_schemas.topics import Topic
-from giraff_viewer.desk import TIMELINE, blueprint
+from giraff_viewer.desk import TIMELINE, blueprint, camera_blueprint
 from giraff_viewer.rows import Row
 from giraff_viewer.scene import Scene
 from giraff_viewer.window import ViewerError
@@ -25,10 +25,13 @@ _FLUSH_WITHIN: Final = 5.0  # s
 class Show:
     """Draws one robot. Times are ns since 1970, when each thing was heard."""
 
-    def __init__(self, robot: RobotConfig, *, live: bool) -> None:
+    def __init__(self, robot: RobotConfig, *, live: bool, camera: str = "") -> None:
+        """`camera`: whose pictures alone are shown; empty: all is."""
         self._live = live
-        self._blueprint = blueprint(live=live)
-        self._balances = False  # the screen has the plots of a robot that balances
+        self._camera = camera
+        self._blueprint = camera_blueprint(camera) if camera else blueprint(live=live)
+        self._shown: tuple[bool, tuple[str, ...]] = (False, ())
+        """Whether the screen has the plots of a robot that balances, and of which cameras it has the pictures."""
         self.heard = 0
         """Samples."""
         self._scene = Scene(robot)
@@ -80,10 +83,11 @@ class Show:
         """Draw what a sample changes."""
         self.heard += 1
         rows = self._scene.on_sample(topic, sample, at_ns)
-        if self._scene.balances and not self._balances:
-            self._balances = True
-            self._log_static(self._scene.begin_balance())
-            self._stream.send_blueprint(blueprint(live=self._live, balances=True))
+        if (wanted := (self._scene.balances, self._scene.cameras)) != self._shown and not self._camera:
+            if self._scene.balances and not self._shown[0]:
+                self._log_static(self._scene.begin_balance())
+            self._shown = wanted
+            self._stream.send_blueprint(blueprint(live=self._live, balances=wanted[0], cameras=wanted[1]))
         self._log(rows, at_ns)
 
     def on_liveliness(self, service: str, instance: str, at_ns: int, *, present: bool) -> None:

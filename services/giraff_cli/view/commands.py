@@ -30,6 +30,7 @@ def view(  # noqa: PLR0913, PLR0917  one argument an option
     seconds: Annotated[
         float | None, typer.Option("--for", metavar="SECONDS", help="Live: end after so long; else with Ctrl-C.")
     ] = None,
+    camera: Annotated[bool, typer.Option("--camera", help="Live: ask for what its cameras see, too.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="For programs: one JSON object at the end.")] = False,
 ) -> None:
     """Floor plan, path, what the sensors see, guard's verdict, speeds and ages, drawn: live, or of a recording.
@@ -42,5 +43,7 @@ def view(  # noqa: PLR0913, PLR0917  one argument an option
     from giraff_cli.view.live import show  # noqa: PLC0415
     from giraff_cli.view.output import Options  # noqa: PLC0415
 
-    options = Options(save=save, picture=picture, web=web, port=port, memory=memory, seconds=seconds, as_json=as_json)
+    options = Options(
+        save=save, picture=picture, web=web, port=port, memory=memory, seconds=seconds, as_json=as_json, camera=camera
+    )
     raise typer.Exit(show(recording, robot, connect or (), options))

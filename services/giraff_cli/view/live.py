@@ -10,6 +10,7 @@ from typing import Any, Final
 
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.picture_subscriber import PictureSubscriber
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_node import robot_now_ns
@@ -49,6 +50,7 @@ class LiveViewer:
         self._options = options
         self._stopping = stopping
         self._stage: ViewerOutput | None = None
+        self._pictures = PictureSubscriber.of(connection, "view") if options.camera else None
         self._ahead_ns = 0
         """Wall clock minus the robot's, which what is heard is stamped with."""
 
@@ -67,10 +69,14 @@ class LiveViewer:
                 return self._stage.end(hurried=self._stopping.asked > 0) if self._stage.is_open else DONE
         except ViewerError as error:
             give_up(error)
+        finally:
+            if self._pictures is not None:
+                self._pictures.close()
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         """Of the connection."""
-        del key
+        if self._pictures is not None:
+            self._pictures.on_sample(topic, key, sample, at_ns)
         assert self._stage is not None  # noqa: S101  it is there as long as anybody listens
         self._stage.show.on_sample(topic, sample, at_ns + self._ahead_ns)
 
@@ -89,18 +95,27 @@ class LiveViewer:
             set_tcp_options()
             self._ahead_ns = time.time_ns() - robot_now_ns()
             self._connection.dispatch(self)
+            if self._pictures is not None:
+                self._draw_pictures(stage, self._pictures)
             stage.show.look(time.time_ns())
             if not told and not stage.show.heard and now - began > _TELL_AFTER:
                 told = True
                 print_error(f"{self._unheard()}; waiting for it")
+
+    @staticmethod
+    def _draw_pictures(stage: ViewerOutput, pictures: PictureSubscriber) -> None:
+        for seen in pictures.take():
+            stage.show.on_sample(seen.topic, seen.picture, time.time_ns())
+        for trouble in pictures.troubles():
+            print_error(trouble)
 
 
 def _refusal(recording: Path | None, options: Options) -> str:
     """What is wrong with what was asked for."""
     if options.seconds is not None and not (math.isfinite(options.seconds) and options.seconds > 0.0):
         return f"--for {options.seconds:g}: give a positive number of seconds, or leave it out to go on until Ctrl-C"
-    if recording is not None and options.seconds is not None:
-        return "--for is for a live robot; a recording is drawn to its end"
+    if recording is not None and (options.camera or options.seconds is not None):
+        return "--camera and --for are for a live robot; a recording is drawn to its end, with the pictures in it"
     if options.picture is not None and recording is None and options.seconds is None:
         return "--picture of a live robot: say when, with --for SECONDS"
     if sum((options.save is not None, options.picture is not None, options.web)) > 1:

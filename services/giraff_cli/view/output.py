@@ -33,6 +33,8 @@ class Options(NamedTuple):
     memory: str
     seconds: float | None
     as_json: bool
+    camera: bool = False
+    """Of a live robot: ask its cameras for their pictures."""
 
 
 class ViewerOutput(ExitStack):

@@ -56,6 +56,8 @@ ASKING: dict[str, Words] = {
     "turn": ("-90deg",),
     "arc": ("1", "90deg"),
     "go": (str(ROOT / "deploy" / "patterns" / "square.toml"),),
+    "camera list": (),
+    "camera view": ("--save", "FILE"),
     "doctor": (),
     "record": ("--for", "4", "-o", "FILE"),
     "view": ("--for", "4", "--save", "FILE", "--json"),
@@ -74,6 +76,7 @@ UNKNOWN: Mapping[str, tuple[Words, str]] = {
     "topic bw": (("odmo",), NO_SUCH_TOPIC),
     "topic pub": (("odmo", "{}"), NO_SUCH_TOPIC),
     "node info": (("gard",), "no service 'gard' on the network; there are: base, guard, "),
+    "camera view": (("eye", "--save", "FILE"), "no camera of sim-test is heard; check that giraff_camera runs"),
     "param set": (
         ("gaurd.margin", "0.5", "--robot", "sim-test"),
         NO_SUCH_SERVICE,

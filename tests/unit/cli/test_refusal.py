@@ -39,6 +39,7 @@ WORDS: dict[str, tuple[str, ...]] = {
     "arc": ("0.5", "-90deg"),
     "go": (str(Path("deploy/patterns/square.toml").absolute()),),
     "play": (DRIVE,),
+    "camera view": ("--save", "FILE"),
     "view": ("--for", "1", "--save", "FILE", "--json"),
     "run": ("--local", "--for", "1", "--boards", "host"),
 }

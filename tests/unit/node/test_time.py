@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from giraff_core.freshness import TickFilter, age, derate
+from giraff_core.freshness import TickFilter, age, age_here, derate
 from giraff_core.timer import Timer
 from giraff_schemas.messages import RobotTime, Tick
 
@@ -52,6 +52,22 @@ def test_what_proves_nothing_is_infinitely_old(tick: RobotTime | None) -> None:
 def test_nobodys_clock_proves_nothing() -> None:
     nobody = RobotTime(epoch=0, robot_ns=NOW.robot_ns)
     assert age(nobody, nobody) == math.inf
+
+
+@pytest.mark.parametrize(
+    ("epoch", "ahead", "since", "old"),
+    [
+        (7, -0.1, 0.02, 0.12),
+        (7, 0.01, 0.02, 0.01),
+        (7, 0.05, 0.02, 0.0),
+        (8, 0.01, 0.0, math.inf),
+        (0, 0.01, 0.0, math.inf),
+    ],
+)
+def test_a_host_that_heard_a_tick_a_moment_ago_tells_an_age(epoch: int, ahead: float, since: float, old: float) -> None:
+    tick = RobotTime(epoch=epoch, robot_ns=NOW.robot_ns + round(ahead * 1e9))
+    newest = RobotTime(epoch=min(epoch, NOW.epoch), robot_ns=NOW.robot_ns)
+    assert age_here(tick, newest, since) == pytest.approx(old)
 
 
 @given(st.lists(st.tuples(st.integers(1, 8), st.integers(0, 50)), max_size=60))

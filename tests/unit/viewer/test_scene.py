@@ -15,6 +15,7 @@ from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95
 from giraff_schemas import topics
+from giraff_schemas.camera import Picture
 from giraff_schemas.messages import Range, Tick, TruePose
 from giraff_viewer.colours import CONES
 from giraff_viewer.cones import Cone
@@ -300,3 +301,27 @@ def test_a_limit_is_taken(limit: str) -> None:
 def test_a_bad_limit_is_refused(limit: str) -> None:
     with pytest.raises(ValueError, match=r"give"):
         require_memory(limit)
+
+
+def test_a_picture_is_shown_with_its_age_and_says_when_it_is_old() -> None:
+    scene = Scene(stock("sim"))
+    seen = Picture(camera="head", jpeg=b"\xff\xd8", width=320, height=240, tick=at(SECOND))
+    scene.on_sample(topics.TICK, Tick(epoch=at(0).epoch, robot_ns=SECOND + 80 * MS), 5 * SECOND)
+    drawn = dict(scene.on_sample(topics.CAMERA, seen, 5 * SECOND + 20 * MS))
+    assert drawn["camera/head"].media_type.as_arrow_array().to_pylist() == ["image/jpeg"]
+    assert scene.cameras == ("head",)
+
+    def label(rows: list[Row]) -> list[str]:
+        return [
+            text
+            for path, what in rows
+            if path == "camera/head/age"
+            for text in what.labels.as_arrow_array().to_pylist()
+        ]
+
+    assert label(list(drawn.items())) == ["0.10 s"]
+    told = [text for tenths in range(10, 36) for text in label(scene.look(4 * SECOND + tenths * 100 * MS))]
+    assert told == ["OLD: over 0.5 s", "OLD: 1 s", "OLD: 2 s"]
+    epoch_later = Tick(epoch=at(0).epoch + 1, robot_ns=0)
+    scene.on_sample(topics.TICK, epoch_later, 8 * SECOND)
+    assert label(scene.look(8 * SECOND)) == ["OLD: nothing tells its age"]

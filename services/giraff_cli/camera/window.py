@@ -1,0 +1,88 @@
+"""The window of `giraff camera view`."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+import time
+from typing import Any, Final
+
+from giraff_cli.network.command import print_error
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.picture_subscriber import PictureSubscriber
+from giraff_cli.network.ports import free_port
+from giraff_cli.terminal.signals import StopSignal
+from giraff_node import robot_now_ns
+from giraff_node.network.tcp_options import set_tcp_options
+from giraff_schemas.messages import Sample, Tick
+from giraff_schemas.topics import TICK, Topic
+from giraff_viewer.scene import stock
+from giraff_viewer.show import Show, require_screen
+from giraff_viewer.window import ViewerError, Window
+
+_TURN: Final = 0.03  # s
+_MEMORY: Final = "200MB"
+"""What the window keeps: some minutes, to look back."""
+_DONE: Final = 0
+_FAILED: Final = 1
+
+
+def show(
+    connection: RobotConnection,
+    pictures: PictureSubscriber,
+    camera: str,
+    seconds: float | None,
+    stopping: StopSignal,
+) -> int:
+    """Show a camera until Ctrl-C, the window's end or for `seconds`; the exit code."""
+    connection.subscribe(TICK)
+    try:
+        require_screen()
+        with Window(free_port(), _MEMORY, headless=False) as window:
+            view = CameraWindow(connection, pictures, camera)
+            view.show.to_window(window.url)
+            until = time.monotonic() + (math.inf if seconds is None else seconds)
+            while time.monotonic() < until and window.is_open() and not stopping.wait(_TURN):
+                set_tcp_options()
+                view.look()
+            if window.is_open():
+                view.show.close()
+            return _DONE if view.has_seen else _FAILED
+    except ViewerError as error:
+        print_error(str(error))
+        pictures.close()
+        sys.stdout.flush()
+    os._exit(_FAILED)  # rerun would go on trying to send to a window that is gone
+
+
+class CameraWindow:
+    """What a camera sees, drawn by rerun with its age."""
+
+    def __init__(self, connection: RobotConnection, pictures: PictureSubscriber, camera: str) -> None:
+        self._connection = connection
+        self._pictures = pictures
+        self._ahead_ns = 0
+        """Wall clock minus this host's, which what is heard is stamped with."""
+        self.show = Show(stock(connection.robot), live=True, camera=camera)
+        self.has_seen = False
+
+    def look(self) -> None:
+        """Draw what has come."""
+        self._ahead_ns = time.time_ns() - robot_now_ns()
+        self._connection.dispatch(self)
+        for seen in self._pictures.take():
+            self.has_seen = True
+            self.show.on_sample(seen.topic, seen.picture, time.time_ns())
+        for trouble in self._pictures.troubles():
+            print_error(trouble)
+        self.show.look(time.time_ns())
+
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        """As `Listener` has it."""
+        self._pictures.on_sample(topic, key, sample, at_ns)
+        if isinstance(sample, Tick):
+            self.show.on_sample(topic, sample, at_ns + self._ahead_ns)
+
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
+        """As `Listener` has it."""

@@ -1,0 +1,119 @@
+"""Who looks at a camera of the robot from a terminal: what is asked for, shown, saved and recorded."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import pytest
+
+from giraff_cli.camera.listing import Cameras, report_of, rows_of
+from giraff_cli.camera.look import choose_camera
+from giraff_cli.network.picture_subscriber import PictureSubscriber
+from giraff_cli.topic.echo import Echo
+from giraff_node.network.consent import NoRobotError
+from giraff_node.picture_choice import PictureChoice
+from giraff_schemas.camera import CameraState, Picture
+from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE
+from giraff_schemas.trouble import WELL, Trouble
+from tests.unit.cli.samples import at, camera
+
+
+def picture(seq: int, width: int = 320) -> Picture:
+    return Picture(
+        seq=seq,
+        stamp_ns=seq,
+        instance="c",
+        camera="head",
+        jpeg=bytes(range(256)) * 2,
+        width=width,
+        height=width * 3 // 4,
+        tick=at(seq),
+    )
+
+
+class Source:
+    """A camera that has been asked."""
+
+    def __init__(self, *pictures: Picture) -> None:
+        self.coming = list(pictures)
+        self.state: CameraState | None = camera()
+        self.trouble = WELL
+        self.wanted = 0
+        self.closed = False
+
+    def want(self) -> None:
+        self.wanted += 1
+
+    def take(self) -> Picture | None:
+        return self.coming.pop(0) if self.coming else None
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def hear(pictures: PictureSubscriber, name: str) -> None:
+    state = msgspec.structs.replace(camera(), camera=name)
+    pictures.on_sample(CAMERA_STATE, CAMERA_STATE.at(name).key, state, 0)
+
+
+def test_a_camera_is_asked_once_it_is_heard_and_as_long_as_somebody_looks() -> None:
+    sources = {"head": Source(picture(0, 160), picture(1)), "rear": Source()}
+    pictures = PictureSubscriber(sources.__getitem__)
+    assert pictures.take() == []
+    for name in ("head", "head", "rear"):
+        hear(pictures, name)
+    assert pictures.cameras == ("head", "rear")
+    assert [seen.topic for _ in range(3) for seen in pictures.take()] == [CAMERA_SMALL.at("head"), CAMERA.at("head")]
+    assert {source.wanted for source in sources.values()} == {3}
+    sources["rear"].trouble = Trouble("the camera has started again", "ask again")
+    assert pictures.troubles() == ["the camera has started again; ask again"]
+    assert pictures.troubles() == []
+    pictures.close()
+    assert all(source.closed for source in sources.values())
+
+
+def test_of_several_cameras_the_one_that_was_named_is_asked() -> None:
+    pictures = PictureSubscriber(lambda _: Source(), only="rear")
+    for name in ("head", "rear"):
+        hear(pictures, name)
+    assert pictures.cameras == ("rear",)
+
+
+def test_which_camera_is_meant() -> None:
+    both = {"head": camera(), "rear": camera()}
+    assert choose_camera("giraff", {"head": camera()}, None) == "head"
+    assert choose_camera("giraff", both, "rear") == "rear"
+    with pytest.raises(NoRobotError, match="giraff has several cameras; name one of head, rear"):
+        choose_camera("giraff", both, None)
+    with pytest.raises(NoRobotError, match="giraff has no camera 'eye'; there are: head, rear"):
+        choose_camera("giraff", both, "eye")
+
+
+def test_a_full_picture_is_waited_for_and_a_small_one_taken_where_none_comes() -> None:
+    choice = PictureChoice()
+    small, full = picture(0, 160), picture(1)
+    assert [choice.choose(small, 320, 5.0), choice.choose(full, 320, 5.5)] == [None, full]
+    assert choice.give_up() is None
+    assert [choice.choose(each, 320, now) for each, now in ((small, 6.9), (None, 7.0), (None, 7.1))] == [
+        None,
+        small,
+        None,
+    ]
+    assert choice.choose(small, 320, 7.2) == small  # on such a link each one counts
+
+
+def test_a_list_says_who_looks_and_what_is_wrong() -> None:
+    states = (camera("ann@desk (giraff view)"), camera(reason="no device at /dev/video0; plug it in"))
+    off, on = sorted(rows_of(Cameras(robot="giraff", cameras=tuple(map(report_of, states)))), key=lambda row: row[1])
+    assert on == ("head", "on", "320 x 240", "14.9", "ann@desk (giraff view) (full)", "")
+    assert off == ("head", "off", "320 x 240", "-", "", "no device at /dev/video0; plug it in")
+
+
+def test_a_picture_does_not_flood_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("giraff_cli.topic.echo.GraphMonitor", lambda _: None)
+        nothing: Any = None
+        echo = Echo(nothing, nothing, CAMERA, (), as_json=False)
+    echo._tell("camera/head/@full", picture(0), 0)
+    assert "  jpeg: 512 bytes\n" in capsys.readouterr().out
