@@ -15,10 +15,12 @@ and its topics are `giraff/<robot>/...`.
 from __future__ import annotations
 
 import struct
+from base64 import b64decode
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import IO, Any, Final
 
@@ -64,7 +66,12 @@ class Recorded:
     """Zenoh's, of the payload."""
 
     def content(self) -> Any:
-        return msgspec.json.decode(self.data)
+        """Return its fields. Bytes, which JSON has as base64, are bytes again."""
+        content = msgspec.json.decode(self.data)
+        for field in _fields_of_bytes(self.key):
+            with suppress(KeyError, TypeError, ValueError):  # of another version: `decode` tells
+                content[field] = b64decode(content[field], validate=True)
+        return content
 
     def payload(self) -> bytes:
         """As it was on the network: MessagePack."""
@@ -231,3 +238,10 @@ def _records(file: IO[bytes]) -> Iterator[Any]:
             return
         if not isinstance(record, Header):
             yield record
+
+
+@cache
+def _fields_of_bytes(key: str) -> tuple[str, ...]:
+    topic = topic_of(key)
+    fields = () if topic is None else msgspec.structs.fields(topic.schema)
+    return tuple(field.name for field in fields if field.type is bytes)

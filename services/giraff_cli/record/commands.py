@@ -12,7 +12,7 @@ from giraff_cli.options import AsJson, Connect, Ending, Robot, Topics, require_e
 _UNITS: Final = {"k": 1_000, "M": 1_000_000, "G": 1_000_000_000}
 
 
-def record(
+def record(  # noqa: PLR0913, PLR0917  one argument an option
     output: Annotated[
         Path | None, typer.Option("-o", "--output", metavar="FILE", help="Else ROBOT-DATE-TIME.mcap.")
     ] = None,
@@ -23,6 +23,9 @@ def record(
     max_size: Annotated[
         str | None, typer.Option(metavar="SIZE", help="End before the file is larger, like 500k, 20M or 2G.")
     ] = None,
+    camera: Annotated[
+        bool, typer.Option("--camera", help="Ask for what its cameras see, and keep it: a megabyte a second or less.")
+    ] = False,
     repair: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Instead: make a whole one of what a crash has left.", show_default=False),
@@ -43,7 +46,7 @@ def record(
     from giraff_cli.record.recorder import record as it  # noqa: PLC0415
 
     limits = Limits(seconds, None if max_size is None else bytes_of(max_size))
-    raise typer.Exit(it(robot, connect or (), output, topics or (), limits, as_json=as_json))
+    raise typer.Exit(it(robot, connect or (), output, topics or (), limits, camera=camera, as_json=as_json))
 
 
 def bytes_of(size: str) -> int:

@@ -16,6 +16,7 @@ import zenoh
 
 from giraff_cli.network.command import print_error, run_on_network
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.record.pictures import NoPictures, RecordedPictures
 from giraff_cli.record.report import Report, told
 from giraff_cli.terminal.signals import StopSignal
 from giraff_mcap.metadata import metadata_of
@@ -52,6 +53,7 @@ def record(
     topics: Sequence[str],
     limits: Limits,
     *,
+    camera: bool,
     as_json: bool,
 ) -> int:
     """Until Ctrl-C or a limit; the exit code."""
@@ -65,7 +67,7 @@ def record(
         return run_on_network(
             robot,
             connect,
-            lambda connection: _record(connection, stopping, path, wanted, limits, as_json=as_json),
+            lambda connection: _record(connection, stopping, path, wanted, limits, camera=camera, as_json=as_json),
             records=True,
             stands_in=True,
         )
@@ -90,6 +92,7 @@ def _record(
     topics: Sequence[str],
     limits: Limits,
     *,
+    camera: bool,
     as_json: bool,
 ) -> int:
     monitor = RobotMonitor(connection.session)
@@ -104,11 +107,16 @@ def _record(
     except OSError as error:
         return print_error(f"{path}: cannot be written: {error.strerror}")
     keys = [key_below(robot, topic) for topic in topics or ("**",)]
-    with writer, closing(RawSubscriber(connection.session, keys)) as subscriber:
+    connection.robot = robot
+    with (
+        writer,
+        closing(RawSubscriber(connection.session, keys)) as subscriber,
+        closing(RecordedPictures(connection) if camera else NoPictures()) as pictures,
+    ):
         tell(f"recording {robot} into {path}; Ctrl-C ends it")
         trouble = ended_by = ""
         try:
-            ended_by = _follow(robot, monitor, writer, subscriber, stopping, limits)
+            ended_by = _follow(robot, monitor, writer, subscriber, pictures, stopping, limits)
             if writer.first_ns is not None:
                 writer.close(ended_by)
         except OSError as error:
@@ -152,6 +160,7 @@ def _follow(
     monitor: RobotMonitor,
     writer: RecordingWriter,
     subscriber: RawSubscriber,
+    pictures: NoPictures,
     stopping: StopSignal,
     limits: Limits,
 ) -> str:
@@ -159,8 +168,8 @@ def _follow(
     began = time.monotonic()
     warned, waited, tune_at = False, began, began
     while True:
-        ended = stopping.wait(_SYNC_EVERY)
-        writer.add(subscriber.take())
+        ended = pictures.wait(stopping, _SYNC_EVERY)
+        writer.add([*subscriber.take(), *pictures.take()])
         writer.sync()
         now = time.monotonic()
         if now >= tune_at:

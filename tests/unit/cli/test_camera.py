@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import msgspec
@@ -10,13 +12,19 @@ import pytest
 from giraff_cli.camera.listing import Cameras, report_of, rows_of
 from giraff_cli.camera.look import choose_camera
 from giraff_cli.network.picture_subscriber import PictureSubscriber
+from giraff_cli.record.pictures import RecordedPictures
+from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.topic.echo import Echo
+from giraff_mcap.raw_sample import RawSample
+from giraff_mcap.reading import Recording
 from giraff_node.network.consent import NoRobotError
 from giraff_node.picture_choice import PictureChoice
 from giraff_schemas.camera import CameraState, Picture
+from giraff_schemas.codec import encode
 from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE
 from giraff_schemas.trouble import WELL, Trouble
 from tests.unit.cli.samples import at, camera
+from tests.unit.mcap.recordings import ROBOT, record
 
 
 def picture(seq: int, width: int = 320) -> Picture:
@@ -108,6 +116,30 @@ def test_a_list_says_who_looks_and_what_is_wrong() -> None:
     off, on = sorted(rows_of(Cameras(robot="giraff", cameras=tuple(map(report_of, states)))), key=lambda row: row[1])
     assert on == ("head", "on", "320 x 240", "14.9", "ann@desk (giraff view) (full)", "")
     assert off == ("head", "off", "320 x 240", "-", "", "no device at /dev/video0; plug it in")
+
+
+def test_pictures_that_were_asked_for_are_recorded_byte_for_byte(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sent = [picture(0, 160), picture(1), picture(2)]
+    source = Source(*sent)
+    pictures = PictureSubscriber(lambda _: source)
+    hear(pictures, "head")
+    connection: Any = SimpleNamespace(robot=ROBOT, subscribe=lambda _: None, dispatch=lambda _: None)
+    kept = RecordedPictures(connection, pictures)
+    monkeypatch.setattr(StopSignal, "wait", lambda *_: False)
+    with StopSignal() as stopping:
+        while source.coming:
+            assert not kept.wait(stopping, 0.001)
+    samples: list[RawSample] = kept.take()
+    assert kept.take() == []
+    record(tmp_path / "a.mcap", samples)
+    read = list(Recording(tmp_path / "a.mcap").samples())
+    assert [each.key for each in read] == ["camera/head/@small", "camera/head/@full", "camera/head/@full"]
+    assert [each.decode() for each in read] == sent
+    assert [each.payload() for each in read] == [encode(each) for each in sent]
+    kept.close()
+    assert source.closed
 
 
 def test_a_picture_does_not_flood_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
