@@ -1,5 +1,6 @@
 """The robot in a script of one's own: `from giraff_client import Robot`. See docs/client.md."""
 
+from giraff_client.camera import CameraPicture
 from giraff_client.errors import (
     BlockedError,
     EmergencyStopError,
@@ -27,6 +28,7 @@ from giraff_schemas.motion import Arc, GoTo, Move, Turn
 __all__ = [
     "Arc",
     "BlockedError",
+    "CameraPicture",
     "EmergencyStopError",
     "FrameError",
     "FutureError",

@@ -14,6 +14,7 @@ from typing import Any, Final, Self
 
 import zenoh
 
+from giraff_client.camera import CameraFinder, CameraReader
 from giraff_client.errors import NoRobotError, RobotError, SilentError
 from giraff_client.frames import FrameFinder, FrameReader
 from giraff_client.jump import jump
@@ -69,7 +70,7 @@ _TWIST: Final = "m/s and rad/s"
 _OUTSIDE: Final = "not on the network; use it as `with Robot() as robot:`"
 
 
-class Robot(Motions, States, FrameReader):
+class Robot(Motions, States, FrameReader, CameraReader):
     """One robot, for one script and one thread. Nothing is asked of the robot before the first `arm` or `drive`.
 
     `name`: of the robot; else GIRAFF_ROBOT_NAME, else the robot file's, else the only one on the network.
@@ -103,6 +104,7 @@ class Robot(Motions, States, FrameReader):
         self._is_named = False
         self._tuning = Timer(_TUNE_HZ)
         self._frames = FrameFinder(self.odom, self._silence)
+        self._cameras = CameraFinder(lambda: self._newest.get(TICK.key), self._silence)
 
     def __enter__(self) -> Self:
         """Raises NoRobotError."""
@@ -242,6 +244,7 @@ class Robot(Motions, States, FrameReader):
             self.name = stand_in(self._session, way) or find_robot(self._session, way.filed, self._patience)
             self._session = open_hand(way.network, self.name, self._session)
             self._listen(self._session)
+            self._cameras.begin(self._session, way.network, self.name, self._by)
         except (UnknownRobotError, ConfigError) as error:
             raise NoRobotError(str(error)) from error
         except zenoh.ZError as error:
@@ -373,12 +376,14 @@ class Robot(Motions, States, FrameReader):
 
     def _close(self) -> None:
         """Another `with` of the same object is another operator: its commands are counted anew."""
+        self._cameras.close()
         self._declared.clear()
         self._newest.clear()
         self._commands, self._has_armed = None, False
         self._instance = secrets.token_hex(8)
         self._policy = OperatorPolicy(self._operator, self._instance)
         self._frames = FrameFinder(self.odom, self._silence)
+        self._cameras = CameraFinder(lambda: self._newest.get(TICK.key), self._silence)
         if self._session is not None:
             close_session(self._session)
             self._session = None
