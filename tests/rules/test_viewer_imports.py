@@ -37,9 +37,10 @@ def imports_viewer(source: str) -> bool:
 
 
 def may_draw(path: Path) -> bool:
-    """The viewer's own package, and the room of `giraff view` but for its options: imported on demand."""
-    in_room = path.parent.parent.name == "giraff_cli" and path.parent.name == "view"
-    return path.parent.name == "giraff_viewer" or (in_room and path.name != "commands.py")
+    """The viewer's own package, and what `giraff view` and `giraff camera view` import on demand."""
+    if path.parent.parent.name == "giraff_cli":
+        return (path.parent.name == "view" and path.name != "commands.py") or path.parts[-2:] == ("camera", "window.py")
+    return path.parent.name == "giraff_viewer"
 
 
 def test_no_other_module_imports_the_viewer() -> None:
