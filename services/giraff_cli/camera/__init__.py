@@ -1,1 +1,1 @@
-"""`giraff camera`: list, view."""
+"""`giraff camera`: list, view, board."""

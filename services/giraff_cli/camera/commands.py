@@ -47,3 +47,26 @@ def view_camera(
     from giraff_cli.camera.look import view_camera as it  # noqa: PLC0415
 
     raise typer.Exit(it(name, robot, connect or (), save, seconds))
+
+
+@camera.command("board")
+def print_board(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE.svg]", help="Else standard output.", show_default=False)
+    ] = None,
+) -> None:
+    """The chessboard of `giraff calibrate camera`, as SVG for a sheet of A4 in landscape.
+
+    Print it at 100 %, not fitted to the page, and measure both rulers: 100 mm. Glue it onto something flat and stiff.
+    """
+    from giraff_cli.chessboard import drawing  # noqa: PLC0415
+
+    if file is None:
+        typer.echo(drawing(), nl=False)
+        return
+    try:
+        file.write_text(drawing(), encoding="utf-8")
+    except OSError as error:
+        typer.echo(f"giraff camera board: {file} cannot be written: {error.strerror}", err=True)
+        raise typer.Exit(1) from error
+    typer.echo(f"{file}: print it on A4 in landscape at 100 %, not fitted to the page; both rulers must be 100 mm.")
