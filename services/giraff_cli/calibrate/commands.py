@@ -68,3 +68,32 @@ def odometry(
 
     asked = Asked(fit or (), check or (), more or (), metadata, json, force, is_live=bool(robot or connect))
     raise typer.Exit(calibrate_recorded(asked))
+
+
+@calibrate.command()
+def camera(
+    name: Annotated[
+        str | None, typer.Argument(metavar="[NAME]", help="Of the camera; else the only one.", show_default=False)
+    ] = None,
+    pictures: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FOLDER",
+            help="Pictures that were taken before: sheet*.jpg show the sheet, all other *.jpg and *.png the board.",
+            show_default=False,
+        ),
+    ] = None,
+    robot: Robot = None,
+    connect: Connect = None,
+) -> None:
+    """Measure a camera: its lens by the board of `giraff camera board`, height and tilt by a sheet of A4 on the floor.
+
+    Ten views of the board and three places of the sheet; a view is taken by itself when the board is still. Of the
+    robot file only the camera's table changes, when you have said yes; a copy of it as it was stays beside it.
+
+    Exit code: 0 done; 1 refused, nothing written; 2 not begun.
+    """
+    require_extra("calibrate camera", "cv2", "camera,cli")
+    from giraff_cli.calibrate.camera.command import calibrate_camera  # noqa: PLC0415
+
+    raise typer.Exit(calibrate_camera(name, pictures, robot, connect or ()))

@@ -52,7 +52,7 @@ def calibrate_odometry(robot: str | None, connect: Sequence[str], *, force: bool
         except KeyboardInterrupt:
             return _interrupted()
 
-    with _signals_interrupt():
+    with signals_interrupt():
         try:
             return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
         except KeyboardInterrupt:  # before a robot was found
@@ -86,7 +86,7 @@ def guide(human: Human, source: WheelSource, robot: str, filed: RobotConfig, pat
             path,
             force=force,
             tell=human.tell,
-            agrees=lambda: _agrees(human, f"Write into {path}? [yes/no]"),
+            agrees=lambda: agrees(human, f"Write into {path}? [yes/no]"),
             then=_THEN_SIMULATED if is_simulated_here(robot) else _THEN,
         )
     except NobodyError:
@@ -100,7 +100,7 @@ def _unheard(connection: RobotConnection) -> str:
     return f"no wheels of {robot} are heard; check that giraff_base runs, and the network to it{hint}"
 
 
-def _agrees(human: Human, question: str) -> bool:
+def agrees(human: Human, question: str) -> bool:
     while True:
         answer = human.ask(question, lambda: "")
         if answer in {"yes", "y"}:
@@ -111,7 +111,7 @@ def _agrees(human: Human, question: str) -> bool:
 
 
 @contextlib.contextmanager
-def _signals_interrupt() -> Iterator[None]:
+def signals_interrupt() -> Iterator[None]:
     """SIGTERM and a closed terminal end it as Ctrl-C does."""
     before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
     try:

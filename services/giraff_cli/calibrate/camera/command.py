@@ -1,0 +1,142 @@
+"""`giraff calibrate camera`: pictures, live or of a folder, to the table of a camera in the robot file."""
+
+from __future__ import annotations
+
+import datetime as dt
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Final
+
+from giraff_cli.calibrate.camera.conclusion import calibrated, changed, in_words
+from giraff_cli.calibrate.camera.folder import lens_from, poses_from
+from giraff_cli.calibrate.camera.guide import Pictures, take_sheets, take_views
+from giraff_cli.calibrate.camera.lens import Lens, LensFit, lens_of
+from giraff_cli.calibrate.camera.picture import UnusableError
+from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
+from giraff_cli.calibrate.guided import agrees, own_robot_file, signals_interrupt
+from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
+from giraff_cli.network.command import run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.user import user_at_host
+from giraff_cli.robot_file import RobotFileError, record
+from giraff_core.robot import RobotConfig
+from giraff_core.sensors import Camera
+from giraff_node.config.robot_file import ConfigError
+from giraff_node.picture_client import PictureClient
+
+_DONE: Final = 0
+_REFUSED: Final = 1
+_UNUSABLE: Final = 2
+_INTERRUPTED: Final = 130
+_PATIENCE: Final = 3.0  # s
+_THEN: Final = "Nothing goes by it yet: copy the file to the robot's other machines, and restart its services at rest."
+
+Measure = Callable[[Human, Lens], tuple[LensFit, list[FloorPose]]]
+"""From a person, and the lens of the robot file. Raises UnusableError and NobodyError."""
+
+
+class LivePictures:
+    """Those of a robot's camera."""
+
+    def __init__(self, client: PictureClient) -> None:
+        self._client = client
+
+    def take(self) -> bytes | None:
+        """As `Pictures`."""
+        self._client.want()
+        picture = self._client.take()
+        return None if picture is None else picture.jpeg
+
+    def trouble(self) -> str:
+        """As `Pictures`."""
+        return str(self._client.trouble)
+
+
+def calibrate_camera(name: str | None, folder: Path | None, robot: str | None, connect: Sequence[str]) -> int:
+    """Do the whole command; return its exit code."""
+    human = Terminal(sys.stdin, sys.stdout)
+
+    def act(connection: RobotConnection) -> int:
+        client = PictureClient(connection.network, connection.robot, which, f"giraff calibrate, {user_at_host()}")
+        try:
+            return guide(human, which, camera, path, measure_live(LivePictures(client)))
+        except KeyboardInterrupt:
+            return _interrupted()
+        finally:
+            client.close()
+
+    try:
+        path, filed = own_robot_file()
+        which, camera = choose(filed, name)
+    except (ConfigError, UnusableError) as error:
+        return complain(str(error), _UNUSABLE)
+    with signals_interrupt():
+        try:
+            if folder is not None:
+                return guide(human, which, camera, path, measure_folder(folder))
+            return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
+        except KeyboardInterrupt:
+            return _interrupted()
+
+
+def choose(filed: RobotConfig, name: str | None) -> tuple[str, Camera]:
+    """Return the camera that is meant. Raises UnusableError."""
+    cameras = filed.cameras
+    if name is None and len(cameras) == 1:
+        name = next(iter(cameras))
+    if name in cameras:
+        return name, cameras[name]
+    known = ", ".join(cameras) or "none"
+    what = f"has no camera {name}" if name else "has no camera" if not cameras else "has several cameras"
+    raise UnusableError(f"the robot file {what}; its cameras: {known}. Name one, or add [robot.sensors.<name>]")
+
+
+def measure_live(pictures: Pictures) -> Measure:
+    """Return what guides a person before the camera."""
+
+    def measure(human: Human, lens: Lens) -> tuple[LensFit, list[FloorPose]]:
+        fit = take_views(human, pictures, lens)
+        return fit, take_sheets(human, pictures, fit.lens)
+
+    return measure
+
+
+def measure_folder(folder: Path) -> Measure:
+    """Return what reads a folder of pictures."""
+
+    def measure(human: Human, lens: Lens) -> tuple[LensFit, list[FloorPose]]:
+        fit = lens_from(folder, human, lens)
+        return fit, poses_from(folder, human, fit.lens)
+
+    return measure
+
+
+def guide(human: Human, name: str, camera: Camera, path: Path, measure: Measure) -> int:
+    """Measure, tell, ask and write; return the exit code."""
+    try:
+        fit, poses = measure(human, lens_of(camera))
+        after = calibrated(camera, fit, middle_of(poses, camera.width))
+        human.tell(in_words(camera, after, fit, poses))
+        if not agrees(human, f"Write into {path}? [yes/no]"):
+            return complain("not wanted. Nothing was written.", _REFUSED)
+        date = dt.datetime.now().astimezone().date().isoformat()
+        kept = record(path, f"robot.sensors.{name}", changed(after), kept_as=f"before-{date}")
+    except UnusableError as error:
+        return complain(f"{error}. Nothing was written.", _REFUSED)
+    except NobodyError:
+        return complain("nobody answers. Nothing was written.", _UNUSABLE)
+    except RobotFileError as error:
+        return complain(str(error), _REFUSED)
+    human.tell(f"Written: [robot.sensors.{name}] of {path}; as it was before: {kept}. {_THEN}")
+    return _DONE
+
+
+def complain(reason: str, code: int) -> int:
+    """Print one line on standard error; return the code."""
+    print(f"giraff calibrate camera: {reason}", file=sys.stderr, flush=True)
+    return code
+
+
+def _interrupted() -> int:
+    return complain("interrupted. Nothing was written.", _INTERRUPTED)

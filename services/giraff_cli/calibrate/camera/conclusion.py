@@ -1,0 +1,76 @@
+"""What was found of a camera, in words, and as its table of the robot file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Final
+
+import msgspec
+import numpy as np
+
+from giraff_cli.calibrate.camera.lens import LensFit, lens_of
+from giraff_cli.calibrate.camera.picture import UnusableError
+from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
+from giraff_core.sensors import Camera
+
+_LARGE_CHANGE: Final = 0.2
+"""Of height or focal length."""
+_LARGE_TURN: Final = math.radians(10.0)
+
+
+def calibrated(camera: Camera, fit: LensFit, pose: FloorPose) -> Camera:
+    """Return the camera as it was found, rounded. Raises UnusableError where no robot file takes it."""
+    lens = fit.lens
+    try:
+        return msgspec.structs.replace(
+            camera,
+            z=round(pose.z, 4),
+            roll=round(pose.roll, 4),
+            pitch=round(pose.pitch, 4),
+            focal_x=round(lens.focal_x, 2),
+            focal_y=round(lens.focal_y, 2),
+            center_x=round(lens.center_x, 2),
+            center_y=round(lens.center_y, 2),
+            distortion=tuple(round(value, 5) for value in lens.distortion),
+        )
+    except ValueError as error:
+        raise UnusableError(f"no camera is like this: {error}") from error
+
+
+def changed(after: Camera) -> dict[str, Any]:
+    """Return the fields that calibration sets."""
+    names = ("z", "roll", "pitch", "width", "height", "focal_x", "focal_y", "center_x", "center_y", "distortion")
+    return {name: getattr(after, name) for name in names}
+
+
+def in_words(before: Camera, after: Camera, fit: LensFit, poses: Sequence[FloorPose]) -> str:
+    """Tell the person what was found, and how sure it is."""
+    was, pose = lens_of(before), middle_of(poses, before.width)
+    heights = np.array([each.z for each in poses])
+    z_sd = max(pose.z_sd, float(heights.std()))
+    rows = [
+        ("height", f"{after.z:.3f} ± {z_sd:.3f} m", f"{before.z:.3f} m"),
+        ("pitch", f"{_degrees(after.pitch)} ± {_degrees(pose.pitch_sd)}°", f"{_degrees(before.pitch)}°"),
+        ("roll", f"{_degrees(after.roll)}°", f"{_degrees(before.roll)}°"),
+        ("focal length", f"{after.focal_x:.1f} ± {fit.focal_sd:.1f} px", f"{was.focal_x:.1f} px"),
+        ("centre", f"{after.center_x:.1f}, {after.center_y:.1f} px", f"{was.center_x:.1f}, {was.center_y:.1f} px"),
+        ("distortion", " ".join(f"{value:.3f}" for value in after.distortion[:4]), "k1 k2 p1 p2"),
+    ]
+    lines = [f"{'':<14}{'found':<24}before", *(f"{name:<14}{found:<24}{old}" for name, found, old in rows)]
+    lines.append(f"Error left: lens {fit.error:.2f} px, sheet {pose.error:.2f} px in {len(poses)} pictures.")
+    changes = (
+        ("height", abs(after.z / before.z - 1.0) > _LARGE_CHANGE),  # A3 and A5 have the form of A4
+        ("pitch", abs(after.pitch - before.pitch) > _LARGE_TURN),
+        ("focal length", abs(after.focal_x / before.focal_x - 1.0) > _LARGE_CHANGE),
+    )
+    lines += [
+        f"Mind: the {name} is far from the one in the robot file; is that right, and was the sheet A4?"
+        for name, far in changes
+        if far
+    ]
+    return "\n".join(lines)
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.2f}"

@@ -1,0 +1,223 @@
+"""Height and tilt of a camera, from one sheet of A4 on the floor ahead of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Final, NamedTuple
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from giraff_cli.calibrate.camera.lens import Lens
+from giraff_cli.calibrate.camera.picture import Grey, Points, UnusableError
+from giraff_cli.chessboard import A4
+
+_LEVELS: Final = 12
+"""Brightnesses at which outlines are looked for."""
+_SHORTEST: Final = 16.0
+"""px of a side: a shorter one tells too little."""
+_BORDER: Final = 3.0
+"""px between the sheet and the picture's edge."""
+_CONTRAST: Final = 15.0
+"""Grey levels between the sheet and the floor beside it."""
+_REACH: Final = 4
+"""px, to each side of an outline, in which its edge is looked for."""
+_MARGIN: Final = 0.15
+"""Of a side, at its ends: there the other sides are near."""
+_LARGEST_ERROR: Final = 0.25
+"""px between the sheet's corners and those of A4, at a width of 320, in one picture."""
+_LARGEST_MEDIAN: Final = 0.12
+"""px, of several pictures: what is not A4 is off in all of them."""
+FEWEST: Final = 3
+"""Pictures of the sheet. One alone may tell the height one part in a hundred wrong."""
+_LARGEST_ROLL: Final = math.radians(20.0)
+_LARGEST_PITCH: Final = math.radians(80.0)
+_LARGEST_SD: Final = 0.007
+"""Of the height: a sheet that is too far away or seen too flatly does not tell it."""
+_CORNER_SD: Final = 0.06
+"""px, at a width of 320, that each number of a corner is found wrong by: measured on drawn pictures."""
+
+
+class FloorPose(NamedTuple):
+    """Where a camera is above the floor, and how it is tilted."""
+
+    z: float
+    """m above the floor."""
+    roll: float
+    """rad; as the robot file has it."""
+    pitch: float
+    error: float
+    """px. Root mean square distance between the sheet's corners and those of A4 in this place."""
+    z_sd: float
+    """m. Standard deviation, as the corners are found."""
+    pitch_sd: float
+    """rad."""
+
+
+def find_sheet(grey: Grey, lens: Lens) -> FloorPose:
+    """Return the camera's pose from the one sheet that is seen. Raises UnusableError."""
+    trouble = (
+        "no whole sheet is seen on the floor; lay one sheet of white A4 on darker floor about as far ahead as the "
+        "camera is high, all of it in the picture, and check that the camera sees the floor"
+    )
+    found: list[FloorPose] = []
+    for outline in _outlines(grey):
+        try:
+            found.append(_measured(grey, outline, lens))
+        except UnusableError as error:
+            trouble = str(error)
+    if not found:
+        raise UnusableError(trouble)
+    return found[0]
+
+
+def middle_of(poses: Sequence[FloorPose], width: int) -> FloorPose:
+    """Return the median of several pictures. Raises UnusableError where they are too few, or not of A4."""
+    if len(poses) < FEWEST:
+        raise UnusableError(
+            f"there are {len(poses)} usable pictures of the sheet on the floor and {FEWEST} are needed; lay it in "
+            f"{FEWEST} places, turned"
+        )
+    pose = FloorPose(*(float(np.median(values)) for values in zip(*poses, strict=True)))
+    if pose.error > _LARGEST_MEDIAN * width / 320:
+        raise _no_sheet(pose.error)
+    return pose
+
+
+def _no_sheet(error: float) -> UnusableError:
+    return UnusableError(
+        f"what is seen is no flat sheet of A4: its corners are {error:.2f} px off; lay one of 297 x 210 mm, flat, with "
+        "no shadow or fold across it"
+    )
+
+
+def _outlines(grey: Grey) -> Iterator[Points]:
+    """Give each bright quadrilateral once, those of the strongest contrast first."""
+    smooth = cv2.GaussianBlur(grey, (3, 3), 0)
+    found: list[tuple[float, Points]] = []
+    darkest, brightest = np.percentile(smooth, (5.0, 99.7))
+    for level in np.linspace(float(darkest), float(brightest), _LEVELS + 2)[1:-1]:
+        mask = (smooth > level).astype(np.uint8)
+        for contour in cv2.findContours(mask, cv2.RETR_LIST, cv2.CHAIN_APPROX_NONE)[0]:
+            if len(contour) < 4 * _SHORTEST / 2.0:
+                continue
+            quad = cv2.approxPolyDP(contour, 0.04 * cv2.arcLength(contour, closed=True), closed=True)
+            if len(quad) == 4 and cv2.isContourConvex(quad):
+                points = np.asarray(quad, dtype=np.float64).reshape(4, 2)
+                if (contrast := _contrast(grey, points)) > _CONTRAST:
+                    found.append((contrast, points))
+    found.sort(key=lambda pair: -pair[0])
+    given: list[Points] = []
+    for _, points in found:
+        if all(float(np.linalg.norm(points.mean(axis=0) - other.mean(axis=0))) > _SHORTEST / 2 for other in given):
+            given.append(points)
+            yield points
+
+
+def _contrast(grey: Grey, quad: Points) -> float:
+    """Return by how many grey levels a quadrilateral is brighter than a strip around it; -inf: it is at the edge."""
+    height, width = grey.shape
+    low, high = quad.min(axis=0), quad.max(axis=0)
+    if low.min() < _BORDER or high[0] > width - 1 - _BORDER or high[1] > height - 1 - _BORDER:
+        return -math.inf
+    inside = np.zeros(grey.shape, dtype=np.uint8)
+    cv2.fillConvexPoly(inside, np.round(quad).astype(np.int32), 1)
+    kernel = np.ones((5, 5), dtype=np.uint8)
+    core, around = cv2.erode(inside, kernel), cv2.dilate(inside, kernel, iterations=2) - cv2.dilate(inside, kernel)
+    if not core.any() or not around.any():
+        return -math.inf
+    # The darkest tenth of the sheet against the brightest tenth of the floor: a chessboard is no sheet.
+    return float(np.percentile(grey[core > 0], 10.0) - np.percentile(grey[around > 0], 90.0))
+
+
+def _measured(grey: Grey, outline: Points, lens: Lens) -> FloorPose:
+    """Return the pose from one outline. Raises UnusableError."""
+    corners = _corners(grey, outline, lens)
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1)
+    if float(sides.min()) < _SHORTEST:
+        raise UnusableError("the sheet is too small in the picture; lay it nearer")
+    pose = min(_poses(corners, lens), key=lambda pose: pose.error)
+    if pose.error > _LARGEST_ERROR * lens.width / 320:
+        raise _no_sheet(pose.error)
+    if abs(pose.roll) > _LARGEST_ROLL or not -_LARGEST_PITCH < pose.pitch < _LARGEST_PITCH:
+        raise UnusableError(
+            f"the sheet does not lie on the floor, or the camera is turned by {math.degrees(pose.roll):.0f}° to the "
+            f"side and {math.degrees(pose.pitch):.0f}° down; lay a sheet of A4 on the floor ahead"
+        )
+    if pose.z_sd > _LARGEST_SD * pose.z:
+        raise UnusableError(
+            f"the sheet is too far away: it tells the height to {100.0 * pose.z_sd / pose.z:.1f} % only; lay it "
+            "nearer, or give the camera larger pictures in the robot file"
+        )
+    return pose
+
+
+def _corners(grey: Grey, outline: Points, lens: Lens) -> Points:
+    """Return the sheet's corners as a lens without distortion shows them, where lines along its edges meet.
+
+    They go round against the clock, as seen from above the floor.
+    """
+    if float(cv2.contourArea(outline.astype(np.float32), oriented=True)) > 0:  # y is down
+        outline = outline[::-1]
+    lines = [_line(lens.undistorted(_edge(grey, outline[i], outline[(i + 1) % 4]))) for i in range(4)]
+    crossed = [np.cross(lines[i - 1], lines[i]) for i in range(4)]
+    return np.array([point[:2] / point[2] for point in crossed])
+
+
+def _edge(grey: Grey, one: Points, other: Points) -> Points:
+    """Return points on the edge between two corners, each where brightness falls most, to a part of a pixel."""
+    length = float(np.linalg.norm(other - one))
+    along = (other - one) / length
+    out = np.array([-along[1], along[0]])
+    share = np.linspace(_MARGIN, 1.0 - _MARGIN, max(6, int(length)))[:, None]
+    middles = one + share * (other - one)
+    offsets = np.arange(-_REACH, _REACH + 0.01, 0.5)
+    at = (middles[:, None, :] + offsets[None, :, None] * out).astype(np.float32)
+    light = cv2.remap(
+        grey.astype(np.float32), at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+    )
+    slope = abs(np.diff(light, axis=1))
+    between = (offsets[1:] + offsets[:-1]) / 2.0
+    peak = between[np.argmax(slope, axis=1)][:, None]
+    weight = np.where(abs(between - peak) <= 1.75, slope, 0.0)
+    where = (weight * between).sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-6)
+    return np.asarray(middles + where[:, None] * out, dtype=np.float64)
+
+
+def _line(points: Points) -> NDArray[np.float64]:
+    """Return a, b and c of ax + by + c = 0 through these points; a few wrong ones do little."""
+    dx, dy, x, y = (
+        float(value) for value in np.ravel(cv2.fitLine(points.astype(np.float32), cv2.DIST_HUBER, 0, 1e-3, 1e-3))
+    )
+    return np.array([-dy, dx, dy * x - dx * y])
+
+
+def _poses(corners: Points, lens: Lens) -> Iterator[FloorPose]:
+    """Give each pose that A4 may have: long side or short side first, and what a flat thing leaves open."""
+    long, short = A4[0] / 1000.0, A4[1] / 1000.0
+    for a, b in ((long, short), (short, long)):
+        sheet = np.array([[-a, -b, 0.0], [a, -b, 0.0], [a, b, 0.0], [-a, b, 0.0]]) / 2.0
+        _, rotations, shifts, _ = cv2.solvePnPGeneric(sheet, corners, lens.matrix, None, flags=cv2.SOLVEPNP_IPPE)
+        for rotation, shift in zip(rotations, shifts, strict=True):
+            best = cv2.solvePnPRefineLM(sheet, corners, lens.matrix, None, rotation, shift)
+            yield _pose(sheet, corners, lens, np.concatenate([np.ravel(part) for part in best]))
+
+
+def _pose(sheet: NDArray[np.float64], corners: Points, lens: Lens, six: NDArray[np.float64]) -> FloorPose:
+    """Return the pose with its standard deviations; `six`: rotation and shift from sheet to camera."""
+    seen, slopes = cv2.projectPoints(sheet, six[:3], six[3:], lens.matrix, None)[:2]
+    error = math.sqrt(float(((np.reshape(seen, (-1, 2)) - corners) ** 2).sum(axis=1).mean()))
+    covariance = (_CORNER_SD * lens.width / 320) ** 2 * np.linalg.pinv(slopes[:, :6].T @ slopes[:, :6])
+    step = 1e-6
+    slope = np.array([(_above_floor(six + step * axis) - _above_floor(six)) / step for axis in np.eye(6)])
+    z, roll, pitch = _above_floor(six)
+    z_sd, _, pitch_sd = np.sqrt(np.einsum("ia,ij,ja->a", slope, covariance, slope))
+    return FloorPose(float(z), float(roll), float(pitch), error, float(z_sd), float(pitch_sd))
+
+
+def _above_floor(six: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return z, roll and pitch."""
+    right, down, ahead = up = cv2.Rodrigues(six[:3])[0][:, 2]  # of the floor, as the camera has it
+    return np.array([-up @ six[3:], math.atan2(-right, -down), math.asin(max(-1.0, min(1.0, -ahead)))])
