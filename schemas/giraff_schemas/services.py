@@ -68,7 +68,10 @@ WEB: Final = Service(
     host="operator",
     entry="main",
     publishes=(t.OPERATOR_CMD_VEL,),
-    subscribes=(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.ATTITUDE, t.RANGE),
+    subscribes=(
+        *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.ATTITUDE, t.RANGE),
+        t.CAMERA_STATE,
+    ),
     optional=True,
 )
 """A page, for any number of browsers; whoever drives by one of them is this operator."""

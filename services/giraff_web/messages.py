@@ -103,7 +103,19 @@ class End(_FromPage, frozen=True, kw_only=True, tag="end"):
     """Its number."""
 
 
-FromPage = PageWish | LetGo | Stop | Reset | Seen | End
+class Look(_FromPage, frozen=True, kw_only=True, tag="look"):
+    """A person switches the camera's picture on or off. Only a page that may drive is heard."""
+
+    on: bool
+
+
+class PictureSeen(_FromPage, frozen=True, kw_only=True, tag="picture_seen"):
+    """The page has shown the picture of this number: it may be sent the next one."""
+
+    n: Annotated[int, msgspec.Meta(ge=0, lt=1 << 32)]
+
+
+FromPage = PageWish | LetGo | Stop | Reset | Seen | End | Look | PictureSeen
 
 
 class _ToPage(msgspec.Struct, frozen=True, kw_only=True, tag_field="type"):
@@ -196,6 +208,15 @@ class Balance(msgspec.Struct, frozen=True, kw_only=True):
     """m/s of the left and the right wheel."""
 
 
+class CameraView(msgspec.Struct, frozen=True, kw_only=True):
+    """The robot's camera, as every page is told of it. Its pictures come as binary messages (`giraff_web.camera`)."""
+
+    askers: tuple[str, ...]
+    """Who looks now; empty: the camera is off."""
+    why: str
+    """What is wrong with it, with the way out; empty: nothing."""
+
+
 class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """All that is shown, 25 times a second at most; None: it is not heard."""
 
@@ -233,12 +254,22 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """s from the hand to the wheels."""
     balance: Balance | None = None
     """None: it is no robot that balances."""
+    camera: CameraView | None = None
+    """None: no camera was heard."""
 
 
 class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):
     """Why this page's hold does not count, with the way out; empty: it does, or there is none."""
 
     why: str
+
+
+class Looking(_ToPage, frozen=True, kw_only=True, tag="looking"):
+    """Whether this page is sent the camera's picture."""
+
+    on: bool
+    why: str
+    """Why it is off, with the way out; empty: a person has switched it."""
 
 
 class OpenPage(msgspec.Struct, frozen=True, kw_only=True):
@@ -259,4 +290,4 @@ class OpenPages(_ToPage, frozen=True, kw_only=True, tag="pages"):
     pages: tuple[OpenPage, ...]
 
 
-ToPage = Hello | State | Refused | OpenPages
+ToPage = Hello | State | Refused | Looking | OpenPages

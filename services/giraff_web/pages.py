@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 from giraff_core.io import Selectable
 from giraff_schemas.messages import EStop
-from giraff_web.messages import Hello, LetGo, PageWish, Refused, Reset, State
+from giraff_web.messages import Hello, LetGo, Look, Looking, PageWish, PictureSeen, Refused, Reset, State
 
 
 class Opened(NamedTuple):
@@ -27,10 +27,10 @@ class Closed(NamedTuple):
 
 
 class Said(NamedTuple):
-    """A page has said what is its hand's."""
+    """A page that may drive has said something."""
 
     page: int
-    message: PageWish | LetGo | Reset
+    message: PageWish | LetGo | Reset | Look | PictureSeen
 
 
 class StopAsked(NamedTuple):
@@ -59,6 +59,10 @@ class Pages(Selectable, Protocol):
         """Answer those whose stop an earlier turn has taken: base says in this turn that it stands."""
         ...
 
-    def tell(self, page: int, message: Hello | Refused) -> None:
+    def tell(self, page: int, message: Hello | Refused | Looking) -> None:
         """Tell one page; nothing when it is gone."""
+        ...
+
+    def send_picture(self, page: int, data: bytes) -> None:
+        """Send one page a picture of the camera, after all else that waits; nothing when it is gone."""
         ...

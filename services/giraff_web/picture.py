@@ -12,7 +12,7 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import Attitude, EStop, GuardState, Odometry, Range, Sample, Verdict
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
 from giraff_schemas.trouble import WELL, trouble_of
-from giraff_web.messages import Balance, Direction, Echo, Latch, Part, State, moment
+from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, Part, State, moment
 from giraff_web.policy import WebPolicy
 
 STALE: Final = 1.5
@@ -49,7 +49,7 @@ class Picture:
         if isinstance(sample, Odometry):
             self._go_on(sample)
 
-    def state(self, policy: WebPolicy, stop_text: str, now: float) -> State:
+    def state(self, policy: WebPolicy, stop_text: str, now: float, camera: CameraView | None = None) -> State:
         """The next state. `stop_text`: of what was asked for here."""
         self._n += 1
         base, guard, estop = self._newest(BASE, now), self._newest(GUARD, now), self._newest(ESTOP, now)
@@ -80,6 +80,7 @@ class Picture:
             battery=round(battery.voltage, 2) if battery else None,
             round_trip=base.round_trip if base else None,
             balance=self._balance(attitude, odom) if attitude else None,
+            camera=camera,
         )
 
     def _go_on(self, odom: Odometry) -> None:

@@ -11,12 +11,14 @@ from giraff_core.io import IO
 from giraff_core.operator import Fault, OperatorService, Wish
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
+from giraff_schemas.camera import CameraState
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.topics import (
     ATTITUDE,
     BASE,
     BATTERY,
+    CAMERA_STATE,
     ESTOP,
     ESTOP_ENGAGE,
     ESTOP_RESET,
@@ -26,10 +28,11 @@ from giraff_schemas.topics import (
     Topic,
 )
 from giraff_schemas.trouble import WELL, Trouble
+from giraff_web.camera import OpenSource, PagesLooking
 from giraff_web.config import WebConfig
 from giraff_web.hand import time_of
 from giraff_web.limited_log import LimitedLog
-from giraff_web.messages import Hello, LetGo, PageWish, Refused, Reset, Room
+from giraff_web.messages import Hello, LetGo, Look, PageWish, PictureSeen, Refused, Reset, Room
 from giraff_web.pages import Closed, Event, Opened, Pages, Said, StopAsked
 from giraff_web.picture import Picture
 from giraff_web.policy import NOBODY, WebPolicy
@@ -52,17 +55,22 @@ class Web(OperatorService):
         pages: Pages,
         log: Callable[[str], None],
         room: Room | None = None,
+        open_source: OpenSource | None = None,
     ) -> None:
-        """`log`: takes a line for people: who drove, stopped, reset. `room`: that is shown around the robot."""
+        """`log`: takes a line for people: who drove, stopped, reset, looked. `room`: that is shown around the robot.
+
+        `open_source`: looks at the robot's camera; None: no page does.
+        """
         self._io, self._config, self._robot, self._pages = io, config, robot, pages
         self._log, self._room = LimitedLog(log), room
         self._policy = WebPolicy(config, robot, io.instance)
         self._picture = Picture(robot)
         self._by = f"{config.operator}@{io.hostname}"
         self._stops = Stops(self._engage, self._reset, self._log)
+        self._looking = PagesLooking(pages, self._by, open_source)
         super().__init__(io, self._policy)
         self.link = pages
-        told = (BASE, GUARD, ESTOP, BATTERY, RANGE)
+        told = (BASE, GUARD, ESTOP, BATTERY, RANGE, CAMERA_STATE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
         newest: list[Topic[Any]] = [ODOM, ATTITUDE]
         self._told += [io.inbox(topic, limit=1, wakes=False) for topic in newest]
@@ -70,6 +78,7 @@ class Web(OperatorService):
         self.timers = (self.timer, self._show_timer)
         self._lost: dict[int, Trouble] = {}
         self._driver = NOBODY
+        self._lookers = ""
 
     def turn(self, now: float) -> None:
         policy = self._policy
@@ -78,6 +87,9 @@ class Web(OperatorService):
             self._take(event, now)
         self.hear(now)
         for sample in (sample for inbox in self._told for sample in inbox.take()):
+            if isinstance(sample, CameraState):
+                self._looking.on_state(sample, now)
+                continue
             self._picture.take(sample, now)
             if isinstance(sample, EStop):
                 self._stops.on_estop(sample, now)
@@ -87,7 +99,15 @@ class Web(OperatorService):
         policy.stopping = self._stops.asked
         self.say(now)
         if self._show_timer.due(now):
-            self._pages.show(self._picture.state(policy, self._stops.text, now))
+            self._pages.show(self._picture.state(policy, self._stops.text, now, self._looking.view(now)))
+        self._looking.poll(now)
+        if (devices := self._looking.devices) != self._lookers:
+            self._lookers = devices
+            self._log.say("look", f"the camera's picture is on at {devices or 'no page'}", now)
+
+    def end(self) -> None:
+        super().end()
+        self._looking.close()
 
     def on_said(self, asked: Wish | Fault, now: float) -> None:
         super().on_said(asked, now)
@@ -101,18 +121,28 @@ class Web(OperatorService):
                 self._pages.tell(event.page, self._hello(event))
             case Closed():
                 policy.on_closed(event.page)
+                self._looking.on_closed(event.page)
                 self._lost.pop(event.page, None)
             case StopAsked():
                 policy.on_stop(event.device)
                 self._stops.stop(event.device, now, off=event.off)
-            case Said(page, PageWish() as wish):
+            case Said(page, PictureSeen(n=n)):
+                self._looking.on_seen(page, n, now)
+            case Said():
+                self._take_said(event, now)
+                self.timer.hurry("page", now)
+
+    def _take_said(self, said: Said, now: float) -> None:
+        page, policy = said.page, self._policy
+        match said.message:
+            case PageWish() as wish:
                 policy.on_wish(page, wish, now)
-            case Said(page, LetGo() as message):
+            case LetGo() as message:
                 policy.on_let_go(page, message)
-            case Said(page, Reset() as reset):
+            case Reset() as reset:
                 self._take_reset(page, reset, now)
-        if isinstance(event, Said):
-            self.timer.hurry("page", now)
+            case Look(on=on) if policy.may_drive(page):  # who may not drive may not see
+                self._looking.switch(page, policy.device(page), on=on)
 
     def _take_reset(self, page: int, reset: Reset, now: float) -> None:
         if not self._policy.may_drive(page):

@@ -23,7 +23,7 @@ from giraff_sim.simulation import simulation
 from giraff_sim.truth import Truth
 from giraff_sim.world.hand import StillHand
 from giraff_web.config import WebConfig
-from giraff_web.messages import FromPage, Hello, Input, LetGo, PageWish, Reading, Refused, Reset, State, ToPage
+from giraff_web.messages import FromPage, Hello, Input, LetGo, Looking, PageWish, Reading, Refused, Reset, State, ToPage
 from giraff_web.pages import Closed, Event, Opened, Said, StopAsked
 from giraff_web.service import Web
 from tests.loop.loops import COARSE_STEP_US, GRAVITY, SETTINGS
@@ -185,12 +185,15 @@ class Browsers:
     def confirm(self, word: EStop) -> None:
         self.confirmed.append(word)
 
-    def tell(self, page: int, message: Hello | Refused) -> None:
+    def send_picture(self, page: int, data: bytes) -> None:
+        raise AssertionError(f"page {page} does not look, and is sent {len(data)} bytes")
+
+    def tell(self, page: int, message: Hello | Refused | Looking) -> None:
         if page not in self.open:
             return
         if isinstance(message, Hello):
             self.open[page].hello = message
-        else:
+        elif isinstance(message, Refused):
             self.open[page].refusals.append(message.why)
 
 

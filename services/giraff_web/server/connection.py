@@ -12,7 +12,7 @@ import msgspec
 from aiohttp import WSMsgType, web
 
 from giraff_web.limits import Credit, Limits, Rate
-from giraff_web.messages import LARGEST, End, FromPage, Hello, OpenPage, OpenPages, Refused, Seen, Stop
+from giraff_web.messages import LARGEST, End, FromPage, Hello, Looking, OpenPage, OpenPages, Refused, Seen, Stop
 from giraff_web.pages import Event, Said, StopAsked
 
 BAD_MESSAGE: Final = 4400
@@ -86,6 +86,7 @@ class Connection:
         self._credit = Credit()
         self._sent = -1
         self._state: Shown | None = None
+        self._picture: bytes | None = None
         self._told: deque[bytes] = deque(maxlen=_MOST_TOLD)
         self._greeted = False
         self._silenced = False
@@ -107,9 +108,13 @@ class Connection:
         """This page, as others are told of it."""
         return OpenPage(page=self.page, device=self.device, may_drive=self.may_drive, age=now - self._opened)
 
-    def tell(self, message: Hello | Refused | OpenPages) -> None:
+    def tell(self, message: Hello | Refused | Looking | OpenPages) -> None:
         self._greeted = self._greeted or isinstance(message, Hello)
         self._told.append(msgspec.json.encode(message))
+        self._news.set()
+
+    def send_picture(self, data: bytes) -> None:
+        self._picture = data
         self._news.set()
 
     def is_silent(self, now: float) -> bool:
@@ -186,20 +191,23 @@ class Connection:
         while True:
             await self._news.wait()
             self._news.clear()
-            while (data := self._next()) is not None:
+            while (found := self._next()) is not None:
                 # As bytes: it is encoded once, for all pages.
-                await self.socket.send_frame(data, WSMsgType.TEXT)
+                await self.socket.send_frame(*found)
 
-    def _next(self) -> bytes | None:
-        """What is to be sent now."""
+    def _next(self) -> tuple[bytes, WSMsgType] | None:
+        """What is to be sent now. A picture waits for all else: it takes a slow link for long."""
         if self._told:
-            return self._told.popleft()
-        if self._state is None or not self._greeted or not self._credit.allows():
+            return self._told.popleft(), WSMsgType.TEXT
+        if not self._greeted or not self._credit.allows():
             return None
-        state, self._state = self._state, None
-        self._sent = state.n
-        self._credit.sent(state.n, self._loop.time())
-        return state.data
+        if self._state is not None:
+            state, self._state = self._state, None
+            self._sent = state.n
+            self._credit.sent(state.n, self._loop.time())
+            return state.data, WSMsgType.TEXT
+        picture, self._picture = self._picture, None
+        return None if picture is None else (picture, WSMsgType.BINARY)
 
 
 async def bounded(closing: Awaitable[object]) -> None:

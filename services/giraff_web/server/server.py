@@ -21,7 +21,7 @@ from giraff_schemas.messages import EStop
 from giraff_web.config import WebConfig
 from giraff_web.event_box import EventBox
 from giraff_web.limits import Limits
-from giraff_web.messages import Hello, OpenPages, Refused, State
+from giraff_web.messages import Hello, Looking, OpenPages, Refused, State
 from giraff_web.pages import Closed, Event, Opened, StopAsked
 from giraff_web.server.certificates import Certificate
 from giraff_web.server.connection import ENDED, LEAVING, NOT_ALLOWED, SILENT, TOO_MANY, Connection, Shown, bounded
@@ -150,8 +150,11 @@ class Server:
         if self._stop_answers.is_waited:
             self._call(self._stop_answers.give, word, self._stop_answers.turns)
 
-    def tell(self, page: int, message: Hello | Refused) -> None:
+    def tell(self, page: int, message: Hello | Refused | Looking) -> None:
         self._call(self._tell, page, message)
+
+    def send_picture(self, page: int, data: bytes) -> None:
+        self._call(self._send_picture, page, data)
 
     def _call(self, function: Callable[..., object], *arguments: Any) -> None:
         with contextlib.suppress(RuntimeError):  # it has ended
@@ -170,9 +173,13 @@ class Server:
             for connection in self._connections.values():
                 connection.offer(self._shown)
 
-    def _tell(self, page: int, message: Hello | Refused) -> None:
+    def _tell(self, page: int, message: Hello | Refused | Looking) -> None:
         if connection := self._connections.get(page):
             connection.tell(message)
+
+    def _send_picture(self, page: int, data: bytes) -> None:
+        if connection := self._connections.get(page):
+            connection.send_picture(data)
 
     def _run(self) -> None:
         try:

@@ -120,7 +120,9 @@ def test_strangers_may_not_watch_where_the_network_is_secured_but_stop(tmp_path:
     trying(tmp_path, course, strangers_watch=False)
 
 
-def test_a_page_gets_three_states_and_then_the_newest_once_it_has_shown_them(tmp_path: Path) -> None:
+def test_a_page_gets_three_states_then_the_newest_once_it_has_shown_them_and_then_a_picture(
+    tmp_path: Path,
+) -> None:
     async def course(it: Desk) -> None:
         async with browser(it) as session, page(it, session) as slow, page(it, session) as quick:
             await it.until(lambda: len(it.of(Opened)) == 2)
@@ -130,11 +132,13 @@ def test_a_page_gets_three_states_and_then_the_newest_once_it_has_shown_them(tmp
                 assert (await told(quick))["n"] == n
                 await quick.send_str(json.dumps({"type": "seen", "n": n}))
             assert [(await told(slow))["n"] for _ in range(3)] == [1, 2, 3]
+            it.server.send_picture(it.of(Opened)[0].page, b"picture")
             await slow.send_str('{"type": "seen", "n": 1}')
             assert (await told(slow))["n"] == 20
             it.show(5)
             await slow.send_str('{"type": "seen", "n": 20}')
             assert (await told(slow))["n"] == 25
+            assert await asyncio.wait_for(slow.receive_bytes(), 20.0) == b"picture"
 
     trying(tmp_path, course)
 

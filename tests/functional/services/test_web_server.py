@@ -24,7 +24,8 @@ def test_who_has_no_token_watches_and_may_stop_and_nothing_else(tmp_path: Path) 
             first = await told(socket)
             assert (first["type"], first["device"], first["may_drive"]) == ("hello", IPHONE, False)
             reset = '{"type": "reset", "id": "1", "engaged_ns": "2", "tick": null}'
-            for text in (wish(1), reset, '{"type": "let_go", "n": 2, "why": "finger"}', STOP):
+            look = '{"type": "look", "on": true}'
+            for text in (wish(1), reset, '{"type": "let_go", "n": 2, "why": "finger"}', look, STOP):
                 await socket.send_str(text)
             await it.until(lambda: it.of(StopAsked))
             assert it.events == [Opened(1, IPHONE, may_drive=False), StopAsked(IPHONE)]

@@ -28,6 +28,8 @@ _WISH = '{"type":"wish","n":1,"tick":null,"hold":0,"input":"tilt"%s}'
         '{"type":"wish"}',
         '{"type":"drive","n":1}',
         '{"type":"seen","n":-1}',
+        '{"type":"look","on":1}',
+        '{"type":"picture_seen","n":4294967296}',
         '{"type":"seen","n":9007199254740993}',
         '{"type":"let_go","n":1,"why":"bored"}',
         '{"type":"reset","id":"99999999999999999999","engaged_ns":"0","tick":null}',
