@@ -115,6 +115,8 @@ class PagesLooking:
         elif self._state is None or self._open is None:
             self._end(page, _NO_CAMERA)
         else:
+            if not self._looking:
+                self._counts_from = -math.inf
             self._looking.setdefault(page, _Page(device))
             self._largest, self._quick = "small", 0  # nothing is known of the link to this page
             self._tell.tell(page, Looking(on=True, why=""))

@@ -20,6 +20,7 @@ const MOST_WAITING = 4096;
 /**
  * @typedef {object} Listener
  * @property {(message: any) => void} onMessage
+ * @property {(buffer: ArrayBuffer) => void} onPicture of the camera
  * @property {() => void} onCut
  * @property {(why: string) => void} onWhy why there is no connection, or no right to drive; empty: there is
  * @property {(text: string) => void} onSession what became of the token
@@ -111,6 +112,7 @@ export class Link {
     const address = new URL("/ws", location.href);
     address.protocol = address.protocol === "http:" ? "ws:" : "wss:";
     const socket = new WebSocket(address);
+    socket.binaryType = "arraybuffer";
     this._socket = socket;
     const now = performance.now() / 1000;
     this._givesUp = now + (!this._everOpen || this._attempts % 3 === 0 ? LONG_PATIENCE : PATIENCE);
@@ -120,6 +122,7 @@ export class Link {
     };
     socket.onmessage = (event) => {
       this._heardAt = performance.now() / 1000;
+      if (typeof event.data !== "string") return this._listener.onPicture(event.data);
       const message = JSON.parse(event.data);
       if (message.type === "hello") {
         this._wait = FIRST_WAIT;

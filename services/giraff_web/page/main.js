@@ -8,6 +8,7 @@ import { Link } from "./link.js";
 import { Others } from "./others.js";
 import * as pad from "./pad.js";
 import { Panel, byId, write } from "./panel.js";
+import { Picture } from "./picture.js";
 import { Question, StopButton } from "./question.js";
 import { Motion, screenAngle } from "./tilt.js";
 import { isStopped } from "./words.js";
@@ -39,7 +40,7 @@ const at = {
 /** Something has changed that the next frame shows; what only grows older waits for the timer's look. */
 let changed = true;
 
-const link = new Link({ onMessage, onCut, onWhy, onSession, onUntrusted });
+const link = new Link({ onMessage, onPicture: (buffer) => picture.onPicture(buffer), onCut, onWhy, onSession, onUntrusted });
 const hand = new Hand((message) => link.say(message));
 const motion = new Motion(hand, clock);
 const panel = new Panel();
@@ -47,6 +48,7 @@ const others = new Others((page) => link.say({ type: "end", page }));
 const floor = new Floor(byId("floor"));
 const trail = new Trail();
 const balance = new Balance();
+const picture = new Picture((message) => link.say(message));
 const stop = new StopButton(clock, {
   say: (off) => {
     hand.onStop();
@@ -74,6 +76,7 @@ function onMessage(message) {
     if (message.may_drive) at.session = "";
     hand.onMayDrive(message.may_drive);
     trail.onHello(message);
+    picture.onHello();
     floor.touch();
   } else if (message.type === "state") {
     buzz(message);
@@ -84,10 +87,13 @@ function onMessage(message) {
     stop.onState(message);
     trail.onState(message);
     balance.onState(message, now);
+    picture.onState(message, now);
     floor.touch();
     link.say({ type: "seen", n: message.n });
   } else if (message.type === "pages") {
     others.onPages(message.pages, at.me);
+  } else if (message.type === "looking") {
+    picture.onLooking(message);
   } else if (message.type === "refused") {
     if (message.why) {
       hand.onRefused();
@@ -105,6 +111,7 @@ function buzz(state) {
 
 function onCut() {
   hand.onCut();
+  picture.end("the link was lost");
   floor.touch();
 }
 
@@ -165,6 +172,7 @@ function draw(now) {
   panel.draw(at, now);
   others.draw(at);
   balance.draw(at.state, linked, now);
+  picture.draw(at, now);
   stop.draw(now, linked);
   question.draw(at.state?.stop, at.mayDrive, linked);
 }
@@ -210,7 +218,10 @@ modes.forEach((mode, index) => {
 pad.listen(byId("pad"), hand, clock);
 pad.listen(byId("tilt"), hand, clock);
 keys.listen(hand, stop, clock);
-document.addEventListener("visibilitychange", () => hand.onVisible(!document.hidden));
+document.addEventListener("visibilitychange", () => {
+  hand.onVisible(!document.hidden);
+  if (document.hidden) picture.end("the page was hidden");
+});
 addEventListener("focus", () => hand.onFocused(true));
 addEventListener("blur", () => {
   hand.onFocused(false);

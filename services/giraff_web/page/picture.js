@@ -1,0 +1,127 @@
+// The picture of the robot's camera: who looks, whether this page does, and how old what it shows is.
+
+import { byId, write } from "./panel.js";
+import { OLD, sentence } from "./words.js";
+
+/** Bytes before the JPEG: number of the picture, then epoch and ns of its tick, big end first. */
+const HEADER = 16;
+/** By how much the clocks of robot and page may drift apart, s each s. */
+const DRIFT = 0.001;
+const TAP = "tap to see it again";
+
+/** The robot's clock, by the ticks of the states: a state that was late on its way never sets it back. */
+export class RobotClock {
+  constructor() {
+    this._epoch = 0;
+    this._ahead = 0;
+    this._at = 0;
+  }
+
+  /** @param {[string, string]} tick  @param {number} now s */
+  onTick([epoch, ns], now) {
+    const ahead = Number(ns) / 1e9 - now;
+    const kept = this._ahead - DRIFT * (now - this._at);
+    this._ahead = Number(epoch) === this._epoch ? Math.max(kept, ahead) : ahead;
+    this._epoch = Number(epoch);
+    this._at = now;
+  }
+
+  /** s since the robot's clock showed this; null: nobody knows. */
+  age(epoch, ns, now) {
+    if (!epoch || epoch !== this._epoch) return null;
+    return Math.max(0, now + this._ahead - ns / 1e9);
+  }
+}
+
+/** What a binary message holds. @param {ArrayBuffer} buffer */
+export function unpacked(buffer) {
+  const view = new DataView(buffer);
+  const jpeg = new Blob([new Uint8Array(buffer, HEADER)], { type: "image/jpeg" });
+  return { n: view.getUint32(0), epoch: view.getUint32(4), ns: Number(view.getBigUint64(8)), jpeg };
+}
+
+export function ageText(age) {
+  return age === null ? "of unknown age" : `${age.toFixed(1)} s old`;
+}
+
+/** Whether somebody sees the robot's surroundings, for every page. @param {any} camera as the state has it */
+export function cameraText(camera) {
+  const is = camera.askers.length ? `The robot’s camera is on, for ${camera.askers.join(", ")}.` : "The robot’s camera is off.";
+  return camera.why ? `${is} ${sentence(camera.why)}.` : is;
+}
+
+export class Picture {
+  /** @param {(message: object) => void} say */
+  constructor(say) {
+    this._say = say;
+    this._clock = new RobotClock();
+    this._on = false;
+    /** Why it is off though a person wants it; empty: it is on, or nobody wants it. */
+    this._why = "";
+    /** The newest that is shown. */
+    this._shown = /** @type {any} */ (null);
+    this._pen = byId("picture").getContext("2d");
+    byId("look").addEventListener("click", () => this._tap());
+  }
+
+  onHello() {
+    this._clock = new RobotClock();
+  }
+
+  onState(state, now) {
+    if (state.tick) this._clock.onTick(state.tick, now);
+  }
+
+  onLooking({ on, why }) {
+    this._on = on;
+    if (on || why) this._why = why;
+  }
+
+  /** What has ended it here, where it was on; only a person brings it back. */
+  end(why) {
+    if (!this._on) return;
+    this._on = false;
+    this._why = `${why}; ${TAP}`;
+    this._say({ type: "look", on: false });
+  }
+
+  /** @param {ArrayBuffer} buffer */
+  async onPicture(buffer) {
+    if (!this._on) return;
+    const { n, epoch, ns, jpeg } = unpacked(buffer);
+    const image = await createImageBitmap(jpeg).catch(() => null); // a torn one shows nothing, and ages
+    if (image && this._on) {
+      const canvas = byId("picture");
+      if (canvas.width !== image.width) canvas.width = image.width;
+      if (canvas.height !== image.height) canvas.height = image.height;
+      this._pen.drawImage(image, 0, 0);
+      this._shown = { epoch, ns };
+    }
+    image?.close();
+    this._say({ type: "picture_seen", n });
+  }
+
+  draw(at, now) {
+    const camera = at.state?.camera;
+    byId("camera").hidden = !camera;
+    if (!camera) return;
+    const age = this._shown && this._clock.age(this._shown.epoch, this._shown.ns, now);
+    byId("shown").hidden = !this._shown;
+    document.body.dataset.picture = this._shown ? "shown" : "";
+    byId("shown").classList.toggle("old", age === null || age >= OLD);
+    write(byId("picture-age"), ageText(age));
+    const own = this._why ? `Your picture is off: ${this._why}. ` : "";
+    write(byId("camera-text"), at.linked ? own + cameraText(camera) : own);
+    const button = byId("look");
+    button.hidden = !at.mayDrive;
+    write(button, this._on ? "Hide" : "Show picture");
+    button.setAttribute("aria-label", this._on ? "Hide the camera’s picture" : "Show picture of the camera");
+  }
+
+  _tap() {
+    this._say({ type: "look", on: !this._on });
+    this._why = "";
+    if (this._on) this._shown = null;
+    this._on = false; // until the service says so
+  }
+}
