@@ -14,6 +14,7 @@ import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.sensors import Camera
 from giraff_schemas.wire import RANGE_SENSORS
 
 Level = Literal["exact", "calibrated", "uncalibrated"]
@@ -39,6 +40,29 @@ class TrueWheel(msgspec.Struct, frozen=True, kw_only=True):
     """m that it turns in vain on each threshold."""
 
 
+class TrueCamera(msgspec.Struct, frozen=True, kw_only=True):
+    """Every camera of the robot."""
+
+    height_scale: float = 1.0
+    """Of the height above the floor that its file says."""
+    pitch: float = 0.0
+    """rad that it looks farther down."""
+    focal_scale: float = 1.0
+    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    """k1, k2, p1, p2, k3 beyond the file's."""
+
+    def of(self, camera: Camera) -> Camera:
+        """Return the true one of a camera in the file."""
+        return msgspec.structs.replace(
+            camera,
+            z=camera.z * self.height_scale,
+            pitch=min(math.pi / 2, max(-math.pi / 2, camera.pitch + self.pitch)),
+            focal_x=camera.focal_x * self.focal_scale,
+            focal_y=camera.focal_y * self.focal_scale,
+            distortion=tuple(map(sum, zip(camera.distortion, self.distortion, strict=True))),
+        )
+
+
 class Truth(msgspec.Struct, frozen=True, kw_only=True):
     """One robot. The defaults are a robot that is exactly as built, whatever a calibration says."""
 
@@ -54,6 +78,7 @@ class Truth(msgspec.Struct, frozen=True, kw_only=True):
     """m, standard deviation of a range."""
     sensor_yaws: tuple[float, ...] = (0.0,) * RANGE_SENSORS
     """rad by which each ultrasonic sensor, by its number on the ranger board, looks to the left of the file's `yaw`."""
+    camera: TrueCamera = TrueCamera()
 
 
 EXACT: Final = Truth()
@@ -84,6 +109,16 @@ class TruthRanges(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """m, standard deviation of a range: the same of every drawn robot."""
     sensor_yaw: Annotated[float, Bounds(0.0, math.pi / 6, "rad")] = math.radians(3.0)
     """rad, to either side, of each sensor's axis."""
+    camera_height: Annotated[float, Bounds(0.0, 0.2)] = 0.03
+    """Share by which a camera may be higher or lower than the file says."""
+    camera_pitch: Annotated[float, Bounds(0.0, math.pi / 12, "rad")] = math.radians(2.0)
+    """rad, up or down."""
+    camera_focal: Annotated[float, Bounds(0.0, 0.2)] = 0.03
+    """Share of the focal length, either way."""
+    camera_distortion: Annotated[float, Bounds(0.0, 0.2)] = 0.1
+    """k1 of the lens, either way. k2 is drawn within a third of it, p1 and p2 within a fiftieth."""
+    calibrated_camera: Annotated[float, Bounds(0.0, 1.0)] = 0.1
+    """Share of those four that a calibration leaves."""
 
     def __post_init__(self) -> None:
         check_bounds(self)
@@ -135,10 +170,27 @@ def draw_truth(level: Level, ranges: TruthRanges, seed: int, calibration: Calibr
         accelerometer_offset=(either_way(offset), either_way(offset), either_way(offset)),
         sonar_noise=ranges.sonar_noise,
         sensor_yaws=tuple(either_way(ranges.sensor_yaw) for _ in range(RANGE_SENSORS)),
+        camera=_draw_camera(ranges, seed, ranges.calibrated_camera if is_calibrated else 1.0),
     )
     if is_calibrated and calibration.date:  # a track that was measured by turning has what slips in it
         return msgspec.structs.replace(drawn, track_scale=drawn.track_scale * (1.0 - drawn.turn_slip))
     return drawn
+
+
+def _draw_camera(ranges: TruthRanges, seed: int, share: float) -> TrueCamera:
+    """By a chance of its own: robots that were drawn before cameras were stay as they are."""
+    chance = random.Random(f"{seed}/camera")
+
+    def either_way(largest: float) -> float:
+        return chance.uniform(-largest, largest) * share
+
+    bend = ranges.camera_distortion
+    return TrueCamera(
+        height_scale=1.0 + either_way(ranges.camera_height),
+        pitch=either_way(ranges.camera_pitch),
+        focal_scale=1.0 + either_way(ranges.camera_focal),
+        distortion=(either_way(bend), either_way(bend / 3.0), either_way(bend / 50.0), either_way(bend / 50.0), 0.0),
+    )
 
 
 def _as_calibrated(calibration: Calibration) -> Truth:

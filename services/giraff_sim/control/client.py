@@ -12,7 +12,7 @@ import msgspec
 
 from giraff_schemas.wire import Wiring
 from giraff_sim.control import messages
-from giraff_sim.control.messages import BoardName, State, Wheel
+from giraff_sim.control.messages import BoardName, State, Surfaces, Wheel
 from giraff_sim.record import Verdict
 from giraff_sim.truth import Truth
 from giraff_sim.world.bno055 import Bno055Fault
@@ -62,6 +62,13 @@ class SimulatorClient:
         if state is None:
             raise SimulatorError(f"{self._path}: a reply without the state")
         return state
+
+    def room(self) -> Surfaces:
+        """What stands in the room."""
+        room = self._ask(messages.GetRoom()).room
+        if room is None:
+            raise SimulatorError(f"{self._path}: a reply without the room")
+        return room
 
     def truth(self) -> Truth:
         """How this robot differs from what its file says."""

@@ -45,6 +45,7 @@ class Control:
         self._actions: dict[type[messages.Request], Callable[[Any], messages.Reply | None]] = {
             messages.Now: lambda _request: None,
             messages.GetState: self._state,
+            messages.GetRoom: self._room,
             messages.GetTruth: self._truth,
             messages.GetRecord: self._record,
             messages.Tilt: self._tilt,
@@ -91,6 +92,9 @@ class Control:
             right_speed=plant.right.speed,
             speed=plant.speed,
             turn=plant.turn,
+            lean=plant.lean,
+            pivot=plant.pivot,
+            room_version=simulation.world.room.version,
             path_length=plant.path_length,
             clearance=_finite(plant.clearance),
             closest=_finite(plant.closest),
@@ -117,6 +121,11 @@ class Control:
             complaints=board.model.errors,
             complaint=board.message,
         )
+
+    def _room(self, _request: messages.GetRoom) -> messages.Reply:
+        room = self._simulation.world.room
+        surfaces = messages.Surfaces(version=room.version, walls=room.walls, posts=room.posts)
+        return messages.Reply(ok=True, now_us=self._simulation.now_us, room=surfaces)
 
     def _truth(self, _request: messages.GetTruth) -> messages.Reply:
         return messages.Reply(ok=True, now_us=self._simulation.now_us, truth=self._simulation.world.truth)

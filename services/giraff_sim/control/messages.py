@@ -30,6 +30,10 @@ class GetState(Request, frozen=True, kw_only=True, tag="state"):
     """Everything there is to know."""
 
 
+class GetRoom(Request, frozen=True, kw_only=True, tag="room"):
+    """What stands in the room."""
+
+
 class GetTruth(Request, frozen=True, kw_only=True, tag="truth"):
     """How this robot differs from what its file says."""
 
@@ -183,6 +187,7 @@ class Reset(Request, frozen=True, kw_only=True, tag="reset"):
 AnyRequest = (
     Now
     | GetState
+    | GetRoom
     | GetTruth
     | GetRecord
     | Tilt
@@ -258,6 +263,17 @@ class Balance(msgspec.Struct, frozen=True, kw_only=True):
     """How its body differs from its file. Of `truth` only what is not its body applies."""
 
 
+class Surfaces(msgspec.Struct, frozen=True, kw_only=True):
+    """Walls and posts, m."""
+
+    version: int
+    """Changes with the room."""
+    walls: list[tuple[str, float, float, float, float]]
+    """A name and both ends."""
+    posts: list[tuple[str, float, float, float]]
+    """A name, the middle and the radius."""
+
+
 class State(msgspec.Struct, frozen=True, kw_only=True):
     """The simulated robot as it truly is."""
 
@@ -272,6 +288,12 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     """m/s at which the wheels carry the centre."""
     turn: float
     """rad/s at which they turn the body."""
+    lean: float
+    """rad that it leans forward about its axle."""
+    pivot: float
+    """m of that axle above the floor."""
+    room_version: int
+    """Of what stands in the room."""
     path_length: float
     clearance: float
     """m between the robot's disc and what is nearest to it."""
@@ -299,5 +321,6 @@ class Reply(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     now_us: int = 0
     """When the request was done; what it changed acts from the next millisecond on."""
     state: State | None = None
+    room: Surfaces | None = None
     truth: Truth | None = None
     record: Verdict | None = None

@@ -97,12 +97,22 @@ class Room:
             for begin, end in self.thresholds
         )
 
+    @property
+    def walls(self) -> list[tuple[str, float, float, float, float]]:
+        """Name and ends of each segment."""
+        return [
+            (name, x, y, x + along_x * length, y + along_y * length)
+            for name, x, y, along_x, along_y, length in self._segments
+        ]
+
+    @property
+    def posts(self) -> list[tuple[str, float, float, float]]:
+        """Name, middle and radius of each post."""
+        return [(post.name, post.x, post.y, post.radius) for post in self._posts]
+
     def outlines(self) -> list[tuple[Point, ...]]:
         """Lines that show all walls and posts, for whoever draws them."""
-        walls = [
-            ((x, y), (x + along_x * length, y + along_y * length))
-            for _, x, y, along_x, along_y, length in self._segments
-        ]
+        walls = [((x, y), (end_x, end_y)) for _, x, y, end_x, end_y in self.walls]
         posts = [post_outline(post.x, post.y, post.radius) for post in self._posts]
         return [*walls, *posts]
 

@@ -1,0 +1,65 @@
+"""The true lens of a simulated camera: which way each of its pixels looks.
+
+`giraff calibrate camera` estimates a lens with OpenCV. This is a geometry of its own, so that an error of either shows.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from giraff_core.sensors import Camera
+
+Array = NDArray[np.float64]
+
+_ITERATIONS: Final = 20
+
+
+def resized(camera: Camera, width: int, height: int) -> Camera:
+    """Return this camera as it is when it gives pictures of another size."""
+    across, down = width / camera.width, height / camera.height
+
+    def scaled(center: float | None, share: float) -> float | None:
+        return None if center is None else (center + 0.5) * share - 0.5
+
+    return msgspec.structs.replace(
+        camera,
+        width=width,
+        height=height,
+        focal_x=camera.focal_x * across,
+        focal_y=camera.focal_y * down,
+        center_x=scaled(camera.center_x, across),
+        center_y=scaled(camera.center_y, down),
+    )
+
+
+def rays(camera: Camera) -> Array:
+    """Return for each pixel the point at depth 1 that it sees: (height, width, 3), to the right, down and ahead."""
+    center_x = (camera.width - 1) / 2 if camera.center_x is None else camera.center_x
+    center_y = (camera.height - 1) / 2 if camera.center_y is None else camera.center_y
+    bent_x, bent_y = np.meshgrid(
+        (np.arange(camera.width) - center_x) / camera.focal_x, (np.arange(camera.height) - center_y) / camera.focal_y
+    )
+    k1, k2, p1, p2, k3 = camera.distortion
+    x, y = bent_x, bent_y
+    for _ in range(_ITERATIONS if any(camera.distortion) else 0):
+        square = x * x + y * y
+        radial = 1.0 + square * (k1 + square * (k2 + square * k3))
+        aside = 2.0 * p1 * x * y + p2 * (square + 2.0 * x * x)
+        along = p1 * (square + 2.0 * y * y) + 2.0 * p2 * x * y
+        x, y = (bent_x - aside) / radial, (bent_y - along) / radial
+    return np.stack([x, y, np.ones_like(x)], axis=-1)
+
+
+def turned(camera: Camera) -> Array:
+    """Return the matrix from right, down and ahead of a camera to ahead, left and up of its robot."""
+    (cr, sr), (cp, sp), (cy, sy) = ((np.cos(a), np.sin(a)) for a in (camera.roll, camera.pitch, camera.yaw))
+    roll = np.array([[1.0, 0.0, 0.0], [0.0, cr, -sr], [0.0, sr, cr]])
+    pitch = np.array([[cp, 0.0, sp], [0.0, 1.0, 0.0], [-sp, 0.0, cp]])
+    yaw = np.array([[cy, -sy, 0.0], [sy, cy, 0.0], [0.0, 0.0, 1.0]])
+    optical = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    matrix: Array = yaw @ pitch @ roll @ optical
+    return matrix
