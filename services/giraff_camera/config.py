@@ -7,6 +7,8 @@ from typing import Annotated, ClassVar
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.robot import RobotConfig
+from giraff_core.sensors import Camera as CameraModel
 from giraff_core.tuning import Tuning
 
 
@@ -31,3 +33,16 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         check_bounds(self)
         if not self.device:
             raise ValueError("device is empty: give the path of the camera, like /dev/video0")
+
+
+def chosen(config: CameraConfig, robot: RobotConfig) -> tuple[str, CameraModel]:
+    """The camera that the robot file means. Raises ValueError."""
+    there = robot.cameras
+    if config.name in there:
+        return config.name, there[config.name]
+    if not config.name and len(there) == 1:
+        return next(iter(there.items()))
+    if not there:
+        raise ValueError('the robot file has no camera; write [robot.sensors.head] with type = "camera" and its place')
+    whom = f"[camera] name is {config.name!r}" if config.name else "[camera] name is empty"
+    raise ValueError(f"{whom}, and the robot file's cameras are {', '.join(there)}: name one of them")

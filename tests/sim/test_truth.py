@@ -9,6 +9,7 @@ import msgspec
 import pytest
 
 from giraff_core.kinematics.calibration import Calibration
+from giraff_core.sensors import Camera
 from giraff_sim.bodies.wheels.plant import Plant
 from giraff_sim.truth import Level, TrueWheel, Truth, TruthRanges, draw_truth
 from giraff_sim.world.room import Room
@@ -176,6 +177,21 @@ def test_a_seed_is_one_robot_calibrated_or_not() -> None:
 
 
 FOUND = Calibration(date="2026-11-25", left_wheel_scale=1.013, right_wheel_scale=0.991, track_scale=1.026)
+
+
+def test_a_camera_differs_from_its_file_by_a_chance_of_its_own() -> None:
+    file, before, after = Camera(z=1.0, pitch=0.35), drawn("uncalibrated", 3).camera, drawn("calibrated", 3).camera
+    assert drawn("exact", 3).camera.of(file) == file
+    assert after.pitch == pytest.approx(before.pitch / 10.0)
+    true = before.of(file)
+    assert true.z == pytest.approx(before.height_scale)
+    assert true.pitch == pytest.approx(0.35 + before.pitch)
+    assert true.focal_x == true.focal_y == pytest.approx(230.0 * before.focal_scale)
+    assert true.distortion == before.distortion
+    cameras = [drawn("uncalibrated", seed).camera for seed in range(100)]
+    assert 1.8 < max(abs(math.degrees(camera.pitch)) for camera in cameras) < 2.0
+    still = draw_truth("uncalibrated", TruthRanges(camera_height=0.0, camera_pitch=0.0), 3)
+    assert msgspec.structs.replace(still, camera=before) == drawn("uncalibrated", 3)  # nothing else is drawn by it
 
 
 def test_a_calibration_does_not_change_the_robot_that_was_calibrated() -> None:

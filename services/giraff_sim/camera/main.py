@@ -19,7 +19,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_camera.config import CameraConfig
+from giraff_camera.config import CameraConfig, chosen
 from giraff_camera.device.raw_frames import Header, Wanted
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
@@ -163,21 +163,6 @@ def _moved(state: State, seconds: float) -> Pose:
     return Pose(state.x + way * math.cos(middle), state.y + way * math.sin(middle), yaw)
 
 
-def simulated_camera(robot: RobotConfig, config: CameraConfig) -> Camera:
-    """Return the camera of the robot file that is simulated. Raises ConfigError."""
-    cameras = robot.cameras
-    if config.name in cameras:
-        return cameras[config.name]
-    if len(cameras) == 1 and not config.name:
-        return next(iter(cameras.values()))
-    known = ", ".join(cameras) or "none"
-    if config.name:
-        raise ConfigError(f"[camera] name is {config.name!r}: [robot.sensors] has no such camera; it has {known}")
-    if not cameras:
-        raise ConfigError('the robot file has no camera: give it [robot.sensors.front] with type = "camera" and z')
-    raise ConfigError(f"[camera] name is missing: the robot has more than one camera: {known}")
-
-
 def main(arguments: list[str] | None = None) -> int:
     """Run the simulated camera until SIGTERM or SIGINT, or the simulator's end; the exit status."""
     parser = argparse.ArgumentParser(prog="giraff_sim.camera", description=__doc__)
@@ -189,7 +174,7 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser.parse_args(arguments)
     logging.basicConfig(level=logging.INFO, format="giraff_sim.camera: %(message)s", stream=sys.stderr)
     try:
-        camera = simulated_camera(load("robot", RobotConfig), load("camera", CameraConfig))
+        _, camera = chosen(load("camera", CameraConfig), load("robot", RobotConfig))
         with SimulatorClient(given.control) as client:
             scene = Scene(floor=given.floor, shadow=Shadow())
             server = CameraServer(given.at, SimulatedCamera(client, camera, scene, given.seed), client)
@@ -199,7 +184,7 @@ def main(arguments: list[str] | None = None) -> int:
                 server.run()
             finally:
                 server.close()
-    except (ConfigError, SimulatorError, OSError) as error:
+    except (ConfigError, SimulatorError, ValueError, OSError) as error:
         _log.error("%s", error)
         return 1
     return 0

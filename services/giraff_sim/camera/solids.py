@@ -233,7 +233,7 @@ def _people(walls: Sequence[Wall], posts: Sequence[Post]) -> Iterator[tuple[floa
     """Return where people stand, whatever the room has in their places."""
     for name, group in itertools.groupby(walls, key=lambda wall: wall[0]):
         if _PERSON in name:
-            xs, ys = zip(*((x, y) for _, x, y, _, _ in group), strict=True)
+            xs, ys = zip(*(end for _, x, y, end_x, end_y in group for end in ((x, y), (end_x, end_y))), strict=True)
             yield sum(xs) / len(xs), sum(ys) / len(ys)
     yield from ((x, y) for name, x, y, _ in posts if _PERSON in name)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Final, Literal, get_args
 
 import numpy as np
@@ -39,11 +40,27 @@ def _scaled(values: Grey) -> Grey:
 
 def _softened(values: Grey, sigma: float, upright: float | None = None) -> Grey:
     """Blur by so many texels; `upright`: along the columns, where it differs."""
-    rows, columns = np.fft.fftfreq(SIZE)[:, None], np.fft.rfftfreq(SIZE)[None, :]
-    rows, columns = rows * (sigma if upright is None else upright), columns * sigma
-    low = np.exp(-2.0 * math.pi**2 * (rows**2 + columns**2))
-    soft: Grey = np.fft.irfft2(np.fft.rfft2(values) * low, (SIZE, SIZE))
+    soft: Grey = np.fft.irfft2(np.fft.rfft2(values) * _low(sigma, sigma if upright is None else upright), (SIZE, SIZE))
     return soft
+
+
+def _low(sigma: float, upright: float) -> Grey:
+    rows, columns = np.fft.fftfreq(SIZE)[:, None] * upright, np.fft.rfftfreq(SIZE)[None, :] * sigma
+    low: Grey = np.exp(-2.0 * math.pi**2 * rows**2) * np.exp(-2.0 * math.pi**2 * columns**2)
+    return low
+
+
+@lru_cache(maxsize=len(get_args(Floor)) + len(get_args(Cover)))
+def _levels(name: Texture, seed: int) -> NDArray[np.uint8]:
+    """Return one material at all softnesses, one after the other."""
+    grey = _grey(name, np.random.default_rng(random.Random(f"{seed}/{name}").getrandbits(64)))
+    spectrum = np.fft.rfft2((grey + 128 - grey.mean()).astype(np.float32))
+    levels = np.full((LEVELS, SIZE, SIZE), 128, np.uint8)
+    for level in range(LEVELS - 1):
+        sigma = 0.45 * 2.0 ** (level / 2)
+        soft = np.fft.irfft2(spectrum * _low(sigma, sigma).astype(np.float32), (SIZE, SIZE))
+        levels[level] = np.clip(np.rint(soft), 0, 255)
+    return levels.reshape(-1)
 
 
 def _grey(name: Texture, chance: np.random.Generator) -> Grey:
@@ -112,14 +129,7 @@ class Textures:
 
     def __init__(self, names: Sequence[Texture], seed: int) -> None:
         self._place = {name: number for number, name in enumerate(names)}
-        flat = np.empty((len(names), LEVELS, SIZE, SIZE), np.uint8)
-        for number, name in enumerate(names):
-            grey = _grey(name, np.random.default_rng(random.Random(f"{seed}/{name}").getrandbits(64)))
-            grey += 128 - grey.mean()
-            for level in range(LEVELS - 1):
-                flat[number, level] = np.clip(np.rint(_softened(grey, 0.45 * 2.0 ** (level / 2))), 0, 255)
-            flat[number, -1] = 128
-        self._flat = flat.reshape(-1)
+        self._flat = np.concatenate([_levels(name, seed) for name in names])
 
     def place(self, name: Texture) -> int:
         """Return where a material begins, to be added to its level."""
