@@ -68,14 +68,16 @@ def _refuse(why: str) -> int:
 def _with_directory(plan: Plan, network: NetworkConfig, connection: RobotConnection, stopping: StopSignal) -> int:
     invitation = _invitation(plan, network, connection)
     say(f"starting {plan.robot.name} with {plan.boards} boards" + (f": {plan.why_boards}" if plan.why_boards else ""))
-    say("meanwhile, in another terminal: drive it, stop it, ask why it does not move, watch it")
-    for command in invitation.lines():
+    see = ", see by it" if plan.camera else ""
+    say(f"meanwhile, in another terminal: drive it, stop it, ask why it does not move, watch it{see}")
+    for command in invitation.lines(camera=bool(plan.camera)):
         say(f"    {command}")
     directory = RunDirectory()
     code = FAILED
     try:
         robot = SimulatedRobot(plan, network.rendezvous, directory.path)
-        code = Run(plan, robot, connection, stopping, hints=invitation.hints).run()
+        look = invitation.look if plan.camera else ""
+        code = Run(plan, robot, connection, stopping, hints=invitation.hints, look=look).run()
     finally:
         if code == DONE:
             directory.remove()

@@ -48,6 +48,9 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
         bool,
         typer.Option("--localize", help="Also look for it on the room's map; tell how far off that is."),
     ] = False,
+    camera: Annotated[
+        bool, typer.Option("--camera", help="Also give it the simulated camera; nobody sees by it unasked.")
+    ] = False,
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:
     """Drive the simulated robot through its services, and watch it."""
@@ -56,6 +59,9 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
             require_extra("run --web", library, "cli,sim,web")
     if localize:
         require_extra("run --localize", "numpy", "cli,sim,localization")
+    if camera:
+        for library in ("numpy", "cv2"):
+            require_extra("run --camera", library, "cli,sim,camera")
     from giraff_cli.run.begin import drive  # noqa: PLC0415
     from giraff_cli.run.plan import PlanError, make_plan  # noqa: PLC0415
 
@@ -73,6 +79,7 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
             picture=picture,
             web=web,
             localize=localize,
+            camera=camera,
             local=local,
         )
     except PlanError as error:

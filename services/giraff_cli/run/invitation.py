@@ -11,6 +11,7 @@ from giraff_cli.network.interfaces import Interface
 from giraff_core.network import NetworkConfig
 
 _VERBS = (("drive",), ("estop", "engage"), ("why",), ("watch",))
+_LOOK = ("camera", "view")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,9 +39,14 @@ class Invitation:
         """What must be at hand at any moment."""
         return [f"drive it: {self.command('drive')}", f"stop it:  {self.command('estop', 'engage')}"]
 
-    def lines(self) -> list[str]:
-        """Drive it, stop it, ask it why it does not move, watch it."""
-        return [self.command(*verb) for verb in _VERBS]
+    @property
+    def look(self) -> str:
+        """How to see what its camera sees."""
+        return f"see by it: {self.command(*_LOOK)}"
+
+    def lines(self, *, camera: bool = False) -> list[str]:
+        """Drive it, stop it, ask it why it does not move, watch it; with a camera, see by it."""
+        return [self.command(*verb) for verb in (*_VERBS, *([_LOOK] if camera else []))]
 
 
 def invite(

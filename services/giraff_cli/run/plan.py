@@ -14,6 +14,7 @@ from typing import Literal, get_args, get_type_hints
 
 import tomlkit
 
+from giraff_camera.config import CameraConfig, chosen
 from giraff_cli.network.ports import port_or_any
 from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
@@ -70,6 +71,8 @@ class Plan:
     """A page is served beside the robot."""
     localize: bool
     """It is looked for on the room's floor plan."""
+    camera: str
+    """Name of the camera that is simulated; empty: none is."""
 
 
 def make_plan(  # noqa: PLR0913  one argument an option
@@ -85,6 +88,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
     picture: Path | None,
     web: bool,
     localize: bool,
+    camera: bool,
     local: bool,
     truth: Level,
 ) -> Plan:
@@ -106,6 +110,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
         network = resolve_target(None, (), environment).network
         sim = load("sim", SimConfig, environment)
         _require_sound_services(environment)
+        sees_by = _camera(robot, environment) if camera else ""
     except ConfigError as error:
         raise PlanError(str(error)) from error
     world = (world or ROOT / "deploy" / "worlds" / "living_room.toml").absolute()
@@ -140,6 +145,7 @@ def make_plan(  # noqa: PLR0913  one argument an option
         picture=picture,
         web=web,
         localize=localize,
+        camera=sees_by,
     )
 
 
@@ -197,6 +203,15 @@ def _require_sound_services(environment: Mapping[str, str]) -> None:
     for table, config in get_type_hints(Settings).items():
         ports = {"port": "simulated"} if "port" in config.__struct_fields__ else {}
         load(table, config, environment, **ports)
+
+
+def _camera(robot: RobotConfig, environment: Mapping[str, str]) -> str:
+    """Return the name of the camera that the robot file means. Raises PlanError."""
+    try:
+        name, _ = chosen(load("camera", CameraConfig, environment), robot)
+    except ValueError as error:
+        raise PlanError(f"--camera: {error}") from error
+    return name
 
 
 def _page_settings(given: Mapping[str, str], *, local: bool) -> dict[str, str]:

@@ -28,7 +28,7 @@ from giraff_node import robot_now_ns
 from giraff_node.network.query_client import EStopClient, request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
-from giraff_schemas.services import DEMONSTRATION, LOCALIZATION, SIMULATED, WEB
+from giraff_schemas.services import CAMERA, DEMONSTRATION, LOCALIZATION, SIMULATED, WEB
 from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
@@ -72,18 +72,21 @@ class Run:
         stopping: StopSignal,
         *,
         hints: Sequence[str],
+        look: str,
     ) -> None:
-        """`hints`: what a person can do, a line each."""
+        """`hints`: what a person can do, a line each. `look`: how to see by its camera; empty: it has none."""
         self._plan = plan
         self._robot = robot
         self._connection = connection
         self._stopping = stopping
         self._hints = hints
+        self._look_hint = look
         self._joystick = Joystick(robot, is_driven=plan.driver == "demo")
         self._announcer: Announcer | None = None
         self._driver: Driver | None = None
         self._page = robot.page
-        self._awaited = (*SIMULATED, LOCALIZATION.name) if plan.localize else SIMULATED
+        self._services = (*SIMULATED, *([WEB.name] if plan.web else []), *([CAMERA.name] if plan.camera else []))
+        self._awaited = {*self._services, *([LOCALIZATION.name] if plan.localize else [])} - {WEB.name}
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
         self._began_ns: int | None = None
@@ -131,7 +134,7 @@ class Run:
 
     def _await_services(self, telemetry: RunTelemetry) -> None:
         deadline = time.monotonic() + _SERVICES_WITHIN
-        while missing := set(self._awaited) - telemetry.alive - self._robot.ended.keys():
+        while missing := self._awaited - telemetry.alive - self._robot.ended.keys():
             if time.monotonic() > deadline:
                 self._failures.append(f"not on the network after {_SERVICES_WITHIN:g} s: {', '.join(sorted(missing))}")
                 return
@@ -224,7 +227,6 @@ class Run:
         now_ns = robot_now_ns()
         told = () if self._page is None else self._page.addresses
         hints = [f"drive it: {told[0]}", *self._hints[1:]] if told else self._hints
-        services = SIMULATED if self._page is None else (*SIMULATED, WEB.name)
         frame = Frame(
             robot=self._plan.robot.name,
             boards=self._plan.boards,
@@ -234,7 +236,8 @@ class Run:
             hints=hints,
             note=self._joystick.note,
             address=addresses.of_others(told),
-            services={service: self._standing(service, telemetry) for service in services},
+            services={service: self._standing(service, telemetry) for service in self._services},
+            look=self._look_hint,
             localization=self._standing(LOCALIZATION.name, telemetry) if self._plan.localize else None,
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )

@@ -44,6 +44,8 @@ class Frame:
     services: dict[str, Standing]
     localization: Standing | None
     """Of the service that looks for it on the map; None: there is none."""
+    look: str = ""
+    """How to see by its camera; empty: it has none."""
     notices: tuple[str, ...]
     """What went wrong so far, one line each."""
 
@@ -92,11 +94,13 @@ def view(snapshot: RunSnapshot, frame: Frame) -> RenderableType:
 
 
 def _last_row(snapshot: RunSnapshot, frame: Frame) -> list[RenderableType]:
-    """What went wrong, else the place on the map, else how it balances: for more than one there is no room."""
+    """What went wrong, else the place on the map, else how it balances, else how to see by it: there is one row."""
     if frame.notices:
         return [*map(notice, frame.notices)]
     if frame.localization is None:
-        return [] if snapshot.attitude is None else [blocks.balance(snapshot)]
+        if snapshot.attitude is not None:
+            return [blocks.balance(snapshot)]
+        return [Text(printable(frame.look), style="green", no_wrap=True, overflow="ellipsis")] if frame.look else []
     off = snapshot.off_map
     told = "" if off is None else f"off {off.distance:.2f} m, {math.degrees(off.angle):.1f}°"
     return [blocks.localization(snapshot, told if frame.localization == "alive" else frame.localization)]

@@ -21,12 +21,13 @@ from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_schemas.services import LOCALIZATION, SERVICES, SIMULATED, WEB
+from giraff_schemas.services import CAMERA, LOCALIZATION, SERVICES, SIMULATED, WEB
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 from giraff_sim.world.room import read_room
 
 SIMULATOR: Final = "simulator"
+_CAMERA: Final = "simulated-camera"
 
 _BOARDS: Final = tuple(service.name for service in SERVICES if service.simulated and service.board is not None)
 _PUSH: Final = 5.0  # N s
@@ -105,6 +106,8 @@ class SimulatedRobot:
             self._start(service, environment)
         if self._plan.localize:
             self._start(LOCALIZATION.name, environment | self._map())
+        if self._plan.camera:
+            self._start_camera(environment)
         if self.page is not None:
             self._start_page(environment)
 
@@ -122,6 +125,14 @@ class SimulatedRobot:
         own = {name: value for name, value in environment.items() if name != "STATE_DIRECTORY"}
         given = {name: value for name, value in self._plan.environment.items() if name == "STATE_DIRECTORY"}
         self._start(WEB.name, own | given | {"GIRAFF_WEB_ROOM": str(room)})
+
+    def _start_camera(self, environment: dict[str, str]) -> None:
+        """Start what takes pictures of the room, and the service that reads them."""
+        socket = self._directory / "camera.sock"
+        arguments = {"--control": self._control, "--at": socket, "--seed": self._plan.seed}
+        flat = [str(part) for pair in arguments.items() for part in pair]
+        self._processes.start(_CAMERA, "giraff_sim.camera", flat, environment)
+        self._start(CAMERA.name, environment | {"GIRAFF_CAMERA_DEVICE": str(socket)})
 
     def truth(self) -> Truth:
         """The robot as the world has it now. Raises SimulatorError."""
@@ -171,7 +182,8 @@ class SimulatedRobot:
 
     def stop(self) -> list[str]:
         """End the services, then the simulator. Bounded. Returns what went wrong."""
-        troubles = self._processes.stop((*SIMULATED, LOCALIZATION.name, WEB.name), _GRACE)
+        services = (*SIMULATED, LOCALIZATION.name, WEB.name, CAMERA.name, _CAMERA)
+        troubles = self._processes.stop(services, _GRACE)
         if self._client is not None:
             self._client.close()
         return troubles + self._processes.stop([SIMULATOR], _GRACE)

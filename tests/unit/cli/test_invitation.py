@@ -93,3 +93,9 @@ def test_it_is_called_by_its_name_where_every_shell_finds_it(
 def test_without_a_program_its_package_is_called(program: Path) -> None:
     program.unlink()
     assert shlex.join(called_anywhere()) == f"{sys.executable} -m giraff_cli"
+
+
+def test_a_run_with_a_camera_tells_how_to_see_by_it() -> None:
+    invitation = invited(NetworkConfig(rendezvous=AT), WIRED)
+    assert invitation.lines(camera=True) == [*invitation.lines(), "giraff camera view"]
+    assert invitation.look.endswith("giraff camera view")

@@ -46,7 +46,7 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 def plan(**options: Any) -> Plan:
     defaults: dict[str, Any] = dict.fromkeys(("seconds", "world", "tilt_script", "boards", "summary", "picture"))
-    defaults |= dict.fromkeys(("local", "web", "localize"), False)
+    defaults |= dict.fromkeys(("local", "web", "localize", "camera"), False)
     return make_plan(**defaults | {"file": None, "seed": 1, "truth": "calibrated", "hand": "demo"} | options)
 
 
@@ -58,6 +58,13 @@ def test_the_defaults_make_a_run() -> None:
     assert made.world.is_file()
     assert (made.hand, made.seconds) == ("demo", None)
     assert (made.boards, made.why_boards) == choose_boards(None, BASE_BOARD, BUILD)
+
+
+def test_a_camera_is_simulated_where_the_robot_file_has_one() -> None:
+    assert plan().camera == ""
+    assert plan(camera=True).camera in plan().robot.cameras
+    with pytest.raises(PlanError, match="--camera: the robot file has no camera"):
+        plan(camera=True, file=ARDROS)
 
 
 @pytest.mark.parametrize(

@@ -142,6 +142,12 @@ def test_the_view_tells_the_place_on_the_map_in_a_row_that_is_there_anyway() -> 
     assert starting[-1].rstrip() == "MAP  starting  -"
 
 
+def test_the_last_row_tells_how_to_see_by_the_camera() -> None:
+    shown = rendered(ten_seconds().snapshot(13 * SECOND), replace(FRAME, look="see by it: giraff camera view"))
+    assert len(shown) <= 24
+    assert shown[-1].rstrip() == "see by it: giraff camera view"
+
+
 def test_the_last_row_tells_how_a_robot_balances() -> None:
     telemetry = ten_seconds()
     Network(telemetry).send(topics.ATTITUDE, attitude(10 * SECOND), 10 * SECOND)
