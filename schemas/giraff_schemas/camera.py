@@ -10,8 +10,8 @@ from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime, Sample
 
 PictureSize = Literal["full", "small"]
-"""In `camera/<name>/@<size>`. `full`: as the robot file has it. `small`: half as wide and high, with as few bytes as the
-slowest link asks for."""
+"""In `camera/<name>/@<size>`. `full`: as the robot file has it. `small`: half as wide and high, with as few bytes as
+the slowest link asks for."""
 
 HOLD_ENDS: Final = 2.0
 """s after its last word that somebody counts as gone: also the age beyond which a word turns nothing on."""
