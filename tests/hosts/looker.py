@@ -55,12 +55,12 @@ def main(robot: str, camera: str, network: str, seconds: str, times: str) -> Non
             time.sleep(float(seconds))
             mode = ""
             client = PictureClient(config, robot, camera, "looker")
-            _look(client, 3.0, came=None)
+            _look(client, 2.0, came=None)
             mode = "looking"
             _look(client, float(seconds), came)
             mode = ""
             client.close()
-            time.sleep(1.0)
+            time.sleep(0.5)  # the last picture passes
     print(msgspec.json.encode(came).decode(), flush=True)
 
 

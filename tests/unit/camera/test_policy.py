@@ -54,6 +54,7 @@ def test_a_late_word_turns_nothing_on() -> None:
     policy.on_hold(hold(), HOLD_ENDS + 0.01)
     policy.on_hold(hold(state=7), 1.0)  # one that was never said
     policy.on_hold(hold(camera="rear"), 1.0)
+    policy.on_hold(hold(to="the camera before its restart"), 1.0)
     assert not shown(policy)
     policy.on_hold(hold(), 1.0)
     policy.look(1.0)
