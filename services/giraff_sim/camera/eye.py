@@ -6,7 +6,6 @@ import math
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from giraff_core.sensors import Camera
 from giraff_sim.camera.textures import Index, Single, level_of
@@ -25,8 +24,6 @@ class View(NamedTuple):
     """m, of the lens."""
     y: float
     z: float
-    rays: NDArray[np.float64]
-    """(pixels, 3): ahead, left, up."""
     cos: Single
     """Of the direction in the plane."""
     sin: Single
@@ -69,41 +66,39 @@ class Eye(NamedTuple):
         return self._replace(view=some, cos=self.cos[pixels], sin=self.sin[pixels])
 
 
-def look(camera: Camera, rays: NDArray[np.float64], lean: float, pivot: float) -> View:
+def look(camera: Camera, rays: Single, lean: float, pivot: float) -> View:
     """Return the view of a robot that leans forward by `lean` rad about an axle at `pivot` m.
 
-    `rays`: of the upright robot.
+    `rays`: of the upright robot, (3, pixels): ahead, left, up.
     """
     cos, sin = math.cos(lean), math.sin(lean)
     above = camera.z - pivot
-    ahead, left, up = rays.T
-    rays = np.stack([ahead * cos + up * sin, left, up * cos - ahead * sin], axis=-1)
-    ahead, left, up = rays.T
+    ahead, left, up = rays
+    ahead, up = ahead * cos + up * sin, up * cos - ahead * sin
     z = pivot + above * cos - camera.x * sin
-    plane = np.maximum(np.hypot(ahead, left), 1e-6)
+    plane = np.maximum(np.sqrt(ahead * ahead + left * left), 1e-6)
     slope = up / plane
-    stretch = np.hypot(1.0, slope) / camera.focal_x
+    stretch = np.sqrt(1.0 + slope * slope) / camera.focal_x
     toward_x, toward_y = turn(ahead, left, math.cos(camera.yaw), -math.sin(camera.yaw))
     toward, step = np.arctan2(toward_y, toward_x), 1.0 / (_DIRECTIONS * camera.focal_x)
     direction = np.rint((toward - toward.min()) / step).astype(np.intp)
     angles = toward.min() + camera.yaw + step * np.arange(direction.max() + 1)
-    floor = np.where(slope < 0.0, z / np.maximum(-slope, 1e-9), np.inf)
+    floor = np.where(slope < 0.0, z / np.maximum(-slope, 1e-9), np.float32(np.inf))
     width = np.minimum(floor, FARTHEST) * stretch
     long = np.maximum(width * camera.focal_x / z, 1.0)
     return View(
         x=camera.x * cos + above * sin,
         y=camera.y,
         z=z,
-        rays=rays,
-        cos=(ahead / plane).astype(np.float32),
-        sin=(left / plane).astype(np.float32),
-        slope=slope.astype(np.float32),
-        stretch=stretch.astype(np.float32),
+        cos=ahead / plane,
+        sin=left / plane,
+        slope=slope,
+        stretch=stretch,
         direction=direction,
         cosines=np.cos(angles).astype(np.float32),
         sines=np.sin(angles).astype(np.float32),
-        floor=floor.astype(np.float32),
-        level=level_of((width * long**_LENGTHWISE).astype(np.float32)),
+        floor=floor,
+        level=level_of(width * long**_LENGTHWISE),
     )
 
 

@@ -38,10 +38,7 @@ def sheet_seen(sheet: Sheet, x: Single, y: Single) -> Grid:
 
 def board_seen(board: Board, eye: Eye, shape: tuple[int, int]) -> tuple[Grid, Grid]:
     """Return the share of each pixel that a chessboard covers, and its grey there."""
-    ahead, left, up = eye.view.rays.T
-    yaw_cos, yaw_sin = _heading(eye)
-    ahead, left = turn(ahead, left, yaw_cos, yaw_sin)
-    rays = np.stack([ahead, left, up], axis=-1).reshape(*shape, 3)
+    rays = np.stack([eye.cos, eye.sin, eye.view.slope], axis=-1).astype(np.float64).reshape(*shape, 3)
     normal = np.cross(board.along, board.down)
     away = np.array(board.corner) - (eye.x, eye.y, eye.view.z)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -53,14 +50,6 @@ def board_seen(board: Board, eye: Eye, shape: tuple[int, int]) -> tuple[Grid, Gr
         inside = _within(column, 0.0, float(board.columns)) * _within(row, 0.0, float(board.rows))
         black = (1.0 + _wave(column) * _wave(row)) / 2.0 * inside
     return np.nan_to_num(covered), np.nan_to_num(WHITE + (_BLACK - WHITE) * black)
-
-
-def _heading(eye: Eye) -> tuple[float, float]:
-    """Return cosine and sine of the robot's heading."""
-    view = eye.view
-    cos = float(eye.cosines[0] * view.cosines[0] + eye.sines[0] * view.sines[0])
-    sin = float(eye.sines[0] * view.cosines[0] - eye.cosines[0] * view.sines[0])
-    return cos, sin
 
 
 def _pixel(values: Grid) -> Grid:

@@ -69,7 +69,7 @@ class Renderer:
         self._textures = Textures(list(dict.fromkeys(texture for texture, _ in looks)), seed)
         self._place = np.array([self._textures.place(texture) for texture, _ in looks], np.intp)
         self._palette = _palette([color for _, color in looks])
-        self._rays = rays(camera).reshape(-1, 3) @ turned(camera).T
+        self._rays = (turned(camera) @ rays(camera).reshape(-1, 3).T).astype(np.float32)
         self._views: dict[tuple[float, float], View] = {}
         down, across = np.mgrid[-1.0 : 1.0 : camera.height * 1j, -1.0 : 1.0 : camera.width * 1j]
         self._vignette = (scene.light * (1.0 - _VIGNETTE * (down**2 + across**2))).astype(np.float32).reshape(-1)
@@ -120,7 +120,7 @@ class Renderer:
 
     def _once(self, eye: Eye, t: float) -> tuple[Single, Index]:
         """Return the grey at one moment, and the material of each pixel."""
-        scene, pixels = self._scene, len(self._rays)
+        scene, pixels = self._scene, self._rays.shape[1]
         grey, material = np.empty(pixels, np.float32), np.empty(pixels, np.intp)
         layers = Layers(self.solids.seen(eye.x, eye.y, eye.cosines, eye.sines, scene.people, t))
         for begin in range(0, pixels, _AT_ONCE):
