@@ -13,9 +13,9 @@ from giraff_cli.terminal.text import counted, json_page
 from giraff_core.kinematics.ellipse import ELLIPSE_95, mahalanobis
 from giraff_core.latest import Latest
 from giraff_schemas.messages import Odometry
-from giraff_schemas.topics import BASE, ODOM
+from giraff_schemas.topics import BASE, CAMERA_STATE, ODOM, topic_of
 from giraff_sim.bodies.balancer.drawn import Drawn as BalancerDrawn
-from giraff_sim.truth import Level
+from giraff_sim.truth import Level, TrueCamera
 from giraff_sim.truth import Truth as Drawn
 from giraff_telemetry.localization_summary import LocalizationSummary, localization_rows
 
@@ -216,7 +216,13 @@ def _difference(summary: Summary) -> str:
     left, right = drawn.left, drawn.right
     geometry = f"wheels {left.scale - 1.0:+.2%} {right.scale - 1.0:+.2%}, track {drawn.track_scale - 1.0:+.2%}"
     motors = f"motors {left.strength:.0%} {right.strength:.0%}, {drawn.turn_slip:.1%} of turning slips"
-    return f"{level}: {geometry},\n{motors}"
+    has_camera = any(topic_of(key) is CAMERA_STATE for key in summary.rates_hz)
+    return f"{level}: {geometry},\n{motors}{_sees(drawn.camera) if has_camera else ''}"
+
+
+def _sees(camera: TrueCamera) -> str:
+    height, focal = camera.height_scale - 1.0, camera.focal_scale - 1.0
+    return f",\ncamera {height:+.2%} high, {math.degrees(camera.pitch):+.2f}° down, focal length {focal:+.2%}"
 
 
 def _rates(rates_hz: dict[str, float]) -> str:

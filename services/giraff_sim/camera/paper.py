@@ -19,13 +19,14 @@ _BLACK: Final = 28.0
 _NEAREST: Final = 0.05  # m
 
 
-def lay(grey: Single, material: Index, covered: Grid, color: Grid | float, paper: int) -> None:
-    """Cover a share of each pixel."""
+def lay(grey: Single, material: Index, covered: Grid, color: Grid | float, tones: Single) -> None:
+    """Cover a share of each pixel. `tones`: how bright each material is at a grey; the last one is paper."""
     at = np.flatnonzero(covered > 0.0)
     share = covered[at]
     shown = color if isinstance(color, float) else color[at]
-    grey[at] = grey[at] * (1.0 - share) + shown * share
-    material[at[share > 0.5]] = paper
+    bright = grey[at] * tones[material[at]] * (1.0 - share) + shown * share
+    material[at[share > 0.5]] = len(tones) - 1
+    grey[at] = bright / tones[material[at]]
 
 
 def sheet_seen(sheet: Sheet, x: Single, y: Single) -> Grid:
@@ -48,7 +49,7 @@ def board_seen(board: Board, eye: Eye, shape: tuple[int, int]) -> tuple[Grid, Gr
         column, row = point @ board.along / board.square, point @ board.down / board.square
         covered = _within(column, -1.0, board.columns + 1.0) * _within(row, -1.0, board.rows + 1.0)
         inside = _within(column, 0.0, float(board.columns)) * _within(row, 0.0, float(board.rows))
-        black = (1.0 + _wave(column) * _wave(row)) / 2.0 * inside
+        black = (1.0 + _wave(column, board.columns) * _wave(row, board.rows)) / 2.0 * inside
     return np.nan_to_num(covered), np.nan_to_num(WHITE + (_BLACK - WHITE) * black)
 
 
@@ -65,8 +66,10 @@ def _within(values: Grid, begin: float, end: float) -> Grid:
     return np.clip(0.5 + (values - begin) / pixel, 0.0, 1.0) * np.clip(0.5 + (end - values) / pixel, 0.0, 1.0)
 
 
-def _wave(values: Grid) -> Grid:
-    """Return 1 in even squares and -1 in odd ones, and what is between on the pixels of their edges."""
-    square = np.floor(values)
-    edge = np.minimum(values - square, square + 1.0 - values)
-    return np.where(square % 2.0 == 0.0, 1.0, -1.0) * np.minimum(1.0, 2.0 * edge / np.maximum(_pixel(values), 1e-9))
+def _wave(values: Grid, squares: int) -> Grid:
+    """Return 1 in even squares and -1 in odd ones, and what is between on the pixels where two squares meet."""
+    square = np.clip(np.floor(values), 0.0, squares - 1.0)
+    edge = np.abs(values - np.clip(np.rint(values), 1.0, squares - 1.0))
+    sign = np.where(square % 2.0 == 0.0, 1.0, -1.0)
+    wave: Grid = sign * np.minimum(1.0, 2.0 * edge / np.maximum(_pixel(values), 1e-9))
+    return wave

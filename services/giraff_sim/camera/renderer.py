@@ -37,8 +37,8 @@ _FLOORS: Final[dict[Floor, Color]] = {
     "gravel": (118, 126, 130),
     "lino": (136, 158, 150),
 }
-_CEILING, _FLOOR, _SKIRT, _PAPER = range(len(KINDS), len(KINDS) + 4)
-"""Materials beyond the kinds of solids."""
+_CEILING, _FLOOR, _SKIRT = range(len(KINDS), len(KINDS) + 3)
+"""Materials beyond the kinds of solids. After them comes paper."""
 _TOPS: Final = np.array([kind.top for kind in KINDS], np.float32)
 _BOTTOMS: Final = np.array([kind.bottom for kind in KINDS], np.float32)
 _IS_WALL: Final = np.array([kind is WALL for kind in KINDS])
@@ -69,6 +69,7 @@ class Renderer:
         self._textures = Textures(list(dict.fromkeys(texture for texture, _ in looks)), seed)
         self._place = np.array([self._textures.place(texture) for texture, _ in looks], np.intp)
         self._palette = _palette([color for _, color in looks])
+        self._tones = (np.array([color for _, color in looks]).mean(axis=1) / 128.0).astype(np.float32)
         self._rays = (turned(camera) @ rays(camera).reshape(-1, 3).T).astype(np.float32)
         self._views: dict[tuple[float, float], View] = {}
         down, across = np.mgrid[-1.0 : 1.0 : camera.height * 1j, -1.0 : 1.0 : camera.width * 1j]
@@ -129,10 +130,10 @@ class Renderer:
         shape = self._camera.height, self._camera.width
         if scene.sheet is not None:
             paper = sheet_seen(scene.sheet, *_floor_at(eye, shape)).reshape(-1)
-            lay(grey, material, np.where(material == _FLOOR, paper, 0.0), WHITE, _PAPER)
+            lay(grey, material, np.where(material == _FLOOR, paper, 0.0), WHITE, self._tones)
         if scene.board is not None:
             covered, painted = board_seen(scene.board, eye, shape)
-            lay(grey, material, covered.reshape(-1), painted.reshape(-1), _PAPER)
+            lay(grey, material, covered.reshape(-1), painted.reshape(-1), self._tones)
         return grey, material
 
     def _drawn(self, eye: Eye, layers: Layers, t: float) -> tuple[Single, Index]:
@@ -143,6 +144,7 @@ class Renderer:
         if self._scene.shadow is not None:
             shade *= _shadow(self._scene.shadow, x, y, t)
         is_floor = view.floor < FARTHEST
+        shade[~is_floor] = 1.0
         level = np.where(is_floor, view.level, LEVELS - 1) + self._place[_FLOOR]
         pixels = _Pixels(x, y, level, shade, np.where(is_floor, _FLOOR, _CEILING))
         left = np.arange(len(x))
@@ -179,8 +181,9 @@ class Renderer:
         return left[~is_met]
 
     def _light(self, x: Single, y: Single) -> Single:
-        gradient = np.float32(self._scene.gradient)
-        return np.float32(1.0) + gradient * np.cos(np.float32(0.5) * x + np.float32(0.3) * y - np.float32(1.0))
+        toward = 0.4 * x + 0.25 * y - 2.0
+        light = 1.0 - self._scene.gradient * toward / (1.0 + np.abs(toward))
+        return light.astype(np.float32, copy=False)
 
 
 def _floor_at(eye: Eye, shape: tuple[int, ...]) -> tuple[Single, Single]:

@@ -329,7 +329,10 @@ def test_the_summary_says_which_robot_was_drawn(level: Level) -> None:
     text = to_text(told)
     assert f"true robot  {level}: wheels {drawn.left.scale - 1.0:+.2%} " in text
     assert f"motors {drawn.left.strength:.0%} {drawn.right.strength:.0%}" in text
-    assert max(map(len, text.splitlines())) <= 80
+    assert "camera" not in text
+    seen = msgspec.structs.replace(told, rates_hz={"camera/head/state": 5.0})
+    assert f"camera {drawn.camera.height_scale - 1.0:+.2%} high" in to_text(seen)
+    assert max(map(len, to_text(seen).splitlines())) <= 80
     assert "exact: as its file says" in to_text(summary(ten_seconds(), truth="exact", drawn=Drawn()))
 
 
