@@ -8,7 +8,7 @@ from typing import Final, Protocol
 from giraff_cli.calibrate.camera.board import View, find_board, is_new, is_still, missing
 from giraff_cli.calibrate.camera.lens import FEWEST, Lens, LensFit, fit_lens
 from giraff_cli.calibrate.camera.picture import Grey, UnusableError, decode
-from giraff_cli.calibrate.camera.sheet import FloorPose, find_sheet
+from giraff_cli.calibrate.camera.sheet import FloorPose, find_sheet, middle_of
 from giraff_cli.calibrate.terminal import Human
 
 PLACES: Final = 3
@@ -126,19 +126,25 @@ def take_sheets(human: Human, pictures: Pictures, lens: Lens) -> list[FloorPose]
         return shown[0]
 
     shown = [""]
-    found: list[FloorPose] = []
-    for place in range(PLACES):
-        where = "about as far ahead as the camera is high" if place == 0 else "nearby, turned another way"
-        while len(found) < (place + 1) * _PICTURES:
-            human.ask(
-                f"Place {place + 1} of {PLACES}: lay a sheet of white A4 on darker floor, {where}. Press Enter when it "
-                "lies there.",
-                look,
-            )
-            found = found[: place * _PICTURES]
-            if trouble := _collect(found, (place + 1) * _PICTURES, pictures, lens):
-                human.tell(trouble[0].upper() + trouble[1:] + ".")
-    return found
+    while True:
+        found: list[FloorPose] = []
+        for place in range(PLACES):
+            where = "about as far ahead as the camera is high" if place == 0 else "nearby, turned another way"
+            while len(found) < (place + 1) * _PICTURES:
+                human.ask(
+                    f"Place {place + 1} of {PLACES}: lay a sheet of white A4 on darker floor, {where}. Press Enter "
+                    "when it lies there.",
+                    look,
+                )
+                found = found[: place * _PICTURES]
+                if trouble := _collect(found, (place + 1) * _PICTURES, pictures, lens):
+                    human.tell(trouble[0].upper() + trouble[1:] + ".")
+        try:
+            middle_of(found, lens.width)
+        except UnusableError as error:
+            human.tell(f"Once more: {error}.")
+        else:
+            return found
 
 
 def _collect(found: list[FloorPose], wanted: int, pictures: Pictures, lens: Lens) -> str:

@@ -51,6 +51,12 @@ class Lens(NamedTuple):
         found = cv2.undistortPoints(flat, self.matrix, np.array(self.distortion), P=self.matrix)
         return np.asarray(found, dtype=np.float64).reshape(-1, 2)
 
+    def distorted(self, points: Points) -> Points:
+        """Return where this lens shows what one without distortion shows at these points; px."""
+        rays = np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(self.matrix).T
+        found = cv2.projectPoints(rays, np.zeros(3), np.zeros(3), self.matrix, np.array(self.distortion))[0]
+        return np.asarray(found, dtype=np.float64).reshape(-1, 2)
+
 
 class LensFit(NamedTuple):
     """A lens, and how well it explains the views."""

@@ -24,12 +24,17 @@ _CONTRAST: Final = 15.0
 """Grey levels between the sheet and the floor beside it."""
 _REACH: Final = 4
 """px, to each side of an outline, in which its edge is looked for."""
+_NEAR: Final = (2.0, 1.5, 1.0, 1.0, 1.0)
+"""px beside the line, within which pixels tell where it is; from one step to the next."""
+_ROUNDS: Final = 2
 _MARGIN: Final = 0.15
 """Of a side, at its ends: there the other sides are near."""
-_LARGEST_ERROR: Final = 0.25
+_LARGEST_ERROR: Final = 0.3
 """px between the sheet's corners and those of A4, at a width of 320, in one picture."""
-_LARGEST_MEDIAN: Final = 0.12
+_LARGEST_MEAN: Final = 0.2
 """px, of several pictures: what is not A4 is off in all of them."""
+_LARGEST_SPREAD: Final = 0.01
+"""Of the height: standard deviation of what several pictures tell."""
 FEWEST: Final = 3
 """Pictures of the sheet. One alone may tell the height one part in a hundred wrong."""
 _LARGEST_ROLL: Final = math.radians(20.0)
@@ -74,15 +79,21 @@ def find_sheet(grey: Grey, lens: Lens) -> FloorPose:
 
 
 def middle_of(poses: Sequence[FloorPose], width: int) -> FloorPose:
-    """Return the median of several pictures. Raises UnusableError where they are too few, or not of A4."""
+    """Return the mean of several pictures. Raises UnusableError where they are too few or do not agree."""
     if len(poses) < FEWEST:
         raise UnusableError(
             f"there are {len(poses)} usable pictures of the sheet on the floor and {FEWEST} are needed; lay it in "
             f"{FEWEST} places, turned"
         )
-    pose = FloorPose(*(float(np.median(values)) for values in zip(*poses, strict=True)))
-    if pose.error > _LARGEST_MEDIAN * width / 320:
+    pose = FloorPose(*(float(np.mean(values)) for values in zip(*poses, strict=True)))
+    if pose.error > _LARGEST_MEAN * width / 320:
         raise _no_sheet(pose.error)
+    spread = float(np.std([each.z for each in poses])) / pose.z
+    if spread > _LARGEST_SPREAD:
+        raise UnusableError(
+            f"the pictures of the sheet do not agree: heights differ by {100.0 * spread:.1f} %; lay one of A4, flat, "
+            "on a plain floor or cloth that is much darker, nearer, and turned another way each time"
+        )
     return pose
 
 
@@ -161,37 +172,42 @@ def _corners(grey: Grey, outline: Points, lens: Lens) -> Points:
     """
     if float(cv2.contourArea(outline.astype(np.float32), oriented=True)) > 0:  # y is down
         outline = outline[::-1]
-    lines = [_line(lens.undistorted(_edge(grey, outline[i], outline[(i + 1) % 4]))) for i in range(4)]
-    crossed = [np.cross(lines[i - 1], lines[i]) for i in range(4)]
-    return np.array([point[:2] / point[2] for point in crossed])
+    corners = lens.undistorted(outline)
+    for _ in range(_ROUNDS):
+        lines = [_line(grey, corners[i], corners[(i + 1) % 4], lens) for i in range(4)]
+        crossed = [np.cross(lines[i - 1], lines[i]) for i in range(4)]
+        corners = np.array([point[:2] / point[2] for point in crossed])
+    return corners
 
 
-def _edge(grey: Grey, one: Points, other: Points) -> Points:
-    """Return points on the edge between two corners, each where brightness falls most, to a part of a pixel."""
+def _line(grey: Grey, one: Points, other: Points, lens: Lens) -> NDArray[np.float64]:
+    """Return a, b and c of ax + by + c = 0 along the edge near two corners.
+
+    It is fitted to the places where brightness falls outward, of all pixels at once: stones and joints of the floor,
+    which lie beside the line, count ever less.
+    """
     length = float(np.linalg.norm(other - one))
     along = (other - one) / length
     out = np.array([-along[1], along[0]])
-    share = np.linspace(_MARGIN, 1.0 - _MARGIN, max(6, int(length)))[:, None]
-    middles = one + share * (other - one)
+    share = np.linspace(_MARGIN, 1.0 - _MARGIN, max(8, int(length)))
     offsets = np.arange(-_REACH, _REACH + 0.01, 0.5)
-    at = (middles[:, None, :] + offsets[None, :, None] * out).astype(np.float32)
+    at = (one + share[:, None] * (other - one))[:, None, :] + offsets[None, :, None] * out
+    seen = lens.distorted(at.reshape(-1, 2)).reshape(*at.shape).astype(np.float32)
     light = cv2.remap(
-        grey.astype(np.float32), at[..., 0], at[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
+        grey.astype(np.float32), seen[..., 0], seen[..., 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
     )
-    slope = abs(np.diff(light, axis=1))
-    between = (offsets[1:] + offsets[:-1]) / 2.0
-    peak = between[np.argmax(slope, axis=1)][:, None]
-    weight = np.where(abs(between - peak) <= 1.75, slope, 0.0)
-    where = (weight * between).sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-6)
-    return np.asarray(middles + where[:, None] * out, dtype=np.float64)
-
-
-def _line(points: Points) -> NDArray[np.float64]:
-    """Return a, b and c of ax + by + c = 0 through these points; a few wrong ones do little."""
-    dx, dy, x, y = (
-        float(value) for value in np.ravel(cv2.fitLine(points.astype(np.float32), cv2.DIST_HUBER, 0, 1e-3, 1e-3))
-    )
-    return np.array([-dy, dx, dy * x - dx * y])
+    fall = -np.diff(light, axis=1)
+    between = np.broadcast_to((offsets[1:] + offsets[:-1]) / 2.0, fall.shape)
+    where = np.stack([np.ones_like(fall), np.broadcast_to(share[:, None], fall.shape)], axis=-1)
+    line = np.zeros(2)  # px beyond `one`, and as much more beyond `other`
+    for near in _NEAR:
+        weight = fall * np.exp(-0.5 * ((between - where @ line) / near) ** 2)
+        weighted = where * weight[..., None]
+        line = np.linalg.solve(
+            np.einsum("ijk,ijl->kl", weighted, where) + 1e-9 * np.eye(2), np.einsum("ijk,ij->k", weighted, between)
+        )
+    first, last = one + line[0] * out, other + (line[0] + line[1]) * out
+    return np.cross(np.append(first, 1.0), np.append(last, 1.0))
 
 
 def _poses(corners: Points, lens: Lens) -> Iterator[FloorPose]:
