@@ -46,8 +46,8 @@ export function ageText(age) {
 
 /** Whether somebody sees the robot's surroundings, for every page. @param {any} camera as the state has it */
 export function cameraText(camera) {
-  const is = camera.askers.length ? `The robot’s camera is on, for ${camera.askers.join(", ")}.` : "The robot’s camera is off.";
-  return camera.why ? `${is} ${sentence(camera.why)}.` : is;
+  const on = camera.askers.length ? `The robot’s camera is on, for ${camera.askers.join(", ")}. ` : "";
+  return on + (camera.why ? `${sentence(camera.why)}.` : on ? "" : "The robot’s camera is off.");
 }
 
 export class Picture {

@@ -45,4 +45,5 @@ test("every page is told who looks and what is wrong", () => {
   assert.equal(cameraText({ askers: [], why: "" }), "The robot’s camera is off.");
   const text = cameraText({ askers: ["a", "b"], why: "it is unplugged; plug it in" });
   assert.equal(text, "The robot’s camera is on, for a, b. It is unplugged; plug it in.");
+  assert.equal(cameraText({ askers: [], why: "it is not heard" }), "It is not heard.");
 });
