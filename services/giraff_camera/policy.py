@@ -10,6 +10,7 @@ import math
 from typing import Final
 
 from giraff_schemas.camera import HOLD_ENDS, Asker, CameraHold, PictureSize
+from giraff_schemas.text import printable
 
 MOST_ON_THE_WAY: Final = 0.06
 """s that a picture takes of a link at most: ticks and commands wait for it."""
@@ -20,6 +21,9 @@ _JOINS: Final = 0.25
 _EARLY: Final = 0.2
 """Share of a period by which a picture may be early: a camera's own pace is never quite even."""
 MOST_ASKERS: Final = 20
+_LONGEST_INSTANCE: Final = 64
+_LONGEST_BY: Final = 100
+"""Characters of a viewer's name that the state repeats. A state with too long names would reach nobody."""
 LEAST_BYTES: Final = 1000
 """A smaller picture shows nothing."""
 _FIRST_BYTES: Final = 4000
@@ -109,6 +113,8 @@ class PicturePolicy:
         sent = self._states.get(hold.state, -math.inf)
         if hold.camera != self._camera or hold.to != self._instance or now - sent > HOLD_ENDS:
             return
+        if len(hold.instance) > _LONGEST_INSTANCE:
+            return
         asker = self._askers.get(hold.instance)
         if asker is None:
             if len(self._askers) >= MOST_ASKERS:
@@ -156,7 +162,7 @@ class PicturePolicy:
         return tuple(
             Asker(
                 instance=instance,
-                by=asker.hold.by,
+                by=_name(asker.hold.by),
                 size=asker.size,
                 transfer=asker.transfer,
                 is_late=asker.is_late,
@@ -201,3 +207,8 @@ class PicturePolicy:
                 asker.size = "small"
             elif asker.confirmed >= _PROVEN and takes <= _FREE * MOST_ON_THE_WAY:
                 asker.size = "full"
+
+
+def _name(by: str) -> str:
+    """Return a viewer's name as others are told it. Nobody looks without one."""
+    return printable(by[:_LONGEST_BY]).strip() or "somebody without a name"

@@ -5,14 +5,15 @@ from __future__ import annotations
 import pytest
 
 from giraff_camera.policy import LATE, MOST_ASKERS, MOST_ON_THE_WAY, PicturePolicy
-from giraff_schemas.camera import HOLD_ENDS, CameraHold
+from giraff_schemas.camera import HOLD_ENDS, CameraHold, CameraState
+from giraff_schemas.codec import encode, stamped
 from tests.unit.camera.looking import FULL, Link, Scene
 
 FAST = Link(rate=100e6, delay=0.001)
 
 
-def hold(instance: str = "me", to: str = "camera", state: int = 0, camera: str = "head") -> CameraHold:
-    return CameraHold(camera=camera, to=to, state=state, by="me", size="small", instance=instance)
+def hold(instance: str = "me", to: str = "camera", state: int = 0, camera: str = "head", by: str = "me") -> CameraHold:
+    return CameraHold(camera=camera, to=to, state=state, by=by, size="small", instance=instance)
 
 
 def shown(policy: PicturePolicy) -> list[str]:
@@ -69,6 +70,27 @@ def test_no_more_look_than_a_camera_can_serve() -> None:
     for n in range(MOST_ASKERS + 5):
         policy.on_hold(hold(str(n)), 0.1)
     assert shown(policy) == [str(n) for n in range(MOST_ASKERS)]
+
+
+@pytest.mark.parametrize(
+    ("by", "told"), [("", "somebody without a name"), (" ", "somebody without a name"), ("a\nb", "a?b")]
+)
+def test_nobody_looks_without_a_name(by: str, told: str) -> None:
+    policy = PicturePolicy("head", "camera", 15.0, 40_000)
+    policy.on_state_sent(0, 0.0)
+    policy.on_hold(hold(by=by), 0.1)
+    assert [asker.by for asker in policy.askers()] == [told]
+
+
+def test_no_name_is_so_long_that_the_state_reaches_nobody() -> None:
+    policy = PicturePolicy("head", "camera", 15.0, 40_000)
+    policy.on_state_sent(0, 0.0)
+    policy.on_hold(hold("i" * 60_000), 0.1)
+    for n in range(MOST_ASKERS):
+        policy.on_hold(hold(f"{n:064}", by="\N{ROBOT FACE}" * 60_000), 0.1)
+    assert len(policy.askers()) == MOST_ASKERS
+    state = CameraState(camera="head", askers=policy.askers(), width=320, height=240, rate=15.0, reason="")
+    assert len(encode(stamped(state, 0, 0, "camera"))) < 20_000
 
 
 @pytest.mark.parametrize(
