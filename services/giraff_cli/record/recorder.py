@@ -26,7 +26,7 @@ from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import RobotMonitor, not_found_text, settle
 from giraff_node.network.tcp_options import set_tcp_options
 from giraff_schemas.text import printable
-from giraff_schemas.topics import TOPICS, key_below
+from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, key_below
 
 _LOOK_EVERY: Final = 0.2  # s
 _SYNC_EVERY: Final = 0.4  # s; with a slow write still less than the second that a crash may cost
@@ -74,13 +74,20 @@ def record(
 
 
 def wanted_topics(patterns: Sequence[str]) -> list[str]:
-    """Key expressions below the robot's name, each of which meets the table; NoRobotError names one that does not."""
+    """Key expressions below the robot's name, each of which meets the table; NoRobotError names one that does not.
+
+    None is of pictures: others would not be told that this host keeps them.
+    """
     for pattern in patterns:
         try:
-            meets = any(zenoh.KeyExpr(pattern).intersects(zenoh.KeyExpr(topic.key)) for topic in TOPICS)
+            met = [topic for topic in TOPICS if zenoh.KeyExpr(pattern).intersects(zenoh.KeyExpr(topic.key))]
         except zenoh.ZError:
-            meets = False
-        if not meets:
+            met = []
+        if any(topic in CAMERA_PICTURES for topic in met):
+            raise NoRobotError(
+                f"--topics {pattern}: pictures must be asked for; --camera asks for them, and keeps them"
+            )
+        if not met:
             raise NoRobotError(f"--topics {pattern}: no such topic; there are {', '.join(t.key for t in TOPICS)}")
     return list(patterns)
 

@@ -13,6 +13,7 @@ from giraff_cli.camera.listing import Cameras, report_of, rows_of
 from giraff_cli.camera.look import choose_camera
 from giraff_cli.network.picture_subscriber import PictureSubscriber
 from giraff_cli.record.pictures import RecordedPictures
+from giraff_cli.record.recorder import wanted_topics
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.topic.echo import Echo
 from giraff_mcap.raw_sample import RawSample
@@ -140,6 +141,13 @@ def test_pictures_that_were_asked_for_are_recorded_byte_for_byte(
     assert [each.payload() for each in read] == [encode(each) for each in sent]
     kept.close()
     assert source.closed
+
+
+@pytest.mark.parametrize("pattern", ["camera/head/@full", "camera/*/@small", "**/@full"])
+def test_no_picture_is_recorded_that_was_not_asked_for(pattern: str) -> None:
+    assert wanted_topics(["**", "camera/*/*"]) == ["**", "camera/*/*"]  # no wildcard is a picture
+    with pytest.raises(NoRobotError, match="--camera asks"):
+        wanted_topics([pattern])
 
 
 def test_a_picture_does_not_flood_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
