@@ -15,7 +15,8 @@ from giraff_core.sensors import Camera
 
 Array = NDArray[np.float64]
 
-_ITERATIONS: Final = 20
+_ITERATIONS: Final = 30
+_EXACT: Final = 1e-9
 
 
 def resized(camera: Camera, width: int, height: int) -> Camera:
@@ -50,7 +51,9 @@ def rays(camera: Camera) -> Array:
         radial = 1.0 + square * (k1 + square * (k2 + square * k3))
         aside = 2.0 * p1 * x * y + p2 * (square + 2.0 * x * x)
         along = p1 * (square + 2.0 * y * y) + 2.0 * p2 * x * y
-        x, y = (bent_x - aside) / radial, (bent_y - along) / radial
+        before, x, y = x, (bent_x - aside) / radial, (bent_y - along) / radial
+        if np.abs(x - before).max() < _EXACT:
+            break
     return np.stack([x, y, np.ones_like(x)], axis=-1)
 
 

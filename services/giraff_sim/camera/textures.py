@@ -124,12 +124,17 @@ def _stones(chance: np.random.Generator, cell: int = 8) -> Grey:
     return 45 + (90 + grey) * gap + 6 * _noise(chance, 1.0)
 
 
+@lru_cache(maxsize=len(get_args(Floor)))
+def _joined(names: tuple[Texture, ...], seed: int) -> NDArray[np.uint8]:
+    return np.concatenate([_levels(name, seed) for name in names])
+
+
 class Textures:
     """Some materials at all softnesses, for one look-up."""
 
     def __init__(self, names: Sequence[Texture], seed: int) -> None:
         self._place = {name: number for number, name in enumerate(names)}
-        self._flat = np.concatenate([_levels(name, seed) for name in names])
+        self._flat = _joined(tuple(names), seed)
 
     def place(self, name: Texture) -> int:
         """Return where a material begins, to be added to its level."""
