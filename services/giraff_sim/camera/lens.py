@@ -54,7 +54,7 @@ def rays(camera: Camera) -> Array:
         before, x, y = x, (bent_x - aside) / radial, (bent_y - along) / radial
         if np.abs(x - before).max() < _EXACT:
             break
-    return np.stack([x, y, np.ones_like(x)], axis=-1)
+    return np.stack([x, y, np.ones_like(x)], axis=-1).astype(np.float64, copy=False)
 
 
 def turned(camera: Camera) -> Array:

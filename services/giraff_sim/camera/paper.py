@@ -23,7 +23,7 @@ def lay(grey: Single, material: Index, covered: Grid, color: Grid | float, tones
     """Cover a share of each pixel. `tones`: how bright each material is at a grey; the last one is paper."""
     at = np.flatnonzero(covered > 0.0)
     share = covered[at]
-    shown = color if isinstance(color, float) else color[at]
+    shown = color[at] if isinstance(color, np.ndarray) else color
     bright = grey[at] * tones[material[at]] * (1.0 - share) + shown * share
     material[at[share > 0.5]] = len(tones) - 1
     grey[at] = bright / tones[material[at]]

@@ -63,9 +63,13 @@ class Renderer:
         self.solids = Solids() if solids is None else solids
         """May be replaced at any time."""
         self._camera, self._scene = camera, scene
-        looks: list[tuple[Texture, Color]] = [(kind.texture, kind.color) for kind in KINDS]
-        looks += [("plaster", (206, 210, 212)), (scene.floor, _FLOORS[scene.floor])]
-        looks += [("plaster", (92, 104, 112)), ("plaster", (128, 128, 128))]
+        looks: list[tuple[Texture, Color]] = [
+            *((kind.texture, kind.color) for kind in KINDS),
+            ("plaster", (206, 210, 212)),
+            (scene.floor, _FLOORS[scene.floor]),
+            ("plaster", (92, 104, 112)),
+            ("plaster", (128, 128, 128)),
+        ]
         self._textures = Textures(list(dict.fromkeys(texture for texture, _ in looks)), seed)
         self._place = np.array([self._textures.place(texture) for texture, _ in looks], np.intp)
         self._palette = _palette([color for _, color in looks])

@@ -218,7 +218,7 @@ def _poses(corners: Points, lens: Lens) -> Iterator[FloorPose]:
         _, rotations, shifts, _ = cv2.solvePnPGeneric(sheet, corners, lens.matrix, None, flags=cv2.SOLVEPNP_IPPE)
         for rotation, shift in zip(rotations, shifts, strict=True):
             best = cv2.solvePnPRefineLM(sheet, corners, lens.matrix, None, rotation, shift)
-            yield _pose(sheet, corners, lens, np.concatenate([np.ravel(part) for part in best]))
+            yield _pose(sheet, corners, lens, np.concatenate([np.ravel(part) for part in best]).astype(np.float64))
 
 
 def _pose(sheet: NDArray[np.float64], corners: Points, lens: Lens, six: NDArray[np.float64]) -> FloorPose:
