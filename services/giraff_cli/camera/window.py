@@ -36,9 +36,12 @@ def show(
     stopping: StopSignal,
 ) -> int:
     """Show a camera until Ctrl-C, the window's end or for `seconds`; the exit code."""
-    connection.subscribe(TICK)
     try:
         require_screen()
+    except ViewerError:
+        return print_error("no screen here, neither DISPLAY nor WAYLAND_DISPLAY is set; give --save FILE")
+    connection.subscribe(TICK)
+    try:
         with Window(free_port(), _MEMORY, headless=False) as window:
             view = CameraWindow(connection, pictures, camera)
             view.show.to_window(window.url)

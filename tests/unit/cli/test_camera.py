@@ -11,6 +11,7 @@ import pytest
 
 from giraff_cli.camera.listing import Cameras, report_of, rows_of
 from giraff_cli.camera.look import choose_camera
+from giraff_cli.camera.window import CameraWindow, show
 from giraff_cli.network.picture_subscriber import PictureSubscriber
 from giraff_cli.record.pictures import RecordedPictures
 from giraff_cli.record.recorder import wanted_topics
@@ -22,7 +23,8 @@ from giraff_node.network.consent import NoRobotError
 from giraff_node.picture_choice import PictureChoice
 from giraff_schemas.camera import CameraState, Picture
 from giraff_schemas.codec import encode
-from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE
+from giraff_schemas.messages import Tick
+from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE, TICK
 from giraff_schemas.trouble import WELL, Trouble
 from tests.unit.cli.samples import at, camera
 from tests.unit.mcap.recordings import ROBOT, record
@@ -157,3 +159,37 @@ def test_a_picture_does_not_flood_a_terminal(capsys: pytest.CaptureFixture[str])
         echo = Echo(nothing, nothing, CAMERA, (), as_json=False)
     echo._tell("camera/head/@full", picture(0), 0)
     assert "  jpeg: 512 bytes\n" in capsys.readouterr().out
+
+
+def test_a_window_shows_what_comes_and_tells_why_nothing_does(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    source, drawn = Source(picture(0), picture(1)), []
+    shown = SimpleNamespace(on_sample=lambda *given: drawn.append(given[1]), look=lambda _: None)
+    monkeypatch.setattr("giraff_cli.camera.window.Show", lambda *_, **__: shown)
+    pictures = PictureSubscriber(lambda _: source)
+    tick = Tick(epoch=7, robot_ns=1)
+
+    def dispatch(listener: CameraWindow) -> None:
+        listener.on_sample(CAMERA_STATE, "camera/head/state", camera(), 0)
+        listener.on_sample(TICK, TICK.key, tick, 0)
+
+    connection: Any = SimpleNamespace(robot=ROBOT, dispatch=dispatch)
+    window = CameraWindow(connection, pictures, "head")
+    window.look()
+    source.trouble = Trouble("the camera has started again", "ask for its picture again")
+    window.look()
+    window.look()
+    assert window.has_seen
+    assert drawn == [tick, picture(0), tick, picture(1), tick]
+    assert capsys.readouterr().err == "giraff: the camera has started again; ask for its picture again\n"
+
+
+def test_without_a_screen_no_camera_is_asked(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    nobody: Any = None
+    assert show(nobody, nobody, "head", None, nobody) == 2
+    assert "give --save FILE" in capsys.readouterr().err
