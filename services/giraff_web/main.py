@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -14,6 +15,7 @@ import msgspec
 
 from giraff_node import Node
 from giraff_node.network.host_addresses import host_addresses
+from giraff_node.picture_client import PictureClient
 from giraff_node.process.state import state_directory
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.health import WebPage
@@ -63,10 +65,14 @@ def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> Non
                 node.set_page(
                     WebPage(port=server.port, hosts=site.reached_at, certificate=site.certificate.fingerprint)
                 )
-                node.run(Web(node, config, node.robot, server, node.log.info, room))
+                node.run(Web(node, config, node.robot, server, node.log.info, room, partial(_look, node)))
     except (_RoomError, CertificateProblemError, PortError) as error:
         node.log.error("%s", error)
         sys.exit(_REFUSED)
+
+
+def _look(node: Node[WebConfig], camera: str, by: str) -> PictureClient:
+    return PictureClient(node.network, node.robot.name, camera, by)
 
 
 @contextmanager
