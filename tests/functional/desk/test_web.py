@@ -1,4 +1,5 @@
 """The page of `giraff run --web` in a real browser: each input drives, a phone a metre by tilt, and a laptop stops it.
+The phone sees by the robot's camera.
 
 By the world's truth. What a machine that stands still has ended is done again, as a person would.
 """
@@ -167,6 +168,38 @@ def ends_pages(phone: Phone, laptop: Device, web: Callable[..., str]) -> None:
     phone.wait(lambda: "this page was ended" in phone.told(), "the end of the other")
 
 
+def picture(phone: Phone, which: str = "#shown") -> str:
+    """What the page shows of the camera; empty: nothing that is so. What a busy machine has ended is begun again."""
+    if (show := phone.page.get_by_role("button", name="Show picture of the camera")).is_visible():
+        phone.tap(show)
+    is_shown = phone.page.locator(which).is_visible()
+    return str(phone.page.evaluate("document.getElementById('picture').toDataURL()")) if is_shown else ""
+
+
+def drive_and_see(phone: Phone, observer: Observer) -> TruePose:
+    """A metre by tilt, with a picture that moves, and none before the tap. Where it began."""
+    assert not phone.page.locator("#shown").is_visible()
+    phone.wait(lambda: picture(phone), "a picture")
+    before = picture(phone)
+    began = truth(observer, phone)
+    drive(phone, observer, "Tilt", 1.0, 20)
+    phone.wait(lambda: picture(phone) not in ("", before), "a picture that moves")
+    return began
+
+
+def grows_old(phone: Phone, watcher: Device, camera: int) -> None:
+    """A picture of a camera's process that stands still is shown as old. Who watches is told of it, and sees none."""
+    phone.wait(lambda: picture(phone, "#shown:not(.old)"), "a new picture")
+    watcher.wait(lambda: "camera is on, for web@" in watcher.told(), "who looks")
+    assert not watcher.page.locator("#look").is_visible()
+    assert not watcher.page.locator("#shown").is_visible()
+    os.kill(camera, signal.SIGSTOP)
+    try:
+        phone.page.locator("#shown.old").wait_for()
+    finally:
+        os.kill(camera, signal.SIGCONT)
+
+
 def read(code: int, told: str, complaint: str) -> str:
     """What a command has told, which went well."""
     assert (code, complaint) == (0, "")
@@ -180,7 +213,8 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    with command.start("--web", "--hand", "none", "--boards", "host", "--world", "world.toml", local=False) as process:
+    options = ("--web", "--camera", "--hand", "none", "--boards", "host", "--world", "world.toml")
+    with command.start(*options, local=False) as process:
         address = line_of(process, "page: ").removeprefix("page: ").strip()
         phone = people.phone()
         take(phone, address)
@@ -195,8 +229,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         looks_on = people.laptop() if kept else None
         if looks_on is not None:
             open_page(looks_on, bare)
-        began = truth(observer, phone)
-        drive(phone, observer, "Tilt", 1.0, 20)
+        began = drive_and_see(phone, observer)
         if kept and looks_on is not None:
             (Path(kept) / "web-laptop.png").write_bytes(looks_on.picture())
             (Path(kept) / "web-phone.png").write_bytes(phone.picture())  # for which a page stands still
@@ -207,6 +240,7 @@ def test_each_input_drives_a_metre_by_tilt_and_a_laptop_stops_it(
         laptop = people.laptop()
         laptop.page.goto(address)
         laptop.wait(lambda: "was used" in laptop.told() and "Android phone" in laptop.told(), "whose the token was")
+        grows_old(phone, laptop, command.pid("giraff_node camera"))
         assert phone.violations() == []
         assert laptop.violations() == []
         tap(laptop, "STOP")
