@@ -150,7 +150,7 @@ function look() {
 function frame() {
   const now = clock();
   hand.onFrame(now);
-  if (changed || hand.hold !== at.hold) draw(now);
+  if (changed || hand.hold !== at.hold || picture.hasAged(now)) draw(now);
   floor.draw(at.hello, at.state, trail, at.linked);
   const field = byId(at.input);
   if (at.input === "keys") keys.draw(field, hand);

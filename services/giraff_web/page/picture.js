@@ -60,6 +60,7 @@ export class Picture {
     this._why = "";
     /** The newest that is shown. */
     this._shown = /** @type {any} */ (null);
+    this._drawnOld = false;
     this._pen = byId("picture").getContext("2d");
     byId("look").addEventListener("click", () => this._tap());
   }
@@ -101,14 +102,20 @@ export class Picture {
     this._say({ type: "picture_seen", n });
   }
 
+  /** Whether what is shown has become too old since it was drawn, or new again: that waits for no look of the timer. */
+  hasAged(now) {
+    return Boolean(this._shown) && this._isOld(this._age(now)) !== this._drawnOld;
+  }
+
   draw(at, now) {
     const camera = at.state?.camera;
     byId("camera").hidden = !camera;
     if (!camera) return;
-    const age = this._shown && this._clock.age(this._shown.epoch, this._shown.ns, now);
+    const age = this._age(now);
+    this._drawnOld = this._isOld(age);
     byId("shown").hidden = !this._shown;
     document.body.dataset.picture = this._shown ? "shown" : "";
-    byId("shown").classList.toggle("old", age === null || age >= OLD);
+    byId("shown").classList.toggle("old", this._drawnOld);
     write(byId("picture-age"), ageText(age));
     const own = this._why ? `Your picture is off: ${this._why}. ` : "";
     write(byId("camera-text"), at.linked ? own + cameraText(camera) : own);
@@ -116,6 +123,14 @@ export class Picture {
     button.hidden = !at.mayDrive;
     write(button, this._on ? "Hide" : "Show picture");
     button.setAttribute("aria-label", this._on ? "Hide the camera’s picture" : "Show picture of the camera");
+  }
+
+  _age(now) {
+    return this._shown && this._clock.age(this._shown.epoch, this._shown.ns, now);
+  }
+
+  _isOld(age) {
+    return age === null || age >= OLD;
   }
 
   _tap() {
