@@ -40,9 +40,13 @@ _NOT_SHOWN: Final = Trouble(f"the page showed nothing for {SILENT:g} s", f"check
 class PictureSource(Protocol):
     """What sees the robot's camera: `giraff_node.picture_client.PictureClient` in a process. No call waits."""
 
-    by: str
-    """Who looks, for people."""
+    @property
+    def by(self) -> str:
+        """Who looks, for people."""
+        ...
 
+    @by.setter
+    def by(self, by: str, /) -> None: ...
     @property
     def trouble(self) -> Trouble: ...
     def want(self, *, largest: PictureSize = "full") -> None: ...

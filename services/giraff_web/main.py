@@ -6,7 +6,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
-from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -20,6 +19,7 @@ from giraff_node.process.state import state_directory
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.health import WebPage
 from giraff_schemas.trouble import Trouble
+from giraff_web.camera import PictureSource
 from giraff_web.config import WebConfig
 from giraff_web.messages import Room
 from giraff_web.server.host import RIGHTS, HostSocket, own_socket
@@ -54,6 +54,9 @@ def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> Non
     from giraff_web.server.certificates import CertificateProblemError  # noqa: PLC0415  its libraries may be missing
     from giraff_web.server.server import PortError, Server  # noqa: PLC0415
 
+    def look(camera: str, by: str) -> PictureSource:
+        return PictureClient(node.network, node.robot.name, camera, by)
+
     try:
         room = _room(node.config.room)
         config = _open_at(node)
@@ -65,14 +68,10 @@ def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> Non
                 node.set_page(
                     WebPage(port=server.port, hosts=site.reached_at, certificate=site.certificate.fingerprint)
                 )
-                node.run(Web(node, config, node.robot, server, node.log.info, room, partial(_look, node)))
+                node.run(Web(node, config, node.robot, server, node.log.info, room, look))
     except (_RoomError, CertificateProblemError, PortError) as error:
         node.log.error("%s", error)
         sys.exit(_REFUSED)
-
-
-def _look(node: Node[WebConfig], camera: str, by: str) -> PictureClient:
-    return PictureClient(node.network, node.robot.name, camera, by)
 
 
 @contextmanager
