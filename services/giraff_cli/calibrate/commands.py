@@ -72,7 +72,7 @@ def odometry(
 
 @calibrate.command()
 def camera(
-    name: Annotated[
+    which: Annotated[
         str | None, typer.Argument(metavar="[NAME]", help="Of the camera; else the only one.", show_default=False)
     ] = None,
     pictures: Annotated[
@@ -96,4 +96,4 @@ def camera(
     require_extra("calibrate camera", "cv2", "camera,cli")
     from giraff_cli.calibrate.camera.command import calibrate_camera  # noqa: PLC0415
 
-    raise typer.Exit(calibrate_camera(name, pictures, robot, connect or ()))
+    raise typer.Exit(calibrate_camera(which, pictures, robot, connect or ()))

@@ -97,6 +97,8 @@ ROBOTLESS: Mapping[str, str] = {
     "run": "functional/robot/test_run.py: it brings its robot along",
     "dst": "dst: likewise",
     "check wheels": "unit/cli/test_check_wheels.py: it asks a board, and whoever stands beside it",
+    "calibrate camera": "unit/calibrate/test_camera.py: likewise",
+    "camera board": "unit/calibrate/test_camera.py: it asks nobody",
     "calibrate odometry": "unit/calibrate: it asks files, or goes through it with whoever drives",
     "keys init": "unit/keys: it asks a folder",
     "keys host": "likewise",

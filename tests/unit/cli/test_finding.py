@@ -200,7 +200,17 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
     host: Host, monkeypatch: pytest.MonkeyPatch, command: str
 ) -> None:
     """A page stays until the robot is there, a calibration goes into its file, and doctor judges the robot itself."""
-    strict = {"estop engage", "estop reset", "estop status", "web", "calibrate odometry", "doctor", "topic pub", "play"}
+    strict = {
+        "estop engage",
+        "estop reset",
+        "estop status",
+        "web",
+        "calibrate camera",
+        "calibrate odometry",
+        "doctor",
+        "topic pub",
+        "play",
+    }
     strict |= {"param set", "param save"}
     asked: list[Target] = []
 

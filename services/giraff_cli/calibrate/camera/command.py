@@ -55,29 +55,37 @@ class LivePictures:
 
 def calibrate_camera(name: str | None, folder: Path | None, robot: str | None, connect: Sequence[str]) -> int:
     """Do the whole command; return its exit code."""
-    human = Terminal(sys.stdin, sys.stdout)
 
     def act(connection: RobotConnection) -> int:
-        client = PictureClient(connection.network, connection.robot, which, f"giraff calibrate, {user_at_host()}")
         try:
-            return guide(human, which, camera, path, measure_live(LivePictures(client)))
+            path, which, camera = _own(name)
+            by = f"giraff calibrate, {user_at_host()}"
+            client = PictureClient(connection.network, connection.robot, which, by)
+            try:
+                return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_live(LivePictures(client)))
+            finally:
+                client.close()
+        except (ConfigError, UnusableError) as error:
+            return complain(str(error), _UNUSABLE)
         except KeyboardInterrupt:
             return _interrupted()
-        finally:
-            client.close()
 
-    try:
-        path, filed = own_robot_file()
-        which, camera = choose(filed, name)
-    except (ConfigError, UnusableError) as error:
-        return complain(str(error), _UNUSABLE)
     with signals_interrupt():
         try:
-            if folder is not None:
-                return guide(human, which, camera, path, measure_folder(folder))
-            return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
+            if folder is None:
+                return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
+            path, which, camera = _own(name)
+            return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_folder(folder))
+        except (ConfigError, UnusableError) as error:
+            return complain(str(error), _UNUSABLE)
         except KeyboardInterrupt:
             return _interrupted()
+
+
+def _own(name: str | None) -> tuple[Path, str, Camera]:
+    """Return the robot file of this machine, and its camera that is meant. Raises ConfigError and UnusableError."""
+    path, filed = own_robot_file()
+    return path, *choose(filed, name)
 
 
 def choose(filed: RobotConfig, name: str | None) -> tuple[str, Camera]:

@@ -207,7 +207,7 @@ def _line(grey: Grey, one: Points, other: Points, lens: Lens) -> NDArray[np.floa
             np.einsum("ijk,ijl->kl", weighted, where) + 1e-9 * np.eye(2), np.einsum("ijk,ij->k", weighted, between)
         )
     first, last = one + line[0] * out, other + (line[0] + line[1]) * out
-    return np.cross(np.append(first, 1.0), np.append(last, 1.0))
+    return np.asarray(np.cross(np.append(first, 1.0), np.append(last, 1.0)), dtype=np.float64)
 
 
 def _poses(corners: Points, lens: Lens) -> Iterator[FloorPose]:
