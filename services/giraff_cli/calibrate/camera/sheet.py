@@ -176,7 +176,7 @@ def _corners(grey: Grey, outline: Points, lens: Lens) -> Points:
     for _ in range(_ROUNDS):
         lines = [_line(grey, corners[i], corners[(i + 1) % 4], lens) for i in range(4)]
         crossed = [np.cross(lines[i - 1], lines[i]) for i in range(4)]
-        corners = np.array([point[:2] / point[2] for point in crossed])
+        corners = np.array([point[:2] / point[2] for point in crossed], dtype=np.float64)
     return corners
 
 
@@ -218,7 +218,7 @@ def _poses(corners: Points, lens: Lens) -> Iterator[FloorPose]:
         _, rotations, shifts, _ = cv2.solvePnPGeneric(sheet, corners, lens.matrix, None, flags=cv2.SOLVEPNP_IPPE)
         for rotation, shift in zip(rotations, shifts, strict=True):
             best = cv2.solvePnPRefineLM(sheet, corners, lens.matrix, None, rotation, shift)
-            yield _pose(sheet, corners, lens, np.concatenate([np.ravel(part) for part in best]).astype(np.float64))
+            yield _pose(sheet, corners, lens, np.array([float(each) for part in best for each in np.ravel(part)]))
 
 
 def _pose(sheet: NDArray[np.float64], corners: Points, lens: Lens, six: NDArray[np.float64]) -> FloorPose:
@@ -235,5 +235,7 @@ def _pose(sheet: NDArray[np.float64], corners: Points, lens: Lens, six: NDArray[
 
 def _above_floor(six: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return z, roll and pitch."""
-    right, down, ahead = up = cv2.Rodrigues(six[:3])[0][:, 2]  # of the floor, as the camera has it
+    right, down, ahead = up = np.asarray(cv2.Rodrigues(six[:3])[0], dtype=np.float64)[
+        :, 2
+    ]  # of the floor, as the camera has it
     return np.array([-up @ six[3:], math.atan2(-right, -down), math.asin(max(-1.0, min(1.0, -ahead)))])
