@@ -110,6 +110,8 @@ class Connection:
 
     def tell(self, message: Hello | Refused | Looking | OpenPages) -> None:
         self._greeted = self._greeted or isinstance(message, Hello)
+        if isinstance(message, Looking) and not message.on:
+            self._picture = None  # it looks no longer, and its link may be slow
         self._told.append(msgspec.json.encode(message))
         self._news.set()
 

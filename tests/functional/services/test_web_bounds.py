@@ -18,7 +18,7 @@ import pytest
 
 from giraff_schemas.messages import EStop
 from giraff_web.limits import Allowance, Limits
-from giraff_web.messages import LARGEST, Refused
+from giraff_web.messages import LARGEST, Looking, Refused
 from giraff_web.pages import Closed, Opened, StopAsked
 from giraff_web.server.connection import Connection
 from giraff_web.server.doorman import Doorman, Guarded
@@ -139,6 +139,26 @@ def test_a_page_gets_three_states_then_the_newest_once_it_has_shown_them_and_the
             await slow.send_str('{"type": "seen", "n": 20}')
             assert (await told(slow))["n"] == 25
             assert await asyncio.wait_for(slow.receive_bytes(), 20.0) == b"picture"
+
+    trying(tmp_path, course)
+
+
+def test_a_page_gets_no_picture_that_waits_for_it_once_it_looks_no_longer(tmp_path: Path) -> None:
+    async def course(it: Desk) -> None:
+        async with browser(it) as session, page(it, session) as socket:
+            await it.until(lambda: it.of(Opened))
+            number = it.of(Opened)[0].page
+            assert (await told(socket))["type"] == "hello"
+            for n in range(1, 4):
+                it.show()
+                assert (await told(socket))["n"] == n
+            it.server.send_picture(number, b"picture")
+            it.server.tell(number, Looking(on=False, why=""))
+            assert (await told(socket))["type"] == "looking"
+            await socket.send_str('{"type": "seen", "n": 3}')
+            for n in (4, 5):
+                it.show()
+                assert (await told(socket))["n"] == n
 
     trying(tmp_path, course)
 
