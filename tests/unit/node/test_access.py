@@ -153,6 +153,10 @@ def test_who_has_the_name_asks_for_a_cameras_picture_and_gets_it(
         assert {host for host in access.hosts if lets_in(host, "put", key, access)} == {"robot"}
 
 
+def test_who_may_see_does_not_drive_by_that_name() -> None:
+    assert not lets_in("desk", "put", key_of(ROBOT, OPERATOR_CMD_VEL.at("camera")), SEEING)
+
+
 WITH_PAGE = AccessConfig(robot=("robot",), operators={"hall": ("web",)}, viewers=("screen",))
 """A page is served by the host `hall`."""
 
