@@ -113,7 +113,6 @@ class Camera:
         for hold in self._holds.take():
             policy.on_hold(hold, now)
         policy.look(now)
-        self._tell_who_looks()
         if policy.is_on:
             self._capture.start()
             self._show(now)
@@ -123,6 +122,7 @@ class Camera:
         if self._capture.is_stuck:
             raise RuntimeError("the camera does not come back from a read: a new process tries it again")
         if self._state_timer.due(now):
+            self._tell_who_looks()
             self._state(now)
 
     def end(self) -> None:

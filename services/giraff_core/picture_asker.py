@@ -12,6 +12,7 @@ _LETS_GO: Final = 1.0
 """s after the last `want` that nobody looks any longer."""
 _ANSWERS_WITHIN: Final = 2.0
 """s in which a camera that is heard takes the word of somebody who may look."""
+_OVER: Final = Trouble("nobody here looked for a while, and it shows nothing by itself", "ask for its picture again")
 _RESTARTED: Final = Trouble("the camera has started again, and shows nothing by itself", "ask for its picture again")
 
 
@@ -26,6 +27,7 @@ class PictureAsker:
         self._camera, self.by = camera, by
         self._wanted = self._heard = self._asked = self._another_heard = -math.inf
         self._since = self._asking_since = math.inf
+        self._is_over = False  # nobody looked for a while: a machine that slept does not look again by itself
         self._instance = ""  # of the camera's process
         self._seen = -1
         self._largest: PictureSize = "full"
@@ -39,6 +41,8 @@ class PictureAsker:
         """Somebody still looks; to be said twice a second at least. `now`: s of any one monotonic clock."""
         if self._wanted == -math.inf:
             self._since = now
+        elif now - self._wanted > HOLD_ENDS:
+            self._is_over = True
         self._wanted, self._largest = now, largest
 
     def on_state(self, state: CameraState, instance: str, now: float) -> CameraHold | None:
@@ -68,6 +72,8 @@ class PictureAsker:
 
     def trouble(self, now: float) -> Trouble:
         """Why there is no picture; WELL: one comes, or may."""
+        if self._is_over:
+            return _OVER
         if now - self._heard > HOLD_ENDS:
             if now - self._another_heard <= HOLD_ENDS:
                 return _RESTARTED
@@ -85,7 +91,7 @@ class PictureAsker:
         return trouble_of(self.state)
 
     def _hold(self, now: float) -> CameraHold | None:
-        if self.state is None or now - self._wanted > _LETS_GO:
+        if self.state is None or self._is_over or now - self._wanted > _LETS_GO:
             return None
         if self._asked == -math.inf:
             self._asking_since = now

@@ -29,6 +29,11 @@ _AGAIN: Final = 2.0  # s until a network that could not be reached is tried agai
 _LOOK: Final = 0.05  # s between two looks whether another size is to be listened to
 
 
+def _now() -> float:
+    """s of a clock that goes on while the machine sleeps, where there is one: whoever slept looks no longer."""
+    return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))
+
+
 class PictureClient:
     """One person's wish to see what a camera sees. Nobody looks any longer a second after the last `want`."""
 
@@ -49,7 +54,7 @@ class PictureClient:
     def want(self, *, largest: PictureSize = "full") -> None:
         """Say that somebody still looks, twice a second at least. `largest`: that is wanted."""
         with self._lock:
-            self._asker.want(largest, time.monotonic())
+            self._asker.want(largest, _now())
 
     def take(self) -> Picture | None:
         """The newest picture that was not taken yet; None: there is none."""
@@ -75,7 +80,7 @@ class PictureClient:
     def trouble(self) -> Trouble:
         """Why there is no picture; WELL: one comes, or may."""
         with self._lock:
-            return self._unreachable or self._asker.trouble(time.monotonic())
+            return self._unreachable or self._asker.trouble(_now())
 
     def close(self) -> None:
         """Look no longer. The session ends by itself."""
@@ -119,13 +124,13 @@ class PictureClient:
         def on_picture(picture: Picture) -> None:
             with self._lock:
                 self._newest = picture
-                self._say(self._asker.on_picture(picture, size, time.monotonic()))
+                self._say(self._asker.on_picture(picture, size, _now()))
 
         return self._subscriber(session, self._topics[size], on_picture)
 
     def _on_state(self, state: CameraState) -> None:
         with self._lock:
-            self._say(self._asker.on_state(state, self._instance, time.monotonic()))
+            self._say(self._asker.on_state(state, self._instance, _now()))
 
     def _say(self, hold: CameraHold | None) -> None:
         if hold is not None and self._holds is not None:

@@ -9,6 +9,7 @@ from typing import Any, Final
 from giraff_schemas.services import LOCALIZATION, PLAY, SERVICES
 from giraff_schemas.topics import (
     CAMERA_ON,
+    CAMERA_PICTURES,
     CMD_VEL,
     MOTION_HOLD,
     MOTION_QUERIES,
@@ -47,6 +48,14 @@ def find_topic(key: str, there: Iterable[str] = ()) -> Topic[Any]:
     if (row := topic_of(key)) is None:
         raise UnknownKeyError(no_such_key(key, (*(topic.key for topic in TOPICS), *there)))
     return row if row.key == key else row.at(row.name_in(key))
+
+
+def find_heard_topic(key: str) -> Topic[Any]:
+    """As `find_topic`, of what a tool may listen to. Nobody would be told who sees a picture that was not asked for."""
+    topic = find_topic(key)
+    if topic_of(key) in CAMERA_PICTURES:
+        raise UnknownKeyError(f"{key}: pictures must be asked for: giraff camera view, giraff record --camera")
+    return topic
 
 
 def no_such_key(key: str, there: Iterable[str]) -> str:

@@ -13,7 +13,7 @@ import msgspec
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.robot_graph import GraphMonitor
-from giraff_cli.network.topic_keys import UnknownKeyError, find_topic
+from giraff_cli.network.topic_keys import UnknownKeyError, find_heard_topic
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import json_line
 from giraff_node import robot_now_ns
@@ -24,8 +24,6 @@ from giraff_schemas.topics import Topic
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _SILENT_AFTER: Final = 1.2  # s; twice the period of the slowest topic
 _LOOK_EVERY: Final = 0.02  # s
-_SHOWN_BYTES: Final = 100
-"""A field with more of them, like a picture, is shown by its length. --json has all of it."""
 
 
 class FieldError(Exception):
@@ -44,7 +42,7 @@ def echo(
 ) -> int:
     """Until Ctrl-C, for `seconds` or `count` samples; the exit code."""
     try:
-        topic = find_topic(key)
+        topic = find_heard_topic(key)
         for field in fields:
             require_field(topic, field)
     except (UnknownKeyError, FieldError) as error:
@@ -158,6 +156,4 @@ def _value(sample: dict[str, Any], field: str) -> Any:
 
 def _text(value: Any) -> str:
     """For people."""
-    if isinstance(value, bytes) and len(value) > _SHOWN_BYTES:
-        return f"{len(value)} bytes"
     return msgspec.json.encode(value).decode() if not isinstance(value, str) else value

@@ -12,7 +12,7 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.header_subscriber import HeaderSubscriber
 from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
 from giraff_cli.network.statistics import PublisherStatistics
-from giraff_cli.network.topic_keys import UnknownKeyError, find_topic
+from giraff_cli.network.topic_keys import UnknownKeyError, find_heard_topic
 from giraff_cli.terminal.page import print_json, print_table, shown
 from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.text import printable
@@ -134,7 +134,7 @@ def bandwidths_of(robot_graph: RobotGraph) -> list[Bandwidth]:
 
 def _measure(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, tell: Any) -> int:
     try:
-        topic = None if key is None else find_topic(key)
+        topic = None if key is None else find_heard_topic(key)
     except UnknownKeyError as error:
         return print_error(str(error))
 

@@ -49,6 +49,8 @@ class Viewer:
         self.said = 0
         self.size: PictureSize = "small"
         self.largest: PictureSize = "full"
+        self.sleeps = False
+        self.sleeps = False
         self.confirms = True
         """It answers pictures, and not states alone."""
 
@@ -83,7 +85,7 @@ class Scene:
         while self._events and self._events[0][0] <= now:
             heapq.heappop(self._events)[2]()
         for viewer in self.viewers:
-            if now < viewer.until:
+            if now < viewer.until and not viewer.sleeps:
                 viewer.asker.want(viewer.largest, now)
             if viewer.size != viewer.asker.size:
                 viewer.size = viewer.asker.size

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from giraff_camera.policy import LATE, MOST_ASKERS, MOST_ON_THE_WAY, PicturePolicy
-from giraff_schemas.camera import HOLD_ENDS, CameraHold, CameraState
+from giraff_core.picture_asker import PictureAsker
+from giraff_schemas.camera import HOLD_ENDS, CameraHold, CameraState, Picture
 from giraff_schemas.codec import encode, stamped
 from tests.unit.camera.looking import FULL, Link, Scene
 
@@ -47,6 +48,37 @@ def test_a_camera_that_has_started_again_shows_nothing_to_those_who_still_look()
     assert not shown(scene.policy)
     assert scene.sent == {"full": 0, "small": 0}
     assert "ask for its picture again" in scene.viewers[0].asker.trouble(scene.now).remedy
+
+
+def test_who_has_slept_does_not_look_again_by_itself() -> None:
+    scene = Scene(FAST)
+    scene.run(3.0)
+    scene.viewers[0].sleeps = True
+    scene.run(HOLD_ENDS + 1.0)
+    scene.viewers[0].sleeps = False
+    scene.run(3.0)
+    assert not shown(scene.policy)
+    assert "ask for its picture again" in scene.viewers[0].asker.trouble(scene.now).remedy
+
+
+def test_a_word_that_comes_once_more_counts_once() -> None:
+    policy = PicturePolicy("head", "camera", 15.0, 40_000)
+    policy.on_state_sent(0, 0.0)
+    policy.on_hold(stamped(hold(), 7, 0, "me"), 0.1)
+    policy.on_state_sent(1, 1.5)
+    policy.on_hold(stamped(hold(state=1), 7, 0, "me"), 1.6)
+    policy.look(HOLD_ENDS)
+    assert not shown(policy)
+
+
+def test_pictures_of_another_start_are_not_confirmed() -> None:
+    asker = PictureAsker("head", "me")
+    asker.want("full", 0.0)
+    state = CameraState(camera="head", askers=(), width=320, height=240, rate=0.0, reason="")
+    assert asker.on_state(stamped(state, 0, 0, "camera"), "me", 0.1) is not None
+    picture = Picture(camera="head", jpeg=b"", width=160, height=120, tick=None)
+    assert asker.on_picture(stamped(picture, 0, 0, "before"), "small", 0.2) is None
+    assert asker.on_picture(stamped(picture, 0, 0, "camera"), "small", 0.2) is not None
 
 
 def test_a_late_word_turns_nothing_on() -> None:

@@ -16,7 +16,6 @@ from giraff_cli.network.picture_subscriber import PictureSubscriber
 from giraff_cli.record.pictures import RecordedPictures
 from giraff_cli.record.recorder import wanted_topics
 from giraff_cli.terminal.signals import StopSignal
-from giraff_cli.topic.echo import Echo
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
 from giraff_node.network.consent import NoRobotError
@@ -27,6 +26,7 @@ from giraff_schemas.messages import Tick
 from giraff_schemas.topics import CAMERA, CAMERA_SMALL, CAMERA_STATE, TICK
 from giraff_schemas.trouble import WELL, Trouble
 from tests.unit.cli.samples import at, camera
+from tests.unit.cli.typed import typed
 from tests.unit.mcap.recordings import ROBOT, record
 
 
@@ -152,13 +152,13 @@ def test_no_picture_is_recorded_that_was_not_asked_for(pattern: str) -> None:
         wanted_topics([pattern])
 
 
-def test_a_picture_does_not_flood_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("giraff_cli.topic.echo.GraphMonitor", lambda _: None)
-        nothing: Any = None
-        echo = Echo(nothing, nothing, CAMERA, (), as_json=False)
-    echo._tell("camera/head/@full", picture(0), 0)
-    assert "  jpeg: 512 bytes\n" in capsys.readouterr().out
+@pytest.mark.parametrize("verb", ["echo", "hz", "bw"])
+def test_no_tool_listens_to_a_picture_that_it_has_not_asked_for(
+    verb: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, _, complaint = typed(monkeypatch, capsys, "topic", verb, "camera/head/@full")
+    assert code == 2
+    assert "pictures must be asked for: giraff camera view" in complaint
 
 
 def test_a_window_shows_what_comes_and_tells_why_nothing_does(
