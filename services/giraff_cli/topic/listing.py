@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import msgspec
@@ -19,12 +19,13 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.fields import Field, fields_of
 from giraff_schemas.messages import Sample
 from giraff_schemas.text import printable
-from giraff_schemas.topics import TOPICS, Topic, key_of, topic_of
+from giraff_schemas.topics import TOPICS, Qos, Topic, key_of, topic_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
-_QOS: Final = {
+QOS: Final[Mapping[Qos, str]] = {
     "control": "real-time priority, sent at once; dropped rather than late",
     "state": "high priority; dropped rather than late",
+    "bulk": "lowest priority, in a session of its own; dropped rather than late",
 }
 
 
@@ -128,7 +129,7 @@ def _info(
         row=_row(robot_graph, topic.key),
         robot=connection.robot,
         whole_key=key,
-        qos=_QOS[topic.qos],
+        qos=QOS[topic.qos],
         matching=is_listened_to(speaker),
         fields=fields_of(topic.schema),
         parts=_parts(topic.schema),

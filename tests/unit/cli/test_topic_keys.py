@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, intersects, publish_refusal
+from giraff_cli.topic.listing import QOS
 from giraff_cli.topic.publish import NotASampleError, parse_sample
 from giraff_schemas.messages import Battery, DriveCommand
 from giraff_schemas.topics import (
@@ -133,3 +134,7 @@ def test_what_is_no_sample_is_told(topic: Topic[Any], text: str, said: str) -> N
     with pytest.raises(NotASampleError) as raised:
         parse_sample(topic, text)
     assert said in str(raised.value)
+
+
+def test_each_topic_has_a_text_of_its_quality_of_service() -> None:
+    assert all(QOS[topic.qos] for topic in TOPICS)
