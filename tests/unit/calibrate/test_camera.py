@@ -186,6 +186,7 @@ def test_a_guided_person_calibrates_a_live_camera(path: Path, one: Taken) -> Non
     assert [each.read_text() for each in path.parent.iterdir() if each != path] == [before]
     assert any("is taken; show the board at the left edge" in line for line in person.told)
     assert any("Error left: lens 0.1" in line for line in person.told)
+    assert any("    0.000 0.000 0.000 0.000\n" in line for line in person.told)  # the lens of the file
 
 
 def test_a_folder_of_pictures_calibrates_a_camera(path: Path, tmp_path: Path, one: Taken) -> None:

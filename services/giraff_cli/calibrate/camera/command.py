@@ -14,7 +14,7 @@ from giraff_cli.calibrate.camera.guide import Pictures, take_sheets, take_views
 from giraff_cli.calibrate.camera.lens import Lens, LensFit, lens_of
 from giraff_cli.calibrate.camera.picture import UnusableError
 from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
-from giraff_cli.calibrate.guided import agrees, own_robot_file, signals_interrupt
+from giraff_cli.calibrate.guided import agrees, introduce, own_robot_file, signals_interrupt
 from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
@@ -58,11 +58,14 @@ def calibrate_camera(name: str | None, folder: Path | None, robot: str | None, c
 
     def act(connection: RobotConnection) -> int:
         try:
-            path, which, camera = _own(name)
+            path, filed = own_robot_file()
+            which, camera = choose(filed, name)
+            human = Terminal(sys.stdin, sys.stdout)
+            introduce(human, connection.robot, path, filed)
             by = f"giraff calibrate, {user_at_host()}"
             client = PictureClient(connection.network, connection.robot, which, by)
             try:
-                return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_live(LivePictures(client)))
+                return guide(human, which, camera, path, measure_live(LivePictures(client)))
             finally:
                 client.close()
         except (ConfigError, UnusableError) as error:
@@ -74,18 +77,13 @@ def calibrate_camera(name: str | None, folder: Path | None, robot: str | None, c
         try:
             if folder is None:
                 return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
-            path, which, camera = _own(name)
+            path, filed = own_robot_file()
+            which, camera = choose(filed, name)
             return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_folder(folder))
         except (ConfigError, UnusableError) as error:
             return complain(str(error), _UNUSABLE)
         except KeyboardInterrupt:
             return _interrupted()
-
-
-def _own(name: str | None) -> tuple[Path, str, Camera]:
-    """Return the robot file of this machine, and its camera that is meant. Raises ConfigError and UnusableError."""
-    path, filed = own_robot_file()
-    return path, *choose(filed, name)
 
 
 def choose(filed: RobotConfig, name: str | None) -> tuple[str, Camera]:

@@ -55,9 +55,9 @@ def in_words(before: Camera, after: Camera, fit: LensFit, poses: Sequence[FloorP
         ("roll", f"{_degrees(after.roll)}°", f"{_degrees(before.roll)}°"),
         ("focal length", f"{after.focal_x:.1f} ± {fit.focal_sd:.1f} px", f"{was.focal_x:.1f} px"),
         ("centre", f"{after.center_x:.1f}, {after.center_y:.1f} px", f"{was.center_x:.1f}, {was.center_y:.1f} px"),
-        ("distortion", " ".join(f"{value:.3f}" for value in after.distortion[:4]), "k1 k2 p1 p2"),
+        ("k1 k2 p1 p2", _distortion(after), _distortion(before)),
     ]
-    lines = [f"{'':<14}{'found':<24}before", *(f"{name:<14}{found:<24}{old}" for name, found, old in rows)]
+    lines = [f"{'':<14}{'found':<30}before", *(f"{name:<14}{found:<30}{old}" for name, found, old in rows)]
     lines.append(f"Error left: lens {fit.error:.2f} px, sheet {pose.error:.2f} px in {len(poses)} pictures.")
     changes = (
         ("height", abs(after.z / before.z - 1.0) > _LARGE_CHANGE),  # A3 and A5 have the form of A4
@@ -70,6 +70,10 @@ def in_words(before: Camera, after: Camera, fit: LensFit, poses: Sequence[FloorP
         if far
     ]
     return "\n".join(lines)
+
+
+def _distortion(camera: Camera) -> str:
+    return " ".join(f"{value:.3f}" for value in camera.distortion[:4])
 
 
 def _degrees(angle: float) -> str:
