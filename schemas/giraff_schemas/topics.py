@@ -87,7 +87,7 @@ PARTICLES = Topic("particles", lo.Particles, 2, "state")
 MAP = Topic("map", lo.MapWalls, 0.2, "state")
 CAMERA = Topic("camera/*/@full", c.Picture, 15, "bulk", "camera")
 CAMERA_SMALL = Topic("camera/*/@small", c.Picture, 15, "bulk", "camera")
-CAMERA_ON = Topic("camera/*/on", c.CameraHold, 20, "state", "camera")
+CAMERA_ON = Topic("camera/*/on", c.CameraHold, 5, "state", "camera")
 CAMERA_STATE = Topic("camera/*/state", c.CameraState, 5, "state", "camera")
 CAMERA_PICTURES = (CAMERA, CAMERA_SMALL)
 """What a camera sees. A chunk that begins with `@` is matched by no wildcard: who listens to all that a robot says does
