@@ -42,6 +42,8 @@ def chosen(config: CameraConfig, robot: RobotConfig) -> tuple[str, CameraModel]:
         return config.name, there[config.name]
     if not config.name and len(there) == 1:
         return next(iter(there.items()))
+    for sensor, kind in robot.unknown_sensors.items() if not there else ():
+        raise ValueError(f'[robot.sensors.{sensor}] is of the type {kind!r}; write type = "camera" where it is one')
     if not there:
         raise ValueError('the robot file has no camera; write [robot.sensors.head] with type = "camera" and its place')
     whom = f"[camera] name is {config.name!r}" if config.name else "[camera] name is empty"

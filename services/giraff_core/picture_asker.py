@@ -63,9 +63,13 @@ class PictureAsker:
         """Pictures of this size are listened to from now on."""
         self._listens, self._seen = size, -1
 
+    def takes(self, picture: Picture, size: PictureSize) -> bool:
+        """Whether a picture of this size is this asker's. Others may have asked for it alone."""
+        return size == self._listens and picture.instance == self._instance != "" and not self._is_over
+
     def on_picture(self, picture: Picture, size: PictureSize, now: float) -> CameraHold | None:
         """Take a picture of this size; returns what is to be said."""
-        if size != self._listens or picture.instance != self._instance:
+        if not self.takes(picture, size):
             return None
         self._seen = picture.seq
         return self._hold(now)

@@ -123,11 +123,9 @@ class PictureClient:
     def _pictures(self, session: zenoh.Session, size: PictureSize) -> Any:
         def on_picture(picture: Picture) -> None:
             with self._lock:
-                state = self._asker.state
-                if state is None or picture.instance != state.instance:  # asked for by others alone
-                    return
-                self._newest = picture
-                self._say(self._asker.on_picture(picture, size, _now()))
+                if self._asker.takes(picture, size):
+                    self._newest = picture
+                    self._say(self._asker.on_picture(picture, size, _now()))
 
         return self._subscriber(session, self._topics[size], on_picture)
 

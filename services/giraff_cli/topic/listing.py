@@ -19,7 +19,7 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.fields import Field, fields_of
 from giraff_schemas.messages import Sample
 from giraff_schemas.text import printable
-from giraff_schemas.topics import TOPICS, Qos, Topic, key_of, topic_of
+from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, Qos, Topic, key_of, topic_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 QOS: Final[Mapping[Qos, str]] = {
@@ -103,7 +103,7 @@ def _list(connection: RobotConnection, stopping: StopSignal, seconds: float, *, 
                 row.key,
                 row.type or "not in the table",
                 shown(row.nominal_hz) if row.nominal_hz else "on change",
-                shown(row.hz) if row.hz is not None else "heard" if row.heard else "silent",
+                shown(row.hz) if row.hz is not None else "heard" if row.heard else _unheard(row),
                 _names(row.publishers) or "nobody",
                 _names(row.subscribers),
             )
@@ -144,7 +144,7 @@ def _info(
 def _show(found: TopicInfo) -> None:
     row = found.row
     rate = f"{shown(row.nominal_hz)} Hz" if row.nominal_hz else "on change"
-    silent = "none by which to tell the rate" if row.heard else "silent"
+    silent = "none by which to tell the rate" if row.heard else _unheard(row)
     listeners = _names(row.subscribers)
     if not listeners:
         listeners = "somebody whose health does not tell" if found.matching else "nobody"
@@ -180,6 +180,11 @@ def _row(robot_graph: RobotGraph, key: str) -> TopicRow:
         publishers=sorted({maker for other in covered for maker in robot_graph.publishers(other)}),
         subscribers=robot_graph.subscribers(key),
     )
+
+
+def _unheard(row: TopicRow) -> str:
+    """Why it has no rate: pictures are sent to those alone who have asked for them."""
+    return "unasked" if topic_of(row.key) in CAMERA_PICTURES else "silent"
 
 
 def _names(makers: Sequence[NodeId], *, instances: bool = False) -> str:

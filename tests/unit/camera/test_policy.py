@@ -10,6 +10,7 @@ from giraff_schemas.camera import HOLD_ENDS, CameraHold, CameraState, Picture
 from giraff_schemas.codec import encode, stamped
 from tests.unit.camera.looking import FULL, Link, Scene
 
+NOTHING = Picture(camera="head", jpeg=b"", width=160, height=120, tick=None)
 FAST = Link(rate=100e6, delay=0.001)
 
 
@@ -71,14 +72,16 @@ def test_a_word_that_comes_once_more_counts_once() -> None:
     assert not shown(policy)
 
 
-def test_pictures_of_another_start_are_not_confirmed() -> None:
+def test_pictures_that_others_alone_have_asked_for_are_not_taken() -> None:
     asker = PictureAsker("head", "me")
     asker.want("full", 0.0)
+    assert not asker.takes(stamped(NOTHING, 0, 0, "camera"), "small"), "before it has heard the camera"
     state = CameraState(camera="head", askers=(), width=320, height=240, rate=0.0, reason="")
     assert asker.on_state(stamped(state, 0, 0, "camera"), "me", 0.1) is not None
-    picture = Picture(camera="head", jpeg=b"", width=160, height=120, tick=None)
-    assert asker.on_picture(stamped(picture, 0, 0, "before"), "small", 0.2) is None
-    assert asker.on_picture(stamped(picture, 0, 0, "camera"), "small", 0.2) is not None
+    assert asker.on_picture(stamped(NOTHING, 0, 0, "another start"), "small", 0.2) is None
+    assert asker.on_picture(stamped(NOTHING, 0, 0, "camera"), "small", 0.2) is not None
+    asker.want("full", 9.0)
+    assert not asker.takes(stamped(NOTHING, 0, 0, "camera"), "small"), "after it has slept"
 
 
 def test_a_late_word_turns_nothing_on() -> None:
