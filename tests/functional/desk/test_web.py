@@ -10,11 +10,13 @@ import math
 import os
 import signal
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Final
 from urllib.parse import urlsplit
 
 import pytest
+from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from giraff_schemas.messages import TruePose
 from giraff_schemas.topics import ESTOP, TRUE_POSE
@@ -172,6 +174,8 @@ def picture(phone: Phone, which: str = "#shown") -> str:
     """What the page shows of the camera; empty: nothing that is so. What a busy machine has ended is begun again."""
     if (show := phone.page.get_by_role("button", name="Show picture of the camera")).is_visible():
         phone.tap(show)
+        with suppress(PlaywrightTimeoutError):  # until it is taken: a second tap would hide the picture again
+            show.wait_for(state="hidden", timeout=5000)
     is_shown = phone.page.locator(which).is_visible()
     return str(phone.page.evaluate("document.getElementById('picture').toDataURL()")) if is_shown else ""
 

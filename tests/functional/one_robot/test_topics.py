@@ -48,11 +48,15 @@ KEYS: Final = {
     "pose",
     "particles",
     "map",
+    "camera/*/@full",
+    "camera/*/@small",
+    "camera/*/on",
+    "camera/*/state",
     "true_pose",
     "serial/*",
     "serial_write/*",
 }
-"""All that a list has. Nothing leans, and there is no bumper, motion, localization, gateway nor `giraff run`."""
+"""All that a list has. Nothing leans. No bumper, motion, localization, camera, gateway nor `giraff run` is there."""
 
 
 def is_whole_list(rows: Any) -> bool:
