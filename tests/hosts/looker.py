@@ -1,7 +1,7 @@
-"""Looks at the robot's camera now and then, and hears its ticks: python looker.py ROBOT CAMERA NETWORK SECONDS TIMES.
+"""Looks at the robot's camera, and hears its ticks: python looker.py ROBOT CAMERA NETWORK SECONDS.
 
-It listens for SECONDS without looking and SECONDS looking, TIMES times, and prints what came of both, as JSON. NETWORK:
-fields of the table `[network]`. The lab is one machine: its one CLOCK_BOOTTIME tells how old a tick is.
+It listens for SECONDS without looking and SECONDS looking, and prints what came of both, as JSON. NETWORK: fields of
+the table `[network]`. The lab is one machine: its one CLOCK_BOOTTIME tells how old a tick is.
 """
 
 from __future__ import annotations
@@ -30,15 +30,13 @@ class Came(msgspec.Struct):
     """Ages, s; by whether it looked."""
     pictures: list[float]
     """Ages, s."""
-    gaps: list[float]
-    """s between pictures."""
     bytes: list[int]
     trouble: str
 
 
-def main(robot: str, camera: str, network: str, seconds: str, times: str) -> None:
+def main(robot: str, camera: str, network: str, seconds: str) -> None:
     config = msgspec.json.decode(network, type=NetworkConfig)
-    came = Came(ticks=defaultdict(list), pictures=[], gaps=[], bytes=[], trouble="")
+    came = Came(ticks=defaultdict(list), pictures=[], bytes=[], trouble="")
     mode = ""
 
     def on_tick(sample: zenoh.Sample) -> None:
@@ -50,31 +48,26 @@ def main(robot: str, camera: str, network: str, seconds: str, times: str) -> Non
         _subscriber = session.declare_subscriber(key_of(robot, TICK), on_tick)
         time.sleep(2.0)  # the links come about
         set_tcp_options()
-        for _ in range(int(times)):
-            mode = "alone"
-            time.sleep(float(seconds))
-            mode = ""
-            client = PictureClient(config, robot, camera, "looker")
-            _look(client, 2.0, came=None)
-            mode = "looking"
-            _look(client, float(seconds), came)
-            mode = ""
-            client.close()
-            time.sleep(0.5)  # the last picture passes
+        mode = "alone"
+        time.sleep(float(seconds))
+        mode = ""
+        client = PictureClient(config, robot, camera, "looker")
+        _look(client, 2.0, came=None)
+        mode = "looking"
+        _look(client, float(seconds), came)
+        mode = ""
+        client.close()
     print(msgspec.json.encode(came).decode(), flush=True)
 
 
 def _look(client: PictureClient, seconds: float, came: Came | None) -> None:
-    end, last = time.monotonic() + seconds, 0.0
-    while (now := time.monotonic()) < end:
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
         client.want()
         picture = client.take()
         if picture is not None and came is not None:
             came.pictures.append(_age(picture))
             came.bytes.append(len(picture.jpeg))
-            if last:
-                came.gaps.append(now - last)
-            last = now
         time.sleep(0.002)
     if came is not None:
         came.trouble = str(client.trouble)
