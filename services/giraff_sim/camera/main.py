@@ -24,6 +24,7 @@ from giraff_camera.device.raw_frames import Header, Wanted
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_node.process.malloc import keep_freed_memory
 from giraff_node.process.unix_socket import listen_at
 from giraff_sim.camera.lens import resized
 from giraff_sim.camera.renderer import Picture, Renderer
@@ -172,6 +173,7 @@ def main(arguments: list[str] | None = None) -> int:
     add("--seed", type=int, default=1, metavar="N", help="of everything random (default 1)")
     add("--floor", choices=FLOORS, default="planks", help="(default planks)")
     given = parser.parse_args(arguments)
+    keep_freed_memory()
     logging.basicConfig(level=logging.INFO, format="giraff_sim.camera: %(message)s", stream=sys.stderr)
     try:
         _, camera = chosen(load("camera", CameraConfig), load("robot", RobotConfig))
