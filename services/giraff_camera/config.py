@@ -35,8 +35,8 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             raise ValueError("device is empty: give the path of the camera, like /dev/video0")
 
 
-def chosen(config: CameraConfig, robot: RobotConfig) -> tuple[str, CameraModel]:
-    """The camera that the robot file means. Raises ValueError."""
+def camera_of(config: CameraConfig, robot: RobotConfig) -> tuple[str, CameraModel]:
+    """Return the name and the table of the camera that the robot file means. Raises ValueError."""
     there = robot.cameras
     if config.name in there:
         return config.name, there[config.name]

@@ -6,7 +6,7 @@ import sys
 from contextlib import closing
 from typing import Final
 
-from giraff_camera.config import CameraConfig
+from giraff_camera.config import CameraConfig, camera_of
 from giraff_camera.libraries import missing_library
 from giraff_node import Node
 
@@ -19,12 +19,12 @@ def main() -> None:
         sys.exit(_REFUSED)
     from giraff_camera.device.capture import Capture  # noqa: PLC0415  its libraries may be missing
     from giraff_camera.device.opening import open_camera  # noqa: PLC0415
-    from giraff_camera.service import Camera, chosen  # noqa: PLC0415
+    from giraff_camera.service import Camera  # noqa: PLC0415
 
     with Node("camera", CameraConfig) as node:
         config = node.config
         try:
-            _, model = chosen(config, node.robot)
+            _, model = camera_of(config, node.robot)
         except ValueError as error:
             node.log.error("%s", error)
             sys.exit(_REFUSED)

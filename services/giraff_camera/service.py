@@ -1,4 +1,4 @@
-"""What a camera sees, to those who look at it: `camera/<name>` and `camera/<name>/small`."""
+"""What a camera sees, to those who look at it: `camera/<name>/@full` and `@small`."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final, Protocol
 
-from giraff_camera.config import CameraConfig
+from giraff_camera.config import CameraConfig, camera_of
 from giraff_camera.device.image import Image
 from giraff_camera.jpeg import JpegEncoder, half
 from giraff_camera.policy import PicturePolicy
 from giraff_core.io import IO, Publisher, Selectable
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import Camera as CameraModel
 from giraff_core.timer import Timer
 from giraff_schemas.camera import CameraState, Picture, PictureSize
 from giraff_schemas.messages import RobotTime
@@ -20,9 +19,9 @@ from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE,
 from giraff_schemas.trouble import WELL, Trouble
 
 _TICKS: Final = 200
-"""That are remembered, 4 s of them: longer than a picture takes from its exposure to here."""
-_MEASURE: Final = 1.0
-"""s between two looks how many bytes a full picture has, while nobody is sent one."""
+"""Number of ticks that are kept: 4 s of them, longer than a picture takes from its exposure to here."""
+_MEASURE_HZ: Final = 1.0
+"""Hz. A full picture is encoded so often to know its bytes, while nobody is sent one."""
 
 
 class Capture(Selectable, Protocol):
@@ -56,19 +55,6 @@ class Capture(Selectable, Protocol):
         ...
 
 
-def chosen(config: CameraConfig, robot: RobotConfig) -> tuple[str, CameraModel]:
-    """The camera that the robot file means. Raises ValueError."""
-    there = robot.cameras
-    if config.name in there:
-        return config.name, there[config.name]
-    if not config.name and len(there) == 1:
-        return next(iter(there.items()))
-    if not there:
-        raise ValueError('the robot file has no camera; write [robot.sensors.head] with type = "camera" and its place')
-    whom = f"[camera] name is {config.name!r}" if config.name else "[camera] name is empty"
-    raise ValueError(f"{whom}, and the robot file's cameras are {', '.join(there)}: name one of them")
-
-
 class Camera:
     """One camera. It is open while somebody looks, and only then."""
 
@@ -82,7 +68,7 @@ class Camera:
     ) -> None:
         """`log`: takes a line for people: who looks. Raises ValueError where the robot file has no such camera."""
         self._io, self._capture, self._log = io, capture, log
-        self.name, self._model = chosen(config, robot)
+        self.name, self._model = camera_of(config, robot)
         self._max_bytes = config.max_bytes
         self._policy = PicturePolicy(self.name, io.instance, config.rate, config.max_bytes)
         self._encoders: dict[PictureSize, JpegEncoder] = {
@@ -100,7 +86,7 @@ class Camera:
         self._stated = 0
         io.frame((transform := self._model.transform(self.name)).child, transform)
         self._ticks: deque[tuple[float, RobotTime]] = deque(maxlen=_TICKS)
-        self._state_timer, self._measure_timer = Timer(CAMERA_STATE.rate_hz), Timer(1.0 / _MEASURE)
+        self._state_timer, self._measure_timer = Timer(CAMERA_STATE.rate_hz), Timer(_MEASURE_HZ)
         self.timers = (self._state_timer,)
         self.link = capture
         self._image: Image | None = None

@@ -25,8 +25,9 @@ class PictureAsker:
     def __init__(self, camera: str, by: str) -> None:
         """`by`: who looks, for people."""
         self._camera, self.by = camera, by
-        self._wanted = self._heard = self._asked = self._another_heard = -math.inf
+        self._wanted = self._heard = self._another_heard = -math.inf
         self._since = self._asking_since = math.inf
+        self._has_asked = False
         self._is_over = False  # nobody looked for a while: a machine that slept does not look again by itself
         self._instance = ""  # of the camera's process
         self._seen = -1
@@ -97,9 +98,8 @@ class PictureAsker:
     def _hold(self, now: float) -> CameraHold | None:
         if self.state is None or self._is_over or now - self._wanted > _LETS_GO:
             return None
-        if self._asked == -math.inf:
-            self._asking_since = now
-        self._asked = now
+        if not self._has_asked:
+            self._has_asked, self._asking_since = True, now
         return CameraHold(
             camera=self._camera,
             to=self._instance,

@@ -11,10 +11,10 @@ from giraff_core.bounds import Bounds, check_bounds
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.kinematics.dead_reckoning import WHEEL_NOISE
 from giraff_core.kinematics.differential_drive import DifferentialDrive
-from giraff_core.kinematics.parts import ANGLE, PLACE, PartPose, check_parts
+from giraff_core.kinematics.parts import ANGLE, PLACE, PartPose, check_parts, fixed_transform
 from giraff_core.sensors import HC_SR04, Bumper, Camera, UltrasonicModel
 from giraff_core.tuning import Tuning
-from giraff_schemas.frames import BASE_FRAME, Transform, camera_frame, range_frame
+from giraff_schemas.frames import Transform, camera_frame, range_frame
 from giraff_schemas.topics import require_chunk
 from giraff_schemas.wire import RANGE_SENSORS
 
@@ -64,17 +64,7 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     def transform(self, name: str) -> Transform:
         """Of the sensor of this name."""
-        return Transform(
-            parent=BASE_FRAME,
-            child=range_frame(name),
-            x=self.x,
-            y=self.y,
-            z=self.z,
-            roll=self.roll,
-            pitch=self.pitch,
-            yaw=self.yaw,
-            fixed=True,
-        )
+        return fixed_transform(range_frame(name), self)
 
 
 class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

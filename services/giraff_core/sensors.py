@@ -12,9 +12,9 @@ from typing import Annotated, Any, ClassVar, Final, Literal
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
-from giraff_core.kinematics.parts import ANGLE, PLACE
+from giraff_core.kinematics.parts import ANGLE, PLACE, fixed_transform
 from giraff_core.tuning import Tuning
-from giraff_schemas.frames import BASE_FRAME, Transform, camera_frame
+from giraff_schemas.frames import Transform, camera_frame
 from giraff_schemas.wires.bumper import BUMPERS
 
 ULTRASONIC: Final = "hc-sr04"
@@ -98,17 +98,7 @@ class Camera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
 
     def transform(self, name: str) -> Transform:
         """Of the camera of this name."""
-        return Transform(
-            parent=BASE_FRAME,
-            child=camera_frame(name),
-            x=self.x,
-            y=self.y,
-            z=self.z,
-            roll=self.roll,
-            pitch=self.pitch,
-            yaw=self.yaw,
-            fixed=True,
-        )
+        return fixed_transform(camera_frame(name), self)
 
 
 def by_type(robot: Mapping[str, Any]) -> dict[str, Any]:

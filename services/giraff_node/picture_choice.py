@@ -18,7 +18,7 @@ class PictureChoice:
         self._small: Picture | None = None
 
     def choose(self, picture: Picture | None, full_width: int, now: float) -> Picture | None:
-        """Take what has come, and return the picture that counts; None: it is worth to wait.
+        """Take what has come, and return the picture that counts; None: wait for a better one.
 
         `full_width`: px of a full picture. `now`: s of any one monotonic clock.
         """

@@ -14,7 +14,7 @@ from typing import Literal, get_args, get_type_hints
 
 import tomlkit
 
-from giraff_camera.config import CameraConfig, chosen
+from giraff_camera.config import CameraConfig, camera_of
 from giraff_cli.network.ports import port_or_any
 from giraff_cli.run.demonstration import with_demonstration
 from giraff_core.network import NetworkConfig
@@ -208,7 +208,7 @@ def _require_sound_services(environment: Mapping[str, str]) -> None:
 def _camera(robot: RobotConfig, environment: Mapping[str, str]) -> str:
     """Return the name of the camera that the robot file means. Raises PlanError."""
     try:
-        name, _ = chosen(load("camera", CameraConfig, environment), robot)
+        name, _ = camera_of(load("camera", CameraConfig, environment), robot)
     except ValueError as error:
         raise PlanError(f"--camera: {error}") from error
     return name

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from typing import Annotated, Final
+from typing import Annotated, Final, Protocol
 
 import msgspec
 
@@ -14,6 +14,38 @@ from giraff_schemas.topics import require_chunk
 
 PLACE: Final = Bounds(-2.0, 2.0, "m")
 ANGLE: Final = Bounds(-math.tau, math.tau, "rad")
+
+
+class Posed(Protocol):
+    """Something at a place of the robot: metres, radians."""
+
+    @property
+    def x(self) -> float: ...
+    @property
+    def y(self) -> float: ...
+    @property
+    def z(self) -> float: ...
+    @property
+    def roll(self) -> float: ...
+    @property
+    def pitch(self) -> float: ...
+    @property
+    def yaw(self) -> float: ...
+
+
+def fixed_transform(child: str, pose: Posed, parent: str = BASE_FRAME) -> Transform:
+    """Return where the frame `child` is for good."""
+    return Transform(
+        parent=parent,
+        child=child,
+        x=pose.x,
+        y=pose.y,
+        z=pose.z,
+        roll=pose.roll,
+        pitch=pose.pitch,
+        yaw=pose.yaw,
+        fixed=True,
+    )
 
 
 class PartPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -39,17 +71,7 @@ class PartPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
 
     def transform(self, name: str) -> Transform:
         """Of the part of this name."""
-        return Transform(
-            parent=self.parent,
-            child=name,
-            x=self.x,
-            y=self.y,
-            z=self.z,
-            roll=self.roll,
-            pitch=self.pitch,
-            yaw=self.yaw,
-            fixed=True,
-        )
+        return fixed_transform(name, self, self.parent)
 
 
 def check_parts(parts: Mapping[str, PartPose], sensors: Collection[str]) -> None:

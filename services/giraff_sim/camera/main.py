@@ -19,7 +19,7 @@ from typing import Final
 
 import msgspec
 
-from giraff_camera.config import CameraConfig, chosen
+from giraff_camera.config import CameraConfig, camera_of
 from giraff_camera.device.raw_frames import Header, Wanted
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import Camera
@@ -176,7 +176,7 @@ def main(arguments: list[str] | None = None) -> int:
     keep_freed_memory()
     logging.basicConfig(level=logging.INFO, format="giraff_sim.camera: %(message)s", stream=sys.stderr)
     try:
-        _, camera = chosen(load("camera", CameraConfig), load("robot", RobotConfig))
+        _, camera = camera_of(load("camera", CameraConfig), load("robot", RobotConfig))
         with SimulatorClient(given.control) as client:
             scene = Scene(floor=given.floor, shadow=Shadow())
             server = CameraServer(given.at, SimulatedCamera(client, camera, scene, given.seed), client)

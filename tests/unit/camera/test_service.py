@@ -53,6 +53,7 @@ def test_the_camera_is_closed_once_nobody_looks_and_an_old_picture_is_shown_to_n
     desk.look(0)
     desk.capture.take.return_value = Image(np.zeros((240, 320), np.uint8), 10.0, None)
     desk.it.turn(10.1)
+    desk.it.turn(10.11)  # another one, which waits for the word that the first has come
     desk.capture.take.return_value = None
     assert (desk.capture.start.called, desk.shown) == (True, 1)
     desk.capture.reset_mock()
