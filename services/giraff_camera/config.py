@@ -18,16 +18,16 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     LIVE: ClassVar = Tuning.READ_ONLY
 
     name: str = ""
-    """Of its table in [robot.sensors]; empty: the robot has one camera alone."""
+    """Name of its table in [robot.sensors]. Empty: the robot's only camera."""
     device: str = "/dev/video0"
     """Path of the camera; one below /dev/v4l/by-id names the same one wherever it is plugged in. A Unix socket there is
     the simulated camera's."""
     rate: Annotated[float, Bounds(0.5, 60.0, "Hz")] = 15.0
     """Hz at most."""
     quality: Annotated[int, Bounds(10, 95)] = 80
-    """Of the JPEG where it is not too large, 0 to 100."""
+    """JPEG quality, 0 to 100, of a picture that is not too large."""
     max_bytes: Annotated[int, Bounds(2_000, 60_000, "bytes")] = 40_000
-    """Of a picture. Zenoh carries 65 536 bytes here."""
+    """Bytes of a picture at most. Zenoh carries 65 536 bytes here."""
 
     def __post_init__(self) -> None:
         check_bounds(self)

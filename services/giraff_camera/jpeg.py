@@ -16,7 +16,7 @@ _BEGIN_HALVED: Final = 40
 """Quality at which a picture of half the size takes about as many bytes as one of the whole size at the lowest."""
 _MOST_HALVINGS: Final = 5
 _STEP: Final = 0.8
-"""Of the quality, from one rung to the next."""
+"""Factor of the quality, from one rung to the next."""
 _LESS_BYTES: Final = 0.85
 """A rung takes about so much of the bytes of the one above."""
 _ROOM: Final = 1.25
@@ -24,7 +24,7 @@ _ROOM: Final = 1.25
 
 
 class JpegEncoder:
-    """Of one stream of pictures. It remembers what fitted last, and improves by one rung a picture."""
+    """Encodes a stream of pictures. It remembers the rung that fitted last, and tries a better one at each picture."""
 
     def __init__(self, quality: int) -> None:
         """`quality`: of the JPEG where it is not too large, 10 to 95."""

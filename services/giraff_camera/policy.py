@@ -17,7 +17,7 @@ MOST_ON_THE_WAY: Final = 0.06
 LATE: Final = 1.0
 """s without a confirmation after which nobody waits for an asker any longer."""
 _JOINS: Final = 0.25
-"""s that one may take who listens to a size since a moment: its first picture may have gone before the network knew."""
+"""s that the first picture of a new size may take. The network may have sent it before it knew the asker."""
 _EARLY: Final = 0.2
 """Share of a period by which a picture may be early: a camera's own pace is never quite even."""
 MOST_ASKERS: Final = 20
@@ -27,7 +27,7 @@ _LONGEST_BY: Final = 100
 LEAST_BYTES: Final = 1000
 """A smaller picture shows nothing."""
 _FIRST_BYTES: Final = 4000
-"""Of the first picture on a link of which nothing is known."""
+"""Bytes of the first picture on an unknown link."""
 _FREE: Final = 0.7
 """Share of `MOST_ON_THE_WAY` that the large picture must fit into, before it is tried."""
 _PROVEN: Final = 5
@@ -79,27 +79,27 @@ class _Stream:
     def __init__(self) -> None:
         self.at = self.due_at = -math.inf
         self.pictures: dict[int, tuple[float, int]] = {}
-        """By `seq`, when each of the last ones was sent, and its bytes."""
+        """The last pictures by `seq`: when each was sent, and its bytes."""
         self.rest_until = -math.inf
         """A link has as long a rest after a picture as this has taken."""
 
 
 class PicturePolicy:
-    """Of one camera's process, whose instance it is."""
+    """Decides for one start of one camera's process."""
 
     def __init__(self, camera: str, instance: str, rate: float, max_bytes: int) -> None:
-        """`rate`: Hz at most. `max_bytes`: of a full picture."""
+        """`instance`: of this start. `rate`: Hz at most. `max_bytes`: bytes of a full picture at most."""
         self._camera, self._instance = camera, instance
         self._period, self._max_bytes = 1.0 / rate, max_bytes
         self._askers: dict[str, _Asker] = {}
         self._streams: dict[PictureSize, _Stream] = {"full": _Stream(), "small": _Stream()}
         self._states: dict[int, float] = {}
         self.full_bytes = max_bytes
-        """Of a full picture of what the camera sees now: whether a link carries it."""
+        """Bytes of a full picture of the present view. They tell whether a link carries it."""
 
     @property
     def is_on(self) -> bool:
-        """Whether somebody looks. Nothing else has the camera take or send a picture."""
+        """Somebody looks. The camera takes and sends pictures for no other reason."""
         return bool(self._askers)
 
     def on_state_sent(self, seq: int, now: float) -> None:
@@ -144,7 +144,7 @@ class PicturePolicy:
                 asker.size = "small"
 
     def due(self, now: float) -> dict[PictureSize, int]:
-        """By size of the pictures that are to be sent now, the bytes that one may have."""
+        """Return the sizes to send now, each with the bytes that its picture may have."""
         return {size: self._limit(size) for size in self._streams if self._is_due(size, now)}
 
     def sent(self, size: PictureSize, seq: int, length: int, now: float) -> None:

@@ -17,7 +17,7 @@ _RESTARTED: Final = Trouble("the camera has started again, and shows nothing by 
 
 
 class PictureAsker:
-    """Of one camera, for one person's wish: what is said to it, and why no picture comes.
+    """Keep one person's wish at one camera: it makes the holds, and tells why no picture comes.
 
     The wish is for the camera's process of the moment. A later start of it is another one, which a person must ask.
     """
@@ -35,7 +35,7 @@ class PictureAsker:
         self.state: CameraState | None = None
         """The newest of the camera."""
         self.size: PictureSize = "small"
-        """Of the pictures to listen to; `listen` tells that it is done."""
+        """Size of the pictures to listen to. `listen` tells that it is done."""
         self._listens: PictureSize = "small"
 
     def want(self, largest: PictureSize, now: float) -> None:

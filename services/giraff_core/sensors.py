@@ -97,7 +97,7 @@ class Camera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
             raise ValueError("distortion has a number that is not finite")
 
     def transform(self, name: str) -> Transform:
-        """Of the camera of this name."""
+        """Return the transform of the camera of this name."""
         return fixed_transform(camera_frame(name), self)
 
 

@@ -30,7 +30,7 @@ _LOOK: Final = 0.05  # s between two looks whether another size is to be listene
 
 
 def _now() -> float:
-    """s of a clock that goes on while the machine sleeps, where there is one: whoever slept looks no longer."""
+    """Return s of a clock that also counts sleep, where there is one: after sleep a wish is over."""
     return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))
 
 

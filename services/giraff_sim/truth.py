@@ -44,7 +44,7 @@ class TrueCamera(msgspec.Struct, frozen=True, kw_only=True):
     """Every camera of the robot."""
 
     height_scale: float = 1.0
-    """Of the height above the floor that its file says."""
+    """True height above the floor, as a multiple of the robot file's."""
     pitch: float = 0.0
     """rad that it looks farther down."""
     focal_scale: float = 1.0
@@ -178,7 +178,7 @@ def draw_truth(level: Level, ranges: TruthRanges, seed: int, calibration: Calibr
 
 
 def _draw_camera(ranges: TruthRanges, seed: int, share: float) -> TrueCamera:
-    """By a chance of its own: robots that were drawn before cameras were stay as they are."""
+    """Draw by a chance of its own, so that a seed draws the same robot as before there were cameras."""
     chance = random.Random(f"{seed}/camera")
 
     def either_way(largest: float) -> float:

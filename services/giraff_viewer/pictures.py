@@ -23,7 +23,7 @@ def picture_path(camera: str) -> str:
 
 
 class Pictures:
-    """The newest picture of each camera. Times are ns of one clock, that of whoever heard it."""
+    """The newest picture of each camera. Times are ns of the listener's clock."""
 
     def __init__(self) -> None:
         self._tick: tuple[RobotTime, int] | None = None

@@ -31,7 +31,7 @@ class Show:
         self._camera = camera
         self._blueprint = camera_blueprint(camera) if camera else blueprint(live=live)
         self._shown: tuple[bool, tuple[str, ...]] = (False, ())
-        """Whether the screen has the plots of a robot that balances, and of which cameras it has the pictures."""
+        """What the screen shows: the plots of a robot that balances or not, and the cameras with a picture."""
         self.heard = 0
         """Samples."""
         self._scene = Scene(robot)

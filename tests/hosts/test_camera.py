@@ -25,8 +25,6 @@ LAN: Final = {"mode": "lan"}
 LOOKER: Final = Path(__file__).with_name("looker.py")
 LATER: Final = 0.08
 """s by which ticks may be older while somebody looks."""
-
-
 DRIVES: Final = 4
 """Number of drives that may be tried. One must go on."""
 
@@ -39,7 +37,7 @@ class _Drive(msgspec.Struct):
     driven: float
     """Share of the time in which the motors turned."""
     at_full_speed: float
-    """Share of the samples of speed that are full speed. The start is not."""
+    """Share of the samples of speed at full speed. At the start the speed is lower."""
     tick_age: float
     later: float
     """How much older the ticks are than while nobody looks."""
@@ -53,8 +51,8 @@ class _Drive(msgspec.Struct):
         return self.drives and self.driven >= 0.9 and self.at_full_speed >= 0.85
 
 
-def nine_in_twenty(ages: list[float]) -> float:
-    """The age that 95 of 100 are below."""
+def percentile_95(ages: list[float]) -> float:
+    """Return the age that 95 of 100 ages are below."""
     return statistics.quantiles(ages, n=20)[-1]
 
 
@@ -100,8 +98,8 @@ def _drive(site: ProcessSite) -> _Drive:
         drives=site.hardware.drives(),
         driven=simulator.record(since, until).driven_ms * 1000 / (until - since),
         at_full_speed=sum(turn >= 0.9 * max(turns) for turn in turns) / len(turns),
-        tick_age=nine_in_twenty(came.ticks["looking"]),
-        later=nine_in_twenty(came.ticks["looking"]) - nine_in_twenty(came.ticks["alone"]),
+        tick_age=percentile_95(came.ticks["looking"]),
+        later=percentile_95(came.ticks["looking"]) - percentile_95(came.ticks["alone"]),
         pictures=len(came.pictures),
         picture_bytes=statistics.mean(came.bytes),
         picture_age=statistics.median(came.pictures),

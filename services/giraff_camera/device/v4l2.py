@@ -17,7 +17,7 @@ from giraff_schemas.trouble import Trouble
 _BUFFERS: Final = 2
 """With one, a camera that sends without a pause loses each second picture. A thread that always reads empties both."""
 _MANUAL_EXPOSURE: Final = 1
-"""Of V4L2_CID_EXPOSURE_AUTO. Else the exposure time that a camera names is not the one that it takes."""
+"""Value of V4L2_CID_EXPOSURE_AUTO. In other modes a camera may report an exposure time that it does not use."""
 _EXPOSURE_UNIT: Final = 1e-4
 """s, of V4L2_CID_EXPOSURE_ABSOLUTE."""
 _MOST_TORN: Final = 10

@@ -55,7 +55,7 @@ class PictureSubscriber:
 
     @classmethod
     def of(cls, connection: RobotConnection, verb: str, only: str = "") -> Self:
-        """Ask in the name of whoever has typed this verb."""
+        """Ask in the name of the user who typed this verb."""
         by = f"{user_at_host()} (giraff {verb})"
         return cls(lambda camera: PictureClient(connection.network, connection.robot, camera, by), only)
 

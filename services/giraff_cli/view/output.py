@@ -34,7 +34,7 @@ class Options(NamedTuple):
     seconds: float | None
     as_json: bool
     camera: bool = False
-    """Of a live robot: ask its cameras for their pictures."""
+    """Ask the cameras of a live robot for their pictures."""
 
 
 class ViewerOutput(ExitStack):

@@ -59,7 +59,7 @@ class WatchReport(msgspec.Struct, frozen=True, kw_only=True):
     attitude: dict[str, Any] | None
     """None: it is no robot that balances."""
     cameras: dict[str, dict[str, Any] | None]
-    """By name: `askers` are those who see what it sees now."""
+    """The cameras by name. `askers` see the picture now."""
     topics: dict[str, TopicReport]
     """By key, below the robot's name."""
     unreadable: tuple[str, ...]

@@ -1,7 +1,7 @@
 """The Zenoh session of samples that are large: a client of the robot's door, beside the session of all others.
 
-A picture of 40 kB in the session of ticks and states would be before them in the kernel's buffers, whatever its
-priority. The links of this session are of such samples alone, from the door to those who listen, too.
+In the session of ticks and states, a picture of 40 kB would wait before them in the kernel's buffers, at any priority.
+This session has links of its own, and so has each listener behind the door.
 """
 
 from __future__ import annotations

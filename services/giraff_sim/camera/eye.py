@@ -25,7 +25,7 @@ class View(NamedTuple):
     y: float
     z: float
     cos: Single
-    """Of the direction in the plane."""
+    """Cosine of the direction in the plane."""
     sin: Single
     slope: Single
     """m up for each m in the plane."""
@@ -34,7 +34,7 @@ class View(NamedTuple):
     direction: Index
     """Number of the direction in the plane."""
     cosines: Single
-    """Of all directions: finer than pixels, one number a direction."""
+    """Cosines of all directions, which are finer than pixels."""
     sines: Single
     floor: Single
     """m in the plane to the floor; infinite above the horizon."""
@@ -43,7 +43,7 @@ class View(NamedTuple):
 
 
 class Eye(NamedTuple):
-    """The same in the room."""
+    """Rays of the camera in the room."""
 
     view: View
     x: float

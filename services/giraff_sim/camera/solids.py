@@ -65,7 +65,7 @@ KINDS: Final = (
     WALL,
     _COLUMN,
 )
-"""Of several that a name holds, the first. A wall or post of none goes up to the ceiling."""
+"""Looks by word of a name; the first word that fits counts. A wall or post without one goes up to the ceiling."""
 
 
 def _kind_of(name: str, otherwise: Kind) -> int:
@@ -87,7 +87,7 @@ class _Side(NamedTuple):
 
 
 class Seen(NamedTuple):
-    """By surface and direction, and by surface."""
+    """The surfaces that the directions meet: arrays by surface and direction, or by surface."""
 
     far: Single
     """m in the plane; infinite where it is not met."""

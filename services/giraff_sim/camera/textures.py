@@ -17,7 +17,7 @@ Single = NDArray[np.float32]
 
 Floor = Literal["brick", "planks", "tiles", "carpet", "gravel", "lino"]
 Cover = Literal["plaster", "wood", "cloth"]
-"""Of walls and furniture."""
+"""Textures of walls and furniture."""
 Texture = Literal[Floor, Cover]
 FLOORS: Final[tuple[Floor, ...]] = get_args(Floor)
 

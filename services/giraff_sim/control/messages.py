@@ -293,7 +293,7 @@ class State(msgspec.Struct, frozen=True, kw_only=True):
     pivot: float
     """m of that axle above the floor."""
     room_version: int
-    """Of what stands in the room."""
+    """Version of the room. It changes with the room's surfaces."""
     path_length: float
     clearance: float
     """m between the robot's disc and what is nearest to it."""

@@ -20,7 +20,7 @@ FULL: Final = 12_000
 
 
 class Link(NamedTuple):
-    """Of one who looks."""
+    """The link of an asker."""
 
     rate: float
     """bit/s."""

@@ -22,7 +22,7 @@ DELAYS: Final = (1, 2, 3)
 MARGIN: Final = (1 / 4, 1.0, 3.5)
 """All gains together, times each of these, must hold the robot. With less margin drawn robots fell, or wandered far."""
 _LEAN_MARGIN: Final = (1 / 3, 1.0, 2.25)
-"""The same for a robot that goes by its lean alone."""
+"""The multiples for a robot that goes by its lean alone."""
 _PLAY: Final = 8
 """Periods of delay that the gears' play is worth to encoders. With gains that bear less, drawn robots swung."""
 _TERMS: Final = 12  # of the series of an exponential

@@ -23,13 +23,13 @@ _WHITE: Final = 250
 _GLARE: Final = 0.02
 """Share of the picture that is white as paper never is."""
 _EDGE: Final = 0.18
-"""Of the picture's width or height: how near to each edge a corner has to come."""
+"""Share of the picture's width or height. Some corner must come so near to each edge."""
 _TILT: Final = 0.3
 """rad that some views must be tilted, each way."""
 _NEW: Final = 0.04
-"""Of the picture's width: how far, on average, a new view's corners are from those of any other view."""
+"""Share of the picture's width. The corners of a new view lie, on average, so far from those of every other view."""
 _STILL: Final = 0.003
-"""Of the picture's width, between two pictures."""
+"""Share of the picture's width that a still board moves at most between two pictures."""
 
 
 class View(NamedTuple):

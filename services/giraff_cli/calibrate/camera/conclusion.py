@@ -15,7 +15,7 @@ from giraff_cli.calibrate.camera.sheet import FloorPose, middle_of
 from giraff_core.sensors import Camera
 
 _LARGE_CHANGE: Final = 0.2
-"""Of height or focal length."""
+"""Share of the height or the focal length."""
 _LARGE_TURN: Final = math.radians(10.0)
 
 

@@ -12,7 +12,7 @@ from giraff_cli.calibrate.camera.sheet import FloorPose, find_sheet, middle_of
 from giraff_cli.calibrate.terminal import Human
 
 PLACES: Final = 3
-"""Of the sheet: the picture's pixels and JPEG move its edges a little, elsewhere otherwise."""
+"""Number of places of the sheet. Pixels and JPEG move its edges a little, differently at each place."""
 _PICTURES: Final = 3
 """At each place."""
 _SAME: Final = 10
@@ -56,7 +56,7 @@ class ViewGuide:
         self._views: list[View] = []
         self._unlike = ""
         self.fit: LensFit | None = None
-        """Of all views, once they are enough."""
+        """The lens that fits all views; None: there are too few."""
 
     def see(self, data: bytes) -> tuple[str, bool]:
         """Look at the next picture; return what to tell the person, and whether a view was taken."""

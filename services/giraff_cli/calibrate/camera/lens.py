@@ -21,7 +21,7 @@ _SMALLEST_OUTLIER: Final = 0.5  # px
 _LARGEST_ERROR: Final = 1.0
 """px, at a width of 320. More is no plumb-bob lens, or no flat board."""
 _LARGEST_SD: Final = 0.005
-"""Of the focal length: beyond this the views are too alike."""
+"""Share of the focal length. With a larger deviation the views are too alike."""
 _LONGEST: Final = 4.0
 """Focal length in widths of the picture, and the other way round: views that all face the camera fit any."""
 

@@ -28,19 +28,19 @@ _NEAR: Final = (2.0, 1.5, 1.0, 1.0, 1.0)
 """px beside the line, within which pixels tell where it is; from one step to the next."""
 _ROUNDS: Final = 2
 _MARGIN: Final = 0.15
-"""Of a side, at its ends: there the other sides are near."""
+"""Share of a side that is left out at its ends, near the other sides."""
 _LARGEST_ERROR: Final = 0.3
 """px between the sheet's corners and those of A4, at a width of 320, in one picture."""
 _LARGEST_MEAN: Final = 0.2
 """px, of several pictures: what is not A4 is off in all of them."""
 _LARGEST_SPREAD: Final = 0.01
-"""Of the height: standard deviation of what several pictures tell."""
+"""Share of the height. Largest standard deviation between several pictures."""
 FEWEST: Final = 3
 """Pictures of the sheet. One alone may tell the height one part in a hundred wrong."""
 _LARGEST_ROLL: Final = math.radians(20.0)
 _LARGEST_PITCH: Final = math.radians(80.0)
 _LARGEST_SD: Final = 0.007
-"""Of the height: a sheet that is too far away or seen too flatly does not tell it."""
+"""Share of the height. A sheet that is too far away, or seen too flatly, has a larger deviation."""
 _CORNER_SD: Final = 0.06
 """px, at a width of 320, that each number of a corner is found wrong by: measured on drawn pictures."""
 
