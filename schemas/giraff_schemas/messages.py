@@ -283,7 +283,7 @@ class Odometry(Sample, frozen=True, kw_only=True):
     covariance: tuple[float, float, float, float, float, float]
     """Of (x, y, yaw): xx, xy, xyaw, yy, yyaw, yawyaw; m², m·rad, rad². Grows with way and turn."""
     path: float
-    """m travelled by the robot's centre, backwards counted too."""
+    """m travelled by the robot's centre, backwards counted too; a way back of less than 1 cm is not counted."""
     board_us: int
     boot_id: int
     tick: RobotTime

@@ -66,12 +66,14 @@ def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotC
     """Wheels to odom, to the last bit.
 
     Where it went on from what was said, its covariance is left out until it is known again: how much of it is of
-    wheels and track, which were wrong alike all the way, was not said. Nor was it recorded who set its pose to what.
+    wheels and track, which were wrong alike all the way, was not said. So is its path, until both grow at one sample:
+    how much of a way back it had not counted yet was not said. Nor was it recorded who set its pose to what.
     """
     found = Agreement(service="odometry", key=ODOM.key)
     recorded = {(sample.boot_id, sample.board_us): sample for sample in said.of(Odometry)}
     policy: OdometryPolicy | None = None
     is_sure = False
+    path_then: float | None = None  # of the sample before, while the path is not known
     last: Wheels | None = None
     for wheels in said.of(Wheels):
         then = recorded.get((wheels.boot_id, wheels.board_us))
@@ -82,21 +84,30 @@ def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotC
             if then is not None:
                 found.left_out += 1
                 policy, is_sure = _going_on(OdometryPolicy(Live(config), robot), wheels, then), not any(then.covariance)
+                path_then = then.path if then.path or not is_sure else None
             continue
         jumped = then is not None and then.jumps != policy.jumps
         if then is not None and jumped:
             policy.jumps = then.jumps - 1
             policy.on_reset(OdomReset(by="", id=then.jumps))
+        path_now = policy.estimate.path
         now = policy.on_wheels(wheels)
         if then is None:
             continue
         if jumped and (now is None or differences(then, now, 0.0)):  # it was no reset, or some of it was not heard
             found.left_out += 1
-            policy, is_sure = _going_on(policy, wheels, then), not any(then.covariance)
+            policy, is_sure, path_then = _going_on(policy, wheels, then), not any(then.covariance), then.path
             continue
         is_sure = is_sure or jumped or not any(then.covariance)
         if now is not None and not is_sure:
             now = msgspec.structs.replace(now, covariance=then.covariance)
+        if now is not None and path_then is not None:
+            if then.path > path_then and policy.estimate.path > path_now:
+                policy.estimate = msgspec.structs.replace(policy.estimate, path=then.path)
+                path_then = None
+            else:
+                path_then = then.path
+            now = msgspec.structs.replace(now, path=then.path)
         found.take(then, ["not said"] if now is None else differences(then, now, 0.0))
     return found
 

@@ -22,6 +22,8 @@ from giraff_core.kinematics.differential_drive import DifferentialDrive
 
 WHEEL_NOISE: Final = 1e-6
 """m: variance (m²) of a wheel's travel per metre of it, where nobody knows better."""
+REVERSAL: Final = 0.01
+"""m. Shorter ways back are no travel of the centre: the ticks of two wheels and their speed control make them."""
 _SMALL: Final = 1e-4  # rad, of half a turn
 
 
@@ -35,7 +37,11 @@ class Estimate(msgspec.Struct, frozen=True, kw_only=True):
     covariance: Covariance = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     """Of (x, y, yaw), of what is random: xx, xy, xyaw, yy, yyaw, yawyaw."""
     path: float = 0.0
-    """m along the arcs of the centre, backwards counted too."""
+    """m along the arcs of the centre, backwards counted too, but no way back that is shorter than `REVERSAL`."""
+    back: float = 0.0
+    """m. Way back from the farthest point of this direction, up to `REVERSAL`. `path` has not counted it."""
+    direction: float = 1.0
+    """1 while the robot makes its way forwards, -1 while it makes it backwards."""
 
 
 def advance(start: Estimate, left: float, right: float, drive: DifferentialDrive, wheel_noise: float) -> Estimate:
@@ -71,12 +77,16 @@ def advance(start: Estimate, left: float, right: float, drive: DifferentialDrive
         yt += variance * gy * gt
         tt += variance * gt * gt
 
+    ahead = start.direction * distance - start.back
+    returns = ahead < -REVERSAL
     return Estimate(
         x=start.x + step_x,
         y=start.y + step_y,
         yaw=wrapped(start.yaw + turn),
         covariance=(xx, xy, xt, yy, yt, tt),
-        path=start.path + abs(distance),
+        path=start.path + (abs(ahead) if returns else max(0.0, ahead)),
+        back=0.0 if returns else max(0.0, -ahead),
+        direction=-start.direction if returns else start.direction,
     )
 
 

@@ -23,19 +23,25 @@ Wish = Callable[[OdometryPolicy], object]
 SAMPLES = 400
 
 
-def replayed(wishes: Mapping[int, Wish], *, from_: int = 0, drift: float = 1.0) -> Agreement:
+def replayed(
+    wishes: Mapping[int, Wish], *, from_: int = 0, drift: float = 1.0, field: str = "x", turning: int = 0
+) -> Agreement:
     """Four seconds of a bend, in which somebody wishes something after so many samples.
 
-    Recorded from the sample `from_` on. `drift`: of what odometry said, its poses' x by so much too large.
+    Recorded from the sample `from_` on. `drift`: of what odometry said, `field` is larger by this factor. For the
+    first `turning` samples the robot turns on the spot, and shakes.
     """
     odometry, said = OdometryPolicy(Live(OdometryConfig()), UNSURE), RecordedSamples()
     for step in range(SAMPLES):
-        heard = wheels(10 * step, 14 * step, step * PERIOD_US)
+        on = max(0, step - turning)
+        turned, shaken = 5 * min(step, turning), 6 * (step % 2)
+        heard = wheels(10 * on - turned - shaken, 14 * on + turned, step * PERIOD_US)
         told = odometry.on_wheels(heard)
         assert told is not None
         if step >= from_:
             said.add(stamped(heard, step, step * 10, "base-1"))
-            said.add(stamped(msgspec.structs.replace(told, x=told.x * drift), step, step * 10 + 1, "odometry-1"))
+            drifted = msgspec.structs.replace(told, **{field: getattr(told, field) * drift})
+            said.add(stamped(drifted, step, step * 10 + 1, "odometry-1"))
         if wish := wishes.get(step):
             wish(odometry)
     return replay_odometry(said, OdometryConfig(), UNSURE)
@@ -71,5 +77,13 @@ def test_it_goes_on_behind_each_jump(wishes: dict[int, Wish], left_out: int, fro
     assert (found.equal, found.compared, found.left_out) == (SAMPLES - from_ - left_out,) * 2 + (left_out,)
 
 
-def test_what_is_otherwise_shows_behind_a_jump_too() -> None:
-    assert replayed({100: reset}, drift=1.01).share < 0.1
+@pytest.mark.parametrize("from_", [0, 50, 53])
+def test_a_path_is_known_once_it_grows(from_: int) -> None:
+    """A recording that begins amid the shaking of a turn does not say how far back the robot was."""
+    found = replayed({}, from_=from_, turning=100)
+    assert (found.first, found.equal) == ("", SAMPLES - from_ - 1)
+
+
+@pytest.mark.parametrize("field", ["x", "path"])
+def test_what_is_otherwise_shows_behind_a_jump_too(field: str) -> None:
+    assert replayed({100: reset}, drift=1.01, field=field).share < 0.1
