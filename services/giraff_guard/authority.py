@@ -17,7 +17,10 @@ _MOST_AHEAD: Final = 1000
 """Commands that a holder may have given since its last one, within the second after which silence ends its lease."""
 _MOST_UNRANKED: Final = 8  # names; on an open network anybody may ask under any number of them
 _LINK: Final = "check its link"
+_AT_FAULT: Final = "was at fault"
 _HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
+IDLE: Final = Trouble("idle: nobody asks to drive", _HOW_TO_ASK)
+"""Reason of a lease that is free while nothing is wrong."""
 _HOW_TO_TAKE: Final = "tilt or press a drive key to take it, then hold level with no key pressed to arm"
 
 
@@ -49,13 +52,15 @@ class Authority:
         self._used = False  # its holder has given a command under the lease in force
         # When (robot_ns) the holder last gave a command that counts, one of a hand, and one that asks for motion.
         self._heard_ns = self._hand_ns = self._wish_ns = 0
-        self._ended = ""
+        self._ended = ""  # what ended the last lease; empty: its holder was at rest, or there was none
+        self._is_alone = True  # no command of any operator was ever heard
         self._complaint = WELL
         self._complaint_ns = 0
 
     def on_command(self, command: DriveCommand, now: RobotTime) -> bool:
         """Take a command of any operator. True: it is the newest word of who holds the lease now."""
         self.review(now)
+        self._is_alone = False
         theirs = self._holds(command)
         if theirs and not self._seq < command.seq <= self._seq + _MOST_AHEAD:
             return False
@@ -80,12 +85,13 @@ class Authority:
         config = self._live.config
         limits = (
             (self._heard_ns, config.operator_release, "was silent"),
-            (self._hand_ns, config.fault_release, "was at fault"),
+            (self._hand_ns, config.fault_release, _AT_FAULT),
             (self._wish_ns, config.idle_release, "rested"),
         )
         for since_ns, limit, what in limits:
             if (now.robot_ns - since_ns) * 1e-9 > limit:
-                self._ended = f"{self.operator} {what} for {limit:g} s"
+                at_rest = self.command is not None and self.command.neutral
+                self._ended = "" if at_rest and what != _AT_FAULT else f"{self.operator} {what} for {limit:g} s"
                 self.holder = self.operator = ""
                 self.counter = 0
                 self.command = None
@@ -120,7 +126,7 @@ class Authority:
             return complaint
         if self._ended:
             return Trouble(f"nobody drives, since {self._ended}", _HOW_TO_ASK)
-        return Trouble("no operator is heard", "start giraff drive or giraff_joystick")
+        return Trouble("no operator is heard", "start giraff drive or giraff_joystick") if self._is_alone else IDLE
 
     def _consider(self, command: DriveCommand, now: RobotTime) -> None:
         """Grant the lease to a fresh asker, if it may have it."""

@@ -26,6 +26,7 @@ from giraff_schemas.messages import EStop, RobotTime
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.text import printable
 from giraff_schemas.topics import ESTOP, ESTOP_RESET, TICK, key_of
+from giraff_schemas.trouble import trouble_of
 
 RELEASED: Final = 0
 ENGAGED: Final = 1
@@ -282,7 +283,7 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
     [state] = states
     if not state.engaged:
         return Result(RELEASED, f"{robot}: not engaged, nothing to clear; {_HOW_TO_DRIVE}")
-    what = printable(f"latch {state.id} of {robot}, engaged by {state.by}: {state.reason}")
+    what = printable(f"latch {state.id} of {robot}, engaged by {state.by}: {trouble_of(state).what}")
     tick = _next_tick(connection, deadline)
     if tick is None:
         return Result(
@@ -312,7 +313,7 @@ def status(connection: RobotConnection, timeout: float) -> Result:
         return _silent(connection, timeout)
     told = [
         f"{robot}: {'OFF' if state.off else 'ENGAGED' if state.engaged else 'released'}, latch {state.id}"
-        + (printable(f", by {state.by}: {state.reason}") if state.by or state.reason else "")
+        + printable((f", by {state.by}" if state.by else "") + (f": {state.reason}" if state.reason else ""))
         for state in states
     ]
     if len(states) > 1:

@@ -11,8 +11,9 @@ from giraff_core.latest import Latest
 from giraff_schemas.messages import DriveCommand, Lease, Tilt, Verdict
 from giraff_schemas.topics import BASE, ESTOP, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, TILT, Topic
 
-Standing = Literal["ok", "limits", "waits", "STOPS", "missing"]
-"""`limits`: the robot drives, but slowly or not everywhere. `waits`: another link is to blame."""
+Standing = Literal["ok", "limits", "idle", "waits", "STOPS", "missing"]
+"""`limits`: the robot drives, but slowly or not everywhere. `idle`: nobody asks to drive. `waits`: another link is to
+blame."""
 
 
 class Link(msgspec.Struct, frozen=True, kw_only=True):
@@ -67,6 +68,10 @@ class ChainState:
     def broken(self, *names: str) -> bool:
         """Whether any of these links, judged already, stops the robot."""
         return any(self.links[name].breaks for name in names)
+
+    def told_once(self, reason: str) -> str:
+        """Return `reason`, or where to read it when a link that is judged already tells it."""
+        return next((f"see {link.name}" for link in self.links.values() if reason and reason in link.text), reason)
 
     def process(self, service: str, topic: Topic[Any], how: str) -> Link | None:
         """What is wrong with a service as a process; None: exactly one of it runs and speaks."""

@@ -7,11 +7,12 @@ from typing import Final
 from giraff_cli.why.chain import ChainState, Link, link_from, several
 from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.latest import Latest
+from giraff_guard.authority import IDLE
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import Trouble, trouble_of
 from giraff_telemetry.describe import START_A_HAND, posture_text, verdicts
 
 _BUDGET: Final = GuardConfig().operator_budget
@@ -90,6 +91,8 @@ def lease(chain: ChainState) -> Link:
     state = heard.sample
     if chain.operator is not None and state.holder == chain.operator.sample.instance:
         return link_from("lease", "ok", heard, f"held by {state.operator}")
+    if not state.holder and trouble_of(state).what == IDLE.what and not chain.wants_to_move:
+        return link_from("lease", "idle", heard, state.reason)
     if state.holder:
         text = f"held by {state.operator}, who is not heard here; {state.reason}"
     else:
@@ -139,7 +142,8 @@ def guard(chain: ChainState) -> Link:
     ]
     if limits:
         return link_from("guard", "limits", heard, "; ".join(limits))
-    return link_from("guard", "ok", heard, state.reason or "no direction is blocked")
+    is_told = chain.lease is not None and state.reason == chain.lease.sample.reason
+    return link_from("guard", "ok", heard, "no direction is blocked" if is_told or not state.reason else state.reason)
 
 
 def board(chain: ChainState) -> Link:
@@ -151,8 +155,9 @@ def board(chain: ChainState) -> Link:
     if not state.connected:
         return link_from("board", "STOPS", heard, chain.observation.faults("base") or reason)
     if state.latch != "none":
-        text = f"latched: {state.latch}; to release it: {RESET_COMMAND}"
-        return link_from("board", "waits" if chain.broken("e-stop") else "STOPS", heard, text)
+        if chain.broken("e-stop"):
+            return link_from("board", "waits", heard, f"latched: {state.latch}; see e-stop")
+        return link_from("board", "STOPS", heard, f"latched: {state.latch}; to release it: {RESET_COMMAND}")
     if state.drive_state in ("not_configured", "held"):
         return link_from("board", "STOPS", heard, reason)
     return link_from("board", "ok", heard, f"{state.drive_state}, {state.line_errors} line errors")
@@ -169,10 +174,13 @@ def base(chain: ChainState) -> Link:
         return link_from("base", "STOPS", heard, "it gives no clock; restart giraff_base")
     power = f", battery {battery.sample.voltage:.1f} V" if battery is not None else ""
     excused = chain.broken("operator", "hand", "lease", "ranger", "guard", "e-stop", "board")
+    reason = "see e-stop" if chain.broken("e-stop") else chain.told_once(state.reason) or "not armed"
+    if not state.armed and not excused and chain.links["lease"].standing == "idle":
+        return link_from("base", "idle", heard, reason)
     if not state.armed or (state.reason and chain.wants_to_move and not state.driving):
-        return link_from(
-            "base", "waits" if excused else "STOPS", heard, state.reason or "not armed; hold the hand level"
-        )
+        if excused:
+            return link_from("base", "waits", heard, reason)
+        return link_from("base", "STOPS", heard, state.reason or "not armed; hold the hand level")
     if state.reason and state.driving:
         return link_from("base", "limits", heard, state.reason + power)
     return link_from("base", "ok", heard, ("drives" if state.driving else "armed") + power)

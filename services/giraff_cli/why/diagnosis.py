@@ -66,6 +66,8 @@ def _conclude(chain: tuple[Link, ...], broken: list[Link], drives: bool) -> str:
     if broken:
         first, *others = broken
         return f"{first.name}: {first.text}" + (f" (then: {', '.join(link.name for link in others)})" if others else "")
+    if idle := next((link for link in chain if link.standing == "idle"), None):
+        return idle.text
     limits = "; ".join(f"{link.name}: {link.text}" for link in chain if link.standing == "limits")
     if drives:
         return "the robot drives" + (f", but {limits}" if limits else "")

@@ -30,6 +30,7 @@ _LOOK_EVERY: Final = 0.05  # s
 _STYLES: Final[dict[Standing, str]] = {
     "ok": "green",
     "limits": "yellow",
+    "idle": "cyan",
     "waits": "dim",
     "STOPS": "bold red",
     "missing": "bold red",

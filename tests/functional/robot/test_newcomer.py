@@ -166,5 +166,5 @@ def test_a_newcomer_drives_stops_asks_and_watches_with_what_is_printed(newcomer:
     assert lines[0] == "giraff estop engage"
     for line in lines:
         code, told = newcomer.pastes(line)
-        assert code == (1 if line == "giraff why" else 0), f"{line}: {told}"  # something stops it: nobody drives
+        assert code == 0, f"{line}: {told}"
     assert newcomer.paths[-1] == stands, "what only asks, stops or releases has moved it"

@@ -10,6 +10,7 @@ import pytest
 
 from giraff_cli.why.diagnosis import LINKS
 from giraff_cli.why.observation import Observation
+from giraff_guard.authority import IDLE
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from tests.unit.cli.samples import MS, attitude, base, camera, lease, reading, verdict
@@ -46,6 +47,39 @@ def test_with_nothing_wrong_nothing_is_found() -> None:
     assert {link.standing for link in diagnosis.links} == {"ok"}
     assert (diagnosis.stopped_by, diagnosis.drives) == ("", False)
     assert diagnosis.conclusion == "nothing stops the robot: it drives when the hand asks for it"
+
+
+def idle(chain: Scene) -> Scene:
+    """Nobody holds the lease, and nothing is wrong."""
+    told = {"reason": str(IDLE), "remedy": IDLE.remedy}
+    chain.put(topics.LEASE, msgspec.structs.replace(lease("", ""), **told), "g")
+    chain.put(topics.GUARD, state(**told), "g")
+    chain.put(topics.BASE, msgspec.structs.replace(base(armed=False), **told), "b")
+    return chain
+
+
+def test_a_robot_that_nobody_asks_to_drive_is_idle_and_one_link_says_so() -> None:
+    diagnosis = idle(Scene()).diagnosis()
+    assert (diagnosis.stopped_by, diagnosis.conclusion) == ("", str(IDLE))
+    links = {link.name: (link.standing, link.text) for link in diagnosis.links}
+    assert links["lease"] == ("idle", str(IDLE))
+    assert links["guard"] == ("ok", "no direction is blocked")
+    assert links["base"] == ("idle", "see lease")
+
+
+def test_one_who_asks_and_holds_no_lease_is_not_idle() -> None:
+    chain = idle(Scene()).put(topics.OPERATOR_CMD_VEL, command(0.3), HAND, "joystick")
+    assert chain.diagnosis().stopped_by == "lease"
+
+
+def test_what_waits_names_the_link_to_read() -> None:
+    for cause, link in (("e-stop", "e-stop"), ("obstacle", "guard")):
+        chain = Scene()
+        CAUSES[cause][0](chain)
+        told = chain.diagnosis().conclusion.removeprefix(f"{link}: ")
+        chain.put(topics.BASE, base(armed=False, reason=told, latch="none"), "b")
+        [waits] = [each for each in chain.diagnosis().links if each.standing == "waits" and each.name == "base"]
+        assert waits.text == f"see {link}"
 
 
 def test_a_camera_that_is_on_is_no_fault() -> None:

@@ -19,7 +19,7 @@ from giraff_cli.drive import operate
 from giraff_cli.network.limits import limits_of
 from giraff_cli.terminal.screen import as_svg
 from giraff_core.parameters.table import Parameters
-from giraff_guard.authority import _HOW_TO_ASK, _HOW_TO_TAKE
+from giraff_guard.authority import _HOW_TO_ASK, _HOW_TO_TAKE, IDLE
 from giraff_keyboard import main
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.picture import COLUMNS, ROWS, DrivePicture
@@ -93,7 +93,7 @@ def told(desk: Desk) -> dict[str, str]:
     return {"ROBOT": picture.standing()[0], "WHY": picture.reason()[0], "STOP": picture.stopping()[0]}
 
 
-NOBODYS = f"nobody drives, since joystick rested for 30 s; {_HOW_TO_ASK}"
+NOBODYS = str(IDLE)
 CASES: dict[str, tuple[Desk, dict[str, str]]] = {
     "not heard": (
         Desk(ticks=False),
@@ -103,7 +103,7 @@ CASES: dict[str, tuple[Desk, dict[str, str]]] = {
         Desk().holds("", "", NOBODYS),
         {
             "ROBOT": "nobody's: press an arrow key or c to take it, then let go of all keys",
-            "WHY": "rested for 30 s; press an arrow key or c to ask, then let go of all keys to arm",
+            "WHY": "idle: nobody asks to drive; press an arrow key or c to ask, then let go of all keys to arm",
         },
     ),
     "another's": (

@@ -378,7 +378,7 @@ def test_of_two_bases_none_is_reset_and_the_engaged_one_shows(network: Network) 
 
 def test_the_status_is_base_s_own_word(network: Network) -> None:
     with network.base(state=RELEASED):
-        assert status(network.connection, 10.0) == (0, f"{ROBOT}: released, latch 7, by ann@desk: ")
+        assert status(network.connection, 10.0) == (0, f"{ROBOT}: released, latch 7, by ann@desk")
 
 
 def test_silence_is_no_status(network: Network) -> None:
