@@ -1,10 +1,19 @@
-"""What `__post_init__` of the messages looks at. It runs for every sample on both sides: text comes only of a fault."""
+"""Numbers that a message cannot hold: in one that is made or has come, and in what somebody has written.
+
+The checks of `__post_init__` run for every sample on both sides: text comes only of a fault.
+"""
 
 from __future__ import annotations
 
 from math import isfinite
+from typing import Any, Final, TypeVar
 
 import msgspec
+
+from giraff_schemas.text import plain
+
+T = TypeVar("T")
+_WRITTEN_OUT: Final = 128  # bits
 
 
 def require_finite(message: msgspec.Struct, *values: float) -> None:
@@ -34,3 +43,29 @@ def require_moment(epoch: int, robot_ns: int) -> None:
     """ValueError where the boards could not carry it."""
     if not (0 <= epoch < 1 << 32 and 0 <= robot_ns < 1 << 64):
         raise ValueError(f"epoch {epoch}, robot_ns {robot_ns}: not the boards' 32 and 64 bits")
+
+
+def require_sendable(value: Any) -> None:
+    """ValueError where a number that somebody has written, or one within a list or a table, fits into no message."""
+    if isinstance(value, (dict, list, tuple)):
+        for inner in (*value, *value.values()) if isinstance(value, dict) else value:
+            require_sendable(inner)
+    elif isinstance(value, int) and not -(1 << 63) <= value < 1 << 64:
+        raise ValueError(f"{_short(value)} is beyond 64 bits: no message can hold it")
+    elif isinstance(value, float) and not isfinite(value):
+        raise ValueError(f"{value} is not a finite number")
+
+
+def _short(value: int) -> str:
+    """The number, which may have more digits than Python writes."""
+    return str(value) if value.bit_length() <= _WRITTEN_OUT else f"a number of {value.bit_length()} bits"
+
+
+def converted(value: Any, type_: type[T], *, strict: bool = True) -> T:
+    """What somebody has written, as a `type_`. ValueError, in our words, where it is none, or fits into no message."""
+    try:
+        found = msgspec.convert(value, type_, strict=strict)
+    except msgspec.ValidationError as error:
+        raise ValueError(plain(error)) from error
+    require_sendable(msgspec.to_builtins(found))
+    return found

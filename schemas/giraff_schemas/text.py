@@ -1,6 +1,69 @@
-"""Text that others have written, made fit for a terminal and for a log. The only place that does so."""
+"""Text that others have written: made fit for a terminal and a log, and in our words. The only place that does so."""
 
 from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Final
+
+_Rows = tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...]
+
+_TYPES: Final = {
+    "float": "a number",
+    "int": "a whole number",
+    "str": "text",
+    "bool": "true or false",
+    "array": "a list",
+    "object": "a table of fields",
+    "null": "none",
+    "datetime": "a date with its time",
+}
+"""By msgspec's word for it."""
+_BOUNDS: Final = {"<=": "at most", ">=": "at least", "<": "below", ">": "above"}
+_PLACE: Final = re.compile(r" - at `(?:key` in `)?\$\.?(.*)`$")
+_VALUES: Final[_Rows] = (
+    (r"Expected `(?:int|float)` ([<>]=?) (\S+)", lambda m: f"must be {_BOUNDS[m[1]]} {m[2]}"),
+    (r"Expected `array` of length (\d+), got (\d+)", r"must have \1 values, and has \2"),
+    (r"Expected `(\w+)` of (?:at most )?length (?:<= )?(\d+)(?:, got \d+)?", r"is longer than \2"),
+    (r"Expected `int`, got `float`", "must be a whole number"),
+    (r"Expected `([^`]+)`, got `(\w+)`", lambda m: f"must be {_kinds(m[1])}, and is {_kinds(m[2], 'a number')}"),
+    (r"Expected `([^`]+)`.*", lambda m: f"must be {_kinds(m[1])} of another form"),
+    (r"Invalid (?:enum )?value (.*)", r"cannot be \1"),
+    (r"(?:Number|Integer value) out of range", "is a number that no message can hold"),
+    (r"Invalid (?:RFC3339|base64|UUID|epoch).*", "is written wrongly"),
+)
+"""What msgspec says of a value whose place it names."""
+_FIELDS: Final[_Rows] = (
+    (r"Object missing required field `(.*)`", r"`\1` is missing"),
+    (r"Object contains unknown field `(.*)`", r"unknown field `\1`"),
+)
+"""What it says of a table of fields."""
+_TEXTS: Final[_Rows] = (
+    (r"Input data was truncated", "it ends too early"),
+    (r".* is malformed: .*\(byte (\d+)\)", lambda m: f"it is wrong from character {int(m[1]) + 1} on"),
+    (r"'utf-8' codec can't decode .* in position (\d+).*", r"byte \1 is no text"),
+    (r"'utf-8' codec can't encode .*", "it is no text"),
+    (r"maximum recursion depth exceeded.*", "it is nested too deeply"),
+    (r"(?:Exceeds the limit|int too large|Python int too large).*", "it has a number that no message can hold"),
+    (r"invalid literal for int\(\) with base \d+: (.*)", r"\1 is no whole number"),
+    (r"could not convert string to float: (.*)", r"\1 is no number"),
+    (r"(.*'.*') is not a valid float\.?", r"\1 is no number"),
+    (r"(.*'.*') is not a valid integer(?: range)?\.?", r"\1 is no whole number"),
+    (r"(.*) is not in the range x>=(.*?)\.?", r"\1 must be \2 or more"),
+    (r"(.*) is not in the range (.*)<=x<=(.*?)\.?", r"\1 must be between \2 and \3"),
+)
+"""What libraries say of a whole text."""
+_TOML_AT: Final = re.compile(r"(.*) \(at (line \d+, column \d+|end of document)\)")
+_TOML: Final[_Rows] = (
+    (r"Invalid value", "a value is missing, or is text without quotes"),
+    (r"Expected newline or end of document.*", "something stands behind an entry: one a line"),
+    (r"(?:Cannot overwrite a value|Duplicate inline table key.*)", "a name stands there twice"),
+    (r"Cannot declare \(?'(.*?)'.*\)? twice", r"the table [\1] stands there twice"),
+    (r"Unterminated string|Expected.*['\"]{1,3}.*string.*", "a quote is missing"),
+    (r"Expected '(.)'.*", r"\1 is missing"),
+    (r"Unclosed (?:array|inline table)", "a closing bracket is missing"),
+    (r".*", "an entry is to be NAME = VALUE"),
+)
 
 
 def printable(text: str) -> str:
@@ -11,3 +74,40 @@ def printable(text: str) -> str:
 def printable_lines(text: str) -> str:
     """Clean each line like `printable`, and keep the ends of the lines."""
     return "\n".join(map(printable, text.split("\n")))
+
+
+def plain(error: Exception | str) -> str:
+    """Return in our words, on one line, what a library says of a value or a text that it cannot read.
+
+    A text that is ours already stays as it is, behind the place that the library has added to it.
+    """
+    said = " ".join(str(error).split())
+    if (mark := getattr(error, "problem_mark", None)) is not None:  # of YAML
+        return f"line {mark.line + 1}, column {mark.column + 1}: it cannot be read"
+    if toml := _TOML_AT.fullmatch(said):
+        return f"{toml[2].replace('end of document', 'at the end')}: {_by(_TOML, toml[1])}"
+    found = _PLACE.search(said)
+    what = said[: found.start()] if found else said
+    place = re.sub(r"\[(\d+)\]", lambda index: f" {int(index[1]) + 1}", _keyed(found[1])) if found else ""
+    if value := _by(_VALUES, what):
+        return f"{place or 'it'} {value}"
+    if field := _by(_FIELDS, what):
+        return f"{field} in {place}" if place else field
+    ours = _by(_TEXTS, what) or what
+    return f"{place}: {ours}" if place else ours
+
+
+def _by(rows: _Rows, said: str) -> str:
+    """What the first row that fits makes of it; empty: none fits."""
+    matches = ((re.fullmatch(pattern, said), words) for pattern, words in rows)
+    return next((words(m) if callable(words) else m.expand(words) for m, words in matches if m), "")
+
+
+def _keyed(place: str) -> str:
+    """Without msgspec's word for a name or a number that it does not tell."""
+    return place.replace("[...]", "").replace("].", "], ")
+
+
+def _kinds(types: str, whole: str = _TYPES["int"]) -> str:
+    """Of `float | null`: a number or none. `whole`: what an int is called."""
+    return " or ".join((_TYPES | {"int": whole}).get(each, each) for each in types.split(" | "))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from typing import Any, Final
 
 import msgspec
 
 from giraff_client.errors import BlockedError
+from giraff_schemas.checks import require_sendable
 from giraff_schemas.messages import GuardState, Range, Sample
 from giraff_schemas.topics import GUARD, RANGE, Topic
 
@@ -49,7 +49,12 @@ def blockage(state: GuardState, linear_x: float, angular_z: float) -> BlockedErr
 
 def require_finite(call: str, units: str, *values: object) -> None:
     """Raises ValueError for what is no number that can be meant."""
-    if not all(isinstance(value, (int, float)) and math.isfinite(value) for value in values):
+    try:
+        require_sendable(values)
+        is_number = all(isinstance(value, (int, float)) for value in values)
+    except ValueError:
+        is_number = False
+    if not is_number:
         raise ValueError(f"{call}({', '.join(map(str, values))}): all must be finite numbers, {units}")
 
 

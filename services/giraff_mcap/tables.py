@@ -9,6 +9,7 @@ import msgspec
 from giraff_core.sensors import by_type
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_schemas.checks import converted
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
@@ -23,7 +24,7 @@ def table_of(recording: Recording, table: str, config: type[ConfigT]) -> ConfigT
             raise ConfigError(f"{recording.path} was recorded where its robot file was not; {error}") from error
     given = tables.get(table, {})
     try:
-        return msgspec.convert(by_type(given) if table == "robot" else given, config, strict=False)
+        return converted(by_type(given) if table == "robot" else given, config, strict=False)
     except ValueError as error:
         raise RecordingError(
             f"{recording.path}: table [{table}] of the robot file in it is not one of this version: {error}"

@@ -17,9 +17,10 @@ from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tokens import find_tokens
+from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.services import SERVICES
-from giraff_schemas.text import printable, printable_lines
+from giraff_schemas.text import plain, printable, printable_lines
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and then for its services to answer
@@ -73,7 +74,10 @@ def set_one(robot: str | None, connect: Sequence[str], name: str, text: str, *, 
     service, dot, field = name.partition(".")
     if not dot:
         return print_error(f"{name}: name service and field, like guard.margin; `giraff param list {name}` has them")
-    request = ParamSet(name=field, value=_value(text), by=user_at_host())
+    try:
+        request = ParamSet(name=field, value=_value(text), by=user_at_host())
+    except ValueError as error:
+        return print_error(f"{name}: {error}")
 
     def tell(connection: RobotConnection) -> int:
         services = _services(connection, (service,))
@@ -159,13 +163,17 @@ def _ask(
 
 
 def _value(text: str) -> Any:
-    """What was typed: a number, a truth, a list as JSON has it, none, or else text."""
+    """What was typed: a number, a truth, a list as JSON has it, none, or else text. ValueError: no message holds it."""
     if text.lower() in ("none", "null"):
         return None
     try:
-        return msgspec.json.decode(text)
-    except (msgspec.DecodeError, UnicodeEncodeError):
+        value = msgspec.json.decode(text)
+    except msgspec.ValidationError as error:
+        raise ValueError(plain(error)) from error
+    except (msgspec.DecodeError, UnicodeEncodeError, RecursionError):
         return text
+    require_sendable(value)
+    return value
 
 
 def _silent(services: set[str]) -> str:

@@ -16,8 +16,10 @@ from giraff_cli.network.robot_graph import GraphMonitor, is_listened_to
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, publish_refusal
 from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.signals import StopSignal
+from giraff_schemas.checks import converted
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Sample
+from giraff_schemas.text import plain
 from giraff_schemas.topics import Topic, key_of
 
 _LOOK_FOR: Final = 1.5  # s, for a robot of this name: a service that is met late is one that is there
@@ -79,11 +81,12 @@ def parse_sample(topic: Topic[Any], text: str) -> Sample:
             raise NotASampleError(f"{', '.join(taken)}: filled in when it is published; leave it out")
         if topic.names:
             given.setdefault(topic.names, topic.name_in(topic.key))
-        sample: Sample = msgspec.convert(given, topic.schema)
-    except msgspec.ValidationError as error:
+    except (ValueError, RecursionError) as error:
+        raise NotASampleError(f"not JSON: {plain(error)}; quote it, like '{{{_example(topic)}}}'") from error
+    try:
+        sample: Sample = converted(given, topic.schema)
+    except ValueError as error:
         raise NotASampleError(f"not a {name}: {error}; it has {_example(topic)}") from error
-    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise NotASampleError(f"not JSON: {error}; quote it, like '{{{_example(topic)}}}'") from error
     if topic.names and getattr(sample, topic.names) != topic.name_in(topic.key):
         raise NotASampleError(f"{topic.names} is {getattr(sample, topic.names)!r}, and the key says otherwise")
     if unknown := _unknown(given, msgspec.to_builtins(sample)):

@@ -11,7 +11,9 @@ import msgspec
 from giraff_core.inbox import Inbox
 from giraff_core.io import PendingQuery, Store
 from giraff_core.parameters.table import ConfigT, ParamError, Parameters
+from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
+from giraff_schemas.text import plain
 from giraff_schemas.trouble import WELL, Trouble
 
 PARAMS_FOLDER: Final = "params"
@@ -95,13 +97,14 @@ class ParameterServer(Generic[ConfigT]):
     def _restore(self, store: Store, name: str) -> None:
         try:
             saved = msgspec.json.decode(store.read(name), type=dict[str, Any])
+            require_sendable(saved)
         except FileNotFoundError:
             return
         except OSError as error:
             self.fault = Trouble(f"{self._file}: {error.strerror}; what was saved there does not count")
             return
-        except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-            damaged = f"{self._file} is damaged ({error}), and does not count"
+        except (ValueError, RecursionError) as error:
+            damaged = f"{self._file} is damaged ({plain(error)}), and does not count"
             self.fault = Trouble(damaged, "set and save again, or remove it")
             return
         ignored = self._params.restore(saved)

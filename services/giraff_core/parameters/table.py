@@ -15,6 +15,7 @@ import msgspec
 
 from giraff_core.robot import MOVED_TO_DRIVE, RobotConfig
 from giraff_core.tuning import Tuning, live_fields, loosens
+from giraff_schemas.checks import converted
 from giraff_schemas.fields import fields_of
 from giraff_schemas.params import Param
 
@@ -22,7 +23,6 @@ ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 """The table of a service."""
 
 _SHARED: Final = "robot."
-_PLACE: Final = " - at `$"  # in a text of msgspec: the name says it already
 
 
 class ParamError(Exception):
@@ -128,10 +128,10 @@ class Parameters(Generic[ConfigT]):
             table, dot, field = name.rpartition(".")
             (plain[table] if dot else plain)[field] = value
         try:
-            changed = msgspec.convert(plain, type(config), strict=False)
-        except msgspec.ValidationError as error:
+            changed = converted(plain, type(config), strict=False)
+        except ValueError as error:
             told = ", ".join(f"{self._service}.{name} {value}" for name, value in values.items())
-            raise ParamError(f"{told}: {str(error).partition(_PLACE)[0]}") from error
+            raise ParamError(f"{told}: {error}") from error
         for name in values:
             live, before, after = self._live[name], _at(self._filed, name), _at(changed, name)
             if live not in (Tuning.FREE, Tuning.CHECKED) and loosens(live, before, after):

@@ -20,7 +20,9 @@ import msgspec.inspect
 from giraff_core.sensors import TABLES as SENSOR_TABLES
 from giraff_core.sensors import by_type
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
+from giraff_schemas.checks import converted, require_sendable
 from giraff_schemas.services import SERVICES
+from giraff_schemas.text import plain
 from giraff_schemas.trouble import Trouble
 
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
@@ -31,7 +33,6 @@ _WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
 _DEEPEST: Final = 20
 """Tables and lists within each other."""
 _TOO_DEEP: Final = "it is nested too deeply"
-_BITS: Final = 63  # besides the sign
 _PLACE: Final = re.compile(r"at `\$\.([^`]*)`")
 _OF_SENSORS: Final = re.compile(rf"\$\.({'|'.join(SENSOR_TABLES)})\.")
 _UNKNOWN: Final = re.compile(r"unknown field `([^`]*)`")
@@ -69,10 +70,11 @@ class RawSettings(NamedTuple):
                 raise ConfigError(f"{self.place(name)}: {error}") from error
         try:
             # Not strict, because the environment's values are text: "70" is a number, "true" a truth.
-            return msgspec.convert(values, config, strict=False)
-        except msgspec.ValidationError as error:
-            told = _with_key(str(error), values, config)
-            shown = _OF_SENSORS.sub("$.sensors.", told)
+            return converted(values, config, strict=False)
+        except ValueError as error:
+            raw = str(error.__cause__ or error)  # in msgspec's words, which name the place
+            told = _with_key(raw, values, config)
+            shown = plain(_OF_SENSORS.sub("$.sensors.", told))
             if (name, told) == ("base", _NO_DRIVE):
                 shown = "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"
             raise ConfigError(f"{self.place(name)}: {shown}{_hint(values, config, told)}") from error
@@ -290,8 +292,8 @@ def parse_toml(text: str) -> dict[str, Any]:
     """Raises ValueError, also for what is TOML and would be too much for whoever reads it."""
     try:
         values = tomllib.loads(text)
-    except RecursionError as error:
-        raise ValueError(_TOO_DEEP) from error
+    except (ValueError, RecursionError) as error:
+        raise ValueError(plain(error)) from error
     _require_moderate(values, _DEEPEST)
     return values
 
@@ -299,8 +301,8 @@ def parse_toml(text: str) -> dict[str, Any]:
 def _require_moderate(value: Any, deepest: int) -> None:
     if deepest == 0:
         raise ValueError(_TOO_DEEP)
-    if isinstance(value, int) and value.bit_length() > _BITS:
-        raise ValueError("an integer of more than 64 bits")
+    if isinstance(value, int):
+        require_sendable(value)
     for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
         _require_moderate(inner, deepest - 1)
 

@@ -315,7 +315,7 @@ def test_doctor_reads_what_only_base_reads(tmp_path: Path) -> None:
     text = (ROOT / "deploy" / "robot.toml").read_text(encoding="utf-8")
     (file := tmp_path / "robot.toml").write_text(text.replace("max_level = 70", "max_level = 700"), encoding="utf-8")
     machine = look_at_machine("", NetworkConfig(), environment={"GIRAFF_CONFIG": str(file)})
-    assert "table [base]: max_level is 700: it must be within 1..255" in machine.settings_problem.what
+    assert "table [base]: drive: max_level is 700: it must be within 1..255" in machine.settings_problem.what
     assert machine.moved_settings is msgspec.UNSET
     variable = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), "GIRAFF_ROBOT_MAX_LEVEL": "60"}
     machine = look_at_machine("", NetworkConfig(), environment=variable)

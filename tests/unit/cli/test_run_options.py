@@ -28,7 +28,7 @@ BAD_FILE = "bad.toml"
         (["--hand", "mine"], "'mine'"),
         (["--file", "nowhere.toml"], "giraff run: invalid value for '--file': File 'nowhere.toml' does not exist"),
         (["--file", BAD_SCRIPT], f"{BAD_SCRIPT}: not TOML"),
-        (["--file", BAD_FILE], f"{BAD_FILE}: table [ranger]: Object contains unknown field `prot`"),
+        (["--file", BAD_FILE], f"{BAD_FILE}: table [ranger]: unknown field `prot`"),
         (["--fast"], "giraff run: no such option: --fast"),
     ],
 )

@@ -15,7 +15,7 @@ DRIVE = str(ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap")
 BATTERY = ("topic", "pub", "battery")
 
 ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
-    ((*BATTERY, '{"volts": 3}', "--robot", "x"), "not a Battery: Object missing required field `voltage`"),
+    ((*BATTERY, '{"volts": 3}', "--robot", "x"), "not a Battery: `voltage` is missing"),
     ((*BATTERY, "3 V", "--robot", "x"), "not JSON"),
     (("topic", "pub", "range/*", "{}", "--robot", "x"), "name what `*` stands for"),
     ((*BATTERY, '{"voltage": 3}'), "--robot NAME is missing"),
@@ -23,6 +23,12 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     ((*BATTERY, '{"voltage": 3}', "--robot", "x", "--rate", "nan"), "nan is no number to count with"),
     (("topic", "echo", "odom", "--field", "z"), "Odometry has no such field; it has seq, stamp_ns"),
     (("topic", "echo", "odom", "--for", "inf"), "inf is no number to count with"),
+    ((*BATTERY, '{"voltage": 1e999}', "--robot", "x"), "not JSON: it is a number that no message can hold"),
+    (("param", "set", "guard.margin", "99999999999999999999"), "guard.margin: 99999999999999999999 is beyond 64 bits"),
+    (("param", "set", "guard.margin", "-9223372036854775809"), "no message can hold it"),
+    (("param", "set", "guard.margin", "[1, [18446744073709551616]]"), "18446744073709551616 is beyond 64 bits"),
+    (("param", "set", "guard.margin", "9" * 200), "a number of 665 bits is beyond 64 bits"),
+    (("param", "set", "guard.margin", "1e999"), "guard.margin: it is a number that no message can hold"),
     (("param", "set", "guard", "0.5"), "name service and field, like guard.margin"),
     (("odom", "set", "1", "2"), "missing argument 'YAW'"),
     (("odom", "set", "1", "two", "0"), "invalid value for 'Y': 'two' is not a valid float"),

@@ -116,14 +116,14 @@ def test_two_underscores_go_into_a_table_whether_before_or_now(tmp_path: Path) -
     [
         (None, "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"),
         ({"type": "whels", **DRIVE}, "did you mean 'wheels'?"),
-        ({"type": 3, **DRIVE}, "Expected `str`, got `int` - at `$.drive.type`"),
-        ({"type": "wheels", "max_levl": 70}, "unknown field `max_levl` - at `$.drive`; did you mean 'max_level'?"),
+        ({"type": 3, **DRIVE}, "drive.type must be text, and is a number"),
+        ({"type": "wheels", "max_levl": 70}, "unknown field `max_levl` in drive; did you mean 'max_level'?"),
         (
             {"type": "wheels", **DRIVE, "wheel_control": "sped"},
-            "at `$.drive.wheel_control`; did you mean 'speed'?",
+            "drive.wheel_control cannot be 'sped'; did you mean 'speed'?",
         ),
         ({"type": "wheels", **DRIVE, "speed_control": {"max_pmw": 3}}, "did you mean 'max_pwm'?"),
-        (3, "Expected `object`, got `int` - at `$.drive`"),
+        (3, "drive must be a table of fields, and is a number"),
     ],
 )
 def test_what_is_wrong_in_base_drive_is_named_with_the_word_that_was_meant(

@@ -68,7 +68,7 @@ def test_a_robot_has_none_by_default(tmp_path: Path) -> None:
         (table("base_link"), "base_link is the robot's own frame already"),
         (table("range_rear_link"), "range_rear_link is a sensor's frame already"),
         (table('"la ser"'), "'la ser' cannot be part of a key"),
-        (table("laser", yaw=90), "yaw is 90: it must be within -2π..2π rad; are these degrees? - at `$.frames.laser`"),
+        (table("laser", yaw=90), "frames.laser: yaw is 90: it must be within -2π..2π rad; are these degrees?"),
         (table("laser", x=-115.0), "x is -115: it must be within -2..2 m"),
         (table("laser", w=1.0), "unknown field `w`"),
     ],
