@@ -6,6 +6,7 @@ The stop comes first. It is tried over all that can still be read of the network
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import os
 import shlex
 from collections.abc import Mapping, Sequence
@@ -17,6 +18,7 @@ import tomlkit
 
 from giraff_cli.estop.readable import Readable, has_bundle, read_what_is_left
 from giraff_cli.network.command import not_all_counts
+from giraff_cli.network.pages import kept_pages
 from giraff_cli.terminal.program import called_here
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import (
@@ -58,6 +60,8 @@ def plan_stop(robot: str | None, connect: Sequence[str], environment: Mapping[st
     except ConfigError as error:
         fault = str(error)
     else:
+        if sound.example and kept_pages(sound.example):  # somebody has visited that robot, and may mean it
+            sound = dataclasses.replace(sound, filed=sound.example)
         return StopPlan(sound, "", not_all_counts(sound.warning) if sound.warning else "")
     found = read_what_is_left(robot, environment)
     target = _target(robot, connect, environment, found)

@@ -17,6 +17,7 @@ from typing import Any, Final, NamedTuple, TypeVar, get_type_hints
 import msgspec
 import msgspec.inspect
 
+from giraff_core.robot import WIRING
 from giraff_core.sensors import TABLES as SENSOR_TABLES
 from giraff_core.sensors import by_type
 from giraff_node.config.moved import current_name, modern, name_type, path_of, put
@@ -39,6 +40,10 @@ _UNKNOWN: Final = re.compile(r"unknown field `([^`]*)`")
 _NO_DRIVE: Final = "Object missing required field `drive`"
 DEFAULT_FILE = Path("deploy/robot.toml")
 """The robot file below the working directory, where GIRAFF_CONFIG names no other."""
+_EXAMPLE: Final = "giraff"
+"""Robot's name in the `deploy/robot.toml` that comes with the source."""
+_EXAMPLE_NETWORK: Final = {"rendezvous", "local"}
+"""Fields of its table [network], and the one that keeps all to this host."""
 NO_FILE: Final = os.devnull
 """What GIRAFF_CONFIG names where no file is to count, wherever one may be: as a robot file it is empty."""
 
@@ -78,6 +83,17 @@ class RawSettings(NamedTuple):
             if (name, told) == ("base", _NO_DRIVE):
                 shown = "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"
             raise ConfigError(f"{self.place(name)}: {shown}{_hint(values, config, told)}") from error
+
+    @property
+    def is_example(self) -> bool:
+        """Nobody has made the source's robot file their own.
+
+        Its name and its network are as they came, and it lacks the wiring, without which base does not arm.
+        """
+        drive = self.tables.get("base", {}).get("drive")
+        is_unwired = isinstance(drive, dict) and drive.get("type") == "wheels" and drive.keys().isdisjoint(WIRING)
+        is_as_it_came = self.tables.get("network", {}).keys() <= _EXAMPLE_NETWORK
+        return is_unwired and is_as_it_came and self.tables.get("robot", {}).get("name") == _EXAMPLE
 
     def place(self, table: str) -> str:
         """Where an error of this table is to be looked for."""

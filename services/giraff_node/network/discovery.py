@@ -51,6 +51,8 @@ class Target:
     """The name in the robot file of the current folder, which nobody has asked for. It counts if it is heard."""
     named_by: str = ""
     """Path of the file of GIRAFF_CONFIG where it alone has named `robot`; empty: somebody has typed the name."""
+    example: str = ""
+    """The name in the robot file of the current folder, where that is still the source's example. `filed` is empty."""
 
 
 def resolve_target(robot: str | None, connect: Sequence[str], environment: Mapping[str, str] = os.environ) -> Target:
@@ -67,6 +69,8 @@ def resolve_target(robot: str | None, connect: Sequence[str], environment: Mappi
     network = given.table("network", NetworkConfig)
     name, filed = named(given, robot, environment)
     way = target_of(name, connect, network, "; ".join(strange.what for strange in given.strange), filed)
+    if given.is_example:  # its reader has not written it, and misses no robot that it names
+        way = replace(way, filed="", example=filed)
     return way if not name or _is_typed(robot, given) else replace(way, named_by=given.where)
 
 

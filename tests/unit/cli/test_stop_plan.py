@@ -8,6 +8,7 @@ from functools import partial
 from pathlib import Path
 from unittest.mock import MagicMock
 
+import msgspec
 import pytest
 import zenoh
 
@@ -15,8 +16,11 @@ from giraff_cli.estop import engage
 from giraff_cli.estop.plan import plan_stop
 from giraff_cli.network import command
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.pages import page_file
 from giraff_core.network import NetworkConfig
 from giraff_node.network.discovery import Target
+from giraff_schemas.health import WebPage
+from tests.rules.repository import ROOT
 
 DEFAULT = NetworkConfig()
 FIXED = NetworkConfig(mode="fixed", connect=("10.0.0.5",))
@@ -136,6 +140,20 @@ def test_with_its_rules_it_is_tried_with_certificates_alone(
     first, _ = capsys.readouterr().err.splitlines()
     assert first.startswith("giraff: NOTHING IS STOPPED: use the battery switch; ")
     assert "the network is secured: put this host's bundle" in first
+
+
+def test_a_robot_that_was_visited_is_missed_though_only_the_example_names_it(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("STATE_DIRECTORY", str(path.parent))
+    monkeypatch.chdir(ROOT)
+    plan = plan_stop(None, (), {})
+    assert plan.target is not None
+    assert (plan.target.robot, plan.target.filed) == ("", "")
+    page_file("giraff").write_bytes(msgspec.json.encode((WebPage(port=8443, hosts=("10.0.0.5",), certificate="ab"),)))
+    plan = plan_stop(None, (), {})
+    assert plan.target is not None
+    assert (plan.target.robot, plan.target.filed) == ("", "giraff")
 
 
 def test_nothing_is_said_before_the_stop(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -15,6 +15,7 @@ from giraff_node.network import tokens
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import RobotMonitor, find_robot, others, resolve_target
 from giraff_schemas.topics import alive_key
+from tests.rules.repository import ROOT
 from tests.support.one_process import Clock, Session
 
 ONE, OTHER = "sim-one", "sim-other"
@@ -80,6 +81,29 @@ def test_the_null_device_is_no_file_wherever_one_is(elsewhere: Path) -> None:
         resolve_target("told", (), {"GIRAFF_CONFIG": ""})
     way = resolve_target("told", (), {"GIRAFF_CONFIG": "/dev/null", "GIRAFF_NETWORK_CONNECT": '["a:1"]'})
     assert way.network == NetworkConfig(connect=("a:1",))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "filed"),
+    [
+        ("", "", ""),
+        ("max_level = 70", "max_level = 80", ""),
+        ('name = "giraff"', 'name = "anne"', "anne"),
+        ("stall_level = 25", "stall_level = 25\nswap_motors = false", "giraff"),
+        ("[network]", '[network]\nconnect = ["a:1"]', "giraff"),
+    ],
+)
+def test_the_example_of_the_source_names_no_robot_until_somebody_makes_it_theirs(
+    elsewhere: Path, before: str, after: str, filed: str
+) -> None:
+    """A stop then misses its robot: `giraff estop engage` tells that it was not heard."""
+    (elsewhere / "deploy").mkdir()
+    example = (ROOT / "deploy" / "robot.toml").read_text(encoding="utf-8")
+    (elsewhere / "deploy" / "robot.toml").write_text(example.replace(before, after, 1), encoding="utf-8")
+    way = resolve_target(None, (), {})
+    assert (way.robot, way.filed, way.example) == ("", filed, "" if filed else "giraff")
+    named = resolve_target(None, (), {"GIRAFF_CONFIG": "deploy/robot.toml"})
+    assert named.robot == (filed or "giraff")
 
 
 def test_a_file_that_leads_nowhere_is_not_passed_over(elsewhere: Path) -> None:
