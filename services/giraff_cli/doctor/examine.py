@@ -114,7 +114,7 @@ def _look(
         machine=msgspec.structs.replace(
             machine,
             ports=() if robot is None else look_at_boards(running),
-            wiring_problem=wiring_problem() if based_here else WELL,
+            wiring_problem=wiring_problem(running) if based_here else WELL,
             geometry=geometry_of(robot.name) if robot is not None and based_here else None,
         ),
         network=Network(

@@ -27,7 +27,7 @@ from giraff_node.network.sockets import live_sockets, socket_folder
 from giraff_node.process.state import state_directory
 from giraff_node.process.version import version
 from giraff_schemas.boards import BOARDS, BoardType
-from giraff_schemas.services import BASE, HANDS, ROBOTS_OWN, SERVICES
+from giraff_schemas.services import BASE, HANDS, ROBOTS_OWN, RUN, SERVICES
 from giraff_schemas.trouble import WELL, Trouble
 
 _HELLO_WITHIN: Final = 1.3  # s; an UNO starts anew when its port is opened
@@ -60,11 +60,11 @@ def look_at_machine(
 def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os.environ) -> tuple[Port, ...]:
     """Of the services that do not run and whose port is there: whether the right board answers.
 
-    A port that is not there may be another machine's; one that is in use is not touched.
+    A port that is not there may be another machine's; one that is in use is not touched. `giraff run` simulates all.
     """
     found = []
     for service in SERVICES:
-        if service.board is None or service.name in running:
+        if service.board is None or service.name in running or RUN.name in running:
             continue
         path = str(_tables(environment).get(service.table, {}).get("port", ""))
         if path and Path(path).exists():
@@ -74,9 +74,14 @@ def look_at_boards(running: Collection[str], environment: Mapping[str, str] = os
     return tuple(found)
 
 
-def wiring_problem(environment: Mapping[str, str] = os.environ) -> Trouble:
-    """Return why nobody knows yet whether the robot moves as it is asked; WELL where there is no robot file."""
+def wiring_problem(running: Collection[str], environment: Mapping[str, str] = os.environ) -> Trouble:
+    """Return why nobody knows yet whether the robot moves as it is asked; WELL where there is no robot file.
+
+    `running`: services. `giraff run` brings the wiring of its simulated boards.
+    """
     with contextlib.suppress(ConfigError):
+        if RUN.name in running:
+            return WELL
         return load(BASE.table, BaseConfig, environment, port="").drive.unchecked
     return WELL
 

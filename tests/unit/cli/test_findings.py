@@ -27,7 +27,7 @@ from giraff_cli.doctor.inspection import (
     Rate,
     Robot,
 )
-from giraff_cli.doctor.machine import geometry_of, look_at_machine
+from giraff_cli.doctor.machine import geometry_of, look_at_boards, look_at_machine, wiring_problem
 from giraff_cli.doctor.robot import geometry_in
 from giraff_cli.network.interfaces import Interface, is_own, on_link
 from giraff_core.kinematics.calibration import Calibration
@@ -290,6 +290,13 @@ def test_a_robot_file_is_its_robots_and_of_the_simulation_here(robot: str, is_it
     geometry = geometry_of(robot, {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")})
     assert (geometry is not None) == is_its
     assert geometry_of(robot, {"GIRAFF_CONFIG": "/dev/null"}) is None
+
+
+def test_the_wiring_and_the_boards_of_the_file_are_not_those_of_a_simulated_robot(tmp_path: Path) -> None:
+    (port := tmp_path / "port").touch()
+    given = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"), "GIRAFF_BASE_PORT": str(port)}
+    assert (bool(wiring_problem((), given)), len(look_at_boards((), given))) == (True, 1)
+    assert (wiring_problem(("run",), given), look_at_boards(("run",), given)) == (WELL, ())
 
 
 @pytest.mark.parametrize(
