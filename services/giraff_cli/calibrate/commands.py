@@ -11,6 +11,15 @@ from giraff_cli.options import Connect, Robot, require_extra
 
 calibrate = typer.Typer(no_args_is_help=True, help="What a robot truly is, measured and written into the robot file.")
 
+File = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE",
+        help="The robot file that is written. Else GIRAFF_CONFIG's, if it is that robot's.",
+        show_default=False,
+    ),
+]
+
 _RUNS = "CSV: time s, x m, y m, heading rad (truth), right counts, left counts since the row before; no header."
 
 
@@ -20,7 +29,7 @@ def about() -> None:
 
 
 @calibrate.command()
-def odometry(
+def odometry(  # noqa: PLR0913, PLR0917  one argument an option
     more: Annotated[list[str] | None, typer.Argument(hidden=True)] = None,
     fit: Annotated[
         list[str] | None,
@@ -48,6 +57,7 @@ def odometry(
     force: Annotated[
         bool, typer.Option("--force", help="Take a wheel that is 5 %, a track that is 10 % other than before.")
     ] = False,
+    file: File = None,
     robot: Robot = None,
     connect: Connect = None,
 ) -> None:
@@ -63,10 +73,10 @@ def odometry(
     if not (fit or check or metadata or json or more):
         from giraff_cli.calibrate.guided import calibrate_odometry  # noqa: PLC0415
 
-        raise typer.Exit(calibrate_odometry(robot, connect or (), force=force))
+        raise typer.Exit(calibrate_odometry(robot, connect or (), file, force=force))
     from giraff_cli.calibrate.recorded.command import Asked, calibrate_recorded  # noqa: PLC0415
 
-    asked = Asked(fit or (), check or (), more or (), metadata, json, force, is_live=bool(robot or connect))
+    asked = Asked(fit or (), check or (), more or (), metadata, file, json, force, is_live=bool(robot or connect))
     raise typer.Exit(calibrate_recorded(asked))
 
 
@@ -83,6 +93,7 @@ def camera(
             show_default=False,
         ),
     ] = None,
+    file: File = None,
     robot: Robot = None,
     connect: Connect = None,
 ) -> None:
@@ -96,4 +107,4 @@ def camera(
     require_extra("calibrate camera", "cv2", "camera,cli")
     from giraff_cli.calibrate.camera.command import calibrate_camera  # noqa: PLC0415
 
-    raise typer.Exit(calibrate_camera(which, pictures, robot, connect or ()))
+    raise typer.Exit(calibrate_camera(which, pictures, robot, connect or (), file))

@@ -19,8 +19,8 @@ from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
 from giraff_cli.network.command import run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.robot import RobotConfig
-from giraff_node.config.robot_file import ConfigError, load, robot_file
-from giraff_node.network.discovery import is_simulated_here, others
+from giraff_node.config.robot_file import ConfigError, load, read, robot_file
+from giraff_node.network.discovery import is_simulated_here, name_of, others
 
 _PATIENCE: Final = 3.0  # s
 
@@ -33,17 +33,17 @@ _THEN: Final = (
 _THEN_SIMULATED: Final = "Nothing goes by it yet: end `giraff run` and start it again."
 
 
-def calibrate_odometry(robot: str | None, connect: Sequence[str], *, force: bool) -> int:
-    """The whole command; its exit code. `force`: scales may be far from those before."""
+def calibrate_odometry(robot: str | None, connect: Sequence[str], file: Path | None, *, force: bool) -> int:
+    """The whole command; its exit code. `file`: as of `own_robot_file`. `force`: scales may be far from before."""
 
     def act(connection: RobotConnection) -> int:
         human = Terminal(sys.stdin, sys.stdout)
         try:
-            path, filed = own_robot_file()
+            path, filed = own_robot_file(connection.robot, file)
             wheels = NetworkWheels(connection)
             if not wheels.wait(_PATIENCE):
                 return complain(_unheard(connection), UNUSABLE)
-            introduce(human, connection.robot, path, filed)
+            introduce(human, connection.robot, path)
             for words in differences(connection, filed):
                 human.tell(f"{words}: what is found holds for the value of the file.")
             return guide(human, wheels, connection.robot, filed, path, force=force)
@@ -59,19 +59,28 @@ def calibrate_odometry(robot: str | None, connect: Sequence[str], *, force: bool
             return _interrupted()
 
 
-def own_robot_file() -> tuple[Path, RobotConfig]:
-    """Of this machine: where it is, and what it says. ConfigError where it cannot be read, or not be written."""
-    path, filed = robot_file(), load("robot", RobotConfig)
+def own_robot_file(robot: str, given: Path | None) -> tuple[Path, RobotConfig]:
+    """Return where the robot file of `robot` is, and what it says; of an empty name, this machine's.
+
+    `given`: the file that a person has named for it. Raises ConfigError where it cannot be read, or not be written, or
+    where this machine's is another robot's.
+    """
+    environment = os.environ if given is None else {**os.environ, "GIRAFF_CONFIG": str(given)}
+    path, filed = robot_file(environment), load("robot", RobotConfig, environment)
+    named = name_of(read({"GIRAFF_CONFIG": str(path)}))
+    if given is None and robot not in {"", named}:
+        raise ConfigError(
+            f"{path} is the robot file of {named or 'no robot'}, and {robot} is heard; name the file that is to be "
+            f"written for {robot}: --file FILE"
+        )
     if not (os.access(path, os.W_OK) and os.access(path.parent, os.W_OK)):
         raise ConfigError(f"{path} or its folder cannot be written; call it as a user who may write there")
     return path, filed
 
 
-def introduce(human: Human, robot: str, path: Path, filed: RobotConfig) -> None:
-    """Which robot it is, and whether that is doubtful."""
+def introduce(human: Human, robot: str, path: Path) -> None:
+    """Tell which robot it is, and where the outcome goes."""
     human.tell(f"Robot {robot}; what is found goes into {path}.")
-    if robot != filed.name and not is_simulated_here(robot):
-        human.tell(f"The robot file of this machine is that of {filed.name}: is it the right machine?")
 
 
 def guide(human: Human, source: WheelSource, robot: str, filed: RobotConfig, path: Path, *, force: bool) -> int:

@@ -44,8 +44,8 @@ def filed(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def shown(robot: ProcessRobot, filed: Path) -> Iterator[Screen]:
-    command = [sys.executable, "-m", "giraff_cli", "calibrate", "odometry"]
-    environment = robot.environment | {"GIRAFF_CONFIG": str(filed), "GIRAFF_ROBOT_TRACK_WIDTH": "0.48"}
+    command = [sys.executable, "-m", "giraff_cli", "calibrate", "odometry", "--file", str(filed)]
+    environment = robot.environment | {"GIRAFF_ROBOT_TRACK_WIDTH": "0.48"}
     with screen(command, filed.with_name("calibrate.log"), environment) as made:
         made.wait_for("track_width is 0.48 in the robot file of this machine and 0.47 in the robot", PATIENCE)
         made.wait_for("Run 1 of", PATIENCE)
@@ -53,8 +53,8 @@ def shown(robot: ProcessRobot, filed: Path) -> Iterator[Screen]:
 
 
 def test_a_robot_whose_wheels_are_not_heard_is_not_begun_with(robot: ProcessRobot, filed: Path) -> None:
-    command = [sys.executable, "-m", "giraff_cli", "calibrate", "odometry", "--robot", "nobody"]
-    environment = robot.environment | {"GIRAFF_CONFIG": str(filed)}
+    command = [sys.executable, "-m", "giraff_cli", "calibrate", "odometry", "--robot", "nobody", "--file", str(filed)]
+    environment = robot.environment
     ended = subprocess.run(command, check=False, capture_output=True, text=True, env=environment, timeout=PATIENCE)
     assert (ended.returncode, ended.stdout) == (2, "")
     assert "no wheels of nobody are heard" in ended.stderr

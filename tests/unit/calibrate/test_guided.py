@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 import pytest
 
-from giraff_cli.calibrate.guided import guide, introduce, own_robot_file
+from giraff_cli.calibrate.guided import guide, own_robot_file
 from giraff_cli.calibrate.plan import PLAN
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.robot import RobotConfig
@@ -65,14 +65,17 @@ def test_a_simulated_robot_goes_by_it_once_it_is_started_again(taped: TapedRobot
     assert not any("services" in text for text in person.told)
 
 
-@pytest.mark.parametrize(("robot", "is_doubted"), [("giraff", False), (SIMULATED, False), ("sim-other", True)])
-def test_a_robot_that_the_file_is_not_of_is_doubted(
-    taped: TapedRobot, path: Path, robot: str, *, is_doubted: bool
+@pytest.mark.parametrize("robot", [SIMULATED, "anne"])
+def test_the_file_of_another_robot_is_not_written_unless_somebody_names_it(
+    path: Path, monkeypatch: pytest.MonkeyPatch, robot: str
 ) -> None:
-    person = Person(taped)
-    introduce(person, robot, path, msgspec.convert(table(path), RobotConfig))
-    assert robot in person.told[0]
-    assert any("right machine" in text for text in person.told) == is_doubted
+    monkeypatch.setenv("GIRAFF_CONFIG", str(path))
+    monkeypatch.setenv("GIRAFF_ROBOT_NAME", robot)
+    assert own_robot_file("giraff", None)[0] == path
+    with pytest.raises(ConfigError, match=f"is the robot file of giraff, and {robot} is heard; .*--file FILE"):
+        own_robot_file(robot, None)
+    monkeypatch.delenv("GIRAFF_CONFIG")
+    assert own_robot_file(robot, path)[0] == path
 
 
 @pytest.mark.parametrize("answer", ["no", "n"])
@@ -108,12 +111,12 @@ def test_a_robot_file_that_is_not_there_is_refused_before_anything_is_driven(
 ) -> None:
     monkeypatch.setenv("GIRAFF_CONFIG", str(tmp_path / "none.toml"))
     with pytest.raises(ConfigError, match="no robot file"):
-        own_robot_file()
+        own_robot_file("giraff", None)
 
 
 def test_a_robot_file_that_cannot_be_written_is_too(monkeypatch: pytest.MonkeyPatch, path: Path) -> None:
     monkeypatch.setenv("GIRAFF_CONFIG", str(path))
-    assert own_robot_file()[0] == path
+    assert own_robot_file("giraff", None)[0] == path
     monkeypatch.setattr(os, "access", lambda place, _: place != path.parent)
     with pytest.raises(ConfigError, match="cannot be written"):
-        own_robot_file()
+        own_robot_file("giraff", None)

@@ -53,15 +53,17 @@ class LivePictures:
         return str(self._client.trouble)
 
 
-def calibrate_camera(name: str | None, folder: Path | None, robot: str | None, connect: Sequence[str]) -> int:
-    """Do the whole command; return its exit code."""
+def calibrate_camera(
+    name: str | None, folder: Path | None, robot: str | None, connect: Sequence[str], file: Path | None
+) -> int:
+    """Do the whole command; return its exit code. `file`: as of `own_robot_file`."""
 
     def act(connection: RobotConnection) -> int:
         try:
-            path, filed = own_robot_file()
+            path, filed = own_robot_file(connection.robot, file)
             which, camera = choose(filed, name)
             human = Terminal(sys.stdin, sys.stdout)
-            introduce(human, connection.robot, path, filed)
+            introduce(human, connection.robot, path)
             by = f"giraff calibrate, {user_at_host()}"
             client = PictureClient(connection.network, connection.robot, which, by)
             try:
@@ -77,7 +79,7 @@ def calibrate_camera(name: str | None, folder: Path | None, robot: str | None, c
         try:
             if folder is None:
                 return run_with_robot(robot, connect, _PATIENCE, act, stands_in=False)  # it writes into the file
-            path, filed = own_robot_file()
+            path, filed = own_robot_file("", file)
             which, camera = choose(filed, name)
             return guide(Terminal(sys.stdin, sys.stdout), which, camera, path, measure_folder(folder))
         except (ConfigError, UnusableError) as error:

@@ -29,6 +29,8 @@ class Asked(NamedTuple):
     """What belongs to no option."""
     metadata: Path | None
     """None: the runs are those of the robot of the robot file, which is told what was found."""
+    file: Path | None
+    """The robot file; None: this machine's."""
     json: Path | None
     force: bool
     is_live: bool
@@ -41,8 +43,10 @@ def calibrate_recorded(asked: Asked) -> int:
         _require_sense(asked)
         fit_files, check_files = files_of("--fit", asked.fitted), files_of("--check", asked.checked)
         if asked.json is not None:
-            _require_room(asked.json, [*fit_files, *check_files, *([asked.metadata] if asked.metadata else [])])
-        path, geometry = (None, read_metadata(asked.metadata)) if asked.metadata is not None else _own()
+            _require_room(
+                asked.json, [*fit_files, *check_files, *([asked.metadata] if asked.metadata else [])], asked.file
+            )
+        path, geometry = (None, read_metadata(asked.metadata)) if asked.metadata is not None else _own(asked.file)
         runs = read_runs([*fit_files, *check_files], geometry)
         to_fit, to_check = runs[: len(fit_files)], runs[len(fit_files) :]
     except (RecordingError, ConfigError) as error:
@@ -59,15 +63,17 @@ def _require_sense(asked: Asked) -> None:
             f"{asked.more[0]} belongs to no option; put a pattern in quotes, like --fit 'a*.csv', or give --fit or "
             "--check for each file"
         )
+    if asked.file and asked.metadata:
+        raise RecordingError("--metadata is of another robot, whose robot file is not written; leave --file out")
     if asked.is_live:
         raise RecordingError("--robot and --connect are for a live robot; leave them out with recorded runs")
 
 
-def _require_room(outcome: Path, read: Sequence[Path]) -> None:
+def _require_room(outcome: Path, read: Sequence[Path], file: Path | None) -> None:
     """RecordingError where the outcome cannot be written, or would be over what is read or the robot file."""
     others = [*read]
     with contextlib.suppress(ConfigError):  # told where it is needed
-        others.append(robot_file())
+        others.append(file or robot_file())
     try:
         for other in others if outcome.exists() else ():
             if other.exists() and outcome.samefile(other):
@@ -119,10 +125,11 @@ def read_runs(files: Sequence[Path], geometry: Geometry) -> list[Run]:
     return runs
 
 
-def _own() -> tuple[Path, Geometry]:
+def _own(file: Path | None) -> tuple[Path, Geometry]:
     """Of the robot file."""
-    robot = load("robot", RobotConfig)
-    return robot_file(), Geometry(robot.ticks_per_metre, robot.track_width, robot.calibration.scales)
+    environment = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
+    robot = load("robot", RobotConfig, environment)
+    return robot_file(environment), Geometry(robot.ticks_per_metre, robot.track_width, robot.calibration.scales)
 
 
 def _tell_programs(path: Path, outcome: dict[str, Any]) -> int:
