@@ -12,7 +12,7 @@ from typing import Final, Protocol
 
 from giraff_schemas.camera import CameraState, Picture, PictureSize
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
-from giraff_web.messages import CameraView, Looking
+from giraff_web.messages import CameraView, Looking, on_page
 from giraff_web.pages import Pages
 
 SILENT: Final = 1.5
@@ -100,7 +100,7 @@ class PagesLooking:
         if now - self._heard > SILENT:
             return CameraView(askers=(), why=str(_NO_CAMERA))
         why = (self._source.trouble if self._source is not None else WELL) or trouble_of(self._state)
-        return CameraView(askers=tuple(asker.by for asker in self._state.askers), why=str(why))
+        return CameraView(askers=tuple(asker.by for asker in self._state.askers), why=str(on_page(why)))
 
     def on_state(self, state: CameraState, now: float) -> None:
         """Take what a camera says of itself. Of several, the one that was heard first counts."""

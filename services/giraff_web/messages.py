@@ -9,7 +9,9 @@ from typing import Annotated, Final, Literal
 
 import msgspec
 
+from giraff_core.estop.latch import RESET_COMMAND
 from giraff_schemas.messages import RobotTime
+from giraff_schemas.trouble import Trouble
 
 LARGEST: Final = 8192
 """Bytes of a message of a page."""
@@ -24,6 +26,20 @@ Reading = tuple[_Seconds, _Acceleration, _Acceleration, _Acceleration]
 """When (s, of the page's own clock) and DeviceMotion's accelerationIncludingGravity (x, y, z; m/s²)."""
 
 Input = Literal["tilt", "pad", "keys"]
+
+RELEASE: Final = "{release}"
+"""A page writes here how to release the stop: a page that only watches has no such button."""
+_BY_HAND: Final = ("hold the hand level", "to arm", "giraff drive")
+"""Each page says below the reason how its own hand takes and arms the robot."""
+
+
+def on_page(trouble: Trouble) -> Trouble:
+    """Replace a remedy of the terminal, or of another hand, by one that a page offers."""
+    if any(words in trouble.remedy for words in _BY_HAND):
+        return Trouble(trouble.what)
+    see = f"see that the robot may move, then {RELEASE}"
+    remedy = trouble.remedy.replace(f"to go on: {RESET_COMMAND}", see).replace(RESET_COMMAND, RELEASE)
+    return Trouble(trouble.what, "it takes somebody at the robot's computer" if "giraff " in remedy else remedy)
 
 
 def moment(tick: RobotTime | None) -> Moment | None:
@@ -175,6 +191,8 @@ class Latch(msgspec.Struct, frozen=True, kw_only=True):
     off: bool
     by: str
     reason: str
+    remedy: str
+    """How to go on, with `RELEASE` in it."""
     id: str
     engaged_ns: str
 

@@ -11,8 +11,8 @@ from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import Attitude, EStop, GuardState, Odometry, Range, Sample, Verdict
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
-from giraff_schemas.trouble import WELL, trouble_of
-from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, Part, State, moment
+from giraff_schemas.trouble import WELL, Trouble, trouble_of
+from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, Part, State, moment, on_page
 from giraff_web.policy import WebPolicy
 
 STALE: Final = 1.5
@@ -68,7 +68,7 @@ class Picture:
             device=driver.device if driver else "",
             page=driver.page if driver else 0,
             armed=base.armed if base else None,
-            why="" if nobody_asks else str(what_stops(own, base, guard)),
+            why="" if nobody_asks else str(on_page(what_stops(own, base, guard))),
             stop=_latch(estop) if estop else None,
             stop_text=stop_text,
             directions=_directions(guard) if guard else None,
@@ -119,11 +119,13 @@ class Picture:
 
 
 def _latch(state: EStop) -> Latch:
+    told = on_page(trouble_of(state))
     return Latch(
         engaged=state.engaged,
         off=state.off,
         by=state.by,
-        reason=trouble_of(state).what,
+        reason=told.what,
+        remedy=told.remedy,
         id=str(state.id),
         engaged_ns=str(state.engaged_ns),
     )
@@ -140,10 +142,11 @@ def _directions(guard: GuardState) -> dict[str, Direction]:
 
 
 def _direction(verdict: Verdict) -> Direction:
+    told = on_page(Trouble(verdict.reason, verdict.way_out))
     return Direction(
         freedom=verdict.freedom,
         allowed=round(verdict.allowed, 3),
         sensor=verdict.sensor,
-        reason=verdict.reason,
-        way_out=verdict.way_out,
+        reason=told.what,
+        way_out=told.remedy,
     )

@@ -26,7 +26,7 @@ _TELL_EVERY: Final = 1.0  # s
 _LONGEST: Final = 256
 """Characters of anything that can be a token or a cookie."""
 
-WRONG: Final = "not a token of this service; open the address that giraff web prints now"
+WRONG: Final = "not a token of this service; open the address that the page service shows now"
 
 
 class Granted(NamedTuple):
@@ -102,7 +102,7 @@ class Sessions:
             return Denied(why, wait, self._guesses.tells(address, now))
         if used := self._used.get(_digest(token)):
             ago = _ago(now - used.at)
-            why = f"this address was used {ago} by {used.device}; open the one that giraff web prints now"
+            why = f"this address was used {ago} by {used.device}; open the one that the page service shows now"
             return Denied(why, tell=self._guesses.tells(address, now))
         if len(token) > _LONGEST or not hmac.compare_digest(_digest(token), _digest(self.token)):
             self._guesses.wrong(address, now)

@@ -16,6 +16,7 @@ from giraff_core.estop.request import EStopRequest, Request
 from giraff_schemas.messages import EStop
 from giraff_schemas.requests import EStopAnswer, EStopReset
 from giraff_web.limited_log import LimitedLog
+from giraff_web.messages import RELEASE
 
 _STANDS: Final = 2.5  # s: a reset may be 1 s old, and then wait 1 s for base's disk
 _ONE_WISH: Final = 1.0  # s; a page says each stop in two ways, and again until it is shown
@@ -32,9 +33,7 @@ class Stops:
     ) -> None:
         """`engage` begins to ask base for a stop by that device, or for off; `reset` to ask for a release."""
         self._device = ""
-        self._stop = EStopRequest(
-            lambda settles, off: engage(self._device, settles, off), "release it on a page that may drive"
-        )
+        self._stop = EStopRequest(lambda settles, off: engage(self._device, settles, off), RELEASE)
         self._ask_reset = reset
         self._release = EStopRelease()
         self._stands_since: float | None = None

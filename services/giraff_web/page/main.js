@@ -84,7 +84,7 @@ function onMessage(message) {
     at.arrived = now;
     at.heard = true;
     hand.onState(message.tick, Boolean(message.stop?.engaged), message.page === at.me, now);
-    stop.onState(message);
+    stop.onState(message, at.mayDrive);
     trail.onState(message);
     balance.onState(message, now);
     picture.onState(message, now);

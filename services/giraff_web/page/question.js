@@ -2,6 +2,7 @@
 
 import { byId, write } from "./panel.js";
 import { StopRequest, isSameStop } from "./stop.js";
+import { released } from "./words.js";
 
 /** s after a finger's landing within which a click is its lifting. */
 const LIFTED = 2;
@@ -55,9 +56,9 @@ export class StopButton {
     this._request.letGo();
   }
 
-  onState(state) {
+  onState(state, mayDrive) {
     this._request.onLatch(state.stop);
-    this._detail = state.stop_text;
+    this._detail = released(state.stop_text, mayDrive);
   }
 
   /** Show a line below the stop for so many seconds. */

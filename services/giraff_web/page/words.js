@@ -20,10 +20,16 @@ const HOW = {
   keys: "Press an arrow key or W, A, S, D",
 };
 const TAKE = { tilt: "hold the field", pad: "hold the pad", keys: "press a drive key" };
-const WATCHING = "You can watch and stop. To drive, open the address that the robot’s page service shows now.";
+const ADDRESS = "To drive, open the address that the robot’s page service shows now.";
+const SEE = "see that the robot may move, then {release}";
 const ARM = { tilt: "hold the field and keep the phone flat", pad: "hold the pad without dragging", keys: "let go of the keys" };
 
 export const DEGREES = 180 / Math.PI;
+
+/** Text with the way to release the stop that this page has. */
+export function released(text, mayDrive) {
+  return text.replaceAll("{release}", mayDrive ? "tap Release" : "release it on a page that may drive");
+}
 
 const known = (value) => typeof value === "number" && Number.isFinite(value);
 
@@ -59,9 +65,11 @@ export function whyText(at) {
     return at.heard ? "The link is lost. The robot stops by itself; connecting again." : "Connecting to the robot.";
   }
   if (at.stopping) return "The emergency stop was asked for on this page.";
-  const stopped = isStopped(at.state) ? "STOPPED. " : "";
-  if (!at.mayDrive) return stopped + (at.session ? sentence(at.session) : WATCHING);
-  if (stopped) return `${stopped}See that the robot may move, then tap Release.`;
+  const how = isStopped(at.state) ? `${sentence(released(at.state.stop.remedy || SEE, at.mayDrive))}.` : "";
+  if (!at.mayDrive) {
+    return `${how ? `STOPPED. ${how}` : "You can watch and stop."} ${at.session ? sentence(at.session) : ADDRESS}`;
+  }
+  if (how) return `STOPPED. ${how}`;
   if (at.refused) return sentence(at.refused);
   if (!at.hold && ENDED[at.ended]) {
     return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input] ?? "let go of the keys, then press again"}.`;

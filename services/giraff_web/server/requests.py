@@ -95,9 +95,10 @@ class Requests:
         try:
             answer = await self._answer(request)
         except web.HTTPException as error:  # the library's, of a broken handshake
-            answer = _refusal(error.status, f"{error.text or error.reason}; open the address that giraff web prints")
+            why = f"{error.text or error.reason}; open the address that the page service shows"
+            answer = _refusal(error.status, why)
         except (HttpProcessingError, ClientError):
-            answer = _refusal(400, "the body cannot be read; open the address that giraff web prints")
+            answer = _refusal(400, "the body cannot be read; open the address that the page service shows")
         finally:
             if guarded is not None:
                 guarded.since = self._loop.time()
@@ -110,18 +111,18 @@ class Requests:
     async def _answer(self, request: web.BaseRequest) -> Answer:
         host = self._host(request)
         if not host:
-            return _refusal(403, "this service is not called so; open the address that giraff web prints")
+            return _refusal(403, "this service is not called so; open the address that the page service shows")
         if request.headers.get("Origin", f"https://{host}") != f"https://{host}":
-            return _refusal(403, "another page asks this; open the address that giraff web prints")
+            return _refusal(403, "another page asks this; open the address that the page service shows")
         if request.headers.get("Content-Encoding"):
-            return _refusal(415, "a body is plain here; open the address that giraff web prints")
+            return _refusal(415, "a body is plain here; open the address that the page service shows")
         if found := self._routes.get((request.method, request.path)):
             return await found(request)
         if request.method == "GET" and request.path.startswith("/page/"):
             return self._file(request.path.removeprefix("/page/"))
         if any(path == request.path for _, path in self._routes):
-            return _refusal(405, "not in this way; open the address that giraff web prints")
-        return _refusal(404, "there is nothing here; open the address that giraff web prints")
+            return _refusal(405, "not in this way; open the address that the page service shows")
+        return _refusal(404, "there is nothing here; open the address that the page service shows")
 
     def _host(self, request: web.BaseRequest) -> str:
         """Of the request's header, with the port where one is given; empty: it is not this one.
@@ -177,7 +178,7 @@ class Requests:
 
     async def _page(self, request: web.BaseRequest) -> Answer:
         if request.headers.get("Upgrade", "").lower() != "websocket":
-            return _refusal(426, "this is for the page's WebSocket; open the address that giraff web prints")
+            return _refusal(426, "this is for the page's WebSocket; open the address that the page service shows")
         cookie = request.cookies.get(COOKIE, "")
         device = self._sessions.device(cookie, self._loop.time())
         return await self._pages.page(request, _device(request), cookie if device else "")

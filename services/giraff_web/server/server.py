@@ -34,7 +34,7 @@ from giraff_web.sessions import Sessions
 _LOOK: Final = 0.5  # s between looks at what is silent or over
 _ENDS_WITHIN: Final = 3.0  # s
 _BACKLOG: Final = 128
-_ENDED: Final = "this page was ended; reload it to watch, or open the address that giraff web prints now to drive"
+_ENDED: Final = "this page was ended; reload it to watch, or open the address that the page service shows now to drive"
 """At most 120 bytes, as each reason of a close."""
 _TOKEN_BYTES: Final = 18
 """144 bits, and no padding in base64."""
@@ -233,7 +233,7 @@ class Server:
                 if each.is_silent(now):
                     self._drop(each, SILENT, f"the page showed nothing for {self._limits.silent:g} s")
                 elif each.may_drive and not self._sessions.device(each.cookie, now):
-                    self._drop(each, NOT_ALLOWED, "this session is over; open the address that giraff web prints now")
+                    self._drop(each, NOT_ALLOWED, "this session is over; open the address that is shown now")
 
             if self._listed != self._connections.keys():
                 self._listed = frozenset(self._connections)
@@ -276,7 +276,7 @@ class Server:
             guarded.is_busy = False  # before it is let in
         await connection.socket.prepare(request)
         if not cookie and not self._site.strangers_watch:
-            await connection.end(NOT_ALLOWED, "open the address that giraff web prints: strangers may not watch here")
+            await connection.end(NOT_ALLOWED, "strangers may not watch; open the address that the page service shows")
             return connection.socket
         alike = [each.address for each in self._connections.values() if each.may_drive == connection.may_drive]
         own = alike.count(address)

@@ -210,7 +210,7 @@ async def named(socket: aiohttp.ClientWebSocketResponse, *pages: int) -> None:
             return
 
 
-ENDED = (4410, "this page was ended; reload it to watch, or open the address that giraff web prints now to drive")
+ENDED = (4410, "this page was ended; reload it to watch, or open the address that the page service shows now to drive")
 
 
 def test_a_page_that_may_drive_ends_others_and_one_that_watches_is_told_nothing(tmp_path: Path) -> None:

@@ -18,6 +18,7 @@ from giraff_base.drives.wheels.words import engaged_by
 from giraff_cli.drive import operate
 from giraff_cli.network.limits import limits_of
 from giraff_cli.terminal.screen import as_svg
+from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.parameters.table import Parameters
 from giraff_guard.authority import _HOW_TO_ASK, _HOW_TO_TAKE, IDLE
 from giraff_keyboard import main
@@ -31,7 +32,9 @@ from giraff_node.network.tokens import Token
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import Battery, EStop, GuardState, Lease, Sample, Verdict
 from giraff_schemas.params import ParamAnswer
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import Latch
+from giraff_web.messages import on_page
 from tests.rules.repository import ROOT
 from tests.support.robots import ROBOT
 from tests.unit.cli.samples import SENSORS, base, estop, guard, odometry, reading, verdict
@@ -172,15 +175,18 @@ def test_a_stop_that_was_asked_for_here_comes_first_and_does_not_hide_another() 
     assert told(desk)["STOP"] == desk.stop
 
 
-def test_no_way_out_is_that_of_a_hand() -> None:
+def test_neither_keys_nor_a_page_offer_the_remedy_of_another() -> None:
     """Of all that base and guard may say."""
     of_a_hand = re.compile(r"\b(hand|level|tilt)\b")
-    sources = [path for part in ("base", "guard") for path in (ROOT / "services" / f"giraff_{part}").glob("*.py")]
-    texts = [text for path in sources for text in texts_of(path.read_text()) if of_a_hand.search(text)]
+    sources = [path for part in ("base", "guard") for path in (ROOT / "services" / f"giraff_{part}").rglob("*.py")]
+    told = [RESET_COMMAND, *(text for path in sources for text in texts_of(path.read_text()))]
+    texts = [text for text in told if of_a_hand.search(text)]
     assert HOW_TO_ARM in texts
     assert _HOW_TO_ASK in texts
     assert _HOW_TO_TAKE in texts
     assert [text for text in texts if of_a_hand.search(for_keys(text))] == []
+    of_no_page = re.compile(rf"{of_a_hand.pattern}|giraff [a-z]|\bkey\b")
+    assert [text for text in told if of_no_page.search(on_page(Trouble("x", text)).remedy)] == []
 
 
 def texts_of(source: str) -> list[str]:

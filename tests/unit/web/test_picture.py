@@ -5,7 +5,7 @@ import pytest
 
 from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
 from giraff_web.config import WebConfig
-from giraff_web.messages import State, ToPage
+from giraff_web.messages import RELEASE, State, ToPage
 from giraff_web.picture import STALE, Picture
 from giraff_web.policy import WebPolicy
 from tests.support.robots import ROBOT
@@ -107,11 +107,15 @@ def test_the_path_is_bounded_and_begins_anew_where_a_pose_was_set() -> None:
 
 def test_numbers_that_a_page_cannot_hold_are_texts() -> None:
     shown = Shown()
-    latch = EStop(instance="base", engaged=True, id=(1 << 53) - 1, by="x", reason="y", engaged_ns=1 << 62)
+    how = "free it, then giraff estop reset"
+    latch = EStop(
+        instance="base", engaged=True, id=(1 << 53) - 1, by="x", reason=f"y; {how}", remedy=how, engaged_ns=1 << 62
+    )
     shown.picture.take(latch, 0.0)
     state = shown.at(0.1)
     assert state.stop is not None
     assert (state.stop.id, state.stop.engaged_ns) == (str((1 << 53) - 1), str(1 << 62))
+    assert (state.stop.reason, state.stop.remedy) == ("y", f"free it, then {RELEASE}")
 
 
 def test_who_drives_is_named() -> None:

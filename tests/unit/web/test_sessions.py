@@ -50,7 +50,7 @@ def test_a_used_token_is_refused_by_the_name_of_its_user_and_when(after: float, 
     for device, address in ((LAPTOP, "10.0.0.8"), (PHONE, "10.0.0.7")):
         got = it.redeem(token, device, address, after)
         assert isinstance(got, Denied)
-        assert got.why == f"this address was used {told} by {PHONE}; open the one that giraff web prints now"
+        assert got.why == f"this address was used {told} by {PHONE}; open the one that the page service shows now"
 
 
 def test_a_cookie_is_no_token_and_a_token_no_cookie() -> None:

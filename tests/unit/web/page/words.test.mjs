@@ -35,7 +35,7 @@ test("why: the first of what is between the hand and the robot", () => {
   assert.match(why({ linked: false, mayDrive: false }), /^The link is lost/);
   assert.equal(why({ linked: false, closed: "too many pages" }), "Not connected: too many pages");
   assert.match(why({ mayDrive: false }), /open the address/);
-  assert.equal(why({ mayDrive: false, session: "this code was used" }), "This code was used");
+  assert.equal(why({ mayDrive: false, session: "this code was used" }), "You can watch and stop. This code was used");
   assert.equal(why({ refused: "begin neutral", ended: "idle" }), "Begin neutral");
   assert.match(why({ ended: "stalled", state: { ...state, why: "not armed" } }), /stood still.*let go/);
   assert.match(why({ ended: "focus", input: "keys" }), /let go of the keys/);
@@ -51,7 +51,10 @@ test("the emergency stop comes before every other reason, and no way is free bes
     const text = words.whyText({ ...at, ...change, state: stopped });
     assert.equal(text, "STOPPED. See that the robot may move, then tap Release.");
   }
-  assert.match(words.whyText({ ...at, mayDrive: false, state: stopped }), /^STOPPED. You can watch and stop/);
+  const stuck = { ...stopped, stop: { engaged: true, remedy: "free the wheel, then {release}" } };
+  assert.equal(words.whyText({ ...at, state: stuck }), "STOPPED. Free the wheel, then tap Release.");
+  const watching = words.whyText({ ...at, mayDrive: false, state: stuck });
+  assert.match(watching, /^STOPPED. Free the wheel, then release it on a page that may drive. To drive, open the addr/);
   assert.match(words.whyText({ ...at, linked: false, state: stopped }), /^The link is lost/);
   assert.equal(words.freedom(stopped, "forward"), "stopped");
   assert.equal(words.freedom({ ...stopped, stop: { engaged: false } }, "forward"), "free");
