@@ -65,11 +65,10 @@ export function whyText(at) {
     return at.heard ? "The link is lost. The robot stops by itself; connecting again." : "Connecting to the robot.";
   }
   if (at.stopping) return "The emergency stop was asked for on this page.";
-  const how = isStopped(at.state) ? `${sentence(released(at.state.stop.remedy || SEE, at.mayDrive))}.` : "";
-  if (!at.mayDrive) {
-    return `${how ? `STOPPED. ${how}` : "You can watch and stop."} ${at.session ? sentence(at.session) : ADDRESS}`;
-  }
-  if (how) return `STOPPED. ${how}`;
+  const how = isStopped(at.state) ? released(at.state.stop.remedy || SEE, at.mayDrive) : "";
+  const stopped = how && `STOPPED. ${sentence(how)}.`;
+  if (!at.mayDrive) return `${stopped || "You can watch and stop."} ${at.session ? sentence(at.session) : ADDRESS}`;
+  if (stopped) return stopped;
   if (at.refused) return sentence(at.refused);
   if (!at.hold && ENDED[at.ended]) {
     return `Not driving, since ${ENDED[at.ended]}: ${AGAIN[at.input] ?? "let go of the keys, then press again"}.`;

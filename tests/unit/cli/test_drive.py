@@ -175,7 +175,7 @@ def test_a_stop_that_was_asked_for_here_comes_first_and_does_not_hide_another() 
     assert told(desk)["STOP"] == desk.stop
 
 
-def test_neither_keys_nor_a_page_offer_the_remedy_of_another() -> None:
+def test_no_way_out_is_that_of_a_hand() -> None:
     """Of all that base and guard may say."""
     of_a_hand = re.compile(r"\b(hand|level|tilt)\b")
     sources = [path for part in ("base", "guard") for path in (ROOT / "services" / f"giraff_{part}").rglob("*.py")]
