@@ -7,11 +7,13 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterable
-from typing import Any, Final, Protocol
+from typing import Any, Final, Literal, Protocol
 
+import msgspec
 import zenoh
 
 from giraff_cli.network.pages import PageKeeper
+from giraff_cli.network.topic_keys import is_declared
 from giraff_core.network import NetworkConfig, addresses, link_of, with_port
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
@@ -25,6 +27,17 @@ from giraff_schemas.topics import CAMERA_PICTURES, ROOT, TOPICS, Topic, alive_ke
 _ASK_AGAIN: Final = 0.1  # s
 _ANY_NETWORK: Final = NetworkConfig()
 _MOST_WAITING: Final = 20_000  # reports, 40 s of them; a listener that stands still longer loses the oldest
+_SHOWN: Final = 16  # bytes
+
+Form = Literal["MessagePack", "JSON", "bytes"]
+
+
+class Undeclared(msgspec.Struct, frozen=True):
+    """A sample of a key that the topics table does not have."""
+
+    content: Any
+    """Of `bytes` their number and the first ones."""
+    form: Form
 
 
 class MovedError(Exception):
@@ -163,11 +176,14 @@ class RobotConnection:
         return all(closed)
 
     def _hearer(self, topic: Topic[Any]) -> Callable[[zenoh.Sample], None]:
+        declared = is_declared(topic)
+
         def on_sample(received: zenoh.Sample) -> None:
             now_ns = robot_now_ns()
             key = str(received.key_expr)
+            payload, encoding = bytes(received.payload), str(received.encoding)
             try:
-                sample: Sample = decode(topic, key, bytes(received.payload), str(received.encoding))
+                sample: Any = decode(topic, key, payload, encoding) if declared else read_undeclared(payload, encoding)
             except DecodeError as error:
                 self._complaints[key] = now_ns, str(error)
                 return
@@ -180,6 +196,24 @@ class RobotConnection:
         if present and token.service == WEB.name:
             self._heard.append(lambda _: self.ask_page())
         self._heard.append(lambda listener: listener.on_liveliness(token.service, token.instance, present=present))
+
+
+def read_undeclared(payload: bytes, encoding: str) -> Undeclared:
+    """What a payload holds, by its encoding, or else by what it looks like."""
+    readers: list[tuple[Form, str, Callable[[bytes], Any]]] = [
+        ("JSON", "/json", msgspec.json.decode),
+        ("MessagePack", "/msgpack", msgspec.msgpack.decode),
+    ]
+    named = [reader for reader in readers if reader[1] in encoding]
+    for form, _, read in named or readers:
+        with contextlib.suppress(msgspec.MsgspecError, ValueError, RecursionError, TypeError, OverflowError):
+            content = read(payload)
+            msgspec.json.encode(content)  # else no tool could show it
+            if named or isinstance(content, (dict, list)):
+                return Undeclared(content, form)
+    start = payload[:_SHOWN]
+    text = start.decode(errors="replace")
+    return Undeclared({"bytes": len(payload), "start": text if text.isprintable() else start.hex(" ")}, "bytes")
 
 
 def _doors(session: zenoh.Session) -> set[str]:

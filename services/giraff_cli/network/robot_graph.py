@@ -14,7 +14,7 @@ import zenoh
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.header_subscriber import HeaderSubscriber
 from giraff_cli.network.statistics import Arrival, TopicStatistics
-from giraff_cli.network.topic_keys import intersects
+from giraff_cli.network.topic_keys import intersects, is_declared, meant
 from giraff_cli.terminal.signals import StopSignal
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
@@ -40,7 +40,7 @@ class NodeId(msgspec.Struct, frozen=True, order=True):
 
     @property
     def name(self) -> str:
-        return self.service or f"instance {self.instance}"
+        return self.service or (f"instance {self.instance}" if self.instance else "?")
 
 
 class RobotGraph:
@@ -139,7 +139,8 @@ class RobotGraph:
         if any(intersects(topic.key, key) for key in self.keys):
             return ""
         there = ", ".join(self.keys) or "nothing"
-        return f"nobody publishes {topic.key} on {self.robot}; published there: {there}"
+        hint = "" if is_declared(topic) else meant(topic.key, dict.fromkeys((*_ORDER, *self.keys)))
+        return f"nobody publishes {topic.key} on {self.robot}; {hint}published there: {there}"
 
 
 class GraphMonitor:

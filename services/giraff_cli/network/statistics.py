@@ -140,6 +140,12 @@ class TopicStatistics:
         self.counts[head.instance].add(arrival, head)
 
     @property
+    def arrival_rate(self) -> float | None:
+        """Hz, by when they come: for samples that no maker has numbered. None: too few to tell."""
+        took = self._last_at - self._first_at
+        return (self.samples - 1) / took if took >= _ENOUGH else None
+
+    @property
     def bytes_per_second(self) -> float | None:
         """Of the payloads, as they come; None: too few to tell."""
         took = self._last_at - self._first_at

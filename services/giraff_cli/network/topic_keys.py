@@ -1,4 +1,4 @@
-"""What somebody means who types a key: rows of the topics table. And which of them nobody may say but the robot."""
+"""What somebody means who types a key: rows of the topics table, and other keys. And what only the robot may say."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import difflib
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
+import zenoh
+
+from giraff_schemas.messages import Sample
 from giraff_schemas.services import LOCALIZATION, PLAY, SERVICES
 from giraff_schemas.topics import (
     CAMERA_ON,
@@ -18,6 +21,7 @@ from giraff_schemas.topics import (
     ROOT,
     TOPICS,
     Topic,
+    require_chunk,
     topic_of,
 )
 
@@ -29,6 +33,7 @@ _ROBOTS_OWN: Final = frozenset(
     for topic in service.publishes
     if topic != CMD_VEL
 )
+_ASKED: Final = frozenset(query.key for query in (*QUERIES, *MOTION_QUERIES))
 _NEAR: Final = 0.5
 
 
@@ -43,27 +48,72 @@ def find_topic(key: str, there: Iterable[str] = ()) -> Topic[Any]:
     """
     if key.startswith(f"{ROOT}/"):
         raise UnknownKeyError(f"{key}: leave out {ROOT}/<robot>/, --robot names the robot; like odom or range/*")
-    if key in (query.key for query in (*QUERIES, *MOTION_QUERIES)):
+    if key in _ASKED:
         raise UnknownKeyError(f"{key} is asked, not published: `giraff node list` shows who answers")
     if (row := topic_of(key)) is None:
         raise UnknownKeyError(no_such_key(key, (*(topic.key for topic in TOPICS), *there)))
     return row if row.key == key else row.at(row.name_in(key))
 
 
+def below_robot(key: str, robot: str | None) -> tuple[str, str | None]:
+    """A key below the robot's name and that name, of one that may be typed whole. Raises UnknownKeyError."""
+    root, _, rest = key.partition("/")
+    named, _, below = rest.partition("/")
+    if root != ROOT or not below:
+        return key, robot
+    try:
+        require_chunk(named)
+    except ValueError as error:
+        raise UnknownKeyError(f"{key}: {error}") from error
+    if robot not in (None, named):
+        raise UnknownKeyError(f"{key} is of {named}, and --robot says {robot}: leave out one of them")
+    return below, named
+
+
 def find_heard_topic(key: str) -> Topic[Any]:
-    """As `find_topic`, of what a tool may listen to. Nobody would be told who sees a picture that was not asked for."""
-    topic = find_topic(key)
+    """As `find_topic`, of what a tool may listen to, which is any key. Raises UnknownKeyError.
+
+    Pictures are left out: nobody would be told who sees one that was not asked for.
+    """
     if topic_of(key) in CAMERA_PICTURES:
         raise UnknownKeyError(f"{key}: pictures must be asked for: giraff camera view, giraff record --camera")
+    if topic_of(key) is not None or key in _ASKED:
+        return find_topic(key)
+    try:
+        zenoh.KeyExpr(f"{ROOT}/robot/{key}")
+    except zenoh.ZError as error:
+        raise UnknownKeyError(
+            f"{key!r} is no key: give one like odom or maker/arm, of chunks with / between"
+        ) from error
+    return Topic(key, Sample, 0.0, "state")
+
+
+def find_published_topic(key: str) -> Topic[Any]:
+    """As `find_heard_topic`, of one key that a sample can go to. Raises UnknownKeyError."""
+    if "*" in key:
+        raise UnknownKeyError(f"{key}: a sample goes to one key; name what `*` stands for")
+    topic = find_topic(key) if topic_of(key) in CAMERA_PICTURES else find_heard_topic(key)
+    if topic_of(key) is None and any(intersects(row.key, key) for row in TOPICS):
+        # A listener to `cmd_vel/*` hears it.
+        raise UnknownKeyError(f"{key}: `*` of the table stands for letters, digits, '-' and '_'")
     return topic
+
+
+def is_declared(topic: Topic[Any]) -> bool:
+    """Whether the topics table has its key. Else it is a maker's own, and what it carries is known from it alone."""
+    return topic_of(topic.key) is not None
 
 
 def no_such_key(key: str, there: Iterable[str]) -> str:
     """What to say of a key that is none of these."""
     known = list(dict.fromkeys(there))
-    near = difflib.get_close_matches(key, known, n=2, cutoff=_NEAR)
-    hint = f"did you mean {' or '.join(near)}? " if near else ""
-    return f"there is no key {key!r}; {hint}there are: {', '.join(known)}"
+    return f"there is no key {key!r}; {meant(key, known)}there are: {', '.join(known)}"
+
+
+def meant(key: str, known: Iterable[str], cutoff: float = _NEAR) -> str:
+    """A question for the keys that are near; empty: none is."""
+    near = difflib.get_close_matches(key, [*known], n=2, cutoff=cutoff)
+    return f"did you mean {' or '.join(near)}? " if near else ""
 
 
 def intersects(pattern: str, key: str) -> bool:

@@ -10,7 +10,13 @@ from giraff_cli.options import AsJson, Connect, Ending, Listen, Robot, finite
 
 topic = typer.Typer(no_args_is_help=True, help="What is said on a robot's network: who says it, how often, how much.")
 
-Key = Annotated[str, typer.Argument(metavar="KEY", help="Below giraff/<robot>/, like odom, range/rear or range/*.")]
+Key = Annotated[
+    str,
+    typer.Argument(
+        metavar="KEY",
+        help="Any key that `topic list` shows, like odom or range/*; giraff/ROBOT/odom names the robot, too.",
+    ),
+]
 AnyKey = Annotated[
     str | None,
     typer.Argument(metavar="[KEY]", help="Like odom, range/rear or range/*; else all.", show_default=False),
@@ -22,15 +28,18 @@ def list_topics(
     robot: Robot = None,
     connect: Connect = None,
     seconds: Listen = 2.0,
+    with_absent: Annotated[
+        bool, typer.Option("--all", help="Also the keys of the table that nobody publishes.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
-    """The keys of a robot: type, rate by the table and now, who publishes and who listens.
+    """The keys that a robot's network has: type, rate by the table and now, who publishes and who listens.
 
     Exit code: 0; 2 there is no robot to tell of.
     """
     from giraff_cli.topic import listing as it  # noqa: PLC0415
 
-    raise typer.Exit(it.list_topics(robot, connect or (), seconds, as_json=as_json))
+    raise typer.Exit(it.list_topics(robot, connect or (), seconds, with_absent=with_absent, as_json=as_json))
 
 
 @topic.command()
@@ -66,6 +75,8 @@ def echo(
     as_json: AsJson = False,
 ) -> None:
     """The samples of a key as they come; with --json an object a line.
+
+    Of a key that is not in Giraff's table it shows what the payload holds: MessagePack, JSON, or its first bytes.
 
     Exit code: 0; 2 nobody publishes it, or nothing came.
     """
@@ -131,6 +142,8 @@ def pub(
     as_json: AsJson = False,
 ) -> None:
     """Publish a sample in the name of a robot; never what a robot that is there says itself, or is driven by.
+
+    On a key that is not in Giraff's table any JSON goes out, as MessagePack; as JSON where JSON is heard there.
 
     Exit code: 0 published; 1 ended because the robot came; 2 refused.
     """

@@ -11,9 +11,9 @@ from typing import Any, Final
 import msgspec
 
 from giraff_cli.network.command import print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.connection import RobotConnection, Undeclared
 from giraff_cli.network.robot_graph import GraphMonitor
-from giraff_cli.network.topic_keys import UnknownKeyError, find_heard_topic
+from giraff_cli.network.topic_keys import UnknownKeyError, below_robot, find_heard_topic, is_declared
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import json_line
 from giraff_node import robot_now_ns
@@ -42,8 +42,9 @@ def echo(
 ) -> int:
     """Until Ctrl-C, for `seconds` or `count` samples; the exit code."""
     try:
+        key, robot = below_robot(key, robot)
         topic = find_heard_topic(key)
-        for field in fields:
+        for field in fields if is_declared(topic) else ():
             require_field(topic, field)
     except (UnknownKeyError, FieldError) as error:
         return print_error(str(error))
@@ -70,7 +71,7 @@ def require_field(topic: Topic[Any], field: str) -> None:
         raise FieldError(f"--field {field}: {topic.schema.__name__} has no such field; it has {', '.join(names)}")
 
 
-def selected(sample: dict[str, Any], fields: Sequence[str]) -> dict[str, Any]:
+def selected(sample: Any, fields: Sequence[str]) -> Any:
     """These of a sample, like `board.latch`; all where none is named. Raises FieldError.
 
     What lies below a field that is null is null.
@@ -119,19 +120,20 @@ class Echo:
             self._stopping.wait(min(_LOOK_EVERY, max(0.0, began + seconds - now)))
         return 0 if told or self._stopping.asked else print_error(f"nothing came on {self._topic.key} in {seconds:g} s")
 
-    def _tell(self, key: str, sample: Sample, at_ns: int) -> None:
+    def _tell(self, key: str, sample: Sample | Undeclared, at_ns: int) -> None:
+        given, form = (sample.content, f", {sample.form}") if isinstance(sample, Undeclared) else (sample, "")
         if self._as_json:
-            content = selected(msgspec.to_builtins(sample), self._fields)
+            content = selected(msgspec.to_builtins(given), self._fields)
             print(json_line({"key": key, "sample": content}), flush=True)
             return
-        content = selected(msgspec.to_builtins(sample, builtin_types=(bytes,)), self._fields)
+        content = selected(msgspec.to_builtins(given, builtin_types=(bytes,)), self._fields)
         if self._fields:
             values = "  ".join(f"{name}: {_text(value)}" for name, value in content.items())
             print(printable(f"{key}: {values}"))
         else:
-            print(f"{printable(key)}: {(robot_now_ns() - at_ns) * 1e-6:.0f} ms ago")
-            for name, value in content.items():
-                print(printable(f"  {name}: {_text(value)}".rstrip()))
+            print(f"{printable(key)}: {(robot_now_ns() - at_ns) * 1e-6:.0f} ms ago{form}")
+            for name, value in content.items() if isinstance(content, dict) else [("", content)]:
+                print(printable(f"  {name}{name and ': '}{_text(value)}".rstrip()))
         sys.stdout.flush()
 
     def _mention(self) -> None:
@@ -142,8 +144,8 @@ class Echo:
                 print_error(printable(f"unreadable: {complaint}"))
 
 
-def _value(sample: dict[str, Any], field: str) -> Any:
-    value: Any = sample
+def _value(sample: Any, field: str) -> Any:
+    value = sample
     for name in field.split("."):
         if value is None:
             return None

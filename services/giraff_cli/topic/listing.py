@@ -13,7 +13,14 @@ from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.header_subscriber import HeaderSubscriber
 from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph, is_listened_to
-from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, intersects
+from giraff_cli.network.topic_keys import (
+    UnknownKeyError,
+    below_robot,
+    find_heard_topic,
+    find_topic,
+    intersects,
+    is_declared,
+)
 from giraff_cli.terminal.page import Page, print_json, print_table, shown
 from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.fields import Field, fields_of
@@ -59,18 +66,22 @@ class TopicInfo(msgspec.Struct, frozen=True, kw_only=True):
     """Structs that a field's type names."""
 
 
-def list_topics(robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
-    """Print the keys of a robot; the exit code."""
+def list_topics(robot: str | None, connect: Sequence[str], seconds: float, *, with_absent: bool, as_json: bool) -> int:
+    """Print the keys of a robot, `with_absent` those of the table that nobody publishes, too; the exit code."""
     with StopSignal() as stopping:
         return run_with_robot(
-            robot, connect, _PATIENCE, lambda connection: _list(connection, stopping, seconds, as_json=as_json)
+            robot,
+            connect,
+            _PATIENCE,
+            lambda connection: _list(connection, stopping, seconds, with_absent=with_absent, as_json=as_json),
         )
 
 
 def info(key: str, robot: str | None, connect: Sequence[str], seconds: float, *, as_json: bool) -> int:
     """Print what a key is, and what it does now; the exit code."""
     try:
-        topic = find_topic(key)
+        key, robot = below_robot(key, robot)
+        topic = find_topic(key) if topic_of(key) in CAMERA_PICTURES else find_heard_topic(key)
     except UnknownKeyError as error:
         return print_error(str(error))
     with StopSignal() as stopping:
@@ -79,20 +90,22 @@ def info(key: str, robot: str | None, connect: Sequence[str], seconds: float, *,
         )
 
 
-def rows_of(robot_graph: RobotGraph) -> list[TopicRow]:
-    """Every key that is there, and each of the table that is not."""
+def rows_of(robot_graph: RobotGraph, *, with_absent: bool) -> list[TopicRow]:
+    """Every key that is published or heard; `with_absent` each of the table that is not, too."""
     keys = robot_graph.keys
-    absent = [topic.key for topic in TOPICS if not any(intersects(topic.key, key) for key in keys)]
+    absent = [topic.key for topic in TOPICS if with_absent and not any(intersects(topic.key, key) for key in keys)]
     order = {topic.key: number for number, topic in enumerate(TOPICS)}
     rows = [_row(robot_graph, key) for key in (*keys, *absent)]
     return sorted(rows, key=lambda row: order.get(getattr(topic_of(row.key), "key", ""), len(order)))
 
 
-def _list(connection: RobotConnection, stopping: StopSignal, seconds: float, *, as_json: bool) -> int:
+def _list(
+    connection: RobotConnection, stopping: StopSignal, seconds: float, *, with_absent: bool, as_json: bool
+) -> int:
     robot_graph = GraphMonitor(connection, [HeaderSubscriber(connection.session, connection.robot)]).run(
         seconds, stopping
     )
-    rows = rows_of(robot_graph)
+    rows = rows_of(robot_graph, with_absent=with_absent)
     if as_json:
         print_json(rows)
         return 0
@@ -101,10 +114,10 @@ def _list(connection: RobotConnection, stopping: StopSignal, seconds: float, *, 
         (
             (
                 row.key,
-                row.type or "not in the table",
-                shown(row.nominal_hz) if row.nominal_hz else "on change",
+                row.type or "a maker's",
+                _nominal(row),
                 shown(row.hz) if row.hz is not None else "heard" if row.heard else _unheard(row),
-                _names(row.publishers) or "nobody",
+                _names(row.publishers) or ("?" if row.heard else "nobody"),
                 _names(row.subscribers),
             )
             for row in rows
@@ -129,10 +142,10 @@ def _info(
         row=_row(robot_graph, topic.key),
         robot=connection.robot,
         whole_key=key,
-        qos=QOS[topic.qos],
+        qos=QOS[topic.qos] if is_declared(topic) else "as its maker publishes it",
         matching=is_listened_to(speaker),
-        fields=fields_of(topic.schema),
-        parts=_parts(topic.schema),
+        fields=fields_of(topic.schema) if is_declared(topic) else (),
+        parts=_parts(topic.schema) if is_declared(topic) else {},
     )
     if as_json:
         print_json(found)
@@ -143,7 +156,7 @@ def _info(
 
 def _show(found: TopicInfo) -> None:
     row = found.row
-    rate = f"{shown(row.nominal_hz)} Hz" if row.nominal_hz else "on change"
+    nominal = f"{_nominal(row)}{' Hz' if row.nominal_hz else ''} by the table; " if row.type else ""
     silent = "none by which to tell the rate" if row.heard else _unheard(row)
     listeners = _names(row.subscribers)
     if not listeners:
@@ -151,16 +164,21 @@ def _show(found: TopicInfo) -> None:
     page = Page()
     for name, text in (
         ("key", found.whole_key),
-        ("type", row.type),
-        ("rate", f"{rate} by the table; now {f'{shown(row.hz)} Hz' if row.hz is not None else silent}"),
+        ("type", row.type or "a maker's: giraff topic echo shows what it carries"),
+        ("rate", f"{nominal}now {f'{shown(row.hz)} Hz' if row.hz is not None else silent}"),
         ("quality", found.qos),
-        ("published by", _names(row.publishers, instances=True) or "nobody now"),
+        ("published by", _names(row.publishers, instances=True) or ("?" if row.heard else "nobody now")),
         ("listened to by", listeners),
     ):
         page.print(Text(f"{name:<16}{printable(text)}"))
-    for title, fields in ((row.type, found.fields), *found.parts.items()):
+    for title, fields in ((row.type, found.fields), *found.parts.items()) if row.type else ():
         page.print()
         print_table((title, "", ""), ((field.name, field.type, field.doc) for field in fields))
+
+
+def _nominal(row: TopicRow) -> str:
+    """Its rate by the table."""
+    return "-" if not row.type else shown(row.nominal_hz) if row.nominal_hz else "on change"
 
 
 def _row(robot_graph: RobotGraph, key: str) -> TopicRow:
@@ -169,8 +187,11 @@ def _row(robot_graph: RobotGraph, key: str) -> TopicRow:
     counts = [
         count for other in covered if other in robot_graph.topics for count in robot_graph.topics[other].counts.values()
     ]
-    rates = [rate for count in counts if (rate := count.rate) is not None]
     row = topic_of(key)
+    rates = [rate for count in counts if (rate := count.rate) is not None]
+    if row is None and not counts:  # its maker numbers nothing
+        came = (robot_graph.topics[other].arrival_rate for other in covered if other in robot_graph.topics)
+        rates = [rate for rate in came if rate is not None]
     return TopicRow(
         key=key,
         type="" if row is None else row.schema.__name__,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import secrets
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 import msgspec
@@ -13,18 +13,27 @@ import zenoh
 from giraff_cli.network.command import print_error, run_on_network
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.robot_graph import GraphMonitor, is_listened_to
-from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, publish_refusal
+from giraff_cli.network.topic_keys import (
+    UnknownKeyError,
+    below_robot,
+    find_published_topic,
+    is_declared,
+    meant,
+    publish_refusal,
+)
 from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.signals import StopSignal
-from giraff_schemas.checks import converted
+from giraff_schemas.checks import converted, require_sendable
 from giraff_schemas.codec import encode, encoding_of, stamped
 from giraff_schemas.messages import Sample
 from giraff_schemas.text import plain
-from giraff_schemas.topics import Topic, key_of
+from giraff_schemas.topics import TOPICS, Topic, key_of
 
 _LOOK_FOR: Final = 1.5  # s, for a robot of this name: a service that is met late is one that is there
 FILLED_IN: Final = Sample.__struct_fields__
 _REFUSED_LATER: Final = 1
+_MISTYPED: Final = 0.75
+"""Share of letters that a key has in common with one of the table that was meant."""
 
 
 class NotASampleError(Exception):
@@ -37,6 +46,7 @@ class Published(msgspec.Struct, kw_only=True):
     robot: str
     key: str
     instance: str
+    """Empty: the key is a maker's own, whose samples name none."""
     sent: int = 0
     matching: bool = False
     """Somebody listened when the last one was sent."""
@@ -54,20 +64,29 @@ def pub(
 ) -> int:
     """Once, or at `rate` until Ctrl-C or `count`; the exit code."""
     try:
-        topic = find_topic(key)
-        if "*" in topic.key:
-            return print_error(f"{key}: a sample goes to one key; name what `*` stands for")
-        sample = parse_sample(topic, text)
+        key, robot = below_robot(key, robot)
+        topic = find_published_topic(key)
+        message = parse_sample(topic, text) if is_declared(topic) else read_json(text)
     except (UnknownKeyError, NotASampleError) as error:
         return print_error(str(error))
 
     def act(connection: RobotConnection) -> int:
         if not connection.robot:
             return print_error("--robot NAME is missing: in whose name is this said?")
-        return _publish(connection, stopping, topic, sample, 0.0 if rate is None else 1.0 / rate, count or 0, as_json)
+        return _publish(connection, stopping, topic, message, 0.0 if rate is None else 1.0 / rate, count or 0, as_json)
 
     with StopSignal() as stopping:
         return run_on_network(robot, connect, act)
+
+
+def read_json(text: str) -> Any:
+    """What somebody typed for a key of a maker's. Raises NotASampleError."""
+    try:
+        value = msgspec.json.decode(text)
+        require_sendable(value)
+    except (ValueError, RecursionError) as error:
+        raise NotASampleError(f"not JSON: {plain(error)}; quote it, like '{{\"angle\": 1.5}}'") from error
+    return value
 
 
 def parse_sample(topic: Topic[Any], text: str) -> Sample:
@@ -98,24 +117,32 @@ def _publish(
     connection: RobotConnection,
     stopping: StopSignal,
     topic: Topic[Any],
-    sample: Sample,
+    message: Any,
     period: float,
     count: int,
     as_json: bool,
 ) -> int:
-    monitor = GraphMonitor(connection)
-    monitor.wait(_LOOK_FOR, stopping)
-    if why := publish_refusal(topic, monitor.robot_graph.spoken):
-        return print_error(why)
-    result = Published(robot=connection.robot, key=topic.key, instance=secrets.token_hex(8))
+    # Before the look around: who listens is known a moment later.
     publisher = connection.session.declare_publisher(
         key_of(connection.robot, topic),
-        encoding=encoding_of(topic.schema),
         congestion_control=zenoh.CongestionControl.DROP,
         priority=zenoh.Priority.DATA_HIGH,
         express=True,
         allowed_destination=zenoh.Locality.REMOTE,
     )
+    monitor = GraphMonitor(connection)
+    if not is_declared(topic):
+        connection.subscribe(topic)
+    monitor.wait(_LOOK_FOR, stopping)
+    if why := publish_refusal(topic, monitor.robot_graph.spoken):
+        return print_error(why)
+    result = Published(
+        robot=connection.robot, key=topic.key, instance=secrets.token_hex(8) if is_declared(topic) else ""
+    )
+    encoding, payload = _encoded(topic, message, result, [sample for _, sample, _ in monitor.robot_graph.heard])
+    is_new = not (is_declared(topic) or monitor.robot_graph.heard or is_listened_to(publisher))
+    if is_new and (hint := meant(topic.key, (row.key for row in TOPICS), _MISTYPED)):
+        return print_error(f"nobody publishes {topic.key} and nobody listens to it; {hint.rstrip()}")
     due = time.monotonic()
     trouble = ""
     while True:
@@ -123,7 +150,7 @@ def _publish(
         if trouble := publish_refusal(topic, monitor.robot_graph.spoken):
             break
         result.matching = is_listened_to(publisher)
-        publisher.put(encode(stamped(sample, result.sent, time.time_ns(), result.instance)))
+        publisher.put(payload(), encoding=encoding)
         result.sent += 1
         due += period
         if not period or (count and result.sent >= count) or stopping.wait(max(0.0, due - time.monotonic())):
@@ -135,12 +162,24 @@ def _publish(
     return 0
 
 
+def _encoded(
+    topic: Topic[Any], message: Any, result: Published, heard: Sequence[Any]
+) -> tuple[str, Callable[[], bytes]]:
+    """The encoding, and what makes the next payload."""
+    if is_declared(topic):
+        return encoding_of(topic.schema), lambda: encode(stamped(message, result.sent, time.time_ns(), result.instance))
+    if heard and heard[-1].form == "JSON":
+        return "application/json", lambda: msgspec.json.encode(message)
+    return "application/msgpack", lambda: msgspec.msgpack.encode(message)
+
+
 def _tell(result: Published, *, as_json: bool) -> None:
     if as_json:
         print_json(result)
         return
     heard = "" if result.matching else "; nobody listens there"
-    print(f"{result.robot}: {result.sent} on {result.key}, instance {result.instance}{heard}")
+    who = f", instance {result.instance}" if result.instance else ""
+    print(f"{result.robot}: {result.sent} on {result.key}{who}{heard}")
 
 
 def _unknown(given: Any, taken: Any, path: str = "") -> list[str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import msgspec
@@ -11,8 +11,8 @@ from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.header_subscriber import HeaderSubscriber
 from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
-from giraff_cli.network.statistics import PublisherStatistics
-from giraff_cli.network.topic_keys import UnknownKeyError, find_heard_topic
+from giraff_cli.network.statistics import PublisherStatistics, TopicStatistics
+from giraff_cli.network.topic_keys import UnknownKeyError, below_robot, find_heard_topic
 from giraff_cli.terminal.page import print_json, print_table, shown
 from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.text import printable
@@ -29,7 +29,9 @@ class Rate(msgspec.Struct, frozen=True, kw_only=True):
     key: str
     maker: NodeId
     hz: float | None
-    """By the maker's own numbers and stamps, whatever became of the samples; None: too few to tell."""
+    """By the maker's own numbers and stamps, whatever became of the samples; None: too few to tell.
+
+    A key of a maker who numbers nothing is counted as it comes: what was lost of it nobody knows."""
     nominal_hz: float
     """0: on change only."""
     sent: int
@@ -105,13 +107,15 @@ def rates_of(robot_graph: RobotGraph) -> Rates:
     return Rates(
         robot=robot_graph.robot,
         rates=[
-            _rate(key, robot_graph.maker(instance), count)
+            rate
             for key in robot_graph.keys
-            if key in robot_graph.topics
-            for instance, count in robot_graph.topics[key].counts.items()
+            if (statistics := robot_graph.topics.get(key)) is not None
+            for rate in _rates(robot_graph, key, statistics)
         ],
         unreadable={
-            key: statistics.unreadable for key, statistics in robot_graph.topics.items() if statistics.unreadable
+            key: statistics.unreadable
+            for key, statistics in robot_graph.topics.items()
+            if statistics.unreadable and topic_of(key) is not None
         },
     )
 
@@ -134,7 +138,8 @@ def bandwidths_of(robot_graph: RobotGraph) -> list[Bandwidth]:
 
 def _measure(key: str | None, robot: str | None, connect: Sequence[str], seconds: float, tell: Any) -> int:
     try:
-        topic = None if key is None else find_heard_topic(key)
+        key, robot = below_robot(key or "", robot)
+        topic = find_heard_topic(key) if key else None
     except UnknownKeyError as error:
         return print_error(str(error))
 
@@ -154,6 +159,26 @@ def _silence(robot_graph: RobotGraph, topic: Topic[Any] | None, seconds: float) 
     if topic is None:
         return f"{robot_graph.robot} says nothing in {seconds:g} s"
     return robot_graph.instead(topic) or f"nothing came on {topic.key} in {seconds:g} s"
+
+
+def _rates(robot_graph: RobotGraph, key: str, statistics: TopicStatistics) -> Iterator[Rate]:
+    for instance, count in statistics.counts.items():
+        yield _rate(key, robot_graph.maker(instance), count)
+    if topic_of(key) is None and not statistics.counts:
+        yield Rate(
+            key=key,
+            maker=NodeId("", ""),
+            hz=statistics.arrival_rate,
+            nominal_hz=0.0,
+            sent=statistics.samples,
+            heard=statistics.samples,
+            lost=0,
+            reordered=0,
+            duplicated=0,
+            age_median=None,
+            age_p99=None,
+            age_largest=None,
+        )
 
 
 def _rate(key: str, maker: NodeId, count: PublisherStatistics) -> Rate:

@@ -84,8 +84,8 @@ OF_NOBODY: Final = (
     "topic hz range/left --for 0.3",
 )
 ASKED: Final[Mapping[str, Holds]] = {
-    "topic list --for 1.5 --json": in_json(is_whole_list),
-    "topic list --for 0.3": lambda done: set(keys_of(done.stdout)) == KEYS,
+    "topic list --all --for 1.5 --json": in_json(is_whole_list),
+    "topic list --all --for 0.3": lambda done: set(keys_of(done.stdout)) == KEYS,
     "topic hz --for 1.5 --json": has_all_rates,
     "topic bw --for 1.5 --json": in_json(weighs_all),
     "topic echo odom --count 50 --json": at_once,
@@ -96,7 +96,7 @@ ASKED: Final[Mapping[str, Holds]] = {
 
 def list_of_a_silent_one(desk: Desk) -> Done:
     with talker(desk.rendezvous, "sim-silent"):
-        return desk.run("topic", "list", "--robot", "sim-silent", "--for", "0.3", "--json")
+        return desk.run("topic", "list", "--all", "--robot", "sim-silent", "--for", "0.3", "--json")
 
 
 def rates_of_one_that_drops(desk: Desk) -> Done:
@@ -136,13 +136,13 @@ def told(desk: Desk) -> dict[str, Done]:
 
 
 def test_list_has_every_key_with_who_says_it_and_who_listens(told: Mapping[str, Done]) -> None:
-    rows = {row["key"]: row for row in document(told["topic list --for 1.5 --json"])}
+    rows = {row["key"]: row for row in document(told["topic list --all --for 1.5 --json"])}
     assert [key for key, row in rows.items() if row["publishers"]] == list(PUBLISHERS)  # in the table's order
     assert set(rows) == KEYS
     assert [maker["service"] for maker in rows["tick"]["subscribers"]] == ["guard", "joystick", "ranger"]
     for key in ("tick", "cmd_vel", "wheels", "odom"):
         assert rows[key]["hz"] > 0.0, key
-    assert keys_of(told["topic list --for 0.3"].stdout) == list(rows)
+    assert keys_of(told["topic list --all --for 0.3"].stdout) == list(rows)
 
 
 def test_list_has_what_nobody_says(told: Mapping[str, Done]) -> None:

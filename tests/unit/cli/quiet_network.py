@@ -26,6 +26,7 @@ class QuietNetwork:
         session = MagicMock(name="session")
         session.liveliness.return_value.get.side_effect = self._alive
         session.liveliness.return_value.declare_subscriber.side_effect = self._tell
+        session.declare_publisher.return_value.matching_status.matching = False
         session.get.side_effect = _no_reply
         session.info.peers_zid.side_effect = list
         session.info.routers_zid.side_effect = list

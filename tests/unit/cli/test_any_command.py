@@ -66,7 +66,7 @@ ASKING: dict[str, Words] = {
 
 FILE is one that is not there yet.
 """
-NO_SUCH_TOPIC = "did you mean odom? there are: tick, "
+NO_SUCH_TOPIC = "nobody publishes odmo on sim-test; did you mean odom? published there: "
 NO_SUCH_SERVICE = "no such service is heard of sim-test; there are base, guard, "
 ELSEWHERE = "tests/functional/desk/test_param.py: the robot tells what it has"
 UNKNOWN: Mapping[str, tuple[Words, str]] = {
@@ -74,7 +74,7 @@ UNKNOWN: Mapping[str, tuple[Words, str]] = {
     "topic echo": (("odmo",), NO_SUCH_TOPIC),
     "topic hz": (("odmo",), NO_SUCH_TOPIC),
     "topic bw": (("odmo",), NO_SUCH_TOPIC),
-    "topic pub": (("odmo", "{}"), NO_SUCH_TOPIC),
+    "topic pub": (("odmo", "{}", "--robot", "sim-test"), "nobody listens to it; did you mean odom?"),
     "node info": (("gard",), "no service 'gard' on the network; there are: base, guard, "),
     "camera view": (("eye", "--save", "FILE"), "no camera of sim-test is heard; check that giraff_camera runs"),
     "param set": (

@@ -6,9 +6,13 @@ from typing import Any
 
 import pytest
 
+from giraff_cli.network.connection import read_undeclared
+from giraff_cli.network.robot_graph import RobotGraph
+from giraff_cli.network.statistics import Arrival
 from giraff_cli.network.topic_keys import UnknownKeyError, find_topic, intersects, publish_refusal
-from giraff_cli.topic.listing import QOS
+from giraff_cli.topic.listing import QOS, rows_of
 from giraff_cli.topic.publish import NotASampleError, parse_sample
+from giraff_cli.topic.rates import rates_of
 from giraff_schemas.messages import Battery, DriveCommand
 from giraff_schemas.topics import (
     BATTERY,
@@ -60,6 +64,37 @@ def test_an_unknown_key_is_told_with_what_is_near(key: str, said: str) -> None:
     with pytest.raises(UnknownKeyError) as raised:
         find_topic(key)
     assert said in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("payload", "encoding", "form", "content"),
+    [
+        (b'{"angle": 1.5}', "zenoh/bytes", "JSON", {"angle": 1.5}),
+        (b"5", "application/json", "JSON", 5),
+        (b"\x81\xa5angle\x05", "zenoh/bytes", "MessagePack", {"angle": 5}),
+        (b"5", "application/msgpack", "MessagePack", 0x35),
+        (b"5", "zenoh/bytes", "bytes", {"bytes": 1, "start": "5"}),
+        (b"\xc1\x1b[2J", "application/json", "bytes", {"bytes": 5, "start": "c1 1b 5b 32 4a"}),
+        (b"[" * 100_000, "", "bytes", {"bytes": 100_000, "start": "[" * 16}),
+        (b"", "", "bytes", {"bytes": 0, "start": ""}),
+    ],
+)
+def test_a_payload_of_a_makers_key_is_shown_as_what_it_is(
+    payload: bytes, encoding: str, form: str, content: Any
+) -> None:
+    found = read_undeclared(payload, encoding)
+    assert (found.form, found.content) == (form, content)
+
+
+def test_a_makers_key_is_counted_as_it_comes() -> None:
+    graph = RobotGraph("otto")
+    for number in range(11):
+        graph.count(Arrival("maker/arm", 20, None, number * 0.1, 0))
+    [rate], [row] = rates_of(graph).rates, rows_of(graph, with_absent=False)
+    assert (rate.key, rate.heard, rate.lost, rate.maker.name) == ("maker/arm", 11, 0, "?")
+    assert rate.hz == row.hz == pytest.approx(10.0)
+    assert rates_of(graph).well
+    assert len(rows_of(graph, with_absent=True)) == 1 + len(TOPICS)
 
 
 def test_what_covers_what() -> None:
