@@ -1,11 +1,11 @@
-"""Go to a place on the map, once the robot knows where it is. Usage: python go_to_place.py X Y, in metres"""
+"""Go to a place on the map, once the robot knows where it is. Usage: python go_to_place.py X,Y, in metres"""
 
 import sys
 import time
 
 from giraff_client import MotionError, Robot
 
-x, y = map(float, sys.argv[1:])
+x, y = map(float, sys.argv[1].split(","))
 with Robot() as robot:
     while (pose := robot.pose()).state != "localized":
         print(f"{pose.state}: {pose.reason}", flush=True)

@@ -16,9 +16,10 @@ from giraff_cli.graph.commands import graph
 from giraff_cli.keys.commands import keys
 from giraff_cli.localize.commands import localize
 from giraff_cli.map.commands import maps
-from giraff_cli.motion.commands import NEGATIVE, arc, go, move, turn
+from giraff_cli.motion.commands import arc, go, move, turn
 from giraff_cli.node.commands import node
 from giraff_cli.odom.commands import odom
+from giraff_cli.options import NEGATIVE
 from giraff_cli.param.commands import param
 from giraff_cli.play.commands import play
 from giraff_cli.record.commands import record

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from importlib.util import find_spec
 from typing import Annotated, Final
 
@@ -14,6 +15,18 @@ def finite(number: float | None) -> float | None:
     if number is not None and not math.isfinite(number):
         raise typer.BadParameter(f"{number:g} is no number to count with")
     return number
+
+
+def parsed(read: Callable[[str], float]) -> Callable[[str], float]:
+    """Make an option's parser of a function of `giraff_cli.typed`."""
+
+    def parse(text: str | float) -> float:
+        try:
+            return read(str(text))
+        except ValueError as error:
+            raise typer.BadParameter(str(error)) from error
+
+    return parse
 
 
 Robot = Annotated[
@@ -40,6 +53,9 @@ Topics = Annotated[
     list[str] | None,
     typer.Option(metavar="KEY", help="Only these: odom, range/*; once for each.", show_default=False),
 ]
+
+NEGATIVE: Final = {"ignore_unknown_options": True}
+"""Setting of a command that takes numbers: a negative one is no option."""
 
 _REFUSED: Final = 2
 

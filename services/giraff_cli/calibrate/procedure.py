@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final, NamedTuple, Protocol
 
-from giraff_cli.calibrate.answers import DEGREES, METRES, NumberError, number
+from giraff_cli.calibrate.answers import heading, number
 from giraff_cli.calibrate.listening import WheelListener
 from giraff_cli.calibrate.plan import PLAN, Leg
 from giraff_cli.calibrate.plausible import driven_fault, end, length, measured_fault
@@ -22,7 +22,7 @@ INTRODUCTION: Final = f"""\
 This command only listens; drive as ever, with `giraff drive` in another terminal or the joystick.
 Before each run mark on the floor where both wheels touch it. The middle between these two marks is the origin, and
 ahead is the way the robot looks. After the run measure from there to the middle between the wheels: metres ahead,
-metres aside, degrees of heading, all positive to the left. docs/calibration.md shows how.
+metres aside and the heading, all positive to the left. docs/calibration.md shows how.
 At any question: "{_AGAIN}" does the run again, "{_SKIP}" leaves it out, Ctrl-C ends it all and writes nothing."""
 
 _FALLS_SILENT: Final = "no wheels are heard; check that giraff_base runs, and the network to it"
@@ -119,16 +119,16 @@ class Procedure:
             raise _AgainError(fault)
         self._human.tell("Mark where both wheels touch the floor now; then the robot may be moved. Measure:")
         while True:
-            x = self._number("  metres ahead:", METRES)
-            y = self._number("  metres aside, left positive:", METRES)
-            heading = self._number("  degrees of heading, left positive:", DEGREES)
+            x = self._number("  metres ahead:", number)
+            y = self._number("  metres aside, left positive:", number)
+            turned = self._number("  heading with its unit, like -1.5deg, left positive:", heading)
             told = end(run, self._geometry)
-            yaw = told.yaw + math.remainder(heading - told.yaw, math.tau)
+            yaw = told.yaw + math.remainder(turned - told.yaw, math.tau)
             if not (fault := measured_fault(run, self._geometry, x, y, yaw)):
                 break
             self._human.tell(f'{fault}. Type all three once more, or "{_AGAIN}" to do the run again.')
         self._human.tell(
-            f"Kept: {x:.3f} m ahead, {y:.3f} m aside, {math.degrees(heading):.1f} degrees; by odometry until now "
+            f"Kept: {x:.3f} m ahead, {y:.3f} m aside, {math.degrees(turned):.1f} degrees; by odometry until now "
             f"{told.x:.3f}, {told.y:.3f}, {math.degrees(math.remainder(told.yaw, math.tau)):.1f}."
         )
         return run._replace(measured=(MeasuredPose(run.left.size, x, y, yaw),))
@@ -145,11 +145,11 @@ class Procedure:
             else:
                 return
 
-    def _number(self, question: str, units: Mapping[str, float]) -> float:
+    def _number(self, question: str, read: Callable[[str], float]) -> float:
         while True:
             try:
-                return number(self._answer(question), units)
-            except NumberError as error:
+                return read(self._answer(question))
+            except ValueError as error:
                 self._human.tell(f"{error}.")
 
     def _answer(self, question: str, *, is_driven: bool = False) -> str:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import secrets
 import time
 from typing import Final, NamedTuple
 
-from giraff_cli.localize.place import Place, anywhere
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.user import user_at_host
+from giraff_core.kinematics.pose import Pose
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tokens import find_tokens
-from giraff_schemas.localization import LocalizationAnswer
+from giraff_schemas.localization import LocalizationAnswer, LocalizationGlobal, LocalizationSetPose
 from giraff_schemas.services import LOCALIZATION
 from giraff_schemas.topics import LOCALIZATION_GLOBAL, LOCALIZATION_SET_POSE, Query, RequestT, alive_key
 from giraff_telemetry.localization import place_text
@@ -31,6 +33,12 @@ class Result(NamedTuple):
 
     code: int
     text: str
+
+
+def told_pose(pose: Pose) -> LocalizationSetPose:
+    """Return a new request to take the robot to be there."""
+    x, y, yaw = pose
+    return LocalizationSetPose(by=user_at_host(), id=secrets.randbits(63), x=x, y=y, yaw=yaw)
 
 
 def is_there(connection: RobotConnection) -> bool:
@@ -61,13 +69,14 @@ def require_none(connection: RobotConnection) -> None:
         )
 
 
-def ask(connection: RobotConnection, place: Place | None, timeout: float) -> Result:
+def ask(connection: RobotConnection, place: Pose | None, timeout: float) -> Result:
     """Tell it where the robot is; None: have it look anywhere. Raises NoRobotError where there is none to ask."""
     require_there(connection)
     if place is None:
-        return _asked(connection, LOCALIZATION_GLOBAL, anywhere(), timeout, "is looked for anywhere on the map")
+        anywhere = LocalizationGlobal(by=user_at_host(), id=secrets.randbits(63))
+        return _asked(connection, LOCALIZATION_GLOBAL, anywhere, timeout, "is looked for anywhere on the map")
     told = f"is taken to be at about {place_text(*place)}"
-    return _asked(connection, LOCALIZATION_SET_POSE, place.request(), timeout, told)
+    return _asked(connection, LOCALIZATION_SET_POSE, told_pose(place), timeout, told)
 
 
 def _asked(

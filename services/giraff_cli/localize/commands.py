@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Final, NoReturn
 
 import typer
 
+from giraff_cli import typed
 from giraff_cli.options import AsJson, Connect, Ending, Robot, require_extra
 
 if TYPE_CHECKING:
-    from giraff_cli.localize.place import Place
+    from giraff_core.kinematics.pose import Pose
 
 _REFUSED: Final = 2
 
@@ -22,7 +23,7 @@ def localize(
     ] = None,
     at: Annotated[
         str | None,
-        typer.Option(metavar="X,Y,YAW", help="The robot is here: m, m and degrees, on the map.", show_default=False),
+        typer.Option(metavar="X,Y,YAW", help="The robot is here on the map, like 1.5,-2,90deg.", show_default=False),
     ] = None,
     anywhere: Annotated[bool, typer.Option("--global", help="It may be anywhere on the map.")] = False,
     recording: Annotated[
@@ -38,7 +39,7 @@ def localize(
 
     With --map localization runs in this terminal until Ctrl-C, and looks anywhere or where --at says. Without it the
     one that runs on the network is shown, or is told --at or --global. With --from a recording goes through it, faster
-    than real time, and a summary says how that went. YAW is in degrees, to the left from the map's x. It moves nothing.
+    than real time, and a summary says how that went. It moves nothing.
 
     Exit code: 0 done; 1 the place is refused, with the reason; 2 no robot, no map, or nobody has answered.
     """
@@ -66,11 +67,9 @@ def localize(
     raise typer.Exit(follow.follow(robot, connect or (), seconds, as_json=as_json))
 
 
-def _place(at: str | None) -> Place | None:
-    from giraff_cli.localize.place import place  # noqa: PLC0415
-
+def _place(at: str | None) -> Pose | None:
     try:
-        return None if at is None else place(at)
+        return None if at is None else typed.pose(at)
     except ValueError as error:
         _refuse(f"--at: {error}")
 

@@ -11,11 +11,11 @@ from typing import Final
 from giraff_cli.localize.client import DONE, ask, require_there
 from giraff_cli.localize.hearing import Hearing
 from giraff_cli.localize.lines import screen_of
-from giraff_cli.localize.place import Place
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.signals import StopSignal
+from giraff_core.kinematics.pose import Pose
 from giraff_schemas.text import printable
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and for an answer
@@ -38,7 +38,7 @@ def follow(robot: str | None, connect: Sequence[str], seconds: float | None, *, 
         return run_with_robot(robot, connect, _PATIENCE, act)
 
 
-def tell(robot: str | None, connect: Sequence[str], place: Place | None, *, as_json: bool) -> int:
+def tell(robot: str | None, connect: Sequence[str], place: Pose | None, *, as_json: bool) -> int:
     """Tell it where the robot is; None: have it look anywhere; the exit code."""
 
     def act(connection: RobotConnection) -> int:

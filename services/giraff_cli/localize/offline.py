@@ -10,12 +10,12 @@ import msgspec
 
 from giraff_cli.localize.client import DONE, REFUSED
 from giraff_cli.localize.floor import floor_of
-from giraff_cli.localize.place import Place
 from giraff_cli.localize.recorded import RecordedDrive
 from giraff_cli.localize.summary import summarize, to_json, to_text
 from giraff_cli.network.command import print_error
 from giraff_cli.terminal.screen import say
 from giraff_cli.terminal.signals import StopSignal
+from giraff_core.kinematics.pose import Pose
 from giraff_core.robot import RobotConfig
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.policy import LocalizationPolicy
@@ -31,7 +31,7 @@ from giraff_sim.world.room import Room, RoomError, read_room
 _LOOK_EVERY: Final = 100  # samples
 
 
-def localize(path: Path, map_path: Path, place: Place | None, *, as_json: bool) -> int:
+def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -> int:
     """The exit code. `place`: where the robot was at the first of it; None: anywhere."""
     try:
         plan = read_map(map_path)

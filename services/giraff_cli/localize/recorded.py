@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from giraff_cli.localize.place import Place
+from giraff_cli.localize.client import told_pose
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.policy import LocalizationPolicy
 from giraff_schemas.messages import Odometry, Range, Sample, TruePose
@@ -54,7 +54,7 @@ class TrueWay:
 class RecordedDrive:
     """Give it all samples in the order in which they were heard."""
 
-    def __init__(self, policy: LocalizationPolicy, place: Place | None, room: Room | None) -> None:
+    def __init__(self, policy: LocalizationPolicy, place: Pose | None, room: Room | None) -> None:
         """`place`: where the robot is when odometry is first heard; None: anywhere. `room`: as of `TrueWay`."""
         self.policy = policy
         self.way = 0.0
@@ -105,7 +105,7 @@ class RecordedDrive:
             self.way += max(0.0, odometry.path - self._path)
         self._path, self._origin = odometry.path, odometry.origin
         if self._place is not None:
-            answer = self.policy.on_set_pose(self._place.request())
+            answer = self.policy.on_set_pose(told_pose(self._place))
             self.refused = "" if answer.done else answer.reason
             self._place = None
 

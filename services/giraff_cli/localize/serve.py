@@ -8,16 +8,16 @@ from contextlib import closing
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.localize.client import DONE, REFUSED, require_none
+from giraff_cli.localize.client import DONE, REFUSED, require_none, told_pose
 from giraff_cli.localize.floor import floor_of
 from giraff_cli.localize.hearing import Hearing
 from giraff_cli.localize.lines import screen_of
-from giraff_cli.localize.place import Place
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.limits import ask_limits
 from giraff_cli.terminal.output import discard_stdout
 from giraff_core.io import Selectable
+from giraff_core.kinematics.pose import Pose
 from giraff_core.retry import RetriedRequest
 from giraff_core.timer import Timer
 from giraff_localization.config import LocalizationConfig
@@ -38,7 +38,7 @@ def serve(
     robot: str | None,
     connect: Sequence[str],
     path: Path,
-    place: Place | None,
+    place: Pose | None,
     seconds: float | None,
     *,
     as_json: bool,
@@ -78,7 +78,7 @@ class ShownLocalization:
         node: Node[LocalizationConfig],
         floor: Floor,
         hearing: Hearing,
-        place: Place | None,
+        place: Pose | None,
         seconds: float | None,
     ) -> None:
         self._node = node
@@ -117,7 +117,7 @@ class ShownLocalization:
         pose = self._hearing.pose
         is_ready = pose is not None and pose.state != "no_map" and pose.tick is not None
         if self._asking is None and self._place is not None and is_ready:
-            self._asking = self._node.ask(LOCALIZATION_SET_POSE, self._place.request(), lambda _: True)
+            self._asking = self._node.ask(LOCALIZATION_SET_POSE, told_pose(self._place), lambda _: True)
         if self._asking is None or (answer := self._asking.poll(now)) is None:
             return
         self._asking = self._place = None

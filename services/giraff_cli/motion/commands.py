@@ -4,36 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from giraff_cli.motion import typed
-from giraff_cli.options import AsJson, Connect, Robot, finite
+from giraff_cli import typed
+from giraff_cli.options import AsJson, Connect, Robot, finite, parsed
 
 if TYPE_CHECKING:
     from giraff_node.motion_client import Wish
-
-NEGATIVE: Final = {"ignore_unknown_options": True}
-"""A negative number is no option."""
-
-
-def _parser(read: Callable[[str], float]) -> Callable[[str], float]:
-    def parse(text: str | float) -> float:
-        try:
-            return read(str(text))
-        except ValueError as error:
-            raise typer.BadParameter(str(error)) from error
-
-    return parse
-
 
 Angle = Annotated[
     float,
     typer.Argument(
         metavar="ANGLE",
-        parser=_parser(typed.angle),
-        help="Like 90deg, 1.57, pi/2, -3pi; to the left.",
+        parser=parsed(typed.angle),
+        help="Like 90deg, 1.57rad, pi/2; to the left.",
         show_default=False,
     ),
 ]
@@ -70,7 +56,7 @@ def move(
     distance: Annotated[
         float,
         typer.Argument(
-            metavar="DISTANCE", parser=_parser(typed.length), help="m; negative: backward.", show_default=False
+            metavar="DISTANCE", parser=parsed(typed.length), help="m; negative: backward.", show_default=False
         ),
     ],
     speed: Speed = None,
@@ -110,7 +96,7 @@ def turn(
 def arc(
     radius: Annotated[
         float,
-        typer.Argument(metavar="RADIUS", parser=_parser(typed.length), help="m, of the circle.", show_default=False),
+        typer.Argument(metavar="RADIUS", parser=parsed(typed.length), help="m, of the circle.", show_default=False),
     ],
     angle: Angle,
     speed: Speed = None,
@@ -131,7 +117,7 @@ def arc(
 
 def go(
     goal: Annotated[
-        str,
+        list[str],
         typer.Argument(
             metavar="X,Y|PATTERN.toml",
             help="A point, m; or steps in a file, see deploy/patterns.",
@@ -163,11 +149,12 @@ def go(
     from giraff_schemas.motion import GoTo  # noqa: PLC0415
 
     def wish() -> Wish:
-        if "," not in goal or Path(goal).exists():
+        word = typed.one_word(goal, typed.point, "giraff go")
+        if "," not in word or Path(word).exists():
             if (frame, speed, time_limit) != (None, None, None):
                 raise ValueError("--frame, --speed and --time-limit are for a point: a pattern says them in its file")
-            return read_pattern(Path(goal))
-        x, y = typed.point(goal)
+            return read_pattern(Path(word))
+        x, y = typed.point(word)
         return Wish((GoTo(x=x, y=y, frame=frame or "odom"),), speed, None, time_limit)
 
     _perform("go", wish, robot, connect, as_json=as_json)

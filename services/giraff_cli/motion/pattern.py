@@ -9,7 +9,7 @@ from typing import Any, Final, Literal
 import msgspec
 
 from giraff_cli.motion.steps import arc, move, turn
-from giraff_cli.motion.typed import angle
+from giraff_cli.typed import angle
 from giraff_node.motion_client import Wish
 from giraff_schemas.motion import GoTo, Step
 

@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
+from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import LatestSamples
 from giraff_node import robot_now_ns
 from giraff_node.network.discovery import others
@@ -33,51 +34,18 @@ class Result(NamedTuple):
     text: str
 
 
-class Place(NamedTuple):
-    """As it was typed."""
-
-    x: float
-    """m"""
-    y: float
-    """m"""
-    yaw: float
-    position_sd: float
-    """m"""
-    yaw_sd: float
-    degrees: bool
-    """The angles are degrees; else rad."""
-
-    def fault(self) -> str:
-        """What cannot be meant of it, with the way out; empty: nothing."""
-        whole, unit = (360.0, "°") if self.degrees else (math.tau, " rad")
-        if abs(self.yaw) > whole and not self.degrees:
-            return f"YAW {self.yaw:g}{unit} is more than a whole turn; if it is in degrees: --degrees"
-        if self.yaw_sd > whole:
-            return f"--yaw-sd {self.yaw_sd:g}{unit} is more than a whole turn; {whole:.3g}{unit} knows nothing of YAW"
-        return ""
-
-    def request(self) -> OdomSetPose:
-        """A wish of its own each time."""
-        rad = math.radians(1.0) if self.degrees else 1.0
-        return OdomSetPose(
-            by=user_at_host(),
-            id=secrets.randbits(63),
-            x=self.x,
-            y=self.y,
-            yaw=self.yaw * rad,
-            position_sd=self.position_sd,
-            yaw_sd=self.yaw_sd * rad,
-        )
-
-
 def reset(connection: RobotConnection, timeout: float) -> Result:
     """Let odometry begin anew here."""
     return _jump(connection, ODOM_RESET, OdomReset(by=user_at_host(), id=secrets.randbits(63)), timeout)
 
 
-def set_pose(connection: RobotConnection, place: Place, timeout: float) -> Result:
-    """Let odometry take the robot to be there."""
-    return _jump(connection, ODOM_SET_POSE, place.request(), timeout)
+def set_pose(connection: RobotConnection, pose: Pose, position_sd: float, yaw_sd: float, timeout: float) -> Result:
+    """Let odometry take the robot to be there. The deviations are m and rad."""
+    x, y, yaw = pose
+    request = OdomSetPose(
+        by=user_at_host(), id=secrets.randbits(63), x=x, y=y, yaw=yaw, position_sd=position_sd, yaw_sd=yaw_sd
+    )
+    return _jump(connection, ODOM_SET_POSE, request, timeout)
 
 
 def _jump(connection: RobotConnection, query: Query[RequestT, OdomAnswer], request: RequestT, timeout: float) -> Result:

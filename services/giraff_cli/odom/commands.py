@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from giraff_cli.options import Connect, Robot, finite
+from giraff_cli import typed
+from giraff_cli.options import NEGATIVE, Connect, Robot, finite, parsed
 from giraff_schemas.text import printable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from giraff_cli.network.connection import RobotConnection
     from giraff_cli.odom.client import Result
+    from giraff_core.kinematics.pose import Pose
 
 odom = typer.Typer(no_args_is_help=True, help="Tell odometry where the robot is.")
 
 Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, callback=finite, help="How long to try.")]
+
+
+def _deviation(text: str) -> float:
+    if not 0.0 <= (rad := typed.angle(text)) <= math.tau:
+        raise ValueError(f"{text} is no deviation of an angle: give 0deg to 360deg")
+    return rad
 
 
 @odom.command()
@@ -31,17 +40,17 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0) 
     _tell(robot, connect, timeout, lambda connection: it.reset(connection, timeout))
 
 
-# A negative number is no option.
-@odom.command("set", context_settings={"ignore_unknown_options": True})
-def set_pose(  # noqa: PLR0913, PLR0917  one argument an option
-    x: Annotated[float, typer.Argument(metavar="X", callback=finite, help="m.", show_default=False)],
-    y: Annotated[float, typer.Argument(metavar="Y", callback=finite, help="m.", show_default=False)],
-    yaw: Annotated[float, typer.Argument(metavar="YAW", callback=finite, help="rad, to the left.", show_default=False)],
-    degrees: Annotated[bool, typer.Option("--degrees", help="YAW and --yaw-sd are degrees.")] = False,
+@odom.command("set", context_settings=NEGATIVE)
+def set_pose(
+    pose: Annotated[
+        list[str], typer.Argument(metavar="X,Y,YAW", help="Like 1.5,-2,90deg; YAW to the left.", show_default=False)
+    ],
     position_sd: Annotated[
         float, typer.Option(metavar="METRES", min=0.0, callback=finite, help="How sure X and Y are, each.")
     ] = 0.0,
-    yaw_sd: Annotated[float, typer.Option(metavar="RAD", min=0.0, callback=finite, help="How sure YAW is.")] = 0.0,
+    yaw_sd: Annotated[
+        float, typer.Option(metavar="ANGLE", parser=parsed(_deviation), help="How sure YAW is, like 5deg.")
+    ] = 0.0,
     robot: Robot = None,
     connect: Connect = None,
     timeout: Timeout = 3.0,
@@ -53,10 +62,25 @@ def set_pose(  # noqa: PLR0913, PLR0917  one argument an option
     from giraff_cli.network.command import print_error  # noqa: PLC0415
     from giraff_cli.odom import client as it  # noqa: PLC0415
 
-    place = it.Place(x, y, yaw, position_sd, yaw_sd, degrees)
-    if fault := place.fault():
-        raise typer.Exit(print_error(fault))
-    _tell(robot, connect, timeout, lambda connection: it.set_pose(connection, place, timeout))
+    try:
+        place = _pose(pose)
+    except ValueError as error:
+        raise typer.Exit(print_error(f"odom set: {error}")) from None
+    _tell(robot, connect, timeout, lambda connection: it.set_pose(connection, place, position_sd, yaw_sd, timeout))
+
+
+def _pose(words: Sequence[str]) -> Pose:
+    """Raise ValueError for what is no pose. Of the old form, `1 2 90 --degrees`, the message writes the new one."""
+    numbers = [word for word in words if word != "--degrees"]
+    is_old = len(numbers) < len(words)
+    if wrong := [word for word in numbers if word.startswith("--")]:
+        raise ValueError(f"no such option: {wrong[0]}")
+    numbers = ",".join(numbers).split(",") if is_old else numbers
+    try:
+        typed.angle(numbers[-1])
+    except ValueError:  # beyond a turn, and so no radians
+        is_old = True
+    return typed.pose(typed.one_word(numbers, typed.pose, "giraff odom set", "deg" if is_old else "rad"))
 
 
 def _tell(

@@ -110,7 +110,7 @@ def test_it_goes_to_a_place_once_it_is_known_where_the_robot_is(alone: ProcessRo
             assert localization.newest is not None
             here = Pose(localization.newest.x, localization.newest.y, localization.newest.yaw)
             goal = here.moved(0.5, 0.0).placed_in(localization.odom)
-            with example(alone, "go_to_place.py", f"{goal.x}", f"{goal.y}") as process:
+            with example(alone, "go_to_place.py", f"{goal.x},{goal.y}") as process:
                 assert process.stdout is not None
                 assert process.stdout.readline() == f"lost: {LOST}\n"
                 localization.state = "localized"
@@ -360,11 +360,11 @@ def test_odometry_is_told_where_the_robot_is(named: ProcessRobot, script: Robot)
     assert now.path >= before.path
     assert (now.covariance[0], now.covariance[5]) == pytest.approx((0.01, 0.04), abs=0.001)
 
-    assert named.giraff("odom", "set", "-1", "0", "-90", "--degrees", "--timeout", "60") == 0
+    assert named.giraff("odom", "set", "-1,0,-90deg", "--timeout", "60") == 0
     named.wait("odometry there", lambda: newest_odom(script).jumps == before.jumps + 2, PATIENCE)
     there = newest_odom(script)
     assert (there.x, there.y, there.yaw) == pytest.approx((-1.0, 0.0, -math.pi / 2), abs=0.01)
-    assert named.giraff("odom", "set", "1e9", "0", "0", "--timeout", "60") == 1
+    assert named.giraff("odom", "set", "1e9,0,0deg", "--timeout", "60") == 1
     assert named.giraff("odom", "reset", "--timeout", "60") == 0
     named.wait("odometry anew", lambda: newest_odom(script).jumps == before.jumps + 3, PATIENCE)
     anew = newest_odom(script)

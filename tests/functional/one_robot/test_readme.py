@@ -28,7 +28,7 @@ def example(endpoint: str) -> str:
 
 
 def test_the_example_prints_the_odometry(robot: ProcessRobot, tmp_path: Path) -> None:
-    robot.wait("a pose that is set", lambda: robot.giraff("odom", "set", "1", "2", "0.5") == 0, PATIENCE)
+    robot.wait("a pose that is set", lambda: robot.giraff("odom", "set", "1,2,0.5rad") == 0, PATIENCE)
     script = tmp_path / "listen.py"
     script.write_text(example(robot.environment["GIRAFF_NETWORK_RENDEZVOUS"]))
     printed = tmp_path / "printed"

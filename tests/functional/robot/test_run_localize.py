@@ -55,7 +55,7 @@ def test_a_run_looks_for_its_robot_on_its_own_map(command: Command, tmp_path: Pa
         target = shlex.split(line)[shlex.split(line).index("drive") + 1 :]
         line_of(process, " | map lost: ")
         assert len(command.pids()) == PROCESSES + 1
-        asked = until_done("--at", "0.1,0,0")
+        asked = until_done("--at", "0.1,0,0deg")
         assert asked.stderr == ""
         assert asked.stdout.endswith(" is taken to be at about x 0.10 y 0.00 m, 0.0°\n")
         shown = until_done("--for", "0.6", "--json")

@@ -93,7 +93,7 @@ class Person:
         answers = {
             "ahead": f"{self._pose.x:.4f}",
             "aside": f"{self._pose.y:.4f}",
-            "heading": f"{self._pose.heading:.2f}",
+            "heading": f"{self._pose.heading:.2f}deg",
         }
         return answers.get(what, "yes" if what == "Write" else "")
 

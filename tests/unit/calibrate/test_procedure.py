@@ -182,7 +182,8 @@ def test_a_number_may_have_a_comma_and_a_unit(typed: str, metres: float) -> None
         ("ahead", "-5.012", "is its sign right"),
         ("ahead", "0.1", "these marks those of this run"),
         ("aside", "4", "aside is 4 m"),
-        ("heading", "90", "heading is 90 degrees"),
+        ("heading", "1,5", "1.5 has no unit: 1.5deg, or 1.5rad"),
+        ("heading", "90deg", "heading is 90 degrees"),
     ],
 )
 def test_a_measure_that_no_wheels_explain_is_asked_again(what: str, typed: str, cause: str) -> None:
@@ -210,7 +211,7 @@ def test_at_the_end_one_may_be_done_again_after_all() -> None:
     assert [run.measured[-1].x for run in measured.fitted[:4]] == pytest.approx([5.0, 5.0, 5.02, 5.0])
 
 
-@pytest.mark.parametrize(("what", "typed"), [("aside", "0.3"), ("ahead", "5.1"), ("heading", "8")])
+@pytest.mark.parametrize(("what", "typed"), [("aside", "0.3"), ("ahead", "5.1"), ("heading", "8deg")])
 def test_a_run_that_does_not_agree_with_the_others_is_named(what: str, typed: str) -> None:
     robot = FiledRobot()
     person = Person(robot, {(what, 3): typed, ("ENTER", 1): "3"})

@@ -51,7 +51,7 @@ ASKING: dict[str, Words] = {
     "param set": ("guard.margin", "0.25"),
     "param save": ("guard.margin",),
     "odom reset": (),
-    "odom set": ("-1", "0", "-1.57"),
+    "odom set": ("-1,0,-1.57rad",),
     "move": ("-1.0",),
     "turn": ("-90deg",),
     "arc": ("1", "90deg"),

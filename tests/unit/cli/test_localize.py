@@ -19,7 +19,6 @@ import giraff_cli.localize.serve
 import giraff_node.network.query_client
 from giraff_cli.localize.client import ask, require_none
 from giraff_cli.localize.lines import ChangedLines, JsonLines
-from giraff_cli.localize.place import Place, place
 from giraff_cli.localize.view import PoseView
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.kinematics.pose import Pose
@@ -36,59 +35,7 @@ from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
 
 NAME = "sim-here"
-HERE = Place(1.5, -2.2, math.pi / 2)
-
-
-@pytest.mark.parametrize("text", ["1.5,-2.2,90", " 1.5 , -2.2 , 90", "1.5,-2.2,-270"])
-def test_a_place_is_metres_and_degrees(text: str) -> None:
-    got = place(text)
-    assert got[:2] == (1.5, -2.2)
-    assert math.remainder(got.yaw - math.pi / 2, math.tau) == pytest.approx(0.0)
-
-
-@pytest.mark.parametrize(
-    ("text", "why"),
-    [
-        ("", "has 1 number: give X,Y,YAW in m, m and degrees, like 1.5,2.2,90"),
-        ("1,2", "has 2 numbers: give"),
-        ("1,2,3,4", "has 4 numbers: give"),
-        ("1;2;3", "has 1 number: give"),
-        ("1,2,east", "is no place: give"),
-        ("1,,3", "is no place: give"),
-        ("nan,2,3", "must be finite; give"),
-        ("1,2,inf", "must be finite; give"),
-        ("1,2,400", "YAW 400° is more than a whole turn: give degrees from -360 to 360"),
-        ("1500,220000,90", "X and Y are in metres; are these millimetres?"),
-    ],
-)
-def test_what_cannot_be_meant_is_refused_with_the_way_out(
-    text: str, why: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with pytest.raises(ValueError, match=r"give|metres") as refused:
-        place(text)
-    assert why in str(refused.value)
-    code, out, complaint = typed(monkeypatch, capsys, "localize", "--at", text)
-    assert (code, out) == (2, "")
-    [line] = complaint.splitlines()
-    assert line == f"giraff localize: --at: {refused.value}"
-
-
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        (("--at", "1,2,3", "--global"), "one at a time"),
-        (("--from", "drive.mcap"), "with --map FILE"),
-        (("--from", "drive.mcap", "--map", "hall.toml", "--robot", "anne"), "a recording is of one already"),
-        (("--from", "drive.mcap", "--map", "hall.toml", "--for", "3"), "and has an end"),
-    ],
-)
-def test_what_does_not_go_together_is_told(
-    words: tuple[str, ...], why: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    code, out, complaint = typed(monkeypatch, capsys, "localize", *words)
-    assert (code, out) == (2, "")
-    [line] = complaint.splitlines()
-    assert why in line
+HERE = Pose(1.5, -2.2, math.pi / 2)
 
 
 @pytest.mark.parametrize("more", [(), ("--from", "drive.mcap")])

@@ -10,7 +10,6 @@ from typing import Any
 import pytest
 
 import giraff_cli.localize.offline as it
-from giraff_cli.localize.place import Place
 from giraff_cli.localize.recorded import RecordedDrive, TrueWay
 from giraff_cli.localize.summary import summarize, to_text
 from giraff_core.kinematics.pose import Pose
@@ -81,7 +80,7 @@ def drive(seconds: float = 4.0) -> list[tuple[Topic[Any], str, Sample, int]]:
     return found
 
 
-def through(policy: Follower, room: Room | None, place: Place | None = None, samples: Any = None) -> RecordedDrive:
+def through(policy: Follower, room: Room | None, place: Pose | None = None, samples: Any = None) -> RecordedDrive:
     driven = RecordedDrive(policy, place, room)  # type: ignore[arg-type]  # it has what is asked
     for _, _, sample, ms in samples or drive():
         driven.on_sample(sample, ms * MS)
@@ -110,7 +109,7 @@ def test_the_error_is_by_the_truth_on_the_map() -> None:
 
 def test_it_begins_where_it_is_said_to() -> None:
     policy = Follower()
-    driven = through(policy, None, Place(1.5, 2.2, 0.0))
+    driven = through(policy, None, Pose(1.5, 2.2, 0.0))
     assert policy.told is not None
     assert (policy.told.x, policy.told.y) == (1.5, 2.2)
     assert driven.shares.shares == {"localized": 1.0}
@@ -190,7 +189,7 @@ def test_a_recording_is_summed_up(
     assert "localized at x 3.50 y 2.23 m, 0.0°" in out
     assert "0.030 m, 0.0° median" in out
     assert follower.heard.count("odom") == 401
-    code, out, complaint = typed(monkeypatch, capsys, *words, "--at", "1.5,2.2,0", "--json")
+    code, out, complaint = typed(monkeypatch, capsys, *words, "--at", "1.5,2.2,0deg", "--json")
     assert (code, complaint) == (0, "")
     told = json.loads(out)
     assert (told["robot"], told["way_m"], told["doubt"]) == ("sim-test", 2.0, "")
@@ -231,7 +230,7 @@ def test_a_place_that_is_refused_is_no_summary(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     follower.refuses = "that is in a wall"
-    words = ("--from", str(recording), "--map", str(ROOM), "--at", "1,2,3")
+    words = ("--from", str(recording), "--map", str(ROOM), "--at", "1,2,3rad")
     assert typed(monkeypatch, capsys, "localize", *words, *as_json) == (1, "", "giraff: --at: that is in a wall\n")
 
 

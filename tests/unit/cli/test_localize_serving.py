@@ -10,11 +10,11 @@ import giraff_cli.localize.follow as following
 import giraff_cli.localize.serve as serving
 from giraff_cli.localize import hearing
 from giraff_cli.localize.hearing import Hearing
-from giraff_cli.localize.place import Place
 from giraff_cli.localize.serve import ShownLocalization
 from giraff_cli.localize.view import PoseView
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.terminal.signals import StopSignal
+from giraff_core.kinematics.pose import Pose
 from giraff_core.network import NetworkConfig
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.floor import Floor
@@ -27,7 +27,7 @@ from tests.support.robots import ROBOT
 from tests.unit.cli.map_poses import map_pose
 
 NAME = "sim-here"
-HERE = Place(1.5, 2.2, 0.0)
+HERE = Pose(1.5, 2.2, 0.0)
 
 
 class Screen:
@@ -128,7 +128,7 @@ def here(monkeypatch: pytest.MonkeyPatch) -> Here:
     return made
 
 
-def shown(here: Here, node: Node, place: Place | None = HERE, seconds: float | None = None) -> ShownLocalization:
+def shown(here: Here, node: Node, place: Pose | None = HERE, seconds: float | None = None) -> ShownLocalization:
     plan = FloorPlan("hall", ((0.0, 0.0, 6.0, 0.0), (6.0, 0.0, 6.0, 5.0), (6.0, 5.0, 0.0, 5.0), (0.0, 5.0, 0.0, 0.0)))
     floor = Floor(plan, LocalizationConfig(), ROBOT)
     return ShownLocalization(cast(Any, node), floor, here.hearing, place, seconds)

@@ -16,7 +16,8 @@ import pytest
 import giraff_cli.odom.client as it
 import giraff_node.network.query_client
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.odom.client import Place, Result, reset, set_pose
+from giraff_cli.odom.client import Result, reset, set_pose
+from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.network import NetworkConfig
 from giraff_odometry.config import OdometryConfig
@@ -29,7 +30,7 @@ from tests.unit.odometry.robots import PERIOD_US, ROBOT, wheels
 
 NAME = "sim-odom"
 PATIENCE = 3.0
-TURNED = Place(x=-1.0, y=0.5, yaw=-90.0, position_sd=0.1, yaw_sd=5.0, degrees=True)
+TURNED = Pose(-1.0, 0.5, math.radians(-90.0))
 
 Wish = OdomReset | OdomSetPose
 Answer = Callable[[OdometryPolicy, Wish], OdomAnswer | None]
@@ -89,7 +90,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
 
 def test_it_tells_what_was_and_what_is(network: Network) -> None:
     with network.odometry() as asked:
-        first = set_pose(network.connection, TURNED, PATIENCE)
+        first = set_pose(network.connection, TURNED, 0.1, 0.2, PATIENCE)
         second = reset(network.connection, PATIENCE)
     was = "at x 0.500 m, y 0.000 m, yaw 0.000 rad (0.0°)"
     there = "at x -1.000 m, y 0.500 m, yaw -1.571 rad (-90.0°)"
@@ -98,7 +99,7 @@ def test_it_tells_what_was_and_what_is(network: Network) -> None:
     assert second == (0, f"{NAME}: odometry was {there}, is {here}; jump 2")
     wish = asked[0]
     assert isinstance(wish, OdomSetPose)
-    assert (wish.position_sd, wish.yaw_sd) == pytest.approx((0.1, math.radians(5.0)))
+    assert (wish.position_sd, wish.yaw_sd) == (0.1, 0.2)
     assert "@" in wish.by
     assert asked[0].id != asked[1].id
     assert network.clock.monotonic() < 0.2
@@ -119,7 +120,7 @@ def test_a_wish_whose_answer_is_lost_is_asked_again_and_done_once(network: Netwo
 
 def test_a_refusal_is_told_with_its_reason(network: Network) -> None:
     with network.odometry():
-        done = set_pose(network.connection, TURNED._replace(x=5e6), PATIENCE)
+        done = set_pose(network.connection, TURNED._replace(x=5e6), 0.1, 0.2, PATIENCE)
     reason = "x is 5000000: it must be within -1e+06..1e+06 m; are these millimetres?"
     assert done == (1, f"odometry of {NAME} refuses: {reason}")
 
@@ -143,22 +144,6 @@ def test_without_an_answer_the_likely_cause_is_named(network: Network, hangs: bo
 
 def test_an_odometry_that_hears_no_wheels_is_set_all_the_same(network: Network) -> None:
     with network.odometry(speaks=False):
-        code, text = set_pose(network.connection, TURNED, PATIENCE)
+        code, text = set_pose(network.connection, TURNED, 0.1, 0.2, PATIENCE)
     unheard = "not heard: it speaks once base tells it of the wheels"
     assert (code, text) == (0, f"{NAME}: odometry was {unheard}, is {unheard}; jump 1")
-
-
-@pytest.mark.parametrize(
-    ("place", "fault"),
-    [
-        (TURNED, ""),
-        (TURNED._replace(yaw=6.2, yaw_sd=0.1, degrees=False), ""),
-        (TURNED._replace(yaw=720.0), ""),
-        (TURNED._replace(yaw_sd=0.1, degrees=False), "YAW -90 rad is more than a whole turn; if it is in degrees: "),
-        (TURNED._replace(yaw=1.5, yaw_sd=10.0, degrees=False), "--yaw-sd 10 rad is more than a whole turn; "),
-        (TURNED._replace(yaw_sd=400.0), "--yaw-sd 400° is more than a whole turn; "),
-    ],
-)
-def test_degrees_are_not_taken_for_radians(place: Place, fault: str) -> None:
-    assert place.fault().startswith(fault)
-    assert bool(place.fault()) == bool(fault)

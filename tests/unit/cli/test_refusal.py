@@ -33,7 +33,7 @@ WORDS: dict[str, tuple[str, ...]] = {
     "param describe": ("guard.margin",),
     "param set": ("guard.margin", "0.25"),
     "param save": ("guard.margin",),
-    "odom set": ("-1", "0", "-1.57"),
+    "odom set": ("-1,0,-1.57rad",),
     "move": ("-0.5",),
     "turn": ("180deg",),
     "arc": ("0.5", "-90deg"),

@@ -11,10 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_cli.motion.pattern import PatternError, read_pattern
-from giraff_cli.motion.typed import angle, length, point
+from giraff_cli.typed import angle, length, point, pose
 from giraff_schemas.motion import Arc, Move, Turn
-from tests.unit.cli.quiet_network import meet
-from tests.unit.cli.typed import typed
 
 
 @pytest.mark.parametrize(
@@ -52,9 +50,9 @@ def test_an_angle_is_what_is_meant(text: str, rad: float) -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("90", "90 is more than a whole turn: write 90deg or 90rad"),
-        ("-180", "-180 is more than a whole turn: write -180deg or -180rad"),
-        ("6.3", "6.3 is more than a whole turn"),
+        ("90", "90 is more than a turn in radians: 90deg, or 90rad"),
+        ("-180", "-180 is more than a turn in radians: -180deg, or -180rad"),
+        ("6.3", "6.3 is more than a turn in radians"),
         ("90degrees", "'90degrees' is no angle: write it like 90deg, 1.57rad, pi/2 or -3pi"),
         ("pideg", "no angle"),
         ("nan", "no angle"),
@@ -71,7 +69,7 @@ def test_an_angle_is_what_is_meant(text: str, rad: float) -> None:
     ],
 )
 def test_what_is_no_angle_says_how_one_is_written(text: str, why: str) -> None:
-    with pytest.raises(ValueError, match=r"angle|whole turn") as told:
+    with pytest.raises(ValueError, match=r"angle|turn in radians") as told:
         angle(text)
     assert why in str(told.value)
 
@@ -87,6 +85,8 @@ def test_whatever_is_typed_is_a_finite_number_or_refused(text: str) -> None:
     for read in (angle, length):
         with suppress(ValueError):
             assert math.isfinite(read(text))
+    with suppress(ValueError):
+        assert all(map(math.isfinite, pose(text)))
 
 
 def test_a_length_is_in_metres() -> None:
@@ -101,6 +101,19 @@ def test_a_point_is_two_lengths() -> None:
     for text in ("2", "2,", ",", "1;2", "1,2,3", "nan,1", "1,1e999", "kitchen"):
         with pytest.raises(ValueError, match=r"is no point: give x and y in metres, like 1\.5,-2"):
             point(text)
+
+
+@pytest.mark.parametrize("text", ["1.5,-2.2,90deg", " 1.5 , -2.2m , 90°", "1.5,-2.2,-270deg", "1.5,-2.2,pi/2"])
+def test_a_pose_is_a_point_and_an_angle_with_its_unit(text: str) -> None:
+    x, y, yaw = pose(text)
+    assert (x, y) == (1.5, -2.2)
+    assert math.remainder(yaw - math.pi / 2, math.tau) == pytest.approx(0.0)
+
+
+def test_what_is_no_pose_says_how_one_is_written() -> None:
+    for text in ("", "1,2", "1,2,3,4", "1;2;3deg", "1,2,east", "1,,3deg", "nan,2,3deg", "1,2,inf", "1,2,"):
+        with pytest.raises(ValueError, match=r"is no pose: give X,Y,YAW without a space, like 1\.5,-2,90deg"):
+            pose(text)
 
 
 def pattern(tmp_path: Path, text: str | bytes) -> Path:
@@ -140,7 +153,7 @@ BAD = (
     ("[[step]]\nmove = 0", "step 1: a move of 0 m goes nowhere"),
     ("[[step]]\nmove = nan", "step 1: distance is nan, not a finite number"),
     ("[[step]]\nmove = inf", "step 1: distance is inf, not a finite number"),
-    ("[[step]]\nturn = 90", "step 1: 90 is more than a whole turn: write 90deg or 90rad"),
+    ("[[step]]\nturn = 90", "step 1: 90 is more than a turn in radians: 90deg, or 90rad"),
     ("[[step]]\nturn = nan", "step 1: 'nan' is no angle"),
     ('[[step]]\nturn = "0deg"', "step 1: a turn of 0 turns nothing"),
     ('[[step]]\nturn = "right"', "step 1: 'right' is no angle"),
@@ -173,45 +186,3 @@ def test_what_is_no_file_is_told_in_a_line(tmp_path: Path) -> None:
     for path, why in ((tmp_path, "Is a directory"), (tmp_path / "none.toml", "No such file or directory")):
         with pytest.raises(PatternError, match=why):
             read_pattern(path)
-
-
-ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
-    (("move",), "missing argument 'DISTANCE'"),
-    (("move", "nan"), "'nan' is no length: give metres, like 2 or -0.5"),
-    (("move", "2cm"), "'2cm' is no length"),
-    (("move", "0"), "a move of 0 m goes nowhere"),
-    (("move", "-1", "--sped", "1"), "--sped"),
-    (("move", "1", "--speed", "0"), "0.0 is not in the range x>=0.01"),
-    (("move", "1", "--speed", "inf"), "inf is no number to count with"),
-    (("move", "1", "--time-limit", "nan"), "'--time-limit'"),
-    (("turn", "90"), "90 is more than a whole turn: write 90deg or 90rad"),
-    (("turn", "--", "-90"), "-90 is more than a whole turn: write -90deg or -90rad"),
-    (("turn", "90degs"), "'90degs' is no angle"),
-    (("turn", "0"), "a turn of 0 turns nothing"),
-    (("arc", "1"), "missing argument 'ANGLE'"),
-    (("arc", "-1", "90deg"), "a radius of -1 m is none: give one above 0; a negative angle goes to the right"),
-    (("arc", "1", "0deg"), "an arc of 0 goes nowhere"),
-    (("go",), "missing argument 'X,Y|PATTERN.toml'"),
-    (("go", "1,"), "'1,' is no point: give x and y in metres, like 1.5,-2"),
-    (("go", "1,2,3"), "'1,2,3' is no point"),
-    (("go", "1,2", "--frame", "mop"), "'mop' is not one of"),
-    (("go", "deploy", "--frame", "map"), "--frame, --speed and --time-limit are for a point"),
-    (("go", "none.toml"), "go: none.toml: No such file or directory"),
-    (("go", "/"), "go: /: Is a directory"),
-)
-
-
-@pytest.mark.parametrize(("words", "said"), ROWS, ids=[" ".join(words) for words, _ in ROWS])
-def test_it_is_told_in_a_line_and_no_network_is_met(
-    words: tuple[str, ...],
-    said: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    network = meet(monkeypatch)
-    code, out, complaint = typed(monkeypatch, capsys, *words)
-    assert (code, out, network.opened) == (2, "", 0)
-    [line] = complaint.splitlines()
-    assert said in line

@@ -1,0 +1,99 @@
+"""Read lengths, angles, points and poses as they are typed.
+
+Each function raises ValueError for the rest, with what to type instead.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from giraff_core.kinematics.pose import Pose
+
+_NUMBER: Final = r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?"
+_LENGTH: Final = re.compile(rf"([+-]?{_NUMBER})\s*m?")
+_ANGLE: Final = re.compile(
+    rf"(?P<sign>[+-]?)\s*(?:(?P<number>{_NUMBER})\s*(?:\*\s*(?=pi|π))?)?(?P<pi>pi|π)?"
+    rf"(?:\s*/\s*(?P<by>{_NUMBER}))?\s*(?P<unit>deg|°|rad)?"
+)
+_LIKE: Final = "write it like 90deg, 1.57rad, pi/2 or -3pi"
+
+
+def length(text: str) -> float:
+    """Return m, of `2`, `-0.5` or `2m`."""
+    match = _LENGTH.fullmatch(text.strip())
+    value = float(match[1]) if match else math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{text!r} is no length: give metres, like 2 or -0.5")
+    return value
+
+
+def angle(text: str) -> float:
+    """Return rad, of `180deg`, `180°`, `1.57`, `1.57rad`, `pi`, `3pi`, `-pi/2`.
+
+    A number alone is radians, up to a turn. Beyond that it was hardly meant so.
+    """
+    value, has_unit = _angle(text)
+    if not has_unit and abs(value) > math.tau:
+        raise ValueError(f"{text} is more than a turn in radians: {text.strip()}deg, or {text.strip()}rad")
+    return value
+
+
+def angle_with_unit(text: str, before: str = "") -> float:
+    """Return rad, and refuse a number alone. `before`: what the message writes before the angle."""
+    value, has_unit = _angle(text)
+    if not has_unit:
+        text = text.strip()
+        raise ValueError(f"{text} has no unit: {before}{text}deg, or {before}{text}rad")
+    return value
+
+
+def point(text: str) -> tuple[float, float]:
+    """Return m, m, of `1.5,-2`."""
+    x, _, y = text.partition(",")
+    try:
+        return length(x), length(y)
+    except ValueError:
+        raise ValueError(f"{text!r} is no point: give x and y in metres, like 1.5,-2, without a space") from None
+
+
+def pose(text: str) -> Pose:
+    """Return the pose of `1.5,-2,90deg`: its yaw has a unit."""
+    try:
+        x, y, yaw = map(str.strip, text.split(","))
+        place = length(x), length(y)
+        _angle(yaw)
+    except ValueError:
+        raise ValueError(f"{text!r} is no pose: give X,Y,YAW without a space, like 1.5,-2,90deg") from None
+    return Pose(*place, angle_with_unit(yaw, f"{x},{y},"))
+
+
+def one_word(words: Sequence[str], read: Callable[[str], object], command: str, unit: str = "") -> str:
+    """Return the only word. Of several, raise ValueError with the one that they should have been.
+
+    `read`: takes what the word may be; `unit`: of the last number, where it has none.
+    """
+    if len(words) == 1:
+        return words[0]
+    word = ",".join(each.strip(", ") for each in words)
+    try:
+        read(word)
+    except ValueError:
+        read(word := f"{word}{unit}")
+    raise ValueError(f"write it as one word: {command} {word}")
+
+
+def _angle(text: str) -> tuple[float, bool]:
+    """Return rad, or the number as it stands, and whether it says which."""
+    match = _ANGLE.fullmatch(text.strip())
+    if match is None or not (match["number"] or match["pi"]) or (match["pi"] and match["unit"] in ("deg", "°")):
+        raise ValueError(f"{text!r} is no angle: {_LIKE}")
+    value = float(match["number"] or 1.0) * (math.pi if match["pi"] else 1.0)
+    by = float(match["by"] or 1.0)
+    value = (-1.0 if match["sign"] == "-" else 1.0) * (value / by if by else math.nan)
+    if not math.isfinite(value):
+        raise ValueError(f"{text!r} is no finite angle: {_LIKE}")
+    in_degrees = match["unit"] in ("deg", "°")
+    return math.radians(value) if in_degrees else value, bool(match["unit"] or match["pi"])
