@@ -11,6 +11,9 @@ from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 ASK: Final = 0
 """The counter of a command that asks for the lease."""
+HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
+IDLE: Final = Trouble("idle: nobody asks to drive", HOW_TO_ASK)
+"""Reason of a lease that is free while nothing is wrong."""
 _LATE: Final = 50
 """Samples, 5 s, by which a word may be late. One that is further behind shows that the newest was none of the guard's:
 a single false one must not make this operator deaf for good."""

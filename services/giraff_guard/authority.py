@@ -6,7 +6,7 @@ import math
 from typing import Final
 
 from giraff_core.freshness import age
-from giraff_core.lease import ASK
+from giraff_core.lease import ASK, HOW_TO_ASK, IDLE
 from giraff_core.live import Live
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, RobotTime
@@ -18,9 +18,6 @@ _MOST_AHEAD: Final = 1000
 _MOST_UNRANKED: Final = 8  # names; on an open network anybody may ask under any number of them
 _LINK: Final = "check its link"
 _AT_FAULT: Final = "was at fault"
-_HOW_TO_ASK: Final = "tilt or press a key to ask, then hold level with no key pressed to arm"
-IDLE: Final = Trouble("idle: nobody asks to drive", _HOW_TO_ASK)
-"""Reason of a lease that is free while nothing is wrong."""
 _HOW_TO_TAKE: Final = "tilt or press a drive key to take it, then hold level with no key pressed to arm"
 
 
@@ -59,8 +56,8 @@ class Authority:
 
     def on_command(self, command: DriveCommand, now: RobotTime) -> bool:
         """Take a command of any operator. True: it is the newest word of who holds the lease now."""
-        self.review(now)
         self._is_alone = False
+        self.review(now)
         theirs = self._holds(command)
         if theirs and not self._seq < command.seq <= self._seq + _MOST_AHEAD:
             return False
@@ -120,12 +117,12 @@ class Authority:
             return Trouble(
                 f"{held} until it rests for {config.idle_release:g} s, is silent for {config.operator_release:g} s or "
                 f"at fault for {config.fault_release:g} s",
-                f"then {_HOW_TO_ASK}",
+                f"then {HOW_TO_ASK}",
             )
         if complaint := self._recent_complaint(now):
             return complaint
         if self._ended:
-            return Trouble(f"nobody drives, since {self._ended}", _HOW_TO_ASK)
+            return Trouble(f"nobody drives, since {self._ended}", HOW_TO_ASK)
         return Trouble("no operator is heard", "start giraff drive or giraff_joystick") if self._is_alone else IDLE
 
     def _consider(self, command: DriveCommand, now: RobotTime) -> None:

@@ -7,7 +7,7 @@ from typing import Final
 from giraff_cli.why.chain import ChainState, Link, link_from, several
 from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.latest import Latest
-from giraff_guard.authority import IDLE
+from giraff_core.lease import IDLE
 from giraff_guard.config import GuardConfig
 from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS

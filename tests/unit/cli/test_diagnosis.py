@@ -10,7 +10,7 @@ import pytest
 
 from giraff_cli.why.diagnosis import LINKS
 from giraff_cli.why.observation import Observation
-from giraff_guard.authority import IDLE
+from giraff_core.lease import IDLE
 from giraff_schemas import topics
 from giraff_schemas.codec import stamped
 from tests.unit.cli.samples import MS, attitude, base, camera, lease, reading, verdict

@@ -19,8 +19,9 @@ from giraff_cli.drive import operate
 from giraff_cli.network.limits import limits_of
 from giraff_cli.terminal.screen import as_svg
 from giraff_core.estop.latch import RESET_COMMAND
+from giraff_core.lease import HOW_TO_ASK, IDLE
 from giraff_core.parameters.table import Parameters
-from giraff_guard.authority import _HOW_TO_ASK, _HOW_TO_TAKE, IDLE
+from giraff_guard.authority import _HOW_TO_TAKE
 from giraff_keyboard import main
 from giraff_keyboard.config import KeyboardConfig
 from giraff_keyboard.picture import COLUMNS, ROWS, DrivePicture
@@ -43,7 +44,7 @@ from tests.unit.keyboard.keyboards import Person
 
 PICTURE = ROOT / "docs" / "pictures" / "drive.svg"
 ARM = f"not armed since base has just started; {HOW_TO_ARM} for 0.2 s"
-HELD = f"held by joystick (6542d227) until it rests for 30 s, is silent for 1 s or at fault for 2 s; then {_HOW_TO_ASK}"
+HELD = f"held by joystick (6542d227) until it rests for 30 s, is silent for 1 s or at fault for 2 s; then {HOW_TO_ASK}"
 FROZEN = "front_right is frozen: it repeats one echo while the robot moves; check it, or look for slip"
 BLOCKED = verdict(0.0, "blocked", "front_right", FROZEN, "turn left or back up")
 STUCK = engaged_by(Latch.RIGHT_STUCK)
@@ -179,10 +180,9 @@ def test_no_way_out_is_that_of_a_hand() -> None:
     """Of all that base and guard may say."""
     of_a_hand = re.compile(r"\b(hand|level|tilt)\b")
     sources = [path for part in ("base", "guard") for path in (ROOT / "services" / f"giraff_{part}").rglob("*.py")]
-    told = [RESET_COMMAND, *(text for path in sources for text in texts_of(path.read_text()))]
+    told = [RESET_COMMAND, HOW_TO_ASK, *(text for path in sources for text in texts_of(path.read_text()))]
     texts = [text for text in told if of_a_hand.search(text)]
     assert HOW_TO_ARM in texts
-    assert _HOW_TO_ASK in texts
     assert _HOW_TO_TAKE in texts
     assert [text for text in texts if of_a_hand.search(for_keys(text))] == []
     of_no_page = re.compile(rf"{of_a_hand.pattern}|giraff [a-z]|\bkey\b")

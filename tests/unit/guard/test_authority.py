@@ -6,8 +6,7 @@ import math
 
 import pytest
 
-from giraff_core.lease import unranked_notice
-from giraff_guard.authority import IDLE
+from giraff_core.lease import IDLE, unranked_notice
 from giraff_schemas.messages import Source
 from giraff_schemas.services import HANDS
 from giraff_schemas.trouble import WELL
