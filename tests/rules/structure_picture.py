@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from html import escape
-from typing import Final
+from typing import Final, NamedTuple
 
 import grimp
 
@@ -64,20 +64,58 @@ def imports() -> set[tuple[str, str]]:
     return {(a, b) for a, b in found if not any(x == a and y != b and reaches(y, b) for x, y in found)}
 
 
+class Box(NamedTuple):
+    """Where a package stands."""
+
+    x: float
+    y: float
+    width: float
+
+    @property
+    def middle(self) -> float:
+        return self.x + self.width / 2
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether a point lies within, its edge left out."""
+        return self.x < x < self.x + self.width and self.y < y < self.y + _BOX_HEIGHT
+
+
+Arrow = list[tuple[float, float]]
+"""Its corners, from the importer to the imported package."""
+
+
+def placed() -> tuple[dict[str, Box], list[Arrow], float, float]:
+    """Boxes by package, the arrows between them, and the picture's width and height."""
+    rows = layers()
+    sizes = {name: max(map(len, (name, _TITLES[name]))) * _CHARACTER + 24 for row in rows for name in row}
+    width = max(sum(sizes[name] for name in row) + _GAP * (len(row) + 1) for row in rows) + 2 * _SIDE
+    boxes: dict[str, Box] = {}
+    for number, row in enumerate(rows):
+        room = (width - 2 * _SIDE - sum(sizes[name] for name in row)) / (len(row) + 1)
+        x = _SIDE + room
+        for name in row:
+            boxes[name] = Box(x, _MARGIN + number * _ROW, sizes[name])
+            x += sizes[name] + room
+    arrows: list[Arrow] = []
+    lanes = {-1: 0, 1: 0}  # those taken beside the boxes: an arrow that skips a layer goes round, between the rows
+    for a, b in sorted(imports()):
+        above, below = boxes[a], boxes[b]
+        start, end = (above.middle, above.y + _BOX_HEIGHT), (below.middle, below.y)
+        if below.y - above.y <= _ROW:
+            arrows.append([start, end])
+            continue
+        side = 1 if above.middle >= width / 2 else -1
+        lane = _MARGIN + lanes[side] * _LANE
+        out, back = start[1] + 6 + 4 * lanes[side], end[1] - 12 - 4 * lanes[side]
+        lanes[side] += 1
+        x = width - lane if side > 0 else lane
+        arrows.append([start, (start[0], out), (x, out), (x, back), (end[0], back), end])
+    return boxes, arrows, width, _MARGIN * 2 + (len(rows) - 1) * _ROW + _BOX_HEIGHT
+
+
 def draw() -> str:
     """As SVG."""
-    rows = layers()
-    texts = {name: (name, _TITLES[name]) for row in rows for name in row}
-    sizes = {name: max(map(len, lines)) * _CHARACTER + 24 for name, lines in texts.items()}
-    width = max(sum(sizes[name] for name in row) + _GAP * (len(row) - 1) for row in rows) + 2 * _SIDE
-    places: dict[str, tuple[float, float]] = {}
-    for number, row in enumerate(rows):
-        room = (width - sum(sizes[name] for name in row)) / (len(row) + 1)
-        x = room
-        for name in row:
-            places[name] = x, _MARGIN + number * _ROW
-            x += sizes[name] + room
-    height = _MARGIN * 2 + (len(rows) - 1) * _ROW + _BOX_HEIGHT
+    boxes, arrows, width, height = placed()
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.0f} {height:.0f}" width="{width:.0f}"',
         ' font-family="monospace" font-size="12">',
@@ -85,25 +123,15 @@ def draw() -> str:
         '<path d="M0 0 8 4 0 8z" fill="#667"/></marker></defs>',
         f'<rect width="{width:.0f}" height="{height:.0f}" fill="#fff"/>',
     ]
-    lanes = {-1: _MARGIN, 1: _MARGIN}  # those taken beside the boxes: one that skips a layer goes round
-    for a, b in sorted(imports()):
-        (ax, ay), (bx, by) = places[a], places[b]
-        if by - ay <= _ROW:
-            path = f"M{ax + sizes[a] / 2:.0f} {ay + _BOX_HEIGHT} L{bx + sizes[b] / 2:.0f} {by}"
-        else:
-            side = 1 if ax + sizes[a] / 2 >= width / 2 else -1
-            lane = width - lanes[side] if side > 0 else lanes[side]
-            lanes[side] += _LANE
-            start, end = (ax + sizes[a], bx + sizes[b]) if side > 0 else (ax, bx)
-            path = f"M{start:.0f} {ay + 32} H{lane:.0f} V{by + 14} H{end:.0f}"
+    for arrow in arrows:
+        path = "M" + " L".join(f"{x:.0f} {y:.0f}" for x, y in arrow)
         lines.append(f'<path d="{path}" fill="none" stroke="#667" marker-end="url(#a)"/>')
-    for name, (x, y) in places.items():
-        title, what = texts[name]
+    for name, (x, y, size) in boxes.items():
         lines += [
-            f'<rect x="{x:.0f}" y="{y}" width="{sizes[name]:.0f}" height="{_BOX_HEIGHT}" rx="6"',
+            f'<rect x="{x:.0f}" y="{y}" width="{size:.0f}" height="{_BOX_HEIGHT}" rx="6"',
             ' fill="#f4f1e8" stroke="#a98"/>',
-            f'<text x="{x + 12:.0f}" y="{y + 19}" font-weight="bold">{escape(title)}</text>',
-            f'<text x="{x + 12:.0f}" y="{y + 36}" fill="#555">{escape(what)}</text>',
+            f'<text x="{x + 12:.0f}" y="{y + 19}" font-weight="bold">{escape(name)}</text>',
+            f'<text x="{x + 12:.0f}" y="{y + 36}" fill="#555">{escape(_TITLES[name])}</text>',
         ]
     return "\n".join([*lines, "</svg>", ""])
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
+from itertools import pairwise
 
 import grimp
 
 from tests.rules.repository import ROOT, files, name, packages, sources
-from tests.rules.structure_picture import PICTURE, draw
+from tests.rules.structure_picture import PICTURE, draw, placed
 
 MOST_MODULES = 20
 
@@ -21,6 +22,15 @@ def test_the_picture_is_of_these_imports() -> None:
     if os.environ.get("GIRAFF_WRITE_DOCS"):
         PICTURE.write_text(draw())
     assert PICTURE.read_text() == draw()
+
+
+def test_no_arrow_runs_through_a_box() -> None:
+    boxes, arrows, width, _ = placed()
+    steps = [each / 400 for each in range(1, 400)]
+    for (ax, ay), (bx, by) in [piece for arrow in arrows for piece in pairwise(arrow)]:
+        points = [(ax + (bx - ax) * step, ay + (by - ay) * step) for step in steps]
+        assert [name for name, box in boxes.items() if any(box.holds(*point) for point in points)] == []
+        assert 0 < bx < width
 
 
 def test_a_script_is_checked_against_the_types_of_all_that_it_is_made_of() -> None:
