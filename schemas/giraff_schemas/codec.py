@@ -9,6 +9,7 @@ import msgspec
 
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health
+from giraff_schemas.text import plain
 from giraff_schemas.topics import MOTION_QUERIES, PARAM_QUERIES, QUERIES, TOPICS, SampleT, Topic
 
 
@@ -50,9 +51,9 @@ def decode(topic: Topic[SampleT], key: str, payload: bytes, encoding: str | None
     try:
         sample: SampleT = _decoder(topic.schema).decode(payload)
     except msgspec.ValidationError as error:
-        raise DecodeError(f"{key}: not a {topic.schema.__name__}: {error}") from error
+        raise DecodeError(f"{key}: not a {topic.schema.__name__}: {plain(error)}") from error
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:  # text that is none, nesting without end
-        raise DecodeError(f"{key}: not MessagePack ({len(payload)} bytes): {error}") from error
+        raise DecodeError(f"{key}: not MessagePack ({len(payload)} bytes): {plain(error)}") from error
     if not sample.instance:
         raise DecodeError(f"{key}: not a {topic.schema.__name__}: `instance` is missing or empty")
     if topic.names and (said := getattr(sample, topic.names)) != topic.name_in(key):

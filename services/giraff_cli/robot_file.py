@@ -14,6 +14,7 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 
 from giraff_node.process.state import write_file_durably
+from giraff_schemas.text import plain
 
 Value = bool | float | str | Sequence[float]
 
@@ -53,7 +54,9 @@ def _explained(path: Path, table: str, fields: Mapping[str, Value]) -> Iterator[
         yield
     except (OSError, TOMLKitError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
         wanted = "".join(f"\n    {name} = {tomlkit.item(value).as_string()}" for name, value in fields.items())
-        raise RobotFileError(f"{path}: cannot be written: {error}; write into [{table}] by hand:{wanted}") from error
+        raise RobotFileError(
+            f"{path}: cannot be written: {plain(error)}; write into [{table}] by hand:{wanted}"
+        ) from error
 
 
 def _with(text: str, table: str, fields: Mapping[str, Value]) -> str:

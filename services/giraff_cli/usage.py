@@ -7,6 +7,8 @@ from typing import Any
 
 import typer.main
 
+from giraff_schemas.text import plain
+
 
 def obey(app: typer.Typer) -> int:
     """Do what the command line asks for; the exit code."""
@@ -15,7 +17,7 @@ def obey(app: typer.Typer) -> int:
         return command.main(prog_name="giraff", standalone_mode=False) or 0
     except typer.TyperException as error:
         path = _path(command, sys.argv[1:])
-        if what := " ".join(error.format_message().split()).rstrip("."):  # else it has shown the help
+        if what := plain(error.format_message()).rstrip("."):  # else it has shown the help
             print(f"{path}: {what[0].lower()}{what[1:]} (see {path} --help)", file=sys.stderr, flush=True)
         return error.exit_code
 

@@ -27,7 +27,7 @@ def read_certificate(path: Path) -> x509.Certificate:
         certificate.public_key()  # this and the extensions are parsed only when asked for
         certificate.extensions  # noqa: B018
     except (ValueError, UnsupportedAlgorithm, x509.InvalidVersion, x509.DuplicateExtension) as error:
-        raise KeyFileError(f"{path} is damaged, or no certificate in PEM: {error}") from error
+        raise KeyFileError(f"{path} is damaged, or no certificate in PEM") from error
     return certificate
 
 
@@ -38,7 +38,7 @@ def read_key(path: Path) -> EllipticCurvePrivateKey:
     except TypeError as error:
         raise KeyFileError(f"{path} has a passphrase: keys are kept without one") from error
     except (ValueError, UnsupportedAlgorithm) as error:
-        raise KeyFileError(f"{path} is damaged, or no private key in PEM: {error}") from error
+        raise KeyFileError(f"{path} is damaged, or no private key in PEM") from error
     if not isinstance(key, EllipticCurvePrivateKey):
         raise KeyFileError(f"{path} is not a key that `giraff keys` made")
     return key

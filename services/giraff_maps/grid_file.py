@@ -24,6 +24,7 @@ import msgspec
 
 from giraff_maps.checks import LARGEST
 from giraff_maps.floor_plan import MapError
+from giraff_schemas.text import plain
 
 if TYPE_CHECKING:
     import numpy as np
@@ -83,13 +84,13 @@ def _read_yaml(path: Path) -> GridFile:
     except OSError as error:
         raise MapError(f"{path}: cannot be read: {error.strerror}") from error
     except (yaml.YAMLError, ValueError, RecursionError) as error:
-        raise MapError(f"{path}: not YAML: {' '.join(str(error).split())}") from error
+        raise MapError(f"{path}: not YAML: {plain(error)}") from error
     if isinstance(content, dict):
         _require_known(path, content)
     try:
         return msgspec.convert(content, GridFile, strict=False)
-    except msgspec.ValidationError as error:
-        raise MapError(f"{path}: no grid of map_server: {error}") from error
+    except ValueError as error:
+        raise MapError(f"{path}: no grid of map_server: {plain(error)}") from error
 
 
 def _require_known(path: Path, content: dict[Any, Any]) -> None:

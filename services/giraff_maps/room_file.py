@@ -34,6 +34,7 @@ from typing import Final
 import msgspec
 
 from giraff_maps.floor_plan import FloorPlan, MapError, Wall
+from giraff_schemas.text import plain
 
 SHORTEST_WALL: Final = 1e-3
 """m: below it a segment has no direction worth the name."""
@@ -93,13 +94,15 @@ class RoomFile(_Strict, frozen=True, kw_only=True):
 def read_room_file(path: Path) -> RoomFile:
     """What a room file says. Raises MapError; whether its walls and posts can be is not asked yet."""
     try:
-        content = msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), RoomFile)
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise MapError(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise MapError(f"{path}: not TOML: {error}") from error
     except (ValueError, RecursionError) as error:
-        raise _odd(path, error) from error
+        raise MapError(f"{path}: not TOML: {plain(error)}") from error
+    try:
+        content = msgspec.convert(tables, RoomFile)
+    except ValueError as error:
+        raise MapError(f"{path}: {plain(error)}") from error
     places = [(content.start.x, content.start.y, content.start.yaw_deg), *content.waypoints]
     if not all(math.isfinite(value) for place in places for value in place):
         raise MapError(f"{path}: start and waypoints must be finite numbers")
@@ -148,11 +151,3 @@ def post_outline(x: float, y: float, radius: float) -> tuple[Point, ...]:
     """An octagon with its corners on the post, closed."""
     angles = (number * math.tau / _CORNERS for number in range(_CORNERS + 1))
     return tuple((x + radius * math.cos(angle), y + radius * math.sin(angle)) for angle in angles)
-
-
-def _odd(path: Path, error: ValueError | RecursionError) -> MapError:
-    if isinstance(error, msgspec.ValidationError):
-        return MapError(f"{path}: {error}")
-    if isinstance(error, RecursionError):
-        return MapError(f"{path}: not TOML: it is nested too deeply")
-    return MapError(f"{path}: not TOML: {error}")  # a number of thousands of digits

@@ -36,6 +36,7 @@ from giraff_mcap.writing import ABOUT, SUMMARY, below_robot
 from giraff_node.config.moved import modern
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
+from giraff_schemas.text import plain
 from giraff_schemas.topics import ROOT, topic_of
 
 _MAGIC: Final = b"\x89MCAP0\r\n"
@@ -204,7 +205,7 @@ class Recording:
         try:
             return modern(msgspec.json.decode(self.about.get("tables", "{}"), type=dict[str, Any])).tables
         except msgspec.MsgspecError as error:
-            raise RecordingError(f"{self.path}: the robot file in it is damaged: {error}") from error
+            raise RecordingError(f"{self.path}: the robot file in it is damaged: {plain(error)}") from error
 
     def _open(self) -> IO[bytes]:
         try:

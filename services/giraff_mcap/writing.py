@@ -17,6 +17,7 @@ from mcap.writer import CompressionType, Writer
 from giraff_mcap.durable import DurableFile
 from giraff_mcap.raw_sample import Count, LossCounter, RawSample, start_of
 from giraff_mcap.schemas import ENCODING, FOREIGN, name_of, schema_of
+from giraff_schemas.text import plain
 from giraff_schemas.topics import ROOT, topic_of
 
 PROFILE: Final = "giraff"
@@ -110,7 +111,7 @@ class RecordingWriter:
             data = msgspec.json.encode(content)
         except (msgspec.MsgspecError, UnicodeError, RecursionError, TypeError, ValueError, OverflowError) as error:
             self.unreadable[below_robot(sample.key)] = (
-                f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {error}"
+                f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {plain(error)}"
             )
             return
         start = start_of(content)

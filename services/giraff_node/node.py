@@ -45,6 +45,7 @@ from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamp
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health, WebPage
 from giraff_schemas.services import BASE, DOOR, GUARD, SERVICES
+from giraff_schemas.text import plain
 from giraff_schemas.topics import (
     PARAM_DESCRIBE,
     PARAM_SAVE,
@@ -255,7 +256,7 @@ class Node(Generic[ConfigT]):
                 request = decoder.decode(bytes(asked.payload or b""))
             except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
                 with asked:
-                    asked.reply_err(f"not a {query.request.__name__}: {error}")
+                    asked.reply_err(f"not a {query.request.__name__}: {plain(error)}")
                 return
             inbox.accept(_Query(asked, request))
             self._process.wake()

@@ -18,6 +18,7 @@ from giraff_node.picture_client import PictureClient
 from giraff_node.process.state import state_directory
 from giraff_node.process.unix_socket import listen_at
 from giraff_schemas.health import WebPage
+from giraff_schemas.text import plain
 from giraff_schemas.trouble import Trouble
 from giraff_web.camera import PictureSource
 from giraff_web.config import WebConfig
@@ -139,7 +140,7 @@ def _room(path: str) -> Room | None:
     except OSError as error:
         raise _RoomError(f"[web] room: {path} cannot be read: {error.strerror}") from error
     except (msgspec.MsgspecError, ValueError, RecursionError) as error:
-        raise _RoomError(f"[web] room: {path} is no room: {error}") from error
+        raise _RoomError(f"[web] room: {path} is no room: {plain(error)}") from error
 
 
 def _log_addresses(node: Node[WebConfig], addresses: list[str]) -> None:

@@ -71,6 +71,54 @@ def test_no_text_is_read_or_written_by_the_letters_of_the_locale() -> None:
 LOOPHOLES = {"skip", "skipif", "skipIf", "skipUnless", "xfail", "importorskip", "SkipTest"}
 
 
+LIBRARIES = ("msgspec", "tomllib", "yaml", "csv")
+"""Those that say in their own words what they cannot read."""
+SAID = {"UnicodeDecodeError", "RecursionError"} | {f"{library}." for library in LIBRARIES}
+
+
+def raw_texts(source: str) -> list[int]:
+    """Lines that pass on what a library says of a text, and not through `plain`."""
+    found = []
+    for tried in (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Try)):
+        calls = {ast.unparse(call.func) for line in tried.body for call in ast.walk(line) if isinstance(call, ast.Call)}
+        reads = any(call.startswith(LIBRARIES) and "." in call and ".structs." not in call for call in calls)
+        for handler in tried.handlers:
+            caught = ast.unparse(handler.type) if handler.type else ""
+            if not handler.name or not (any(each in caught for each in SAID) or (reads and "ValueError" in caught)):
+                continue
+            inner = [node for line in handler.body for node in ast.walk(line)]
+            passed = [
+                node
+                for call in inner
+                if isinstance(call, ast.Call)
+                for node in call.args
+                if "plain" in ast.unparse(call.func)
+            ]
+            passed += [raised.cause for raised in inner if isinstance(raised, ast.Raise) and raised.cause]
+            passed += [node.value for node in inner if isinstance(node, ast.Attribute)]
+            found += [
+                node.lineno
+                for node in inner
+                if isinstance(node, ast.Name) and node.id == handler.name and node not in passed
+            ]
+    return found
+
+
+def test_what_a_library_says_is_told_in_our_words() -> None:
+    shown = {name(path): raw_texts(text_of(path)) for path in sources(".py", under=("schemas", "services", "scripts"))}
+    assert {path: lines for path, lines in shown.items() if lines} == {}
+
+
+def test_a_raw_text_shows() -> None:
+    for caught in ("msgspec.ValidationError", "(OSError, tomllib.TOMLDecodeError)", "UnicodeDecodeError"):
+        assert raw_texts(f"try:\n    read()\nexcept {caught} as error:\n    raise E(f'a: {{error}}') from error") == [4]
+    assert raw_texts("try:\n    msgspec.convert(a, B)\nexcept ValueError as error:\n    tell(str(error))") == [4]
+    assert (
+        raw_texts("try:\n    msgspec.convert(a, B)\nexcept ValueError as error:\n    raise E(plain(error)) from error")
+        == []
+    )
+
+
 def loopholes(source: str) -> list[str]:
     """The names in a test module by which a test can end without having passed or failed."""
     found: list[str] = []

@@ -68,7 +68,7 @@ def test_a_file_says_where_things_are(tmp_path: Path) -> None:
     [
         ("name = ", "not TOML"),
         (f'nam = "x"\n{START}', "unknown field `nam`"),
-        ('name = "x"\n', "missing required field `start`"),
+        ('name = "x"\n', "`start` is missing"),
         (f'name = "x"\n{START}walls = 3\n', "walls"),
         (f'name = "x"\n{START}[[walls]]\nname = "w"\npoints = [[0, 1]]\n', "'w' has 1 points"),
         (

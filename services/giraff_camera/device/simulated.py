@@ -12,6 +12,7 @@ import numpy as np
 
 from giraff_camera.device.image import DeviceError, Image
 from giraff_camera.device.raw_frames import Header, Wanted
+from giraff_schemas.text import plain
 from giraff_schemas.trouble import Trouble
 
 _LONGEST_HEADER: Final = 512
@@ -56,7 +57,7 @@ class SimulatedCamera:
                     raise DeviceError(self._gone("it has ended within a picture"))
                 filled += more
         except msgspec.MsgspecError as error:
-            raise DeviceError(self._wrong(str(error))) from error
+            raise DeviceError(self._wrong(plain(error))) from error
         except OSError as error:
             raise DeviceError(self._gone(error.strerror or str(error))) from error
         return Image(pixels, header.taken_ns * _S_PER_NS, header.exposure_ns * _S_PER_NS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -10,8 +9,10 @@ import msgspec
 
 from giraff_cli.motion.steps import arc, move, turn
 from giraff_cli.typed import angle
+from giraff_node.config.robot_file import parse_toml
 from giraff_node.motion_client import Wish
 from giraff_schemas.motion import GoTo, Step
+from giraff_schemas.text import plain
 
 _MOST: Final = 1_000_000  # bytes; more is no pattern
 _KINDS: Final = 'move = 2.0, turn = "180deg", arc = {radius = 1.0, angle = "90deg"} or go_to = [1.0, 0.0]'
@@ -45,16 +46,22 @@ class _Pattern(msgspec.Struct, forbid_unknown_fields=True):
 def read_pattern(path: Path) -> Wish:
     """What the file asks for. Raises PatternError."""
     try:
-        return _wish(msgspec.convert(tomllib.loads(_text(path)), _Pattern))
+        text = _text(path)
     except OSError as error:
         raise PatternError(f"{path}: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise PatternError(f"{path}: it is no text") from error
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
+        raise PatternError(f"{path}: {plain(error)}") from error
+    try:
+        tables = parse_toml(text)
+    except ValueError as error:
         raise PatternError(f"{path}: no TOML: {error}") from error
-    except msgspec.ValidationError as error:
-        raise PatternError(f"{path}: {error}; a step is one of {_KINDS}") from error
-    except (ValueError, RecursionError) as error:
+    try:
+        pattern = msgspec.convert(tables, _Pattern)
+    except ValueError as error:
+        raise PatternError(f"{path}: {plain(error)}; a step is one of {_KINDS}") from error
+    try:
+        return _wish(pattern)
+    except ValueError as error:
         raise PatternError(f"{path}: {error}") from error
 
 

@@ -6,13 +6,12 @@ import sys
 import time
 from typing import Final
 
-import msgspec
-
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.robot import RobotConfig
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
 from giraff_node.network.query_client import QueryClient
+from giraff_schemas.checks import converted
 from giraff_schemas.params import ParamAnswer, ParamDescribe
 from giraff_schemas.services import BASE
 from giraff_schemas.topics import PARAM_DESCRIBE
@@ -53,8 +52,8 @@ def limits_of(answer: ParamAnswer, robot: str) -> RobotConfig:
     # A newer base may know more, which is no business of an operator.
     known = {field: told[field] for field in RobotConfig.__struct_fields__ if field in told}
     try:
-        return msgspec.convert(known | {"name": robot}, RobotConfig)
-    except msgspec.ValidationError as error:
+        return converted(known | {"name": robot}, RobotConfig)
+    except ValueError as error:
         raise NoRobotError(
             f"base of {robot} at {answer.host} tells limits that cannot be: {error}; "
             "check its robot file, and that both machines have the same version of giraff"

@@ -22,6 +22,7 @@ from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
 from giraff_schemas.services import CAMERA, LOCALIZATION, SERVICES, SIMULATED, WEB
+from giraff_schemas.text import plain
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
 from giraff_sim.world.room import read_room
@@ -195,7 +196,7 @@ class SimulatedRobot:
         try:
             return msgspec.json.decode(line, type=_Ready)
         except msgspec.DecodeError as error:
-            raise StartError(f"the simulator said {line!r} where its ready line belongs: {error}") from error
+            raise StartError(f"the simulator said {line!r} where its ready line belongs: {plain(error)}") from error
 
     def _connected(self) -> SimulatorClient:
         if self._client is None:

@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
-import msgspec
-
 from giraff_base.drives.balancer.config import BalancingBody
 from giraff_base.drives.balancer.stability import DELAYS, MARGIN, Gains, Loop
 from giraff_cli.network.command import print_error
@@ -19,6 +17,7 @@ from giraff_cli.tune.gains import gains_of
 from giraff_cli.tune.step import SECONDS, STEP, Response, respond_to_step
 from giraff_core.bounds import check_bounds
 from giraff_node.config.robot_file import ConfigError, read
+from giraff_schemas.checks import converted
 
 _NAMES: Final = Gains._fields
 _BALANCER: Final = "balancer"
@@ -55,7 +54,7 @@ def tune_balance(file: Path | None) -> int:
         return print_error(str(error))
     try:
         body = _body(settings.tables.get("base", {}).get("drive"))
-    except (ValueError, msgspec.ValidationError) as error:
+    except ValueError as error:
         return print_error(f"{settings.place('base')}: {error}")
 
     def tell() -> int:
@@ -98,7 +97,7 @@ def _body(drive: Any) -> FiledBody:
     kind = drive.get("type") if isinstance(drive, dict) else None
     if kind != _BALANCER:
         raise ValueError(f"drive.type is {kind!r}: only for '{_BALANCER}' there are gains to compute; name its file")
-    return msgspec.convert(drive, FiledBody, strict=False)
+    return converted(drive, FiledBody, strict=False)
 
 
 def _margin(body: BalancingBody, gains: Gains) -> str:

@@ -74,5 +74,5 @@ def _geometry(recording: Recording) -> RobotConfig:
     try:
         table = by_type(recording.tables()["robot"] | {"name": recording.robot})
         return msgspec.convert(table, RobotConfig, strict=False)
-    except (KeyError, TypeError, ValueError, RecordingError, msgspec.MsgspecError):
+    except (KeyError, TypeError, ValueError, RecordingError):
         return known_robot(recording.robot)

@@ -11,6 +11,7 @@ import msgspec
 
 from giraff_core.io import Store, Writer
 from giraff_schemas.requests import EStopAnswer
+from giraff_schemas.text import plain
 from giraff_schemas.trouble import Trouble
 
 RESET_COMMAND: Final = "giraff estop reset"
@@ -60,7 +61,7 @@ def load_latch(store: Store, lost_id: int) -> EStopLatch:
     except OSError as error:
         why = f"{path} cannot be read: {error.strerror}"
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-        why = f"{path} is damaged: {error}"
+        why = f"{path} is damaged: {plain(error)}"
     return EStopLatch(
         engaged=True,
         id=lost_id,  # of the one that was lost nothing is known: not its id again

@@ -11,6 +11,7 @@ from typing import Annotated, Final
 
 import msgspec
 
+from giraff_schemas.text import plain
 from giraff_schemas.trouble import WELL, Trouble
 
 CA_CERTIFICATE: Final = "ca.pem"
@@ -75,4 +76,4 @@ def read_bundle(folder: Path) -> KeyBundle:
     except OSError as error:
         raise BundleError(f"{path} cannot be read: {error.strerror}") from error
     except (msgspec.MsgspecError, ValueError, RecursionError) as error:
-        raise BundleError(f"{path} is damaged: {error}") from error
+        raise BundleError(f"{path} is damaged: {plain(error)}") from error

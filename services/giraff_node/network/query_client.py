@@ -16,7 +16,7 @@ from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of
 from giraff_schemas.requests import EStopAnswer, EStopEngage
 from giraff_schemas.services import BASE
-from giraff_schemas.text import printable
+from giraff_schemas.text import plain, printable
 from giraff_schemas.topics import ESTOP, ESTOP_ENGAGE, AnswerT, Query, RequestT, key_of
 
 _TURN: Final = 0.01  # s
@@ -71,7 +71,7 @@ class QueryClient(RetriedRequest[AnswerT], Generic[RequestT, AnswerT]):
         try:
             self.on_answer(msgspec.msgpack.decode(bytes(reply.ok.payload), type=self._query.answer))
         except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
-            self.fault = f"{self.key}: answered with something else than {self._query.answer.__name__}: {error}"
+            self.fault = f"{self.key}: answered with something else than {self._query.answer.__name__}: {plain(error)}"
 
 
 class EStopClient(QueryClient[EStopEngage, EStopAnswer]):

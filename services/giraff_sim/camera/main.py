@@ -26,6 +26,7 @@ from giraff_core.sensors import Camera
 from giraff_node.config.robot_file import ConfigError, load
 from giraff_node.process.malloc import keep_freed_memory
 from giraff_node.process.unix_socket import listen_at
+from giraff_schemas.text import plain
 from giraff_sim.camera.lens import resized
 from giraff_sim.camera.renderer import Picture, Renderer
 from giraff_sim.camera.scene import Scene, Shadow
@@ -151,7 +152,7 @@ def _wanted(reader: socket.socket) -> Wanted:
     try:
         wanted = msgspec.json.decode(received.partition(b"\n")[0], type=Wanted)
     except msgspec.DecodeError as error:
-        raise _Refused(f"not a request: {error}") from error
+        raise _Refused(f"not a request: {plain(error)}") from error
     if wanted.width not in _SIZES or wanted.height not in _SIZES or not 0.0 < wanted.rate <= _FASTEST:
         raise _Refused(f"there are no pictures of {wanted.width} by {wanted.height} at {wanted.rate:g} Hz")
     return wanted

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import msgspec
 
+from giraff_schemas.text import plain
 from giraff_schemas.wire import BoardKind, DriveState, Latch, Refusal, ResetCause, WheelsFrame, Wiring
 from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.wheels.body import WheelsBody
@@ -76,7 +77,7 @@ class Control:
             request = self._decoder.decode(line)
             reply = self._actions[type(request)](request)
         except msgspec.DecodeError as error:
-            return messages.Reply(ok=False, error=f"not a request: {error}")
+            return messages.Reply(ok=False, error=f"not a request: {plain(error)}")
         except (ValueError, RoomError, ScriptError) as error:
             return messages.Reply(ok=False, error=str(error))
         return reply or messages.Reply(ok=True, now_us=self._simulation.now_us)

@@ -13,6 +13,7 @@ import random
 from pathlib import Path
 from typing import Final, Protocol
 
+from giraff_schemas.text import plain
 from giraff_sim.world.bno055 import GRAVITY, Vector
 from giraff_sim.world.room import Pose
 
@@ -159,7 +160,7 @@ def read_script(path: Path, begin: float = 0.0) -> ScriptedHand:
                 times.append(time + begin)
                 vectors.append((vector[0], vector[1], vector[2]))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise ScriptError(f"{path}: cannot be read: {error}") from error
+        raise ScriptError(f"{path}: cannot be read: {plain(error)}") from error
     if not times:
         raise ScriptError(f"{path}: holds no row of t, x, y, z")
     return ScriptedHand(times, vectors)

@@ -11,6 +11,7 @@ from typing import Final, NamedTuple
 import msgspec
 from aiohttp import WSMsgType, web
 
+from giraff_schemas.text import plain
 from giraff_web.limits import Credit, Limits, Rate
 from giraff_web.messages import LARGEST, End, FromPage, Hello, Looking, OpenPage, OpenPages, Refused, Seen, Stop
 from giraff_web.pages import Event, Said, StopAsked
@@ -167,7 +168,7 @@ class Connection:
         try:
             said = _decoder.decode(data)
         except (msgspec.MsgspecError, ValueError, RecursionError) as error:
-            return f"not a message of a page: {error}"
+            return f"not a message of a page: {plain(error)}"
         now = self._loop.time()
         if isinstance(said, Stop):
             self._put(StopAsked(self.device, said.off))  # before its rate is looked at

@@ -13,6 +13,7 @@ from aiohttp import ClientError, web
 from aiohttp.http_exceptions import HttpProcessingError
 
 from giraff_schemas.messages import EStop
+from giraff_schemas.text import plain
 from giraff_web.devices import device_name
 from giraff_web.messages import LARGEST
 from giraff_web.server.doorman import Guarded
@@ -159,7 +160,7 @@ class Requests:
         try:
             token = msgspec.json.decode(await _body(request), type=_Shows).token
         except (msgspec.MsgspecError, ValueError, RecursionError) as error:
-            return _refusal(400, f'the body is to be {{"token": "..."}}: {error}')
+            return _refusal(400, f'the body is to be {{"token": "..."}}: {plain(error)}')
         device, address = _device(request), str(request.remote)
         got = self._sessions.redeem(token, device, address, self._loop.time())
         if isinstance(got, Granted):

@@ -20,7 +20,7 @@ ANGLES: tuple[tuple[tuple[str, ...], str], ...] = (
     (("move", "2cm"), "'2cm' is no length"),
     (("move", "0"), "a move of 0 m goes nowhere"),
     (("move", "-1", "--sped", "1"), "--sped"),
-    (("move", "1", "--speed", "0"), "0.0 is not in the range x>=0.01"),
+    (("move", "1", "--speed", "0"), "0.0 must be 0.01 or more"),
     (("move", "1", "--speed", "inf"), "inf is no number to count with"),
     (("move", "1", "--time-limit", "nan"), "'--time-limit'"),
     (("turn", "90"), "90 is more than a turn in radians: 90deg, or 90rad"),

@@ -28,12 +28,12 @@ def test_a_bundle_tells_whose_it_is_and_until_when(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("", "required field `name`"),
-        (TEXT.replace('"robot"', "3"), "Expected `str`"),
-        (TEXT.replace("Z", ""), "timezone"),
-        (TEXT.replace("2028-11-20T12:00:00Z", '"soon"'), "Expected `datetime`"),
-        ("name = ", "Invalid value"),
-        ("name = '\udc80'", "utf-8"),
+        ("", "`name` is missing"),
+        (TEXT.replace('"robot"', "3"), "name must be text, and is a number"),
+        (TEXT.replace("Z", ""), "made needs a time zone"),
+        (TEXT.replace("2028-11-20T12:00:00Z", '"soon"'), "expires must be a date with its time, and is text"),
+        ("name = ", "a value is missing"),
+        ("name = '\udc80'", "no text"),
     ],
 )
 def test_a_damaged_one_says_why(tmp_path: Path, text: str, why: str) -> None:

@@ -120,20 +120,20 @@ def test_a_missing_field_is_named(topic: Topic[Any], field: str) -> None:
 def test_a_field_of_the_wrong_type_is_named(topic: Topic[Any], field: str) -> None:
     wrong = "text is no picture" if field == "jpeg" else b"bytes are nowhere else right"
     message = refusal(topic, packed(an_example(topic.schema) | {field: wrong}))
-    assert f"$.{field}" in message
+    assert f"{field} must be " in message
 
 
 @pytest.mark.parametrize("field", ["seq", "stamp_ns", "instance"])
 @every_topic
 def test_what_every_sample_starts_with_is_checked(topic: Topic[Any], field: str) -> None:
     message = refusal(topic, packed(an_example(topic.schema) | {field: [1]}))
-    assert f"$.{field}" in message
+    assert f"{field} must be " in message
 
 
 def test_a_wrong_field_inside_another_is_named_by_its_path() -> None:
     example = an_example(m.BaseState)
     example["board"] = example["board"] | {"accepted": "many"}
-    assert "$.board.accepted" in refusal(BASE, packed(example))
+    assert "board.accepted must be " in refusal(BASE, packed(example))
 
 
 def paths_of_floats(example: dict[Any, Any]) -> list[tuple[str | int, ...]]:
@@ -264,7 +264,7 @@ def test_a_distance_goes_with_an_echo_and_with_nothing_else(state: str, range_: 
     ],
 )
 def test_a_word_that_is_not_in_the_vocabulary_is_refused(topic: Topic[Any], field: str, value: str) -> None:
-    assert f"$.{field}" in refusal(topic, packed(an_example(topic.schema) | {field: value}))
+    assert f"{field} cannot be " in refusal(topic, packed(an_example(topic.schema) | {field: value}))
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ import numpy as np
 from giraff_cli.calibrate.paths import Floats
 from giraff_cli.calibrate.runs import Geometry, MeasuredPose, Run
 from giraff_core.bounds import Bounds
+from giraff_schemas.text import plain
 
 TIME, X, Y, YAW, RIGHT, LEFT = range(6)
 """Columns."""
@@ -138,7 +139,7 @@ def _rows(path: Path, form: str, in_a_folder: str) -> Iterator[tuple[int, list[s
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}") from error
     except (UnicodeDecodeError, csv.Error) as error:
-        raise RecordingError(f"{path}: is no CSV: {error}; {form}") from error
+        raise RecordingError(f"{path}: is no CSV: {plain(error)}; {form}") from error
     if not found:
         raise RecordingError(f"{path}: is empty; was the disk full when it was written?")
 
