@@ -191,6 +191,8 @@ WATCHED: Final = (*ROBOTS_OWN, JOYSTICK.name)
 """Names of those whose end is an incident while the robot is armed."""
 INSTALLED: Final = (DOOR.name, *(service.name for service in SERVICES if service.inside))
 """Names of those that are started on a robot's computer unless somebody says otherwise."""
+ANSWERING: Final = frozenset(service.name for service in SERVICES if service.table and service.host != "router")
+"""Names of those that answer for their parameters on the robot's network."""
 ROLES: Final = {
     "robot": INSTALLED,
     "laptop": tuple(service.name for service in OPERATORS if service.board is not None),

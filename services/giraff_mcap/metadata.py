@@ -5,12 +5,15 @@ from __future__ import annotations
 import platform
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
+from typing import Final
 
 import msgspec
 
 from giraff_mcap.schemas import tables_hash
 from giraff_node.config.robot_file import ConfigError, read_tables
 
+ASKED: Final = "asked"
+"""Field of a recording whose recorder has asked the services for their parameters."""
 _SECRETS = "network"  # where keys lie and who may do what is nobody's business who is given a recording
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import struct
 from base64 import b64decode
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
@@ -31,14 +31,18 @@ from mcap.records import Channel, Header, Message, Metadata
 from mcap.stream_reader import CRCValidationError, StreamReader
 from zstandard import ZstdError
 
+from giraff_core.robot import RobotConfig
+from giraff_core.sensors import by_type
 from giraff_mcap.raw_sample import Count, LossCounter, start_of
 from giraff_mcap.writing import ABOUT, SUMMARY, below_robot
-from giraff_node.config.moved import modern
+from giraff_node.config.moved import modern, put
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
+from giraff_schemas.params import Param, ParamAnswer
 from giraff_schemas.text import plain
-from giraff_schemas.topics import ROOT, topic_of
+from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, topic_of
 
+_SHARED: Final = "robot."
 _MAGIC: Final = b"\x89MCAP0\r\n"
 _LARGEST: Final = 1 << 28
 """Bytes of a record: a damaged length must not fill the memory."""
@@ -201,17 +205,61 @@ class Recording:
         return topics
 
     def tables(self) -> dict[str, Any]:
-        """The robot file as the recorder had it, with each field where it stands now; empty: it had none."""
+        """Return the tables that the services went by, as they told the recorder.
+
+        Those of a service that told nothing are as in the robot file that the recorder had. Empty: it had none.
+        Each field stands where it stands now, and sensors as in `RobotConfig`.
+        """
         try:
-            return modern(msgspec.json.decode(self.about.get("tables", "{}"), type=dict[str, Any])).tables
-        except msgspec.MsgspecError as error:
+            tables = modern(msgspec.json.decode(self.about.get("tables", "{}"), type=dict[str, Any])).tables
+            if "robot" in tables:
+                tables["robot"] = by_type(tables["robot"])
+            for service, params in self.described.items():
+                put_params(tables, service, params)
+        except (msgspec.MsgspecError, TypeError, ValueError) as error:
             raise RecordingError(f"{self.path}: the robot file in it is damaged: {plain(error)}") from error
+        return tables
+
+    @cached_property
+    def described(self) -> dict[str, tuple[Param, ...]]:
+        """By service, the parameters that it went by when the recorder asked it first."""
+        found: dict[str, tuple[Param, ...]] = {}
+        for answer in map(
+            params_in, self.samples((PARAM_DESCRIBE.key,)) if self.matching((PARAM_DESCRIBE.key,)) else ()
+        ):
+            if answer is not None and is_whole(answer):
+                found.setdefault(answer.service, answer.params)
+        return found
 
     def _open(self) -> IO[bytes]:
         try:
             return self.path.open("rb")
         except OSError as error:
             raise RecordingError(f"{self.path}: {error.strerror}") from error
+
+
+def params_in(sample: Recorded) -> ParamAnswer | None:
+    """Return what a service has told of its parameters; None: this is something else."""
+    if not fnmatchcase(sample.key, PARAM_DESCRIBE.key):
+        return None
+    try:
+        return msgspec.json.decode(sample.data, type=ParamAnswer)
+    except msgspec.MsgspecError:  # of another version
+        return None
+
+
+def is_whole(answer: ParamAnswer) -> bool:
+    """Tell whether an answer has all parameters of its service, and not the one alone that was set."""
+    return any(param.name.startswith(_SHARED) for param in answer.params)
+
+
+def put_params(tables: dict[str, Any], service: str, params: Iterable[Param]) -> None:
+    """Set the values of parameters in the table of their service, and those of [robot] there."""
+    for param in params:
+        if not param.name.startswith(_SHARED):
+            put(tables, (service, *param.name.split(".")), param.value)
+        elif (field := param.name.removeprefix(_SHARED)) in RobotConfig.__struct_fields__:
+            put(tables, ("robot", field), param.value)
 
 
 def _what(error: Exception) -> str:

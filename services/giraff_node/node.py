@@ -44,6 +44,7 @@ from giraff_schemas.boards import BoardType
 from giraff_schemas.codec import DecodeError, decode, encode, encoding_of, stamped
 from giraff_schemas.frames import Transform
 from giraff_schemas.health import Health, WebPage
+from giraff_schemas.params import ParamAnswer
 from giraff_schemas.services import BASE, DOOR, GUARD, SERVICES
 from giraff_schemas.text import plain
 from giraff_schemas.topics import (
@@ -162,6 +163,7 @@ class Node(Generic[ConfigT]):
         self._params = Parameters(service, filed, self.robot)
         self.store = Folder(state_directory(self.robot.name), self._process.wake)
         self._server = ParameterServer(service, self.instance, self.hostname, self._params, self.store, self.log.info)
+        self._server.on_set = self._tell_set
         self.set_fault("params", self._server.fault)
         self.on_reconfigured: Callable[[Any], None] | None = None
         secured = network.mode == "secured" and not network.session_file
@@ -360,6 +362,17 @@ class Node(Generic[ConfigT]):
                 f"peer {peer} is linked at a socket of this host and from elsewhere, too: another may speak in its "
                 "name, and would be believed"
             )
+        )
+
+    def _tell_set(self, answer: ParamAnswer) -> None:
+        """Say what was set, for recordings. It stays in order with the commands of this service."""
+        self.session.put(
+            key_of(self.robot.name, PARAM_DESCRIBE.at(self.service)),
+            encode(answer),
+            encoding=encoding_of(ParamAnswer),
+            congestion_control=zenoh.CongestionControl.DROP,
+            priority=zenoh.Priority.REAL_TIME,
+            express=True,
         )
 
     def _sees_router(self) -> bool:

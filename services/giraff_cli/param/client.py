@@ -19,7 +19,7 @@ from giraff_node.network.query_client import QueryClient
 from giraff_node.network.tokens import find_tokens
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
-from giraff_schemas.services import SERVICES
+from giraff_schemas.services import ANSWERING
 from giraff_schemas.text import plain, printable, printable_lines
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
 
@@ -27,8 +27,6 @@ _PATIENCE: Final = 3.0  # s, for a robot to be found, and then for its services 
 _SAVE_PATIENCE: Final = 10.0  # s, for a slow disk
 _SETTLED: Final = 0.5  # s after the first service was found: the others of a network are met within some ten ms
 _TURN: Final = 0.02  # s
-_ANSWERING: Final = frozenset(service.name for service in SERVICES if service.table and service.host != "router")
-"""Services that answer for their parameters on the robot's network."""
 
 _DONE: Final = 0
 _WRONG: Final = 1
@@ -128,7 +126,7 @@ def _services(connection: RobotConnection, names: Iterable[str]) -> set[str]:
     deadline, settled = time.monotonic() + _PATIENCE, 0.0
     while time.monotonic() < deadline:
         there |= {token.service for token in find_tokens(connection.session, alive_key(connection.robot), _PATIENCE)}
-        there &= _ANSWERING
+        there &= ANSWERING
         settled = settled or (time.monotonic() + _SETTLED if there else 0.0)
         if wanted and wanted <= there:
             break

@@ -16,10 +16,11 @@ import zenoh
 
 from giraff_cli.network.command import print_error, run_on_network
 from giraff_cli.network.connection import RobotConnection
+from giraff_cli.record.parameters import RecordedParameters
 from giraff_cli.record.pictures import NoPictures, RecordedPictures
 from giraff_cli.record.report import Report, told
 from giraff_cli.terminal.signals import StopSignal
-from giraff_mcap.metadata import metadata_of
+from giraff_mcap.metadata import ASKED, metadata_of
 from giraff_mcap.raw_subscriber import RawSubscriber, lower_priority
 from giraff_mcap.writing import RecordingWriter
 from giraff_node.network.consent import NoRobotError
@@ -108,7 +109,7 @@ def _record(
         return print_error("ended before a robot came: nothing was recorded")
     path = path or Path(f"{robot}-{datetime.now(UTC):%Y%m%d-%H%M%S}.mcap")
     try:
-        writer = RecordingWriter(path, metadata_of(robot))
+        writer = RecordingWriter(path, metadata_of(robot) | {ASKED: "yes"})
     except FileExistsError:
         return print_error(f"{path} is there already: name another, or move it away; nothing is ever written over")
     except OSError as error:
@@ -123,7 +124,8 @@ def _record(
         tell(f"recording {robot} into {path}; Ctrl-C ends it")
         trouble = ended_by = ""
         try:
-            ended_by = _follow(robot, monitor, writer, subscriber, pictures, stopping, limits)
+            parameters = RecordedParameters(connection.session, robot)
+            ended_by = _follow(robot, monitor, writer, subscriber, pictures, parameters, stopping, limits)
             if writer.first_ns is not None:
                 writer.close(ended_by)
         except OSError as error:
@@ -168,6 +170,7 @@ def _follow(
     writer: RecordingWriter,
     subscriber: RawSubscriber,
     pictures: NoPictures,
+    parameters: RecordedParameters,
     stopping: StopSignal,
     limits: Limits,
 ) -> str:
@@ -177,6 +180,8 @@ def _follow(
     while True:
         ended = pictures.wait(stopping, _SYNC_EVERY)
         writer.add([*subscriber.take(), *pictures.take()])
+        if writer.first_ns is not None:  # a robot that says nothing is not recorded
+            writer.add(parameters.take(time.monotonic(), time.monotonic_ns()))
         writer.sync()
         now = time.monotonic()
         if now >= tune_at:

@@ -6,10 +6,10 @@ serial lines, which are not recorded.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from statistics import median
-from typing import Any, Final
+from typing import Any, Final, Generic, TypeVar
 
 import msgspec
 
@@ -18,6 +18,7 @@ from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_guard.policy import GuardPolicy
+from giraff_mcap.reading import is_whole, put_params
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy
 from giraff_schemas.bumper import Bump
@@ -34,16 +35,47 @@ from giraff_schemas.messages import (
     Tick,
     Wheels,
 )
+from giraff_schemas.params import ParamAnswer
 from giraff_schemas.requests import OdomReset, OdomSetPose
+from giraff_schemas.services import GUARD as GUARD_SERVICE
+from giraff_schemas.services import ODOMETRY
 from giraff_schemas.topics import CMD_VEL, GUARD, LEASE, ODOM, SampleT
 
 _ON_ITS_WAY_NS: Final = 500_000
 """From a sample's stamp at its maker until the guard's turn can take it, and from there to the guard's own stamp:
 neither is recorded."""
 _AROUND_NS: Final = 20_000_000
+_COMMAND_AROUND_NS: Final = 500_000_000
+"""The ticks of commands tell for longer: a guard that stood still for a moment takes them late, and in order."""
 _SETTLES: Final = 1.0  # s after which what was missed of a young guard's life no longer shows
 _SPEED: Final = 0.01
 """m/s, rad/s: what a limit may differ by. It depends on the moment of the guard's turn, known to a millisecond."""
+
+
+_SAYS: Final[dict[str, type[Sample]]] = {GUARD_SERVICE.name: GuardedCommand, ODOMETRY.name: Odometry}
+"""By service that is replayed, the samples that it says at each of its turns."""
+ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
+
+
+class Settings(Generic[ConfigT]):
+    """What a process goes by, from one sample of its own to the next."""
+
+    def __init__(self, config: ConfigT, changes: Sequence[tuple[int, ParamAnswer]]) -> None:
+        """`changes`: what was set, with the number of the newest sample that was said before."""
+        self.live = Live(config)
+        self._changes = deque(changes)
+
+    def go_on(self, seq: int) -> None:
+        """Go by what was set before the sample of this number."""
+        while self._changes and self._changes[0][0] < seq:
+            self.live.replace(with_params(self.live.config, self._changes.popleft()[1]))
+
+
+def with_params(config: ConfigT, answer: ParamAnswer) -> ConfigT:
+    """Return `config` with the values that its service has told."""
+    tables = {answer.service: msgspec.to_builtins(config)}
+    put_params(tables, answer.service, answer.params)
+    return msgspec.convert(tables[answer.service], type(config), strict=False)
 
 
 class RecordedSamples:
@@ -51,10 +83,26 @@ class RecordedSamples:
 
     def __init__(self) -> None:
         self._by_type: dict[type[Sample], list[Sample]] = defaultdict(list)
+        self._newest: dict[tuple[type[Sample], str], int] = {}
+        self._told: list[tuple[int, ParamAnswer]] = []
+        """Each with the number of its service's newest sample before it."""
 
     def add(self, sample: Sample) -> None:
         """The next of it."""
         self._by_type[type(sample)].append(sample)
+        self._newest[type(sample), sample.instance] = sample.seq
+
+    def add_params(self, answer: ParamAnswer) -> None:
+        """Take what a service has told of its parameters, behind the samples that were heard before."""
+        if (type_ := _SAYS.get(answer.service)) is not None:
+            self._told.append((self._newest.get((type_, answer.instance), -1), answer))
+
+    def settings(self, config: ConfigT, service: str, instance: str) -> Settings[ConfigT]:
+        """Return what a process went by. `config`: what it is taken for where it has told nothing."""
+        own = [told for told in self._told if (told[1].service, told[1].instance) == (service, instance)]
+        for answer in [answer for _, answer in own if is_whole(answer)][:1]:
+            config = with_params(config, answer)
+        return Settings(config, [told for told in own if not is_whole(told[1])])
 
     def of(self, type_: type[SampleT]) -> list[SampleT]:
         """Sorted by their maker's stamp."""
@@ -71,54 +119,73 @@ def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotC
     """
     found = Agreement(service="odometry", key=ODOM.key)
     recorded = {(sample.boot_id, sample.board_us): sample for sample in said.of(Odometry)}
-    policy: OdometryPolicy | None = None
-    is_sure = False
-    path_then: float | None = None  # of the sample before, while the path is not known
+    odometry: _Odometry | None = None
+    settings, instance = Settings(config, ()), ""
     last: Wheels | None = None
     for wheels in said.of(Wheels):
         then = recorded.get((wheels.boot_id, wheels.board_us))
+        if then is not None:
+            if then.instance != instance:
+                odometry, instance = None, then.instance
+                settings = said.settings(config, ODOMETRY.name, instance)
+            settings.go_on(then.seq)
         whole = last is not None and (wheels.instance, wheels.seq) == (last.instance, last.seq + 1)
         last = wheels
-        if policy is None or not whole:
+        if odometry is None or not whole:
             # It was on its way already, or the recording lacks what it heard: it goes on from what it said.
             if then is not None:
                 found.left_out += 1
-                policy, is_sure = _going_on(OdometryPolicy(Live(config), robot), wheels, then), not any(then.covariance)
-                path_then = then.path if then.path or not is_sure else None
+                odometry = _Odometry(settings.live, robot, wheels, then)
             continue
+        differs = odometry.differences(wheels, then)
+        if differs is None:
+            found.left_out += then is not None
+        elif then is not None:
+            found.take(then, differs)
+    return found
+
+
+class _Odometry:
+    """One odometry's life, from a sample on that it has said."""
+
+    def __init__(self, live: Live[OdometryConfig], robot: RobotConfig, wheels: Wheels, then: Odometry) -> None:
+        self._policy = OdometryPolicy(live, robot)
+        self._go_on(wheels, then)
+
+    def _go_on(self, wheels: Wheels, then: Odometry) -> None:
+        """Become what it was when it said `then` to `wheels`; but for what it said nothing of."""
+        policy = self._policy
+        policy.on_wheels(wheels)
+        policy.on_set_pose(OdomSetPose(by="", id=then.jumps, x=then.x, y=then.y, yaw=then.yaw))
+        policy.jumps = then.jumps
+        policy.estimate = Estimate(x=then.x, y=then.y, yaw=then.yaw, covariance=then.covariance, path=then.path)
+        self._is_sure = not any(then.covariance)
+        self._path_then: float | None = then.path if then.path or not self._is_sure else None  # None: path is known
+
+    def differences(self, wheels: Wheels, then: Odometry | None) -> list[str] | None:
+        """Return how what it says now differs from `then`; None where nothing is to be compared."""
+        policy, path = self._policy, self._policy.estimate.path
         jumped = then is not None and then.jumps != policy.jumps
         if then is not None and jumped:
             policy.jumps = then.jumps - 1
             policy.on_reset(OdomReset(by="", id=then.jumps))
-        path_now = policy.estimate.path
         now = policy.on_wheels(wheels)
         if then is None:
-            continue
+            return None
         if jumped and (now is None or differences(then, now, 0.0)):  # it was no reset, or some of it was not heard
-            found.left_out += 1
-            policy, is_sure, path_then = _going_on(policy, wheels, then), not any(then.covariance), then.path
-            continue
-        is_sure = is_sure or jumped or not any(then.covariance)
-        if now is not None and not is_sure:
+            self._go_on(wheels, then)
+            return None
+        self._is_sure = self._is_sure or jumped or not any(then.covariance)
+        if now is None:
+            return ["not said"]
+        if not self._is_sure:
             now = msgspec.structs.replace(now, covariance=then.covariance)
-        if now is not None and path_then is not None:
-            if then.path > path_then and policy.estimate.path > path_now:
-                policy.estimate = msgspec.structs.replace(policy.estimate, path=then.path)
-                path_then = None
-            else:
-                path_then = then.path
+        if self._path_then is not None:
+            both_grow = then.path > self._path_then and policy.estimate.path > path
+            self._path_then = None if both_grow else then.path
+            policy.estimate = msgspec.structs.replace(policy.estimate, path=then.path)
             now = msgspec.structs.replace(now, path=then.path)
-        found.take(then, ["not said"] if now is None else differences(then, now, 0.0))
-    return found
-
-
-def _going_on(policy: OdometryPolicy, wheels: Wheels, then: Odometry) -> OdometryPolicy:
-    """`policy`, as it was when it said `then` to `wheels`; but for what it said nothing of."""
-    policy.on_wheels(wheels)
-    policy.on_set_pose(OdomSetPose(by="", id=then.jumps, x=then.x, y=then.y, yaw=then.yaw))
-    policy.jumps = then.jumps
-    policy.estimate = Estimate(x=then.x, y=then.y, yaw=then.yaw, covariance=then.covariance, path=then.path)
-    return policy
+        return differences(then, now, 0.0)
 
 
 def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig) -> list[Agreement]:
@@ -133,7 +200,8 @@ def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig)
     guard: _Guard | None = None
     for index, turn in enumerate(turns):
         if guard is None or turn.instance != guard.instance:
-            guard = _Guard(turns[index:], config, robot)
+            guard = _Guard(turns[index:], said.settings(config, GUARD_SERVICE.name, turn.instance), robot)
+        guard.settings.go_on(turn.seq)
         now_ns = turn.stamp_ns + to_robot_ns
         new = list(inputs.until(turn))
         if turn.guard_tick is None:  # it was not linked yet: whatever was said, it did not hear
@@ -164,7 +232,7 @@ class _Inputs:
             type_: said.of(type_)[::-1] for type_ in (Tick, Attitude, Range, Wheels, DriveCommand)
         }
         self._newest: dict[str, Range] = {}
-        self._last_tick: RobotTime | None = None  # of the holder's newest command that was taken
+        self._last: DriveCommand | None = None  # the holder's newest that was taken
 
     def until(self, turn: GuardedCommand) -> Iterator[Sample]:
         """Those that are new in this turn, in the order in which the guard takes them."""
@@ -174,18 +242,23 @@ class _Inputs:
                 if isinstance(sample, Range):
                     self._newest[sample.sensor] = sample
                 if isinstance(sample, DriveCommand) and sample.instance == turn.operator:
-                    self._last_tick = sample.tick
+                    self._last = sample
                 yield sample
 
     def _taken(self, type_: type[Sample], sample: Any, turn: GuardedCommand) -> bool:
         if type_ is Tick and turn.guard_tick is not None and turn.guard_tick.epoch == sample.epoch:
             return bool(sample.robot_ns <= turn.guard_tick.robot_ns)
-        is_holders = type_ is DriveCommand and sample.instance == turn.operator and _near(sample, turn)
+        is_holders = (
+            type_ is DriveCommand and sample.instance == turn.operator and _near(sample, turn, _COMMAND_AROUND_NS)
+        )
         moment: RobotTime | None = sample.tick if is_holders else None
         used = turn.operator_tick
-        # One more of the same moment is told from the one before by its stamp alone.
-        if moment is not None and used is not None and not moment == used == self._last_tick:
-            return moment.robot_ns <= used.robot_ns
+        if moment is not None and used is not None:
+            if self._last is None or not moment == used == self._last.tick:
+                return moment.robot_ns <= used.robot_ns
+            # One more of the same moment: a guard that passes on the one before to the last bit has not had it.
+            if _twist(turn) == _twist(self._last) != _twist(sample):
+                return False
         if type_ is Range and turn.range_tick is not None and _near(sample, turn):
             last = self._newest.get(sample.sensor)
             if turn.range_tick in (sample.tick, last.tick if last is not None else None):
@@ -193,22 +266,28 @@ class _Inputs:
         return bool(sample.stamp_ns + _ON_ITS_WAY_NS <= turn.stamp_ns)
 
 
-def _near(sample: Sample, turn: GuardedCommand) -> bool:
+def _twist(sample: DriveCommand | GuardedCommand) -> tuple[float, float]:
+    return sample.linear_x, sample.angular_z
+
+
+def _near(sample: Sample, turn: GuardedCommand, around_ns: int = _AROUND_NS) -> bool:
     """Whether it is of about this turn: its tick tells it from its neighbours, and not from an old one."""
-    return abs(sample.stamp_ns - turn.stamp_ns) < _AROUND_NS
+    return abs(sample.stamp_ns - turn.stamp_ns) < around_ns
 
 
 class _Guard:
     """One guard's life, or what the recording has of it."""
 
-    def __init__(self, turns: Sequence[GuardedCommand], config: GuardConfig, robot: RobotConfig) -> None:
-        first = turns[0]
+    def __init__(self, turns: Sequence[GuardedCommand], settings: Settings[GuardConfig], robot: RobotConfig) -> None:
+        self.settings = settings
+        config, first = settings.live.config, turns[0]
         self.instance = first.instance
         # The counters of its leases begin anywhere, and go on from the first.
         counter = next((turn.lease_counter for turn in turns if turn.lease_counter), 1)
-        self._policy = GuardPolicy(Live(config), robot, first_lease=counter)
-        self._held = first.operator
-        """Whoever held the lease when the recording began; empty: nobody, or it has been granted again."""
+        self._policy = GuardPolicy(settings.live, robot, first_lease=counter)
+        self._counter = counter
+        """Of the first lease. Its holder may have been granted it before the recording, or before its first tick. 0: it
+        is granted here, too."""
         self._has_tick = False
         """Before its first one nobody is granted anything; the recording's may begin later than its commands."""
         age = first.seq / CMD_VEL.rate_hz
@@ -232,12 +311,14 @@ class _Guard:
         }
         for sample in inputs:
             self._has_tick |= isinstance(sample, Tick)
-            if isinstance(sample, DriveCommand) and sample.instance == self._held and self._has_tick:
+            if isinstance(sample, DriveCommand) and 0 < sample.lease_counter == self._counter and self._has_tick:
                 asking = msgspec.structs.replace(sample, lease_counter=0, seq=sample.seq - 1)
                 policy.on_command(asking, now_ns)  # as it once did, and was granted
-                self._held = ""
             take[type(sample)](sample, now_ns)
-        return policy.decide(now_ns)
+        said = policy.decide(now_ns)
+        if said[2].holder:
+            self._counter = 0
+        return said
 
     def with_faults_of(self, turn: GuardedCommand, command: GuardedCommand) -> GuardedCommand:
         """What it says, with the faults that it had counted before the first turn that is compared."""

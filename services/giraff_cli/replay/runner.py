@@ -16,7 +16,8 @@ from giraff_cli.replay.policies import RecordedSamples, replay_guard, replay_odo
 from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_mcap.reading import Recording, RecordingError
+from giraff_mcap.metadata import ASKED
+from giraff_mcap.reading import Recording, RecordingError, params_in
 from giraff_mcap.tables import table_of
 from giraff_node.config.robot_file import ConfigError
 from giraff_odometry.config import OdometryConfig
@@ -32,9 +33,13 @@ def replay(path: Path, least: float, *, as_json: bool) -> int:
     """The exit code. `least`: share that must agree."""
     unread: dict[str, str] = {}
     try:
-        found = agreements(Recording(path), unread)
+        recording = Recording(path)
+        found = agreements(recording, unread)
     except (RecordingError, ConfigError) as error:
         return print_error(str(error))
+    if ASKED in recording.about:
+        for service in sorted({agreement.service for agreement in found} - recording.described.keys()):
+            print_error(f"{path}: {service} did not tell its parameters; it is taken to have gone by the robot file")
     for why in unread.values():
         print_error(f"{path}: not of this version: {why}")
     compared = [agreement for agreement in found if agreement.compared]
@@ -54,6 +59,8 @@ def agreements(recording: Recording, unread: dict[str, str]) -> list[Agreement]:
     """
     said = RecordedSamples()
     for sample in recording.samples():
+        if (answer := params_in(sample)) is not None:
+            said.add_params(answer)
         if topic_of(sample.key) is None:
             continue
         try:

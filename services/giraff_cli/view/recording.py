@@ -11,7 +11,6 @@ from giraff_cli.network.command import print_error
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_core.robot import RobotConfig
-from giraff_core.sensors import by_type
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of
@@ -72,7 +71,7 @@ class RecordingViewer:
 def _geometry(recording: Recording) -> RobotConfig:
     """As it was when it was recorded, if the recording says so."""
     try:
-        table = by_type(recording.tables()["robot"] | {"name": recording.robot})
+        table = recording.tables()["robot"] | {"name": recording.robot}
         return msgspec.convert(table, RobotConfig, strict=False)
     except (KeyError, TypeError, ValueError, RecordingError):
         return known_robot(recording.robot)

@@ -41,6 +41,8 @@ class ParameterServer(Generic[ConfigT]):
     ) -> None:
         self.fault = WELL
         """What of the saved parameters does not count."""
+        self.on_set: Callable[[ParamAnswer], object] = lambda _: None
+        """Is told of each parameter that was set, before the service goes by it."""
         self._service, self._instance, self._host = service, instance, host
         self._params, self._log = params, log
         name = f"{PARAMS_FOLDER}/{service}.json"
@@ -76,7 +78,9 @@ class ParameterServer(Generic[ConfigT]):
             return self._answer(Trouble(str(error)))
         reconfigure(self._params.config)
         self._log("%s is %s, by %s", request.name, self._params.value(request.name), request.by)
-        return self._answer(WELL, request.name)
+        answer = self._answer(WELL, request.name)
+        self.on_set(answer)
+        return answer
 
     def _begin_to_save(self, asked: PendingQuery[ParamSave, ParamAnswer]) -> None:
         try:
