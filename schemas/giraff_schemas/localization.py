@@ -13,9 +13,10 @@ import msgspec
 from giraff_schemas.checks import require_finite
 from giraff_schemas.messages import RobotTime, Sample
 
-LocalizationState = Literal["no_map", "lost", "ambiguous", "localized"]
-"""`localized`: all that is known agrees on one place; `ambiguous`: several places explain what was heard; `lost`: none
-does yet, or not well enough."""
+LocalizationState = Literal["no_map", "lost", "ambiguous", "told", "localized"]
+"""`localized`: all that is known agrees on one place; `told`: somebody has given the place, and the sensors neither
+confirm nor contradict it yet; `ambiguous`: several places explain what was heard; `lost`: none does yet, or not well
+enough."""
 
 
 class PlanarPose(msgspec.Struct, frozen=True, kw_only=True):
@@ -41,9 +42,10 @@ class Candidate(PlanarPose, frozen=True, kw_only=True):
 
 
 class MapPose(Sample, frozen=True, kw_only=True):
-    """Where the robot is on the map, and whether that is known: nobody may drive by it unless it is `localized`.
+    """Where the robot is on the map, and whether that is known: nobody may drive by it unless it is `localized`
+    or `told`.
 
-    While it is not, the pose is the best guess there is, or the last one. It is no part of what keeps the robot from
+    Otherwise the pose is the best guess there is, or the last one. It is no part of what keeps the robot from
     obstacles.
     """
 

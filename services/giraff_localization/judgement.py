@@ -2,6 +2,7 @@
 
 `localized` takes all of these, on some metres: one narrow cluster with nearly all particles; readings that it explains;
 no challenger ahead; a challenger that began anywhere and came to the same place, unless somebody told it; no twin left.
+A place that somebody has told is `told` until then, for some metres, and while nothing contradicts it.
 """
 
 from __future__ import annotations
@@ -39,6 +40,13 @@ _CANDIDATE_FIT: Final = 0.55
 _TOGETHER: Final = 0.7
 """Mass that the candidates must have to be all that there is."""
 
+_UNJUDGED: Final = 0.5
+"""m after somebody has told the place, on which too little was heard to contradict it."""
+_TOLD_HOLDS: Final = 5.0
+"""m after which a place that was told, and that nothing has confirmed, is not driven by any more."""
+_TOLD_SPREAD: Final = 0.75
+"""m; as `_KEEP_SPREAD`, of a place that somebody has told."""
+
 _WRONG_MAP: Final = 40.0
 """m that it is not known where the robot is, after which the map is doubted, unless some place explains what is
 heard."""
@@ -52,6 +60,9 @@ _UNHEARD: Final = 3.0
 
 _LOOKS: Final = Trouble("not found yet", "drive on, along walls and round corners, and turn now and then")
 _CHECKS: Final = Trouble("it was told where it is, and that is checked", "drive on two metres or three")
+_UNCONFIRMED: Final = Trouble(
+    "the sensors have not confirmed the place that was told", "drive on, or tell it with `giraff localize --at X,Y,YAW`"
+)
 _DOUBTS: Final = Trouble(
     "what the sensors hear fits this place no more: carried away, or things stand about", "drive on"
 )
@@ -76,7 +87,7 @@ class Judgement:
     """Of one search."""
 
     def __init__(self, *, was_told: bool) -> None:
-        self.state: LocalizationState = "lost"
+        self.state: LocalizationState = "told" if was_told else "lost"
         self.way = 0.0
         """m since it was last known where it is, or since the search began."""
         self.candidates: list[Candidate] = []
@@ -89,6 +100,8 @@ class Judgement:
         self._long_fit = 1.0
         """What the best place explained of the last `_LONG` m, whichever it was."""
         self._is_deaf = False
+        self._told_left = _TOLD_HOLDS if was_told else 0.0
+        """m on which the place that was told may still be driven by. 0: it was contradicted, or there was none."""
 
     def begin_anew(self) -> None:
         """Another cloud has taken over."""
@@ -113,14 +126,9 @@ class Judgement:
         self._held = self._held + stride.effort if good else 0.0
         agree = 0.0 if best is None else sum(each.mass for each in rivals if each.is_near(best.pose))
         self._agreed = (good and (self._agreed or agree > _AGREES)) or (self._was_told and self._agreed)
+        self._told_left = max(0.0, self._told_left - stride.effort)
         if self.state == "localized":
-            if (
-                best is None
-                or best.mass < _KEEP_MASS
-                or best.spread > _KEEP_SPREAD
-                or not _is_heard(fits)
-                or lead < _KEEP_BEHIND
-            ):
+            if not _holds(best, _KEEP_SPREAD, lead) or not _is_heard(fits):
                 self._leave()
         elif self._held > (_HELD_TOLD if self._was_told else _HELD) and self._agreed and not twins:
             self.state, self._was_known = "localized", True
@@ -129,6 +137,11 @@ class Judgement:
             return
         self.way += stride.way
         self._list(found, rivals, twins, fits)
+        is_heard = _is_heard(fits) or self._told_left > _TOLD_HOLDS - _UNJUDGED
+        if self.state == "ambiguous" or not _holds(best, _TOLD_SPREAD, lead) or not is_heard:
+            self._told_left = 0.0
+        if self._told_left:
+            self.state = "told"
 
     @property
     def reason(self) -> Trouble:
@@ -143,12 +156,13 @@ class Judgement:
         if self.state == "ambiguous":
             return Trouble(f"{len(self.candidates)} places fit", "drive to where they differ")
         if self._was_told:
-            return _CHECKS
+            return _CHECKS if self.state == "told" else _UNCONFIRMED
         return _DOUBTS if self._was_known else _LOOKS
 
     def _leave(self) -> None:
         self.state, self._held = "lost", 0.0
         self._was_told = self._agreed = False
+        self._told_left = 0.0
 
     def _list(self, found: Sequence[Cluster], rivals: Sequence[Cluster], twins: Sequence[Pose], fits: Fits) -> None:
         places = [(each.pose, each.mass) for each in found if _is_candidate(each)]
@@ -163,6 +177,11 @@ class Judgement:
         self.candidates = [Candidate(x=pose.x, y=pose.y, yaw=pose.yaw, belief=mass) for pose, mass in places]
         is_all = fits.long >= _CANDIDATE_FIT and fits.unheard <= _UNHEARD and together > _TOGETHER
         self.state = "ambiguous" if is_all and len(places) > 1 else "lost"
+
+
+def _holds(best: Cluster | None, spread: float, lead: float) -> bool:
+    """Whether nearly all particles are in one place, and no challenger is ahead."""
+    return best is not None and best.mass >= _KEEP_MASS and best.spread <= spread and lead >= _KEEP_BEHIND
 
 
 def _is_heard(fits: Fits) -> bool:

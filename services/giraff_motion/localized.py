@@ -77,7 +77,7 @@ class Localized:
             return _SILENT
         if now - self._disputed <= _HEARD:
             return _TWO
-        if pose.state != "localized":
+        if pose.state not in {"localized", "told"}:
             unknown = f"it is not known where the robot is on the map ({pose.state})"
             return trouble_of(pose) or Trouble(unknown, "`giraff localize`")
         if not -_AHEAD <= age(pose.tick) <= _COUNTS or not self._origin.holds(pose.tick):

@@ -28,7 +28,7 @@ def pose_text(pose: MapPose) -> str:
     if pose.state == "no_map":
         return " | ".join(["no map", *filter(None, [pose.reason])])
     metres, radians = sigma_of(pose)
-    guess = "" if pose.state == "localized" else "perhaps "
+    guess = {"localized": "", "told": "about "}.get(pose.state, "perhaps ")
     parts = [
         pose.state if len(pose.candidates) < 2 else f"{pose.state}, {len(pose.candidates)} places",
         f"{guess}{place_text(pose.x, pose.y, pose.yaw)}",
@@ -46,7 +46,7 @@ def short_pose_text(pose: MapPose) -> str:
         return f"none: {pose.reason}"
     metres, radians = sigma_of(pose)
     place = f"{place_text(pose.x, pose.y, pose.yaw)} ± {metres:.2f} m, {math.degrees(radians):.0f}°"
-    return f"{pose.state} {place}" if pose.state == "localized" else f"{pose.state}: {pose.reason}"
+    return f"{pose.state} {place}" if pose.state in ("localized", "told") else f"{pose.state}: {pose.reason}"
 
 
 class WayByState:

@@ -32,7 +32,7 @@ _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
 _LEFT_OUT: Final = (MOTION, MOTION_HOLD, POSE, PARTICLES, MAP, ATTITUDE, CAMERA_ON, CAMERA_STATE)
 FREEDOM_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
-_STATES: Final = {"localized": "green", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
+_STATES: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
 _BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}
 
 

@@ -38,6 +38,7 @@ CONES: Final[dict[ConeState, Colour]] = {
 }
 PLACES: Final[dict[LocalizationState, Colour]] = {
     "localized": (120, 255, 60),
+    "told": (255, 255, 160),
     "ambiguous": (255, 215, 60),
     "lost": (255, 90, 90),
     "no_map": GREY,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import secrets
 import time
 from typing import Final, NamedTuple
@@ -75,8 +76,13 @@ def ask(connection: RobotConnection, place: Pose | None, timeout: float) -> Resu
     if place is None:
         anywhere = LocalizationGlobal(by=user_at_host(), id=secrets.randbits(63))
         return _asked(connection, LOCALIZATION_GLOBAL, anywhere, timeout, "is looked for anywhere on the map")
-    told = f"is taken to be at about {place_text(*place)}"
-    return _asked(connection, LOCALIZATION_SET_POSE, told_pose(place), timeout, told)
+    request = told_pose(place)
+    sd = math.sqrt(2.0) * request.position_sd
+    told = (
+        f"is taken to be at about {place_text(*place)}, ± {sd:.2f} m, {math.degrees(request.yaw_sd):.0f}°; "
+        "`giraff go X,Y --frame map` goes by it until something contradicts it"
+    )
+    return _asked(connection, LOCALIZATION_SET_POSE, request, timeout, told)
 
 
 def _asked(

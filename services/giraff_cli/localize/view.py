@@ -16,7 +16,7 @@ from giraff_schemas.text import printable
 from giraff_telemetry.localization import pose_text
 
 _FIGURES: Final = re.compile(r"\d+")
-_STYLE: Final = {"localized": "green", "ambiguous": "yellow", "lost": "red", "no_map": "red"}
+_STYLE: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "red", "no_map": "red"}
 
 
 @dataclass(frozen=True)

@@ -128,7 +128,7 @@ def go(
         Literal["odom", "map"] | None,
         typer.Option(
             help="Of the point: odom, where odometry began, which is the default; or map, the floor plan, while it is "
-            "known where the robot is.",
+            "known, or was told, where the robot is.",
             show_default=False,
         ),
     ] = None,

@@ -57,10 +57,10 @@ def test_a_run_looks_for_its_robot_on_its_own_map(command: Command, tmp_path: Pa
         assert len(command.pids()) == PROCESSES + 1
         asked = until_done("--at", "0.1,0,0deg")
         assert asked.stderr == ""
-        assert asked.stdout.endswith(" is taken to be at about x 0.10 y 0.00 m, 0.0°\n")
+        assert " is taken to be at about x 0.10 y 0.00 m, 0.0°, ± 0.42 m, 11°; " in asked.stdout
         shown = until_done("--for", "0.6", "--json")
         poses = [json.loads(line) for line in shown.stdout.splitlines()]
-        assert {(pose["map"], pose["state"]) for pose in poses} == {("small", "lost")}, "it has not moved"
+        assert {(pose["map"], pose["state"]) for pose in poses} == {("small", "told")}, "it has not moved"
         assert [round(value, 1) for value in (poses[-1]["x"], poses[-1]["y"])] == [0.1, 0.0]
         process.send_signal(signal.SIGTERM)
         out, err = process.communicate(timeout=PATIENCE)
@@ -68,6 +68,6 @@ def test_a_run_looks_for_its_robot_on_its_own_map(command: Command, tmp_path: Pa
     assert command.leaves_nothing()
     assert "knew its place  it has not moved" in out
     told = msgspec.convert(json.loads(summary.read_text())["localization"], LocalizationSummary)
-    assert (told.map, told.state, told.shares) == ("small", "lost", None)
+    assert (told.map, told.state, told.shares) == ("small", "told", None)
     assert told.error is not None
     assert 0.05 < told.error.end_m < 0.15

@@ -53,8 +53,9 @@ def test_it_takes_three_metres_on_which_all_agrees() -> None:
 
 def test_where_somebody_has_told_it_two_metres_are_enough_and_no_challenger_needed() -> None:
     judgement = Judgement(was_told=True)
+    assert said(judgement) == "told"
     drive(judgement, 1.9, rivals=[])
-    assert said(judgement) == "lost"
+    assert said(judgement) == "told"
     assert "checked" in str(judgement.reason)
     drive(judgement, 0.3, rivals=[])
     assert judgement.state == "localized"
@@ -82,6 +83,35 @@ def test_one_thing_that_does_not_agree_is_enough_against_it(wrong: dict[str, Any
     drive(judgement, 20.0, **wrong)
     assert judgement.state != "localized"
     assert judgement.reason
+
+
+@pytest.mark.parametrize(
+    ("against", "metres"),
+    [
+        ({"found": []}, 0.1),
+        ({"found": [cluster(mass=0.7)]}, 0.1),
+        ({"found": [cluster(mass=0.7), cluster(THERE, mass=0.3)]}, 0.1),
+        ({"found": [cluster(spread=0.8)]}, 0.1),
+        ({"lead": -1.5}, 0.1),
+        ({"twins": [THERE]}, 0.1),
+        ({"fits": Fits(0.9, 0.4)}, 0.6),
+        ({"fits": Fits(0.9, 0.9, unheard=3.1)}, 0.6),
+        ({"fits": Fits(0.65, 0.9)}, 5.1),
+    ],
+    ids=str,
+)
+def test_a_place_that_was_told_is_driven_by_until_something_speaks_against_it(
+    against: dict[str, Any], metres: float
+) -> None:
+    """Each ends it for good. What only does not confirm it ends it after five metres."""
+    judgement = Judgement(was_told=True)
+    drive(judgement, metres - 0.1, **against)
+    assert said(judgement) == "told"
+    drive(judgement, 0.1, **against)
+    assert said(judgement) in ("lost", "ambiguous")
+    assert "checked" not in str(judgement.reason)
+    drive(judgement, 1.0, rivals=[])
+    assert said(judgement) != "told"
 
 
 @pytest.mark.parametrize("wrong", [{"found": []}, {"fits": Fits(0.65, 0.9)}, {"found": [cluster(mass=0.7)]}], ids=str)

@@ -104,6 +104,13 @@ def test_it_begins_only_while_it_is_known_where_the_robot_is(spoil: Callable[[Be
     assert bench.ask(MotionGo, steps=(Move(distance=0.3),)).accepted, "which needs no map"
 
 
+def test_it_goes_by_a_place_that_was_told_and_ends_where_that_does_not_hold() -> None:
+    bench = localized("told")
+    under_way(bench)
+    bench.localization = "lost"
+    assert ended(bench).outcome == "lost_localization"
+
+
 def test_it_goes_by_no_pose_that_two_processes_say() -> None:
     """A forged one looks as good as the true one: nobody can tell which to believe."""
     bench = localized()
