@@ -9,6 +9,7 @@ from giraff_cli.localize.lines import PoseScreen
 from giraff_cli.localize.view import PoseView
 from giraff_cli.network.connection import RobotConnection
 from giraff_core.latest import Latest
+from giraff_maps.floor_plan import FloorPlan
 from giraff_node import robot_now_ns
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Sample
@@ -18,9 +19,10 @@ from giraff_schemas.topics import POSE, Topic
 class Hearing:
     """Of one robot's, from now on."""
 
-    def __init__(self, connection: RobotConnection, screen: PoseScreen) -> None:
+    def __init__(self, connection: RobotConnection, screen: PoseScreen, plan: FloorPlan | None = None) -> None:
+        """`plan`: to be shown, where the screen is a terminal."""
         self._connection = connection
-        self._screen = screen
+        self._screen, self._plan = screen, plan
         self._began = time.monotonic()
         self._heard_ns = 0
         self._has_news = False
@@ -47,4 +49,4 @@ class Hearing:
 
     def _show(self) -> None:
         latest = None if self.pose is None else Latest(self.pose, (robot_now_ns() - self._heard_ns) * 1e-9)
-        self._screen.show(PoseView(self._connection.robot, time.monotonic() - self._began, latest))
+        self._screen.show(PoseView(self._connection.robot, time.monotonic() - self._began, latest, self._plan))

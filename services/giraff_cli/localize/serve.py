@@ -63,7 +63,7 @@ def serve(
             Node(LOCALIZATION.name, settings, session=connection.session) as node,
             closing(screen_of(as_json=as_json)) as screen,
         ):
-            shown = ShownLocalization(node, floor, Hearing(connection, screen), place, seconds)
+            shown = ShownLocalization(node, floor, Hearing(connection, screen, plan), place, seconds)
             node.run(shown)
         return DONE if not shown.refused else print_error(shown.refused) and REFUSED
 

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Final
 
 import msgspec
-from rich.console import RenderableType
+from rich.console import Group, RenderableType
 from rich.text import Text
 
+from giraff_cli.terminal.dots import takes_dots
+from giraff_cli.terminal.floor import FloorDrawing
 from giraff_core.latest import Latest
+from giraff_maps.floor_plan import FloorPlan
 from giraff_schemas.localization import MapPose
 from giraff_schemas.text import printable
 from giraff_telemetry.localization import pose_text
 
 _FIGURES: Final = re.compile(r"\d+")
 _STYLE: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "red", "no_map": "red"}
+_LARGEST: Final = 80, 24
+"""Columns and lines of the floor plan."""
+_WORDS: Final = 5
+"""Lines of the terminal that the plan leaves to the words."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +37,8 @@ class PoseView:
     """s since it began."""
     pose: Latest[MapPose] | None
     """None: nothing was heard as yet."""
+    plan: FloorPlan | None = None
+    """Floor plan that a terminal shows. None: it shows the line alone."""
 
     @property
     def told(self) -> tuple[str, ...]:
@@ -47,11 +58,21 @@ class PoseView:
         return printable(f"{self.robot} | {pose_text(pose.sample)}")
 
     def render(self) -> RenderableType:
-        speaks = self.pose is not None and self.pose.fresh
-        return Text(self.words, style=_STYLE[self.pose.sample.state] if speaks and self.pose is not None else "yellow")
+        pose = self.pose.sample if self.pose is not None and self.pose.fresh else None
+        style = "yellow" if pose is None else _STYLE[pose.state]
+        words = Text(self.words, style)
+        if self.plan is None:
+            return words
+        columns, lines = shutil.get_terminal_size()
+        size = min(columns - 1, _LARGEST[0]), max(_WORDS, min(lines - _WORDS, _LARGEST[1]))
+        return Group(_drawing(self.plan, *size, dots=takes_dots()).draw(pose, style), words)
 
     def line(self) -> str:
         return f"{self.elapsed:6.1f} s | {self.words}"
+
+
+_drawing = cache(FloorDrawing)
+"""Of one plan, and of few sizes of a terminal."""
 
 
 def document(robot: str, pose: MapPose) -> dict[str, Any]:

@@ -7,10 +7,10 @@ import sys
 from pathlib import Path
 from typing import Final
 
-from giraff_cli.map.dots import drawn
 from giraff_cli.map.picture import picture
 from giraff_cli.network.command import print_error
 from giraff_cli.terminal.dots import takes_dots
+from giraff_cli.terminal.floor import FloorDrawing
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.text import counted
 from giraff_maps.floor_plan import FloorPlan, MapError
@@ -18,9 +18,9 @@ from giraff_maps.read import read_map
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.text import printable
 
-_PIPE: Final = (80, 40)  # columns and lines where there is no terminal
+_PIPE: Final = (80, 43)  # columns and lines where there is no terminal
 _WIDEST: Final = 120  # columns
-_BESIDE: Final = 4  # lines of the terminal that the drawing leaves to words
+_BESIDE: Final = 2  # lines of the terminal that the drawing leaves: to its heading, and to what is typed next
 
 
 def show(file: Path, svg: Path | None) -> int:
@@ -36,9 +36,9 @@ def show(file: Path, svg: Path | None) -> int:
             return print_error(f"--svg {svg}: cannot be written: {error.strerror or error}; name another file")
 
     def tell() -> int:
-        columns, lines = _room_for_it()
-        for line in (summary(plan, ascii_only=not takes_dots()), *drawn(plan, columns, lines, dots=takes_dots())):
-            print(line)
+        dots = takes_dots()
+        print(summary(plan, ascii_only=not dots))
+        print(FloorDrawing(plan, *_room_for_it(), dots=dots).draw().plain)
         return 0
 
     return guard_stdout(tell)

@@ -25,19 +25,29 @@ class Dots:
         at = down // DOWN, across // ACROSS
         self._cells[at] = self._cells.get(at, 0) | _DOTS[down % DOWN][across % ACROSS]
 
+    def copy(self) -> Dots:
+        """Return a drawing with the same dots, for more."""
+        other = Dots()
+        other._cells |= self._cells
+        return other
+
+    def sign(self, line: int, column: int, *, dots: bool) -> str:
+        """Return the character there."""
+        return _sign(self._cells.get((line, column), 0), dots=dots)
+
     def lines(self, *, dots: bool) -> Iterator[str]:
         """Return the lines of text down to the lowest dot."""
         height = 1 + max(line for line, _ in self._cells)
         width = 1 + max(column for _, column in self._cells)
         for line in range(height):
-            signs = (_sign(self._cells.get((line, column), 0), dots=dots) for column in range(width))
+            signs = (self.sign(line, column, dots=dots) for column in range(width))
             yield "".join(signs).rstrip()
 
 
 def takes_dots() -> bool:
     """Return whether standard output has more characters than ASCII's."""
     try:
-        "⣿├─┤²".encode(sys.stdout.encoding or "ascii")
+        "⣿┼─┤²↗".encode(sys.stdout.encoding or "ascii")
     except (UnicodeEncodeError, LookupError):
         return False
     return True

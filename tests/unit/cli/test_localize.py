@@ -5,14 +5,17 @@ With real processes: tests/functional/robot/test_run_localize.py.
 
 from __future__ import annotations
 
+import io
 import json
 import math
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
 import msgspec
 import pytest
+from rich.console import Console
 
 import giraff_cli.localize.client as it
 import giraff_cli.localize.serve
@@ -24,7 +27,7 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_core.kinematics.pose import Pose
 from giraff_core.latest import Latest
 from giraff_core.network import NetworkConfig
-from giraff_maps.floor_plan import MapError
+from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_node.network.consent import NoRobotError
 from giraff_schemas.codec import encode, stamped
 from giraff_schemas.localization import LocalizationAnswer, LocalizationSetPose, MapPose
@@ -95,6 +98,19 @@ def test_before_anything_is_heard_it_waits(capsys: pytest.CaptureFixture[str]) -
     for _ in range(3):
         screen.show(seen(None))
     assert capsys.readouterr().out == "   0.0 s | sim-here | waiting for localization to speak\n"
+
+
+def test_a_terminal_shows_the_floor_plan_with_the_robot_and_the_words_below(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shutil.get_terminal_size", lambda: os.terminal_size((80, 24)))
+    plan = FloorPlan("hall", ((0.0, 0.0, 6.0, 0.0), (6.0, 0.0, 6.0, 5.0), (6.0, 5.0, 0.0, 5.0), (0.0, 5.0, 0.0, 0.0)))
+    pose = map_pose(0, Pose(3.0, 2.0, math.pi / 2.0), "told", "drive on")
+    console = Console(file=io.StringIO(), width=80)
+    console.print(PoseView(NAME, 0.0, Latest(pose, 0.0), plan).render())
+    lines = cast(io.StringIO, console.file).getvalue().splitlines()
+    assert max(map(len, lines)) <= 80
+    assert len(lines) <= 24
+    assert sum(line.count("↑") + line.count("^") for line in lines) == 1
+    assert lines[-2].startswith("sim-here | told | about x 3.00 y 2.00 m, 90.0° | ")
 
 
 def test_what_the_network_says_does_not_steer_the_terminal() -> None:

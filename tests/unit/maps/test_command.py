@@ -3,47 +3,72 @@
 from __future__ import annotations
 
 import io
+import math
 import os
 import shutil
 import sys
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+import msgspec
 import pytest
 
 import giraff_cli.map.show
-from giraff_cli.map.dots import drawn
+from giraff_cli.terminal.floor import FloorDrawing
+from giraff_core.kinematics.pose import Pose
 from giraff_maps.floor_plan import FloorPlan
 from giraff_maps.read import read_map
+from giraff_schemas.localization import Candidate, MapPose
+from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.typed import typed
 from tests.unit.maps.grids import FLAT, LIVING_ROOM, polyline, room
 
+PLACE = Candidate(x=1.5, y=0.5, yaw=0.0, belief=0.3)
 SQUARE = FloorPlan("square", ((0, 0, 2, 0), (2, 0, 2, 2), (2, 2, 0, 2), (0, 2, 0, 0)))
 
 
-def test_a_square_has_four_sides_and_a_scale() -> None:
-    assert list(drawn(SQUARE, 10, 10, dots=False)) == [
-        "##########",
-        *["#        #"] * 3,
-        "##########",
-        "|| 0.5 m",
+def drawn(plan: FloorPlan, columns: int, lines: int, *, dots: bool, pose: MapPose | None = None) -> list[str]:
+    return FloorDrawing(plan, columns, lines, dots=dots).draw(pose).plain.splitlines()
+
+
+def test_a_square_has_four_sides_and_axes_in_metres() -> None:
+    assert drawn(SQUARE, 24, 13, dots=False) == [
+        "  2+####################",
+        *["   |#                  #"] * 4,
+        "  1+#                  #",
+        *["   |#                  #"] * 3,
+        "  0++###################",
+        "   |+---------+--------+",
+        "  m 0         1        2",
+        "    + origin",
     ]
-    assert list(drawn(SQUARE, 4, 10, dots=True)) == ["⡏⠉⠉⢹", "⣇⣀⣀⣸", "├┤ 0.5 m"]
+    assert drawn(SQUARE, 9, 13, dots=True)[-4:] == ["  0┤┼⠒⠒⠒⠚", "   └┴────", "  m 0", "    ┼ origin"]
 
 
 @pytest.mark.parametrize("columns", [10, 41, 80, 120])
 @pytest.mark.parametrize("world", [FLAT, LIVING_ROOM], ids=lambda path: path.stem)
 def test_a_drawing_fits(world: Path, columns: int) -> None:
-    *lines, scale = drawn(read_map(world), columns, 24, dots=True)
-    assert max(map(len, lines)) <= columns
+    lines = drawn(read_map(world), columns, 24, dots=True)
+    assert max(map(len, lines[:-1])) <= columns
     assert len(lines) <= 24
-    assert scale.endswith(" m")
 
 
-def test_a_single_wall_is_a_line() -> None:
-    wall = FloorPlan("wall", ((0, 1, 3, 1),))
-    assert list(drawn(wall, 12, 10, dots=False)) == ["############", "|| 0.5 m"]
-    assert len(list(drawn(FloorPlan("wall", ((1, 0, 1, 3),)), 12, 10, dots=False))) == 11
+def test_a_single_wall_is_a_line_with_its_own_axes() -> None:
+    *_, figures, origin = drawn(FloorPlan("wall", ((-9, 4, -3, 4),)), 30, 10, dots=False)
+    assert (figures, origin.strip()) == ("  m    -8       -6      -4", "its origin is outside")
+    assert len(drawn(FloorPlan("wall", ((1, 0, 1, 3),)), 12, 10, dots=False)) == 10
+
+
+def test_the_robot_is_drawn_with_its_ellipse_and_what_is_off_the_plan_is_not() -> None:
+    there = Pose(1.0, 1.0, math.pi / 2.0)
+    pose = msgspec.structs.replace(map_pose(1, there), covariance=(0.06, 0.0, 0.0, 0.015, 0.0, 0.1))
+    lines = drawn(SQUARE, 45, 23, dots=False, pose=pose)
+    assert lines[10] == "  1+#       #           ^          #       #"
+    assert [line.count("#") for line in lines[6:14]] == [2, 20, 10, 4, 4, 10, 20, 2]
+    for far in (Pose(1e6, 1.0, 0.0), Pose(-1.0, 1.0, 0.0)):
+        assert drawn(SQUARE, 45, 23, dots=False, pose=map_pose(1, far)) == drawn(SQUARE, 45, 23, dots=False)
+    other = msgspec.structs.replace(map_pose(1, there, "ambiguous"), candidates=(PLACE, PLACE))
+    assert "".join(drawn(SQUARE, 45, 23, dots=False, pose=other)).count("?") == 1
 
 
 def test_it_is_shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -52,7 +77,7 @@ def test_it_is_shown(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixt
     heading, *lines = out.splitlines()
     assert (code, complaint) == (0, "")
     assert heading == "flat: 12.70 x 8.20 m, 104.1 m², 206 walls"
-    assert lines[-1].endswith("2 m")
+    assert lines[-2].split() == ["m", "0", "2", "4", "6", "8", "10", "12"]
     assert "\x1b" not in out
     drawing = ET.fromstring(svg.read_text())  # noqa: S314
     texts = [each.text for each in drawing.iter("{http://www.w3.org/2000/svg}text")]
