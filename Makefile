@@ -21,7 +21,7 @@ setup: ## Install, build and check whatever a run or a test needs; skips what is
 run: setup ## Drive the simulated robot, e.g. make run ARGS="--for 30"
 	@$(VENV)/giraff run $(ARGS)
 
-test: setup ## Everything that must hold on one host before a commit lands
+test: setup ## Everything that must hold on one host before a commit lands; about 12 minutes on two cores
 	@tests/run $(ARGS)
 
 lint: setup ## Style and types

@@ -11,4 +11,4 @@ _LIBRARIES: Final = {"cv2": "opencv-python-headless", "numpy": "numpy"}
 def missing_library() -> str:
     """Say what to install before the camera can be used; empty: all is there."""
     missing = [name for module, name in _LIBRARIES.items() if find_spec(module) is None]
-    return f"the library {missing[0]} is missing: pip install 'giraff[camera]'" if missing else ""
+    return f"the library {missing[0]} is missing; in the clone: pip install '.[camera]'" if missing else ""

@@ -63,5 +63,7 @@ _REFUSED: Final = 2
 def require_extra(verb: str, library: str, extras: str) -> None:
     """End with the way out where a verb's library is not installed. `extras`: of the distribution, that bring it."""
     if find_spec(library) is None:
-        typer.echo(f"giraff {verb}: the library {library} is missing: pip install 'giraff[{extras}]'", err=True)
+        typer.echo(
+            f"giraff {verb}: the library {library} is missing; in the clone: pip install '.[{extras}]'", err=True
+        )
         raise typer.Exit(_REFUSED)

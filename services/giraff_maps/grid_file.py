@@ -179,4 +179,6 @@ def _occupied(path: Path, said: GridFile, image: Image.Image) -> Occupied:
 
 
 def _missing(path: Path, library: str) -> MapError:
-    return MapError(f"{path}: to read it, the library {library} is missing: pip install 'giraff[localization]'")
+    return MapError(
+        f"{path}: to read it, the library {library} is missing; in the clone: pip install '.[localization]'"
+    )

@@ -44,7 +44,7 @@ def main() -> None:
 def missing_library() -> str:
     """What is to be installed before `run_web` can be called; empty: all is there."""
     missing = [library for library in _LIBRARIES if find_spec(library) is None]
-    return f"the library {missing[0]} is missing: pip install 'giraff[web]'" if missing else ""
+    return f"the library {missing[0]} is missing; in the clone: pip install '.[web]'" if missing else ""
 
 
 def run_web(node: Node[WebConfig], announce: Callable[[list[str]], None]) -> None:

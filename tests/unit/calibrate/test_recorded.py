@@ -326,4 +326,4 @@ def test_a_full_disk_leaves_the_robot_file_as_it_was(
 
 def test_without_numpy_it_says_what_to_install(say: Typed, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(giraff_cli.options, "find_spec", lambda name: None if name == "numpy" else name)
-    assert "pip install 'giraff[analysis" in say(*OTHERS)[2]
+    assert "pip install '.[analysis" in say(*OTHERS)[2]

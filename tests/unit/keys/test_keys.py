@@ -337,4 +337,4 @@ def test_somebody_elses_folder_is_told_as_such(monkeypatch: pytest.MonkeyPatch) 
 def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("giraff_cli.options.find_spec", lambda _name: None)
     monkeypatch.delitem(sys.modules, "giraff_cli.keys.manage")
-    assert "pip install 'giraff[cli,keys]'" in refusal("init")
+    assert "pip install '.[cli,keys]'" in refusal("init")

@@ -18,7 +18,7 @@ def test_a_library_that_is_missing_is_told_with_the_way_out(
     with pytest.raises(SystemExit) as left:
         it.main()
     assert left.value.code == 2
-    assert capsys.readouterr().err == "giraff_web: the library aiohttp is missing: pip install 'giraff[web]'\n"
+    assert capsys.readouterr().err == "giraff_web: the library aiohttp is missing; in the clone: pip install '.[web]'\n"
 
 
 def test_nothing_is_missing_here() -> None:
