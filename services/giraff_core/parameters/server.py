@@ -76,10 +76,10 @@ class ParameterServer(Generic[ConfigT]):
             self._params.set(request.name, request.value)
         except ParamError as error:
             return self._answer(Trouble(str(error)))
-        reconfigure(self._params.config)
-        self._log("%s is %s, by %s", request.name, self._params.value(request.name), request.by)
         answer = self._answer(WELL, request.name)
         self.on_set(answer)
+        reconfigure(self._params.config)
+        self._log("%s is %s, by %s", request.name, self._params.value(request.name), request.by)
         return answer
 
     def _begin_to_save(self, asked: PendingQuery[ParamSave, ParamAnswer]) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import signal
 from collections import defaultdict
 from collections.abc import Mapping
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import msgspec
@@ -14,11 +16,12 @@ from mcap.reader import make_reader
 
 from giraff_mcap.reading import Recording
 from giraff_node.network.discovery import list_robots
-from giraff_schemas.topics import key_below
+from giraff_schemas.topics import PARAM_DESCRIBE, key_below, key_of
 from tests.support.desk import Done, run_beside
-from tests.support.elsewhere import giraff
-from tests.support.process_robot import FULL_TILT, SAID, ProcessRobot
+from tests.support.elsewhere import clean, giraff
+from tests.support.process_robot import FULL_TILT, PATIENCE, SAID, ProcessRobot
 from tests.support.recorders import giraff_process, killed_recording, records
+from tests.support.zygote import run_giraff
 
 REPLAY = "replay-sim-test"
 
@@ -42,12 +45,16 @@ def test_a_drive_is_recorded_to_the_last_sample(robot: ProcessRobot) -> None:
     assert process.returncode == 0
     report = msgspec.json.decode(output)
     sequences: dict[str, list[int]] = defaultdict(list)
+    services: set[str] = set()
     with path.open("rb") as file:
         reader = make_reader(file, validate_crcs=True)
         assert reader.get_summary() is not None
         for schema, channel, message in reader.iter_messages():
             assert schema is not None
             content = msgspec.json.decode(message.data)
+            if fnmatchcase(channel.topic, key_of("sim-test", PARAM_DESCRIBE)):
+                services.add(content["service"])
+                continue
             assert set(msgspec.json.decode(schema.data)["properties"]) == set(content)
             assert (content["seq"], content["stamp_ns"]) == (message.sequence, message.publish_time)
             sequences[channel.topic.removeprefix("giraff/sim-test/")].append(message.sequence)
@@ -56,10 +63,15 @@ def test_a_drive_is_recorded_to_the_last_sample(robot: ProcessRobot) -> None:
     # A busy machine drops samples, which are of no use when they are late; the recording says each one.
     missing = sum(numbers[-1] - numbers[0] + 1 - len(numbers) for numbers in sequences.values())
     assert {key: len(numbers) for key, numbers in sequences.items()} == {
-        key: count["samples"] for key, count in report["keys"].items()
+        key: count["samples"] for key, count in report["keys"].items() if not fnmatchcase(key, PARAM_DESCRIBE.key)
     }
     assert (report["lost"], report["ended_by"], report["unreadable"]) == (missing, "--for 4", {})
     assert set(sequences) >= SAID
+    assert services >= {"base", "guard", "odometry", "ranger"}
+    replayed = run_giraff(("replay", path.name, "--json"), path.parent, clean(dict(os.environ)), PATIENCE)
+    [odom, *_] = msgspec.json.decode(replayed.stdout)
+    assert (odom["equal"], replayed.stderr) == (odom["compared"], ""), "it needs no robot file"
+    assert odom["compared"] > 100
 
 
 def test_what_a_kill_left_is_repaired(robot: ProcessRobot, killed: Path) -> None:

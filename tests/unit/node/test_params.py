@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import msgspec
@@ -10,11 +11,15 @@ import pytest
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.param.format import Shown, without_moved
 from giraff_core.bounds import require_positive
+from giraff_core.inbox import Inbox
+from giraff_core.parameters.server import ParameterServer
 from giraff_core.parameters.table import ParamError, Parameters
 from giraff_core.robot import MOVED_TO_DRIVE
 from giraff_core.tuning import Tuning
-from giraff_schemas.params import Param, ParamAnswer
+from giraff_node.process.state import Folder
+from giraff_schemas.params import Param, ParamAnswer, ParamSet
 from tests.support.robots import BASE, ROBOT
+from tests.unit.node.asked import Asked
 
 
 class Config(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -251,3 +256,14 @@ def test_a_drive_is_a_row_a_field_and_fixed() -> None:
     for name in ("drive.max_level", "drive"):
         with pytest.raises(ParamError, match="it takes the robot file and a restart"):
             params.set(name, 60)
+
+
+def test_what_was_set_is_told_before_the_service_goes_by_it(params: Parameters[Config], tmp_path: Path) -> None:
+    order: list[Any] = []
+    server = ParameterServer("guard", "guard-1", "host", params, Folder(tmp_path), lambda *_: None)
+    server.on_set = lambda answer: order.append([(param.name, param.value) for param in answer.params])
+    sets: Inbox[Any] = Inbox(2)
+    for name in ("margin", "marign"):
+        sets.accept(Asked(ParamSet(name=name, value=0.5, by="carer")))
+    server.turn(Inbox(1), sets, Inbox(1), lambda config: order.append(config.margin))
+    assert order == [[("margin", 0.5)], 0.5]
