@@ -28,7 +28,7 @@ from giraff_core.parameters.table import ConfigT, Parameters
 from giraff_core.robot import RobotConfig
 from giraff_node.boards.board_link import BoardLink
 from giraff_node.config.robot_file import ConfigError, read_known
-from giraff_node.network.base_reach import BaseReach
+from giraff_node.network.base_reach import BaseReach, WrongRobotCheck
 from giraff_node.network.bulk_session import BulkPublisher, BulkSession
 from giraff_node.network.decode_errors import DecodeErrors
 from giraff_node.network.host_addresses import AddressWatch, host_addresses, placed_addresses
@@ -65,6 +65,7 @@ from giraff_schemas.topics import (
 from giraff_schemas.trouble import Trouble
 
 _STEADY = (BASE.name, GUARD.name)  # nothing that may hold them up for longer than a turn is done in these
+_MOST_NAMED = 10  # robots; on an open network anybody may declare a name
 _PRIORITIES = {"control": zenoh.Priority.REAL_TIME, "state": zenoh.Priority.DATA_HIGH}
 
 
@@ -178,6 +179,13 @@ class Node(Generic[ConfigT]):
         )
         is_deaf = role == "outside" and session is None and not own
         self._base_reach = BaseReach(self.session, network, self.robot.name) if is_deaf else None
+        # On a secured network a session may speak of its own robot alone.
+        is_open = network.mode != "secured" and not network.session_file
+        self._wrong_robot = (
+            WrongRobotCheck(self.session, network, self.robot.name, self.instance)
+            if is_open and session is None
+            else None
+        )
         self._bulk: BulkSession | None = None
         self._boards: list[BoardLink] = []
         self._declared: list[Any] = []  # a subscriber that nobody references ends
@@ -343,6 +351,11 @@ class Node(Generic[ConfigT]):
             self.set_notice("router", self._router.problem(now))
         if self._link_repair is not None:
             self._link_repair.look(now)
+        if self._wrong_robot is not None and (others := self._wrong_robot.others(now)):
+            self.log.warning(
+                "no other service of %s is heard, and there is %s; GIRAFF_ROBOT_NAME names the robot that is meant",
+                *(self.robot.name, ", ".join(others[:_MOST_NAMED])),
+            )
         if self._base_reach is not None and self._base_reach.is_deaf(now):
             self._process.start_again(
                 "the robot's door hears base and this process does not, because no other host can dial this one "

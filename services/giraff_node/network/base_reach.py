@@ -6,6 +6,7 @@ a firewall, a network address translation, a container. The door is dialled by t
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from typing import Final
 
@@ -13,13 +14,15 @@ import zenoh
 
 from giraff_core.network import NetworkConfig
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import NobodyError, close_session, open_session
+from giraff_node.network.discovery import list_robots
+from giraff_node.network.session import NobodyError, close_session, open_clients, open_session
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
-from giraff_schemas.services import BASE
+from giraff_schemas.services import BASE, ROBOTS_OWN
 from giraff_schemas.topics import alive_key
 
 _PATIENCE: Final = 1.0  # s from the first link; base dials within some ten ms
 _ANSWERS_WITHIN: Final = 0.5  # s
+_ALONE_AFTER: Final = 5.0  # s; a robot's services start within a few
 
 
 class BaseReach:
@@ -54,3 +57,34 @@ class BaseReach:
             return
         self._door_hears = bool(find_tokens(session, alive_key(self._robot, BASE.name), _ANSWERS_WITHIN))
         close_session(session)
+
+
+class WrongRobotCheck:
+    """Looks once, in a thread, whether a service hears nothing of its robot while other robots are there."""
+
+    def __init__(self, session: zenoh.Session, network: NetworkConfig, robot: str, instance: str) -> None:
+        self._session, self._network, self._robot, self._instance = session, network, robot, instance
+        self._begins: float | None = None
+        self._thread: threading.Thread | None = None
+        self._others: tuple[str, ...] = ()
+
+    def others(self, now: float) -> tuple[str, ...]:
+        """Return the robots that are there in its place, once; `now`: monotonic, s. It never waits."""
+        self._begins = now if self._begins is None else self._begins
+        if self._thread is None and now >= self._begins + _ALONE_AFTER:
+            self._thread = threading.Thread(target=self._look, name="robots", daemon=True)
+            self._thread.start()
+        found, self._others = self._others, ()
+        return found
+
+    def _look(self) -> None:
+        for token in find_tokens(self._session, alive_key(self._robot), _ANSWERS_WITHIN):
+            if token.service in ROBOTS_OWN and token.instance != self._instance:
+                return
+        found: set[str] = set()
+        with contextlib.suppress(NobodyError, ConfigError, zenoh.ZError):
+            # By name: one that is named is looked for beyond what answers on this host, which may be this very service.
+            for _, session in open_clients(self._network, self._robot):
+                found |= {*list_robots(session)}
+                close_session(session)
+        self._others = tuple(sorted(found - {self._robot}))
