@@ -46,8 +46,9 @@ class Dots:
 
 def takes_dots() -> bool:
     """Return whether standard output has more characters than ASCII's."""
+    stdout = getattr(sys.stdout, "rich_proxied_file", sys.stdout)  # a live view stands before it, and hides this
     try:
-        "⣿┼─┤²↗".encode(sys.stdout.encoding or "ascii")
+        "⣿┼─┤²↗".encode(stdout.encoding or "ascii")
     except (UnicodeEncodeError, LookupError):
         return False
     return True

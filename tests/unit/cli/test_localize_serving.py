@@ -169,6 +169,7 @@ def test_it_ends_with_its_time_and_with_its_reader(here: Here) -> None:
     it.turn(3.0)
     assert node.left == 1
     here.screen.is_gone = True
+    here.clock.sleep(0.1)
     it.turn(1.0)
     assert node.left == 2
     assert node.asked == []

@@ -12,8 +12,11 @@ from xml.etree import ElementTree as ET
 
 import msgspec
 import pytest
+from rich.console import Console
+from rich.file_proxy import FileProxy
 
 import giraff_cli.map.show
+from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.terminal.floor import FloorDrawing
 from giraff_core.kinematics.pose import Pose
 from giraff_maps.floor_plan import FloorPlan
@@ -101,6 +104,13 @@ def test_a_terminal_without_other_characters_gets_ascii(monkeypatch: pytest.Monk
     assert giraff_cli.map.show.show(FLAT, None) == 0
     stdout.seek(0)
     assert "#" in stdout.read()
+
+
+def test_a_live_view_does_not_hide_what_a_terminal_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    for encoding, takes in (("utf-8", True), ("ascii", False)):
+        stdout = io.TextIOWrapper(io.BytesIO(), encoding=encoding)
+        monkeypatch.setattr(sys, "stdout", FileProxy(Console(file=io.StringIO()), stdout))
+        assert takes_dots() is takes
 
 
 def test_it_is_as_wide_as_the_terminal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
