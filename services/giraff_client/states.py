@@ -36,11 +36,12 @@ class States(ABC):
         """How the newest motion by metres and radians goes on or has ended. Raises SilentError, LostRobotError."""
         return self._fresh(MOTION, "check that giraff_motion runs")
 
-    def pose(self) -> MapPose:
-        """Where the robot is on the map, m and rad, heard within the last second: look at its `state` first.
+    def map_pose(self) -> MapPose:
+        """Return where the robot is on the map, m and rad, heard within the last second: look at its `state` first.
 
-        Only where that is `localized` it is known; else `x`, `y` and `yaw` are the best guess or the last one, `reason`
-        says why, and `candidates` where it may be. Raises SilentError, LostRobotError.
+        It is known while that is `localized`. While it is `told`, somebody has said so, and nothing speaks against it.
+        Otherwise `x`, `y` and `yaw` are the best guess or the last one, `reason` says why, and `candidates` where it
+        may be. `standard_deviations` says how sure each of them is. Raises SilentError, LostRobotError.
         """
         return self._fresh(POSE, "start giraff_localization, on any machine of the robot's network")
 

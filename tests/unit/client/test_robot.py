@@ -177,22 +177,27 @@ def test_without_any_range_and_guard_it_says_so(robot: Robot) -> None:
 def test_the_pose_on_the_map_is_read_with_its_state(network: Network, robot: Robot) -> None:
     """And where it is in a frame, once that is known."""
     with pytest.raises(SilentError, match="pose was never heard; start giraff_localization"):
-        robot.pose()
+        robot.map_pose()
     where = Pose(4.0, 1.0, 0.0), Pose(0.5, 0.0, 0.0)
     tick = samples.at(round(network.now * 1e9))
     network.say(POSE, map_pose(*where, tick, "lost"))
     network.say(ODOM, samples.odometry(tick.robot_ns - 1, 0.0))
     network.say(ODOM, samples.odometry(tick.robot_ns, 0.5))
     network.pass_time(0.1)
-    assert (robot.pose().state, robot.pose().reason) == ("lost", LOST)
+    assert (robot.map_pose().state, robot.map_pose().reason) == ("lost", LOST)
     with pytest.raises(UnlocalizedError, match=LOST):
         robot.lookup("map", "base_link")
     network.say(POSE, map_pose(*where, tick))
     network.pass_time(0.1)
-    assert (robot.pose().x, robot.lookup("map", "base_link").x) == (4.5, 4.5)
+    assert (robot.map_pose().x, robot.lookup("map", "base_link").x) == (4.5, 4.5)
+    assert robot.map_pose().standard_deviations == pytest.approx((0.1, 0.1, 0.0316), abs=1e-4)
+    network.say(POSE, map_pose(*where, tick, "told"))
+    network.pass_time(0.1)
+    with pytest.raises(UnlocalizedError):
+        robot.lookup("map", "base_link")
     network.pass_time(1.0)
     with pytest.raises(SilentError, match=r"pose is silent for 1\.1 s"):
-        robot.pose()
+        robot.map_pose()
 
 
 def test_battery_and_emergency_stop_are_read(network: Network, robot: Robot) -> None:
