@@ -70,7 +70,7 @@ WEB: Final = Service(
     publishes=(t.OPERATOR_CMD_VEL,),
     subscribes=(
         *(t.TICK, t.LEASE, t.BASE, t.GUARD, t.ESTOP, t.BATTERY, t.ODOM, t.ATTITUDE, t.RANGE),
-        t.CAMERA_STATE,
+        *(t.POSE, t.CAMERA_STATE),
     ),
     optional=True,
 )

@@ -165,6 +165,8 @@ class Hello(_ToPage, frozen=True, kw_only=True, tag="hello"):
     robot: str
     radius: float
     """m, of the robot's footprint."""
+    track: float
+    """m between its wheels."""
     sensors: dict[str, Part]
     slow_speed: float
     trail: tuple[tuple[float, float], ...]
@@ -235,6 +237,22 @@ class CameraView(msgspec.Struct, frozen=True, kw_only=True):
     """What is wrong with it, with the way out; empty: nothing."""
 
 
+class MapView(msgspec.Struct, frozen=True, kw_only=True):
+    """Where localization takes the robot to be."""
+
+    state: str
+    map: str
+    """Name of the floor plan; empty: there is none."""
+    pose: tuple[float, float, float]
+    """x, y (m) and yaw (rad) on that floor plan."""
+    covariance: tuple[float, float, float]
+    """m². xx, xy and yy of `pose`."""
+    yaw_sd: float
+    """rad. Standard deviation of the yaw."""
+    why: str
+    """Why the pose is not known, with the remedy; empty: it is known."""
+
+
 class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """All that is shown, 25 times a second at most; None: it is not heard."""
 
@@ -260,6 +278,8 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     ranges: dict[str, Echo]
     pose: tuple[float, float, float] | None
     """x, y (m) and yaw (rad) in odom."""
+    covariance: tuple[float, float, float] | None
+    """m². xx, xy and yy of `pose`."""
     origin: str
     """Another one: the pose was set from outside, and path and room begin anew."""
     speed: tuple[float, float] | None
@@ -274,6 +294,8 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """None: it is no robot that balances."""
     camera: CameraView | None = None
     """None: no camera was heard."""
+    map: MapView | None = None
+    """None: localization is not heard."""
 
 
 class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):

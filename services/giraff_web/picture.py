@@ -9,10 +9,11 @@ from typing import Final
 from giraff_core.latest import LatestSamples
 from giraff_core.operator import Fault, what_stops
 from giraff_core.robot import RobotConfig
+from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import Attitude, EStop, GuardState, Odometry, Range, Sample, Verdict
-from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, RANGE, SampleT, Topic
+from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, ESTOP, GUARD, ODOM, POSE, RANGE, SampleT, Topic
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
-from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, Part, State, moment, on_page
+from giraff_web.messages import Balance, CameraView, Direction, Echo, Latch, MapView, Part, State, moment, on_page
 from giraff_web.policy import WebPolicy
 
 STALE: Final = 1.5
@@ -54,7 +55,7 @@ class Picture:
         self._n += 1
         base, guard, estop = self._newest(BASE, now), self._newest(GUARD, now), self._newest(ESTOP, now)
         odom, battery = self._newest(ODOM, now), self._newest(BATTERY, now, 3.0 / BATTERY.rate_hz)
-        attitude = self._newest(ATTITUDE, now)
+        attitude, place = self._newest(ATTITUDE, now), self._newest(POSE, now)
         operator, asked = policy.operator, policy.poll(now)
         age = now - operator.heard
         driver = policy.driver if operator.holds else None
@@ -74,6 +75,7 @@ class Picture:
             directions=_directions(guard) if guard else None,
             ranges={sensor: self._echo(sensor, now) for sensor in self._robot.sensors},
             pose=(round(odom.x, 4), round(odom.y, 4), round(odom.yaw, 4)) if odom else None,
+            covariance=_place_covariance(odom) if odom else None,
             origin=f"{odom.instance}:{odom.jumps}" if odom else "",
             speed=(round(odom.linear_x, 3), round(odom.angular_z, 3)) if odom else None,
             path=round(odom.path, 3) if odom else None,
@@ -81,6 +83,7 @@ class Picture:
             round_trip=base.round_trip if base else None,
             balance=self._balance(attitude, odom) if attitude else None,
             camera=camera,
+            map=_map_view(place) if place else None,
         )
 
     def _go_on(self, odom: Odometry) -> None:
@@ -116,6 +119,22 @@ class Picture:
         """None: what was heard last says nothing of now."""
         latest = self._latest.latest(topic, round(now * 1e9))
         return latest.sample if latest is not None and latest.age <= lasts else None
+
+
+def _place_covariance(of: Odometry | MapPose) -> tuple[float, float, float]:
+    xx, xy, _, yy, _, _ = of.covariance
+    return round(xx, 6), round(xy, 6), round(yy, 6)
+
+
+def _map_view(place: MapPose) -> MapView:
+    return MapView(
+        state=place.state,
+        map=place.map,
+        pose=(round(place.x, 3), round(place.y, 3), round(place.yaw, 4)),
+        covariance=_place_covariance(place),
+        yaw_sd=round(place.standard_deviations[2], 4),
+        why=str(on_page(trouble_of(place))),
+    )
 
 
 def _latch(state: EStop) -> Latch:

@@ -24,6 +24,7 @@ from giraff_schemas.topics import (
     ESTOP_RESET,
     GUARD,
     ODOM,
+    POSE,
     RANGE,
     Topic,
 )
@@ -72,7 +73,7 @@ class Web(OperatorService):
         self.link = pages
         told = (BASE, GUARD, ESTOP, BATTERY, RANGE, CAMERA_STATE)
         self._told: list[Inbox[Any]] = [io.inbox(topic, limit=_LAST, wakes=topic is ESTOP) for topic in told]
-        newest: list[Topic[Any]] = [ODOM, ATTITUDE]
+        newest: list[Topic[Any]] = [ODOM, ATTITUDE, POSE]
         self._told += [io.inbox(topic, limit=1, wakes=False) for topic in newest]
         self._show_timer = Timer(SHOWN_HZ)
         self.timers = (self.timer, self._show_timer)
@@ -184,6 +185,7 @@ class Web(OperatorService):
             may_drive=page.may_drive,
             robot=self._robot.name,
             radius=self._robot.footprint_radius,
+            track=self._robot.kinematics.track_width,
             sensors=self._picture.sensors,
             slow_speed=self._config.slow_speed,
             trail=self._picture.trail,

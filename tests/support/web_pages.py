@@ -27,7 +27,8 @@ from giraff_web.server.server import Server, Site
 
 STATE = State(
     n=0, tick=None, age=0.0, operator="", device="", page=0, armed=None, why="", stop=None, stop_text="",
-    directions=None, ranges={}, pose=None, origin="", speed=None, path=None, battery=None, round_trip=None,
+    directions=None, ranges={}, pose=None, covariance=None, origin="", speed=None, path=None, battery=None,
+    round_trip=None,
 )  # fmt: skip
 HOST = "127.0.0.1"
 IPHONE = f"iPhone at {HOST}"
@@ -79,7 +80,7 @@ class Desk:
 
 def hello(page: Opened) -> Hello:
     return Hello(
-        page=page.page, device=page.device, may_drive=page.may_drive, robot="one", radius=0.3, sensors={},
+        page=page.page, device=page.device, may_drive=page.may_drive, robot="one", radius=0.3, track=0.4, sensors={},
         slow_speed=0.3, trail=(),
     )  # fmt: skip
 

@@ -4,13 +4,33 @@ import { freedom } from "./words.js";
 
 /** m from the robot to the nearer edge of the picture. */
 const VIEW = 1.9;
+/** rad to either side of the robot's nose that are drawn as its front. */
+const FRONT = 0.75;
 /** rad to either side of a sensor's axis that are drawn. */
 const HALF_CONE = 0.22;
 /** m that a cone is drawn for when nothing is near. */
 const CLEAR = 1.4;
+/** px of the robot's radius at least, however flat the picture is. */
+const SMALLEST = 16;
+/** By how much another scale must differ before the plan takes it. */
+const STEP = 1.5;
+/** Half axis of an ellipse that holds 95 %, in standard deviations. */
+const ELLIPSE_95 = Math.sqrt(5.991);
 const MOST_TRAIL = 4000;
 /** m between two points of the path. */
 const TRAIL_STEP = 0.03;
+
+/** The scale that a plan goes on with: a line of text that comes and goes beside it does not change it. */
+export function steadyScale(scale, wanted) {
+  return scale && Math.abs(Math.log(wanted / scale)) < Math.log(STEP) ? scale : wanted;
+}
+
+/** Half axes and angle of the ellipse that holds a place with 95 %. @param {[number, number, number]} covariance */
+export function ellipse([xx, xy, yy]) {
+  const [middle, off] = [(xx + yy) / 2, Math.hypot((xx - yy) / 2, xy)];
+  const half = (value) => ELLIPSE_95 * Math.sqrt(Math.max(0, value));
+  return [half(middle + off), half(middle - off), Math.atan2(2 * xy, xx - yy) / 2];
+}
 
 /** The path in odom; it begins anew where the pose was set from outside. */
 export class Trail {
@@ -51,6 +71,8 @@ export class Floor {
     this._pen = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
     this._colours = {};
     this._changed = true;
+    this._ratio = 1;
+    this._scale = 0;
     new ResizeObserver(() => this._resize()).observe(canvas);
     const dark = matchMedia("(prefers-color-scheme: dark)");
     dark.addEventListener("change", () => this._readColours());
@@ -71,21 +93,25 @@ export class Floor {
     pen.setTransform(1, 0, 0, 1, 0, 0);
     pen.clearRect(0, 0, width, height);
     if (!hello || !state) return;
-    this._scale = Math.min(width, height) / (2 * VIEW);
+    const wanted = Math.max(Math.min(width, height) / (2 * VIEW), (SMALLEST * this._ratio) / hello.radius);
+    this._scale = steadyScale(this._scale, wanted);
     // Base_link: x forward is up, y left is left.
     pen.setTransform(0, -this._scale, -this._scale, 0, width / 2, height / 2);
     pen.globalAlpha = linked ? 1 : 0.35;
     this._rings();
     if (state.pose) this._around(state.pose, hello.room, trail);
     for (const [name, part] of Object.entries(hello.sensors)) this._cone(part, state.ranges[name], hello.radius);
-    this._robot(hello.radius, state);
+    this._robot(hello, state);
+    this._doubt(state);
   }
 
   _resize() {
     const ratio = devicePixelRatio || 1;
+    if (Math.round(this._canvas.clientWidth * ratio) !== this._canvas.width) this._scale = 0; // the screen is another
     this._canvas.width = Math.round(this._canvas.clientWidth * ratio);
     this._canvas.height = Math.round(this._canvas.clientHeight * ratio);
     this._ratio = ratio;
+    this._text = 0.8 * parseFloat(getComputedStyle(document.documentElement).fontSize);
     this._changed = true;
   }
 
@@ -99,7 +125,7 @@ export class Floor {
 
   /** A width on the screen, px, in the plan's metres. */
   _px(pixels) {
-    return (pixels * (this._ratio ?? 1)) / this._scale;
+    return (pixels * this._ratio) / this._scale;
   }
 
   _stroke(colour, pixels, dash = []) {
@@ -125,7 +151,7 @@ export class Floor {
     pen.save();
     pen.translate(0, -radius);
     pen.transform(0, -1, -1, 0, 0, 0);
-    pen.font = `${this._px(11)}px system-ui, sans-serif`;
+    pen.font = `${this._px(this._text)}px system-ui, sans-serif`;
     pen.fillStyle = this._colours.quiet;
     pen.fillText(text, this._px(3), this._px(4));
     pen.restore();
@@ -175,20 +201,27 @@ export class Floor {
     this._stroke(colour, 4);
   }
 
-  _robot(radius, state) {
+  /** Seen from above: its footprint with a filled front, its wheels, and what the guard says of each way. */
+  _robot({ radius, track }, state) {
     const pen = this._pen;
+    const disc = (half, colour) => {
+      pen.beginPath();
+      pen.arc(0, 0, radius, -half, half);
+      pen.fillStyle = colour;
+      pen.fill();
+    };
+    disc(Math.PI, this._colours.card);
+    disc(FRONT, this._colours.accent);
     pen.beginPath();
     pen.arc(0, 0, radius, 0, 2 * Math.PI);
-    pen.fillStyle = this._colours.card;
-    pen.fill();
     this._stroke(this._colours.ink, 2.5);
-    // The nose.
-    pen.beginPath();
-    pen.moveTo(radius * 0.8, 0);
-    pen.lineTo(radius * 0.3, radius * 0.38);
-    pen.lineTo(radius * 0.3, -radius * 0.38);
-    pen.closePath();
     pen.fillStyle = this._colours.ink;
+    for (const side of [track / 2, -track / 2]) pen.fillRect(-radius / 3, side - radius / 12, radius / 1.5, radius / 6);
+    pen.beginPath();
+    pen.moveTo(radius * 0.5, 0);
+    pen.lineTo(-radius * 0.1, radius * 0.3);
+    pen.lineTo(-radius * 0.1, -radius * 0.3);
+    pen.closePath();
     pen.fill();
     const ways = [
       ["forward", 0],
@@ -197,6 +230,16 @@ export class Floor {
       ["turn_right", -Math.PI / 2],
     ];
     for (const [way, angle] of ways) this._way(freedom(state, way), angle, radius);
+  }
+
+  /** Where the robot is with 95 %: on the map where localization says so, else by its wheels. */
+  _doubt({ map, pose, covariance }) {
+    const [yaw, of] = map && !map.why ? [map.pose[2], map.covariance] : [pose?.[2], covariance];
+    if (!of) return;
+    const [long, short, angle] = ellipse(of);
+    this._pen.beginPath();
+    this._pen.ellipse(0, 0, long, short, angle - yaw, 0, 2 * Math.PI);
+    this._stroke(this._colours.good, 2, [6, 4]);
   }
 
   /** An arrow where the guard lets the robot go, a bar where it does not. */

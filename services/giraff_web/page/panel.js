@@ -1,6 +1,6 @@
 // What is written on the page, where it stands in the document.
 
-import { DIRECTIONS, OLD, ageText, armedText, driverText, facts, floorLines, freedom, isStopped, reasons, whyText } from "./words.js";
+import { DIRECTIONS, OLD, ageText, armedText, driverText, facts, floorLines, freedom, isStopped, placeText, reasons, whyText } from "./words.js";
 
 /** s between two changes of a line that a screen reader speaks, and of the floor plan's text. */
 const SPOKEN = 0.3;
@@ -34,7 +34,7 @@ export class Panel {
   draw(at, now) {
     const { state, linked, mayDrive, hello } = at;
     document.body.dataset.link = linked ? "open" : "lost";
-    document.body.dataset.may = mayDrive ? "drive" : "watch";
+    document.body.dataset.may = mayDrive ? "drive" : hello ? "watch" : "";
     this._why(at, now);
     if (hello) write(byId("robot"), hello.robot);
     const mine = state?.page && state.page === at.me;
@@ -72,6 +72,8 @@ export class Panel {
       write(tile.querySelector(".most"), moves ? `${verdict.allowed.toFixed(2)} ${unit}` : "");
     }
     writeList(byId("reasons"), linked ? reasons(state.directions, mayDrive && !isStopped(state) ? state.why : "") : []);
+    byId("place").hidden = !(linked && state.map);
+    if (state.map) write(byId("place"), placeText(state.map));
     if (now - this._floorAt < FLOOR_TEXT) return;
     this._floorAt = now;
     writeList(byId("floor-text"), linked ? floorLines(state) : ["The link is lost: nothing is known of the robot."]);

@@ -133,12 +133,36 @@ export function facts(state) {
 /** The floor plan for those who do not see it, a line each. */
 export function floorLines(state) {
   const lines = Object.entries(state.ranges).map(([name, echo]) => echoText(name, echo));
-  for (const [way, label] of DIRECTIONS) lines.push(`${label}: ${freedom(state, way)}`);
-  if (state.pose) {
-    const [x, y, yaw] = state.pose;
-    lines.push(`Position: x ${fixed(x, 1)} m, y ${fixed(y, 1)} m, heading ${Math.round((yaw * 180) / Math.PI)}°`);
-  }
+  if (state.pose) lines.push(`By its wheels: ${poseText(state.pose, sd(state.covariance))}`);
+  if (state.map) lines.push(mapText(state.map));
   return lines;
+}
+
+/** Where the robot is on the map, in one short line. */
+export function placeText(map) {
+  const state = sentence(map.state.replaceAll("_", " "));
+  if (map.why) return map.map ? `${state} on ${map.map}` : state;
+  const [x, y, yaw] = map.pose;
+  const heading = Math.round(yaw * DEGREES);
+  const most = fixed(sd(map.covariance), 2);
+  return `${state}: ${fixed(x, 2)}, ${fixed(y, 2)} m, ${heading}°, sd ${most} m, ${Math.round(map.yaw_sd * DEGREES)}°`;
+}
+
+/** The same in whole: "Localized on flat: x 1.20 m, y 3.40 m, heading 90°, sd 0.05 m, 2°". */
+export function mapText(map) {
+  const state = `${sentence(map.state.replaceAll("_", " "))}${map.map ? ` on ${map.map}` : ""}`;
+  if (map.why) return `${state}: ${map.why}`;
+  return `${state}: ${poseText(map.pose, sd(map.covariance))}, ${Math.round(map.yaw_sd * DEGREES)}°`;
+}
+
+/** Larger standard deviation of a place, m, by its covariance. */
+function sd([xx, xy, yy]) {
+  return Math.sqrt((xx + yy) / 2 + Math.hypot((xx - yy) / 2, xy));
+}
+
+function poseText([x, y, yaw], metres) {
+  const heading = Math.round(yaw * DEGREES);
+  return `x ${fixed(x, 2)} m, y ${fixed(y, 2)} m, heading ${heading}°, sd ${fixed(metres, 2)} m`;
 }
 
 /** How a robot that balances holds itself: "Stands: leans 1.2°, 3 N m". */

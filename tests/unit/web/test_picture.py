@@ -3,6 +3,7 @@
 import msgspec
 import pytest
 
+from giraff_schemas.localization import MapPose, PlanarPose
 from giraff_schemas.messages import Battery, EStop, Lease, Odometry, Range, RobotTime, Tick
 from giraff_web.config import WebConfig
 from giraff_web.messages import RELEASE, State, ToPage
@@ -74,12 +75,19 @@ def test_a_tick_goes_down_exactly_and_none_of_a_robot_that_is_lost() -> None:
 def test_all_that_is_heard_is_shown_as_long_as_it_is_new() -> None:
     shown = Shown()
     latch = EStop(instance="base", engaged=False, id=1, by="x", reason="")
-    for sample in (base(), guard(verdict()), latch, Battery(voltage=24.0), odometry(1.0)):
+    here = PlanarPose(x=0.0, y=0.0, yaw=0.0)
+    place = MapPose(
+        state="lost", x=1.0, y=2.0, yaw=0.5, covariance=(0.04, 0.01, 0.0, 0.09, 0.0, 0.01), odom=here, candidates=(),
+        explained=0.2, way=3.0, particles=9, map="flat", reason="nothing fits; drive on", remedy="drive on", tick=TICK,
+    )  # fmt: skip
+    for sample in (base(), guard(verdict()), latch, Battery(voltage=24.0), odometry(1.0), place):
         shown.picture.take(sample, 0.0)
     state = shown.at(0.1)
-    assert None not in (state.armed, state.stop, state.directions, state.pose, state.battery, state.speed)
+    assert None not in (state.armed, state.stop, state.directions, state.pose, state.battery, state.speed, state.map)
+    assert state.map is not None
+    assert (state.map.covariance, state.map.yaw_sd) == ((0.04, 0.01, 0.09), 0.1)
     old = shown.at(STALE + 0.5)
-    assert (old.armed, old.stop, old.directions, old.pose, old.battery) == (None,) * 5
+    assert (old.armed, old.stop, old.directions, old.pose, old.battery, old.map) == (None,) * 6
 
 
 def test_a_sensor_that_is_silent_is_told_so() -> None:

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { ellipse, steadyScale } from "../../../../services/giraff_web/page/floor.js";
 import * as words from "../../../../services/giraff_web/page/words.js";
 
 const free = { freedom: "free", allowed: 0.6, sensor: "", reason: "", way_out: "" };
@@ -107,12 +108,27 @@ test("the floor plan as lines", () => {
     left: { state: "silent", range: null, reason: "" },
     right: { state: "clear", range: null, reason: "" },
   };
-  const lines = words.floorLines({ ranges, directions: null, pose: [1, -0.01, Math.PI / 2] });
+  const map = { state: "localized", map: "flat", pose: [3, 4, 0], covariance: [0.01, 0, 0.04], yaw_sd: 0.035, why: "" };
+  const pose = [1, -0.001, Math.PI / 2];
+  const lines = words.floorLines({ ranges, directions: null, pose, covariance: [0, 0, 0.0025], map });
   assert.deepEqual(lines.slice(0, 4), [
     "Front left: 0.84 m",
     "Rear: no echo at all",
     "Left: not heard",
     "Right: nothing near",
   ]);
-  assert.equal(lines.at(-1), "Position: x 1.0 m, y 0.0 m, heading 90°");
+  assert.deepEqual(lines.slice(4), [
+    "By its wheels: x 1.00 m, y 0.00 m, heading 90°, sd 0.05 m",
+    "Localized on flat: x 3.00 m, y 4.00 m, heading 0°, sd 0.20 m, 2°",
+  ]);
+  assert.equal(words.placeText(map), "Localized: 3.00, 4.00 m, 0°, sd 0.20 m, 2°");
+  assert.equal(words.mapText({ ...map, state: "lost", why: "nothing fits; drive on" }), "Lost on flat: nothing fits; drive on");
+});
+
+test("the plan keeps its scale beside a text that comes and goes, and its ellipse holds 95 %", () => {
+  assert.equal(steadyScale(0, 50), 50);
+  assert.equal(steadyScale(50, 70), 50);
+  assert.equal(steadyScale(50, 30), 30);
+  const [long, short, angle] = ellipse([0.01, 0, 0.04]);
+  assert.deepEqual([long.toFixed(2), short.toFixed(2), angle], ["0.49", "0.24", Math.PI / 2]);
 });
