@@ -49,7 +49,7 @@ _TEXTS: Final[_Rows] = (
     (r"invalid literal for int\(\) with base \d+: (.*)", r"\1 is no whole number"),
     (r"could not convert string to float: (.*)", r"\1 is no number"),
     (r"(.*'.*') is not a valid float(?: range)?\.?", r"\1 is no number"),
-    (r"(.*'.*') is not a valid integer(?: range)?\.?", r"\1 is no whole number"),
+    (r"(.*'.*') is not a valid int(?:eger)?(?: range)?\.?", r"\1 is no whole number"),
     (r"(.*) is not in the range x>=(.*?)\.?", r"\1 must be \2 or more"),
     (r"(.*) is not in the range (.*)<=x<=(.*?)\.?", r"\1 must be between \2 and \3"),
 )

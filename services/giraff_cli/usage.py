@@ -1,18 +1,22 @@
-"""What was typed wrong, told as everything else is: in one line, with the way out."""
+"""The command line: its help as a terminal shows it, and what was typed wrong in one line, with the way out."""
 
 from __future__ import annotations
 
 import sys
-from typing import Any
+from copy import copy
+from typing import Any, Final
 
 import typer.main
 
 from giraff_schemas.text import plain
 
+_LONGEST: Final = 20
+"""Characters of the words of an option that stand in its column."""
+
 
 def obey(app: typer.Typer) -> int:
     """Do what the command line asks for; the exit code."""
-    command = typer.main.get_command(app)
+    command = with_plain_help(typer.main.get_command(app))
     try:
         return command.main(prog_name="giraff", standalone_mode=False) or 0
     except typer.TyperException as error:
@@ -20,6 +24,27 @@ def obey(app: typer.Typer) -> int:
         if what := plain(error.format_message()).rstrip("."):  # else it has shown the help
             print(f"{path}: {what[0].lower()}{what[1:]} (see {path} --help)", file=sys.stderr, flush=True)
         return error.exit_code
+
+
+def with_plain_help(command: Any) -> Any:
+    """The command, whose help and that of all below it has paragraphs of one line, and no types of Python's.
+
+    Typer keeps the line ends of the source and breaks the lines between them once more.
+    """
+    command.help = "\n\n".join(" ".join(each.split()) for each in (command.help or "").split("\n\n"))
+    for parameter in command.params:
+        kind = parameter.type = copy(parameter.type)  # one object for all texts
+        words = getattr(kind, "choices", ())
+        if parameter.param_type_name == "argument":
+            kind.get_metavar = lambda *_, **__: ""  # its name says what it is
+        elif words:
+            words = "|".join(str(getattr(word, "value", word)) for word in words)
+            parameter.metavar = words if len(words) <= _LONGEST else parameter.name.upper()
+            if len(words) > _LONGEST and words not in parameter.help:
+                parameter.help += f" One of {words.replace('|', ', ')}."
+    for inner in getattr(command, "commands", {}).values():
+        with_plain_help(inner)
+    return command
 
 
 def _path(command: Any, words: list[str]) -> str:

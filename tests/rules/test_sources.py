@@ -81,7 +81,10 @@ def raw_texts(source: str) -> list[int]:
     found = []
     for tried in (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Try)):
         calls = {ast.unparse(call.func) for line in tried.body for call in ast.walk(line) if isinstance(call, ast.Call)}
-        reads = any(call.startswith(LIBRARIES) and "." in call and ".structs." not in call for call in calls)
+        reads = any(
+            call in ("int", "float") or (call.startswith(LIBRARIES) and "." in call and ".structs." not in call)
+            for call in calls
+        )
         for handler in tried.handlers:
             caught = ast.unparse(handler.type) if handler.type else ""
             if not handler.name or not (any(each in caught for each in SAID) or (reads and "ValueError" in caught)):

@@ -21,6 +21,7 @@ from giraff_cli.calibrate.judgement import (
 )
 from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_cli.robot_file import RobotFileError, record
+from giraff_cli.terminal.page import print_wrapped
 
 DONE: Final = 0
 REFUSED: Final = 1
@@ -46,7 +47,7 @@ def conclude(
     robot_file: Path | None,
     *,
     force: bool,
-    tell: Callable[[str], None] = print,
+    tell: Callable[[str], None] = print_wrapped,
     agrees: Callable[[], bool] = lambda: True,
     then: str = "Nothing goes by it before the robot's services are restarted, at rest.",
 ) -> Conclusion:

@@ -8,6 +8,8 @@ import shutil
 from collections.abc import Callable
 from typing import Final, Protocol, TextIO
 
+from giraff_cli.terminal.page import print_wrapped
+
 _TURN: Final = 0.1  # s
 _ERASE: Final = "\r\033[K"
 
@@ -38,10 +40,10 @@ class Terminal:
         self._shown = shown
 
     def tell(self, text: str) -> None:
-        print(text, file=self._shown, flush=True)
+        print_wrapped(text, self._shown)
 
     def ask(self, question: str, meanwhile: Callable[[], str]) -> str:
-        print(question, end=" ", file=self._shown, flush=True)
+        print_wrapped(question, self._shown, end=" ")
         told = ""
         while b"\n" not in self._typed:
             if (text := meanwhile()) != told:

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import msgspec
-from rich.text import Text
 
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.robot_graph import GraphMonitor, NodeId, RobotGraph
-from giraff_cli.terminal.page import Page, print_json, print_table
+from giraff_cli.terminal.page import print_json, print_table
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import duration
 from giraff_schemas.health import Health
-from giraff_schemas.text import printable
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
 _WELL: Final = 0
@@ -101,28 +99,26 @@ def _show_rows(rows: Sequence[NodeRow]) -> None:
 
 
 def _show(row: NodeRow, robot_graph: RobotGraph) -> None:
-    page, health = Page(), row.health
+    print_table(("", ""), _lines(row, robot_graph))
 
-    def line(name: str, text: str) -> None:
-        page.print(Text(f"{name:<12}{printable(text)}"))
 
-    line("service", row.service)
-    line("instance", row.instance)
+def _lines(row: NodeRow, robot_graph: RobotGraph) -> Iterator[tuple[str, str]]:
+    health = row.health
+    yield "service", row.service
+    yield "instance", row.instance
     if health is None:
-        line("state", _SILENT)
+        yield "state", _SILENT
         return
-    line("host", f"{health.host}, pid {health.pid}, up {duration(health.uptime)}")
-    line("takes", f"{health.cpu_time:.1f} s of processor time, {health.rss_bytes / 1e6:.0f} MB of memory")
-    line("state", "well" if health.ok else "not well")
-    for kind, told in (("fault", health.faults), ("notice", health.notices)):
-        for text in told:
-            line(kind, text)
+    yield "host", f"{health.host}, pid {health.pid}, up {duration(health.uptime)}"
+    yield "takes", f"{health.cpu_time:.1f} s of processor time, {health.rss_bytes / 1e6:.0f} MB of memory"
+    yield "state", "well" if health.ok else "not well"
+    yield from (("fault", text) for text in health.faults)
+    yield from (("notice", text) for text in health.notices)
     for key in health.publishes:
-        line("publishes", f"{key} -> {_names(robot_graph.subscribers(key)) or 'nobody that says so'}")
+        yield "publishes", f"{key} -> {_names(robot_graph.subscribers(key)) or 'nobody that says so'}"
     for pattern in health.subscribes:
-        line("listens to", f"{pattern} <- {_names(robot_graph.publishers_of(pattern)) or 'nobody'}")
-    for key in health.answers:
-        line("answers", key)
+        yield "listens to", f"{pattern} <- {_names(robot_graph.publishers_of(pattern)) or 'nobody'}"
+    yield from (("answers", key) for key in health.answers)
 
 
 def _names(makers: Sequence[NodeId]) -> str:

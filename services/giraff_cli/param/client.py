@@ -20,7 +20,7 @@ from giraff_node.network.tokens import find_tokens
 from giraff_schemas.checks import require_sendable
 from giraff_schemas.params import ParamAnswer, ParamDescribe, ParamSave, ParamSet
 from giraff_schemas.services import ANSWERING
-from giraff_schemas.text import plain, printable, printable_lines
+from giraff_schemas.text import plain, printable
 from giraff_schemas.topics import PARAM_DESCRIBE, PARAM_SAVE, PARAM_SET, Query, alive_key, require_chunk
 
 _PATIENCE: Final = 3.0  # s, for a robot to be found, and then for its services to answer
@@ -39,7 +39,7 @@ def show(
     robot: str | None,
     connect: Sequence[str],
     names: Sequence[str],
-    view: Callable[[Sequence[Shown]], str],
+    view: Callable[[Sequence[Shown]], None],
     *,
     as_json: bool,
 ) -> int:
@@ -61,7 +61,7 @@ def show(
         if as_json:
             print_json(as_objects(wanted))
         else:
-            print(printable_lines(view(wanted)))
+            view(wanted)
         return _WRONG if differences or len(answers) < len(services) else _DONE
 
     return run_with_robot(robot, connect, _PATIENCE, tell)

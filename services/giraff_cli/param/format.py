@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any, Final, NamedTuple
 
+from giraff_cli.terminal.page import print_table, print_wrapped
 from giraff_core.robot import MOVED_TO_DRIVE
 from giraff_schemas.params import Param, ParamAnswer
+from giraff_schemas.text import printable
 
 _SHARED: Final = "robot."
 _MAY: Final = {
@@ -16,8 +18,8 @@ _MAY: Final = {
     "checked": "may change live, until a restart",
     "fixed": "robot file and restart",
 }
-
-
+_LIVE: Final = {"up": "raise only", "down": "lower only", "free": "yes", "checked": "until restart", "fixed": "no"}
+"""The same in a column."""
 _NOT_SAVED: Final = "NOT SAVED, until the service ends"
 
 
@@ -49,28 +51,30 @@ class Shown(NamedTuple):
         return f"{self.name} {text(param.value)}{f' ({state})' if state else ''}"
 
 
-def listed(shown: Sequence[Shown]) -> str:
-    """One line each: name, value, what may be done to it, and where it is not the robot file's."""
-    lines = [(one.name, text(one.param.value), _MAY[one.param.live], _state(one.param)) for one in _once(shown)]
-    widths = [max((len(line[column]) for line in lines), default=0) for column in range(3)]
-    return "\n".join(
-        "  ".join((*(cell.ljust(width) for cell, width in zip(line, widths, strict=False)), line[3])).rstrip()
-        for line in lines
+def listed(shown: Sequence[Shown]) -> None:
+    """Print one line each: name, what may be done to it, value, and where that is not the robot file's."""
+    print_table(
+        ("parameter", "live", "value"),
+        [
+            (one.name, _LIVE[one.param.live], f"{text(one.param.value)}{state and f' ({state})'}")
+            for one in _once(shown)
+            for state in (_state(one.param),)
+        ],
     )
 
 
-def values(shown: Sequence[Shown]) -> str:
-    """The values alone."""
-    return "\n".join(text(one.param.value) for one in _once(shown))
+def values(shown: Sequence[Shown]) -> None:
+    """Print the values alone."""
+    for one in _once(shown):
+        print(printable(text(one.param.value)))
 
 
-def described(shown: Sequence[Shown]) -> str:
-    """Some lines each."""
-    return "\n".join(
-        f"{one.name} = {text(one.param.value)}\n"
-        + "".join(f"    {line}\n" for line in _lines(one.param) if line).rstrip("\n")
-        for one in _once(shown)
-    )
+def described(shown: Sequence[Shown]) -> None:
+    """Print some lines each."""
+    for one in _once(shown):
+        print_wrapped(printable(f"{one.name} = {text(one.param.value)}"))
+        for line in filter(None, _lines(one.param)):
+            print_wrapped(f"    {printable(line)}")
 
 
 def as_objects(shown: Iterable[Shown]) -> list[dict[str, Any]]:

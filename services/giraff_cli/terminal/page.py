@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import sys
 from collections.abc import Iterable, Sequence
-from typing import Any, Final, NoReturn
+from shutil import get_terminal_size
+from textwrap import fill
+from typing import Any, Final, NoReturn, TextIO
 
+from rich.cells import cell_len
 from rich.console import RenderableType
 from rich.table import Table
 from rich.text import Text
@@ -17,6 +21,9 @@ from giraff_schemas.text import printable
 from giraff_telemetry.console import CleanConsole
 
 _PIPE_WIDTH: Final = 1000  # characters: a line stays a line for whoever searches them
+_GAP: Final = 2  # blanks between two columns
+_LAST: Final = 20  # characters of a last column, whose longer words (paths) are folded
+_BLANK_END: Final = re.compile(r"(?: |\x1b\[[0-9;]*m)+$")
 
 
 class Page(CleanConsole):
@@ -37,7 +44,7 @@ def print_json(document: Any) -> None:
 
 def table_of(headings: Iterable[str], rows: Iterable[Sequence[str | Text]]) -> Table:
     """Columns under their headings; one that begins with ">" has figures, and stands to the right."""
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), header_style="dim")
+    table = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="dim")
     for heading in headings:
         right = heading.startswith(">")
         table.add_column(heading.removeprefix(">"), justify="right" if right else "left", overflow="fold")
@@ -46,9 +53,62 @@ def table_of(headings: Iterable[str], rows: Iterable[Sequence[str | Text]]) -> T
     return table
 
 
-def print_table(headings: Iterable[str], rows: Iterable[Sequence[str | Text]]) -> None:
-    """The same on standard output."""
-    print_trimmed(table_of(headings, rows))
+def print_table(headings: Sequence[str], rows: Iterable[Sequence[str | Text]]) -> None:
+    """The same on standard output, where no word is torn.
+
+    Columns that do not fit beside each other come below, behind the first column once more.
+    """
+    cells = [[cell if isinstance(cell, Text) else Text(printable(cell)) for cell in row] for row in rows]
+    columns = [[heading.removeprefix(">"), *(row[at].plain for row in cells)] for at, heading in enumerate(headings)]
+    width = Page().width
+    most = [max(map(cell_len, column)) for column in columns]
+    least = [max(cell_len(word) for text in column for word in text.split() or [""]) for column in columns]
+    least[-1] = min(least[-1], _LAST)
+    for number, group in enumerate(_groups(least, width)):
+        table = table_of([headings[at] for at in group], [[row[at] for at in group] for row in cells])
+        for column, wide in zip(table.columns, _fitted([(least[at], most[at]) for at in group], width), strict=True):
+            column.width = wide
+        table.show_header = any(column[0] for column in columns)
+        if number:
+            print()
+        print_trimmed(table)
+
+
+def _groups(least: Sequence[int], width: int) -> list[list[int]]:
+    """Columns that fit beside each other, by their numbers."""
+    groups = [[0]]
+    for at in range(1, len(least)):
+        if sum(least[each] + _GAP for each in groups[-1]) + least[at] > width and len(groups[-1]) > 1:
+            groups.append([0])
+        groups[-1].append(at)
+    return groups
+
+
+def _fitted(bounds: Sequence[tuple[int, int]], width: int) -> list[int]:
+    """The widths of columns, of which the widest that can be wrapped give way."""
+    widths = [most for _, most in bounds]
+    while (excess := sum(widths) + _GAP * (len(widths) - 1) - width) > 0:
+        spare = [wide - least for wide, (least, _) in zip(widths, bounds, strict=True)]
+        if not any(spare):
+            break
+        at = max(range(len(widths)), key=lambda each: (spare[each] > 0, widths[each]))
+        widths[at] -= min(spare[at], excess)
+    return widths
+
+
+def print_wrapped(text: str, file: TextIO | None = None, end: str = "\n") -> None:
+    """Sentences, at a terminal in lines that end between two words."""
+    shown = file or sys.stdout
+    lines = text.split("\n")
+    if shown.isatty():
+        lines = [_wrapped(line, get_terminal_size().columns) for line in lines]
+    print("\n".join(lines), end=end, file=shown, flush=True)
+
+
+def _wrapped(line: str, width: int) -> str:
+    """The lines of one that is too long, each as far in as it is."""
+    indent = " " * (len(line) - len(line.lstrip()))
+    return fill(line, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False) or line
 
 
 def print_trimmed(shown: RenderableType) -> None:
@@ -57,7 +117,7 @@ def print_trimmed(shown: RenderableType) -> None:
     with page.capture() as captured:
         page.print(shown)
     for line in captured.get().splitlines():
-        print(line.rstrip())
+        print(_BLANK_END.sub(lambda end: "\x1b[0m" if "\x1b" in end[0] else "", line))
 
 
 def shown(number: float | None, form: str = ".1f") -> str:

@@ -7,7 +7,6 @@ from typing import Any, Final
 
 import msgspec
 import zenoh
-from rich.text import Text
 
 from giraff_cli.network.command import print_error, run_with_robot
 from giraff_cli.network.connection import RobotConnection
@@ -21,11 +20,10 @@ from giraff_cli.network.topic_keys import (
     intersects,
     is_declared,
 )
-from giraff_cli.terminal.page import Page, print_json, print_table, shown
+from giraff_cli.terminal.page import print_json, print_table, shown
 from giraff_cli.terminal.signals import StopSignal
 from giraff_schemas.fields import Field, fields_of
 from giraff_schemas.messages import Sample
-from giraff_schemas.text import printable
 from giraff_schemas.topics import CAMERA_PICTURES, TOPICS, Qos, Topic, key_of, topic_of
 
 _PATIENCE: Final = 3.0  # s, to find the only robot
@@ -161,18 +159,17 @@ def _show(found: TopicInfo) -> None:
     listeners = _names(row.subscribers)
     if not listeners:
         listeners = "somebody whose health does not tell" if found.matching else "nobody"
-    page = Page()
-    for name, text in (
+    lines = (
         ("key", found.whole_key),
         ("type", row.type or "a maker's: giraff topic echo shows what it carries"),
         ("rate", f"{nominal}now {f'{shown(row.hz)} Hz' if row.hz is not None else silent}"),
         ("quality", found.qos),
         ("published by", _names(row.publishers, instances=True) or ("?" if row.heard else "nobody now")),
         ("listened to by", listeners),
-    ):
-        page.print(Text(f"{name:<16}{printable(text)}"))
+    )
+    print_table(("", ""), lines)
     for title, fields in ((row.type, found.fields), *found.parts.items()) if row.type else ():
-        page.print()
+        print()
         print_table((title, "", ""), ((field.name, field.type, field.doc) for field in fields))
 
 

@@ -8,12 +8,11 @@ from typing import Final
 
 import msgspec
 import zenoh
-from rich.table import Table
 from rich.text import Text
 
 from giraff_cli.network.command import print_error
 from giraff_cli.network.connection import RobotConnection
-from giraff_cli.terminal.page import Page
+from giraff_cli.terminal.page import print_table, print_trimmed
 from giraff_cli.terminal.text import json_page
 from giraff_cli.why.chain import Standing
 from giraff_cli.why.diagnosis import Diagnosis, diagnose
@@ -76,19 +75,19 @@ def listen(connection: RobotConnection, seconds: float) -> Observation:
 
 
 def _show(diagnosis: Diagnosis, unreadable: list[str]) -> None:
-    console = Page()
-    table = Table.grid(padding=(0, 2, 0, 0))
-    table.add_column(justify="right", no_wrap=True)
-    table.add_column(no_wrap=True)
-    table.add_column(justify="right", no_wrap=True, style="dim")
-    table.add_column(overflow="fold")
-    for link in diagnosis.links:
-        age = "" if link.age is None else f"{link.age * 1000.0:.0f} ms"
-        table.add_row(link.name, Text(link.standing, style=_STYLES[link.standing]), age, Text(link.text))
-    console.print(table)
-    for camera in diagnosis.cameras:
-        console.print(Text(camera, style="yellow"))
-    for complaint in unreadable:
-        console.print(Text(f"unreadable: {complaint}", style="yellow"))
+    print_table(
+        (">", "", ">", ""),
+        [
+            (
+                link.name,
+                Text(link.standing, style=_STYLES[link.standing]),
+                Text("" if link.age is None else f"{link.age * 1000.0:.0f} ms", style="dim"),
+                link.text,
+            )
+            for link in diagnosis.links
+        ],
+    )
+    for told in (*diagnosis.cameras, *(f"unreadable: {complaint}" for complaint in unreadable)):
+        print_trimmed(Text(told, style="yellow"))
     style = "bold red" if diagnosis.stopped_by else "bold green"
-    console.print(Text.assemble((f"{diagnosis.robot}: ", "bold"), (diagnosis.conclusion, style)))
+    print_trimmed(Text.assemble((f"{diagnosis.robot}: ", "bold"), (diagnosis.conclusion, style)))

@@ -31,6 +31,8 @@ def _silence(address: str) -> str:
     host, _, port = with_port(address).rpartition(":")
     try:
         socket.create_connection((host.strip("[]"), int(port)), _ANSWERS_WITHIN).close()
-    except (OSError, ValueError, OverflowError) as error:  # ValueError: a port or a name that is none
-        return str(getattr(error, "strerror", None) or error)
+    except OSError as error:
+        return str(error.strerror or error)
+    except (ValueError, OverflowError):  # a port or a name that is none
+        return "it is no address: give HOST or HOST:PORT"
     return ""

@@ -149,7 +149,7 @@ def test_what_is_saved_survives_a_restart_and_never_loosens_the_robot_file(robot
     words = [("get", "guard.margin"), ("list", "guard")]
     (got, _), (listed, _) = run_beside(lambda each: param(robot, *each), words).values()
     assert got == "0.5\n"
-    assert re.search(r"guard.margin +0.5 .*robot file: 0.25; saved", listed)
+    assert re.search(r"guard.margin +raise only +0.5 \(robot file: 0.25; saved", listed)
     assert set_margin(robot, 0.3).done  # back, as far as the robot file goes
     assert not set_margin(robot, 0.24).done
     robot.environment["GIRAFF_GUARD_MARGIN"] = "0.8"  # the robot file has become tighter than what was saved

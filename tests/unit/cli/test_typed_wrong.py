@@ -94,6 +94,37 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("record", "--max-size", "7"), "give 100k at least"),
     (("play", "nothing.mcap"), "No such file"),
     (("play", "/etc/hostname"), "not an MCAP file"),
+    (("tpic",), "giraff: no such command 'tpic'. Did you mean 'topic'? (see giraff --help)"),
+    (("topic", "eco", "odom"), "giraff topic: no such command 'eco'. Did you mean 'echo'? (see giraff topic --help)"),
+    (("top", "--onec"), "giraff top: no such option: --onec (Possible options: --connect, --json, --once) (see"),
+    (("topic", "echo"), "giraff topic echo: missing argument 'KEY' (see giraff topic echo --help)"),
+    (("doctor", "extra"), "giraff doctor: got unexpected extra argument(s) (extra) (see giraff doctor --help)"),
+    (("estop", "status", "--timeout"), "giraff estop status: option '--timeout' requires an argument (see"),
+    (("estop", "status", "--timeout", "inf"), "giraff estop status: invalid value for '--timeout': inf is no number"),
+    (("watch", "--for", "inf"), "giraff watch: invalid value for '--for': inf is no number to count with"),
+    (("watch", "--for", "-1"), "giraff watch: invalid value for '--for': -1.0 must be 0.1 or more"),
+    (("watch", "--for", "nan"), "giraff watch: invalid value for '--for': nan is no number to count with"),
+    (("why", "--for", "soon", "--json"), "giraff why: invalid value for '--for': 'soon' is no number"),
+    (
+        ("topic", "pub", "battery", "{}", "--rate", "1e9"),
+        "giraff topic pub: invalid value for '--rate': 1000000000.0 must be between 0.01 and 1000.0",
+    ),
+    (("dst", "--seeds", "0"), "giraff dst: invalid value for '--seeds': 0 must be 1 or more"),
+    (("param", "set", "guard.margin"), "giraff param set: missing argument 'VALUE'"),
+    (("dst", "--seeds", "two"), "'--seeds': 'two' is no whole number"),
+    (("run", "--seed", "1.5"), "'--seed': '1.5' is no whole number"),
+    (("web", "--port", "x"), "'--port': 'x' is no whole number"),
+    (("run", "--boards", "arm"), "'arm' is not one of 'avr', 'host'"),
+    (("map", "show", "none.toml"), "none.toml: cannot be read: No such file or directory"),
+    (("topic", "echo", "odom", "--robot", "a/b"), "'a/b' cannot be part of a key: use letters, digits, '-' and '_'"),
+    (("topic", "hz", "--connect", "otto:x"), "--connect otto:x: it is no address: give HOST or HOST:PORT; check"),
+    ((*BATTERY, '{"voltage": null}', "--robot", "x"), "not a Battery: voltage must be a number, and is none; it has"),
+    ((*BATTERY, "[]", "--robot", "x"), "a Battery is a JSON object, like"),
+    (("topic", "pub", "tick", '{"epoch": 1.5, "robot_ns": 1}', "--robot", "x"), "epoch must be a whole number"),
+    (
+        ("topic", "pub", "tilt", '{"x": 0, "y": 0, "z": 0, "status": "fine", "tick": null}', "--robot", "x"),
+        "status cannot be",
+    ),
     (("view", "--memory", "lots"), "'lots' is no amount of memory; give one like 500MB, 2GiB or 25%"),
     (("view", "--memory", "0"), "'0' is no amount of memory"),
     (("view", "--memory", "1MB"), "give 50MB at the least"),
@@ -123,6 +154,7 @@ def test_it_is_told_in_a_line(
     for name in ("GIRAFF_CONFIG", "GIRAFF_ROBOT_NAME", "DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("GIRAFF_NETWORK_LOCAL", "true")
+    monkeypatch.setenv("COLUMNS", "40")
     network = meet(monkeypatch)
     code, out, complaint = typed(monkeypatch, capsys, *words)
     assert (code, out) == (2, "")

@@ -56,7 +56,9 @@ def test_the_environment_overrides_the_file(tmp_path: Path) -> None:
         ('[base]\nport = "x"\noperator_budgt = 1', {}, "did you mean 'operator_budget'?"),
         ('[bas]\nport = "x"', {}, "unknown table [bas]; did you mean 'base'?"),
         ('base = "x"', {}, "base is a value where the table [base] belongs"),
-        ("[base", {}, "not TOML"),
+        ("[base", {}, "not TOML: at the end: ] is missing"),
+        ("[base]\nport = x", {}, "not TOML: line 2, column 8: a value is missing, or is text without quotes"),
+        ('[base]\nport = "x"\nport = "y"', {}, "a name stands there twice"),
         ("[base]\nport = 3", {}, "port must be text, and is a number"),
         (
             '[base]\nport = "x"',
