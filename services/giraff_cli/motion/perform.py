@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 from typing import Final
 
 from giraff_cli.motion.view import MotionView, describe, document
 from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
-from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.connection import MovedError, RobotConnection
 from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.output import discard_stdout
 from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.screen import NullScreen, Screen, open_screen
 from giraff_cli.terminal.signals import StopSignal
+from giraff_core.latest import LatestSamples
 from giraff_core.motion.result import MotionResult
+from giraff_node import robot_now_ns
 from giraff_node.motion_client import TURN, MotionClient, Wish
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.discovery import list_robots, not_found_text
+from giraff_schemas.localization import MapPose
+from giraff_schemas.motion import GoTo
+from giraff_schemas.topics import POSE
 
 ARRIVED: Final = 0
 ENDED: Final = 1
@@ -45,6 +50,8 @@ class Performance:
     def __init__(self, connection: RobotConnection, wish: Wish, stopping: StopSignal) -> None:
         self._connection, self._stopping = connection, stopping
         self._client = MotionClient(connection.session, connection.robot, user_at_host(), wish)
+        if any(isinstance(step, GoTo) and step.frame == "map" for step in wish.steps):
+            connection.subscribe(POSE)
         self._reader_gone = False
         self._show_at = 0.0
 
@@ -52,17 +59,17 @@ class Performance:
         """The whole of it; the exit code. Raises NoRobotError."""
         with closing(self._client), closing(NullScreen() if as_json else open_screen(page=False)) as screen:
             result = self._follow(screen)
-        robot = self._connection.robot
+        robot, place = self._connection.robot, self._place()
         if self._reader_gone:
             discard_stdout()
         elif as_json:
-            print_json(document(robot, result))
+            print_json(document(robot, result, place))
         if result.arrived:
             if not as_json:
-                print(describe(robot, result), flush=True)
+                print(describe(robot, result, place), flush=True)
             return ARRIVED
         if not as_json or not result.begun:
-            print_error(describe(robot, result))
+            print_error(describe(robot, result, place))
         return ENDED if result.begun else UNUSABLE
 
     def _follow(self, screen: Screen) -> MotionResult:
@@ -75,6 +82,14 @@ class Performance:
                 raise NoRobotError(self._unheard())
             self._stopping.wait(TURN, patience=self._stopping.asked + 1)
         return result
+
+    def _place(self) -> MapPose | None:
+        """Return where localization has the robot at the end. None: the motion was on no map, or nothing was heard."""
+        heard = LatestSamples()
+        with suppress(MovedError):  # the motion is over: it is not to be asked again
+            self._connection.dispatch(heard)
+        latest = heard.latest(POSE, robot_now_ns())
+        return latest.sample if latest is not None and latest.fresh else None
 
     def _show(self, screen: Screen, now: float) -> None:
         state = self._client.state

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -12,8 +13,10 @@ from rich.table import Table
 from rich.text import Text
 
 from giraff_core.motion.result import MotionResult, way_of
+from giraff_schemas.localization import MapPose
 from giraff_schemas.motion import MotionState
 from giraff_schemas.text import printable
+from giraff_telemetry.localization import sigma_of
 
 _BAR: Final = 24  # characters
 _LEAST: Final = 1e-6
@@ -75,20 +78,29 @@ class MotionView:
         return " | ".join(parts)
 
 
-def describe(robot: str, result: MotionResult) -> str:
-    """How it ended, in one line, with the way out."""
+def describe(robot: str, result: MotionResult, place: MapPose | None = None) -> str:
+    """Tell in one line how it ended, with the way out. `place`: at the end of a motion to a point of the map."""
     if not result.begun:
         return printable(f"{robot} has not moved: {result.reason or result.outcome}")
+    way = result.way
+    if place is not None:
+        metres, radians = sigma_of(place)
+        way += f"; on the map, {place.state}: ± {metres:.2f} m, {math.degrees(radians):.1f}°"
     if result.arrived:
-        return f"{robot}: arrived after {result.elapsed:.1f} s: {result.way}"
+        return f"{robot}: arrived after {result.elapsed:.1f} s: {way}"
     head = _HEADS.get(result.outcome, result.outcome)
     step = f" in step {result.step} of {result.steps}" if result.steps > 1 else ""
     why = f": {result.reason}" if result.reason else ""
-    return printable(f"{robot}: {head}{step}{why}; it came {result.way}")
+    return printable(f"{robot}: {head}{step}{why}; it came {way}")
 
 
-def document(robot: str, result: MotionResult) -> dict[str, Any]:
-    """The same for programs: m, rad and s."""
-    x_sd, y_sd, yaw_sd = result.standard_deviations
-    told = msgspec.structs.asdict(result) | {"standard_deviations": {"x": x_sd, "y": y_sd, "yaw": yaw_sd}}
+def document(robot: str, result: MotionResult, place: MapPose | None = None) -> dict[str, Any]:
+    """Tell the same to programs: m, rad and s."""
+    told = msgspec.structs.asdict(result) | {"standard_deviations": _by_axis(result.standard_deviations)}
+    if place is not None:
+        told["map"] = {"state": place.state, "standard_deviations": _by_axis(place.standard_deviations)}
     return {"robot": robot, **told}
+
+
+def _by_axis(deviations: tuple[float, float, float]) -> dict[str, float]:
+    return dict(zip(("x", "y", "yaw"), deviations, strict=True))

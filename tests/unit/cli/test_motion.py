@@ -26,10 +26,14 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_core.motion.result import MotionResult
 from giraff_core.network import NetworkConfig
 from giraff_node.network.consent import NoRobotError
+from giraff_schemas.codec import encode, encoding_of, stamped
+from giraff_schemas.localization import MapPose
 from giraff_schemas.motion import NOWHERE, Arc, GoTo, Move, Outcome, Step, Turn
+from giraff_schemas.topics import POSE, key_of
 from tests.rules.repository import ROOT
 from tests.support.motion_double import BLOCKED, MotionDouble, motion_state
 from tests.support.one_process import Clock, Session
+from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.typed import typed
 
 NAME = "sim-moved"
@@ -98,6 +102,18 @@ def test_it_arrives_and_says_how_far_it_came(desk: Desk) -> None:
     assert desk.robots == [(NAME, True)], "it moves: whose robot it may be is asked as of `giraff drive`"
     assert desk.motion.holds[0][0] < 0.1
     assert len(desk.motion.holds) == pytest.approx(62, abs=3)
+
+
+def test_at_a_point_of_the_map_it_says_how_sure_localization_is(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(it, "robot_now_ns", desk.clock.monotonic_ns)
+    monkeypatch.setattr("giraff_cli.network.connection.robot_now_ns", desk.clock.monotonic_ns)
+    said = encode(stamped(map_pose(1, state="told"), 1, 0, "l"))
+    desk.each = lambda _: desk.session.put(key_of(NAME, POSE), said, encoding=encoding_of(MapPose))
+    assert "on the map" not in desk.type("go", "1,2")[1]
+    code, out, _ = desk.type("go", "1,2", "--frame", "map")
+    assert (code, out.splitlines()[-1].partition("(1 sigma)")[2]) == (0, "; on the map, told: ± 0.05 m, 1.1°")
+    code, out, _ = desk.type("go", "1,2", "--frame", "map", "--json")
+    assert json.loads(out)["map"] == {"state": "told", "standard_deviations": {"x": 0.03, "y": 0.04, "yaw": 0.02}}
 
 
 @pytest.mark.parametrize(
