@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from giraff_cli.options import Connect, Robot, finite
+from giraff_cli.options import AsJson, Connect, Robot, finite
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,6 +33,7 @@ def engage(
         ),
     ] = "",
     off: Annotated[bool, typer.Option("--off", help="Also switch off a robot that stands by its motors.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Stop the robot now, and keep it stopped, also over restarts. Where none is named: every robot that is heard.
 
@@ -43,11 +44,11 @@ def engage(
     """
     from giraff_cli.estop.engage import engage_by_plan  # noqa: PLC0415
 
-    raise typer.Exit(engage_by_plan(robot, connect or (), reason, timeout, page, off=off))
+    raise typer.Exit(engage_by_plan(robot, connect or (), reason, timeout, page, off=off, as_json=as_json))
 
 
 @estop.command()
-def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0) -> None:
+def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0, as_json: AsJson = False) -> None:
     """Clear the latch that is engaged now. It permits motion and never causes it: a level hand must arm the robot.
 
     Exit code: 0 no latch is engaged; 1 still engaged; 2 unknown.
@@ -55,18 +56,21 @@ def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 5.0) 
     from giraff_cli.estop import client as it  # noqa: PLC0415
     from giraff_cli.network.user import user_at_host  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda connection: it.reset(connection, user_at_host(), timeout), moves=True)
+    def act(connection: RobotConnection) -> Result:
+        return it.reset(connection, user_at_host(), timeout)
+
+    _tell(robot, connect, timeout, act, moves=True, as_json=as_json)
 
 
 @estop.command()
-def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0) -> None:
+def status(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0, as_json: AsJson = False) -> None:
     """Whether the robot's emergency stop is engaged, by whom and why.
 
     Exit code: 0 released; 1 engaged; 2 unknown.
     """
     from giraff_cli.estop import client as it  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda connection: it.status(connection, timeout))
+    _tell(robot, connect, timeout, lambda connection: it.status(connection, timeout), as_json=as_json)
 
 
 def _tell(
@@ -76,10 +80,12 @@ def _tell(
     act: Callable[[RobotConnection], Result],
     *,
     moves: bool = False,
+    as_json: bool,
 ) -> None:
     from giraff_cli.estop.engage import tell  # noqa: PLC0415
     from giraff_cli.network.command import run_with_robot  # noqa: PLC0415
 
-    raise typer.Exit(
-        run_with_robot(robot, connect or (), timeout, lambda met: tell(act(met)), moves=moves, stands_in=False)
-    )
+    def say(connection: RobotConnection) -> int:
+        return tell(act(connection), as_json=as_json)
+
+    raise typer.Exit(run_with_robot(robot, connect or (), timeout, say, moves=moves, stands_in=False))

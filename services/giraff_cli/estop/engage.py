@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Final
 
 from giraff_cli.estop import client
@@ -14,6 +15,7 @@ from giraff_cli.network.command import UNUSABLE, UnopenedError, print_error, vis
 from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.output import discard_stdout
+from giraff_cli.terminal.text import json_line
 from giraff_core.network import with_port
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.query_client import engaging
@@ -24,11 +26,18 @@ _LOOK: Final = 0.05  # s
 
 
 def engage_by_plan(
-    robot: str | None, connect: Sequence[str], reason: str, timeout: float, page: str = "", *, off: bool = False
+    robot: str | None,
+    connect: Sequence[str],
+    reason: str,
+    timeout: float,
+    page: str = "",
+    *,
+    off: bool = False,
+    as_json: bool = False,
 ) -> int:
     """Stop the robot, or every robot that is heard, wherever it can be reached; the exit code.
 
-    `page`: HOST:PORT of its page; empty: the pages that a visit has kept are asked.
+    `page`: HOST:PORT of its page; empty: the pages that a visit has kept are asked. `as_json`: as of `tell`.
     """
     # A robot that is reached another way is stopped, whatever is wrong with the address that was typed.
     faults = {address: fault for address in connect if (fault := address_fault(address))}
@@ -37,6 +46,7 @@ def engage_by_plan(
     except NoRobotError as error:
         return print_error(f"NOTHING IS STOPPED: {error}")
     stop = _Stop(plan, robot or "", connect, reason, timeout, faults, page, off=off)
+    stop.tell = partial(tell, as_json=as_json)
     stop.start()
     return stop.end()
 
@@ -70,6 +80,7 @@ class _Stop(threading.Thread):
         at = [with_port(address).rpartition(":")[0].strip("[]") for address in connect if address not in faults]
         self._off = off
         self._page = PageStop(named or filed, self._place, timeout, plan.doubt, at, off=off)
+        self.tell = partial(tell)
         self._code = UNUSABLE
         self._error: BaseException | None = None
 
@@ -88,14 +99,14 @@ class _Stop(threading.Thread):
             self.join(_LOOK)
             if not stopped_by and (stopped_by := page.confirmed):
                 told_code, what = client.what_stands(is_off=page.is_off, off=self._off)
-                tell(client.Result(told_code, f"{page.robot}: {what}, told by its page at {stopped_by}"))
+                self.tell(client.Result(told_code, f"{page.robot}: {what}, told by its page at {stopped_by}"))
         if self._error is not None:
             raise self._error
         code = self._code
         if stopped_by:
             code = min(code, told_code) if self._is_one else max(code, told_code)
         if (told := page.unconfirmed) and not stopped_by and (code == client.UNKNOWN or self._place):
-            code = tell(client.Result(client.UNKNOWN, told))
+            code = self.tell(client.Result(client.UNKNOWN, told))
         if self._page_fault:
             print_error(self._page_fault)
         if self._plan.complaint:
@@ -121,7 +132,9 @@ class _Stop(threading.Thread):
         by, reason, off = user_at_host(), self._reason, self._off
         if not self._is_one:
             wish = engaging(by, reason, off=off)
-            return client.engage_all(connection, wish, self._timeout, self._connect, tell, doubt=plan.doubt, other=page)
+            return client.engage_all(
+                connection, wish, self._timeout, self._connect, self.tell, doubt=plan.doubt, other=page
+            )
         result = client.engage(connection, by, reason, self._timeout, off=off, doubt=plan.doubt, other=page)
         if result.code != client.UNKNOWN:
             page.end(connection.robot)
@@ -129,17 +142,20 @@ class _Stop(threading.Thread):
             return client.what_stands(is_off=page.is_off, off=self._off)[0]
         for address, fault in self._faults.items():
             print_error(f"--connect {address} is left out: {fault}")
-        code = tell(result)
+        code = self.tell(result)
         if code == client.UNKNOWN and (hint := client.hint_of_others(connection)):
             print_error(hint)
         return code
 
 
-def tell(result: client.Result) -> int:
-    """Print how it ended; the exit code. A closed output ends no stop of another robot."""
-    out = sys.stderr if result.code >= UNUSABLE else sys.stdout
+def tell(result: client.Result, *, as_json: bool = False) -> int:
+    """Print how it ended; the exit code. A closed output ends no stop of another robot.
+
+    `as_json`: as a line of JSON on standard output, for each robot one.
+    """
+    out = sys.stderr if result.code >= UNUSABLE and not as_json else sys.stdout
     try:
-        print(printable_lines(result.text), file=out, flush=True)
+        print(json_line(result._asdict()) if as_json else printable_lines(result.text), file=out, flush=True)
     except OSError:
         if out is sys.stdout:
             discard_stdout()

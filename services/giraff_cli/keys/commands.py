@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import require_extra
+from giraff_cli.options import AsJson, require_extra
 
 keys = typer.Typer(no_args_is_help=True)
 
@@ -21,14 +21,14 @@ def needs_cryptography() -> None:
 
 
 @keys.command()
-def init(folder: Folder = Path("keys")) -> None:
+def init(folder: Folder = Path("keys"), as_json: AsJson = False) -> None:
     """Make a certificate authority (CA) of one's own, in a new folder that stays on this machine.
 
     Exit code: 0 made; 2 not, and nothing is changed.
     """
     from giraff_cli.keys import manage as it  # noqa: PLC0415
 
-    raise typer.Exit(it.init(folder, it.now()))
+    raise typer.Exit(it.init(folder, it.now(), as_json=as_json))
 
 
 @keys.command()
@@ -45,6 +45,7 @@ def host(
     folder: Folder = Path("keys"),
     days: Annotated[int, typer.Option(metavar="N", min=1, max=3650, help="How long it is valid.")] = 730,
     renew: Annotated[bool, typer.Option("--renew", help="New certificate, new key; addresses as before.")] = False,
+    as_json: AsJson = False,
 ) -> None:
     """Make the bundle of a host: the folder that is copied to it as /etc/giraff/keys.
 
@@ -52,13 +53,11 @@ def host(
     """
     from giraff_cli.keys import manage as it  # noqa: PLC0415
 
-    raise typer.Exit(it.host(folder, name, addresses or (), days=days, renew=renew, moment=it.now()))
+    raise typer.Exit(it.host(folder, name, addresses or (), days=days, renew=renew, moment=it.now(), as_json=as_json))
 
 
 @keys.command("list")
-def list_keys(
-    folder: Folder = Path("keys"), as_json: Annotated[bool, typer.Option("--json", help="For programs.")] = False
-) -> None:
+def list_keys(folder: Folder = Path("keys"), as_json: AsJson = False) -> None:
     """The hosts that have keys, until when, and what is wrong with them.
 
     Exit code: 0 all is well; 1 there is something to do; 2 something cannot be read.

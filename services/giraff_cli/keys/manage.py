@@ -35,12 +35,15 @@ def now() -> datetime:
     return datetime.now(UTC).replace(microsecond=0)
 
 
-def init(folder: Path, moment: datetime) -> int:
+def init(folder: Path, moment: datetime, *, as_json: bool = False) -> int:
     """The whole command `giraff keys init`; its exit code."""
     try:
         ends = make_authority(folder, moment)
     except (RefusedError, OSError) as error:
         return _complain("init", error)
+    if as_json:
+        print(json_line({"folder": str(folder), "expires": ends}))
+        return _DONE
     print(
         f"{folder} is made: a CA that vouches for each host that may reach the robot, until {ends:%Y-%m-%d}.\n"
         f"{folder / CA_KEY} stays on this machine and goes to no robot: who has it can command every robot of it.\n"
@@ -51,12 +54,24 @@ def init(folder: Path, moment: datetime) -> int:
     return _DONE
 
 
-def host(folder: Path, name: str, addresses: Sequence[str], *, days: int, renew: bool, moment: datetime) -> int:
+def host(
+    folder: Path,
+    name: str,
+    addresses: Sequence[str],
+    *,
+    days: int,
+    renew: bool,
+    moment: datetime,
+    as_json: bool = False,
+) -> int:
     """The whole command `giraff keys host`; its exit code."""
     try:
         ends = make_bundle(folder, name, addresses, days=days, renew=renew, moment=moment)
     except (RefusedError, KeyFileError, CertificateError, OSError) as error:
         return _complain("host", error)
+    if as_json:
+        print(json_line({"folder": str(folder / name), "expires": ends}))
+        return _DONE
     print(
         f"{folder / name} is {'renewed' if renew else 'made'}, valid until {ends:%Y-%m-%d}. "
         f"It belongs on {name} as /etc/giraff/keys;\nthen restart the services there. docs/keys.md has the commands."

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import finite
+from giraff_cli.options import AsJson, finite
 
 maps = typer.Typer(no_args_is_help=True, help="Floor plans, on which the robot is looked for: see docs/maps.md.")
 
@@ -18,6 +18,7 @@ def show(
         Path, typer.Argument(metavar="FILE", help="A room (.toml), or a grid of ROS's map_server (.yaml).")
     ],
     svg: Annotated[Path | None, typer.Option(metavar="OUT", help="Also draw it as SVG.")] = None,
+    as_json: AsJson = False,
 ) -> None:
     """Draw a floor plan, with its size: what localization will see in the file.
 
@@ -25,7 +26,7 @@ def show(
     """
     from giraff_cli.map.show import show as it  # noqa: PLC0415
 
-    raise typer.Exit(it(file, svg))
+    raise typer.Exit(it(file, svg, as_json=as_json))
 
 
 @maps.command()
@@ -35,6 +36,7 @@ def convert(
     resolution: Annotated[
         float, typer.Option(metavar="METRES", min=0.001, callback=finite, help="Side of a cell.")
     ] = 0.05,
+    as_json: AsJson = False,
 ) -> None:
     """Write a room as an occupancy grid, for ROS's map_server and nav2, or for an image editor.
 
@@ -42,4 +44,4 @@ def convert(
     """
     from giraff_cli.map.convert import convert as it  # noqa: PLC0415
 
-    raise typer.Exit(it(room, out, resolution))
+    raise typer.Exit(it(room, out, resolution, as_json=as_json))

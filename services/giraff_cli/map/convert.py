@@ -6,11 +6,12 @@ from pathlib import Path
 
 from giraff_cli.network.command import print_error
 from giraff_cli.terminal.output import guard_stdout
+from giraff_cli.terminal.page import print_json
 from giraff_maps.floor_plan import MapError
 from giraff_maps.grid_write import write_grid
 
 
-def convert(room: Path, out: Path, resolution: float) -> int:
+def convert(room: Path, out: Path, resolution: float, *, as_json: bool = False) -> int:
     """The exit code."""
     try:
         image = write_grid(room, out, resolution)
@@ -20,6 +21,9 @@ def convert(room: Path, out: Path, resolution: float) -> int:
         return print_error(f"{error.filename or out}: cannot be written: {error.strerror or error}; name another file")
 
     def tell() -> int:
+        if as_json:
+            print_json({"file": str(out), "image": str(image), "resolution": resolution})
+            return 0
         print(f"{out} and {image}, by cells of {resolution:g} m")
         return 0
 

@@ -12,6 +12,7 @@ from giraff_cli.network.command import print_error
 from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.terminal.floor import FloorDrawing
 from giraff_cli.terminal.output import guard_stdout
+from giraff_cli.terminal.page import print_json
 from giraff_cli.terminal.text import counted
 from giraff_maps.floor_plan import FloorPlan, MapError
 from giraff_maps.read import read_map
@@ -23,7 +24,7 @@ _WIDEST: Final = 120  # columns
 _BESIDE: Final = 2  # lines of the terminal that the drawing leaves: to its heading, and to what is typed next
 
 
-def show(file: Path, svg: Path | None) -> int:
+def show(file: Path, svg: Path | None, *, as_json: bool = False) -> int:
     """The exit code."""
     try:
         plan = read_map(file)
@@ -36,6 +37,11 @@ def show(file: Path, svg: Path | None) -> int:
             return print_error(f"--svg {svg}: cannot be written: {error.strerror or error}; name another file")
 
     def tell() -> int:
+        if as_json:
+            left, bottom, right, top = plan.bounds
+            told = {"name": plan.name, "x": [left, right], "y": [bottom, top], "walls": len(plan.walls)}
+            print_json(told | {"svg": None if svg is None else str(svg)})
+            return 0
         dots = takes_dots()
         print(summary(plan, ascii_only=not dots))
         print(FloorDrawing(plan, *_room_for_it(), dots=dots).draw().plain)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from giraff_cli import typed
-from giraff_cli.options import NEGATIVE, Connect, Robot, finite, parsed
+from giraff_cli.options import NEGATIVE, AsJson, Connect, Robot, finite, parsed
 from giraff_schemas.text import printable
 
 if TYPE_CHECKING:
@@ -30,14 +30,14 @@ def _deviation(text: str) -> float:
 
 
 @odom.command()
-def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0) -> None:
+def reset(robot: Robot = None, connect: Connect = None, timeout: Timeout = 3.0, as_json: AsJson = False) -> None:
     """Begin anew here: pose, path and their uncertainty are 0. It moves nothing, and may be done while driving.
 
     Exit code: 0 done; 1 refused, with the reason; 2 no robot, or nobody has answered.
     """
     from giraff_cli.odom import client as it  # noqa: PLC0415
 
-    _tell(robot, connect, timeout, lambda connection: it.reset(connection, timeout))
+    _tell(robot, connect, timeout, lambda connection: it.reset(connection, timeout), as_json=as_json)
 
 
 @odom.command("set", context_settings=NEGATIVE)
@@ -54,6 +54,7 @@ def set_pose(
     robot: Robot = None,
     connect: Connect = None,
     timeout: Timeout = 3.0,
+    as_json: AsJson = False,
 ) -> None:
     """Take the robot to be at X, Y with heading YAW, in `odom`; its path goes on. It moves nothing.
 
@@ -66,11 +67,17 @@ def set_pose(
         place = _pose(pose)
     except ValueError as error:
         raise typer.Exit(print_error(f"odom set: {error}")) from None
-    _tell(robot, connect, timeout, lambda connection: it.set_pose(connection, place, position_sd, yaw_sd, timeout))
+    _tell(
+        robot,
+        connect,
+        timeout,
+        lambda connection: it.set_pose(connection, place, position_sd, yaw_sd, timeout),
+        as_json=as_json,
+    )
 
 
 def _pose(words: Sequence[str]) -> Pose:
-    """Raise ValueError for what is no pose. Of the old form, `1 2 90 --degrees`, the message writes the new one."""
+    """Return the pose that was typed. ValueError: it is none; for the old form, `1 2 90 --degrees`, with the new one."""
     numbers = [word for word in words if word != "--degrees"]
     is_old = len(numbers) < len(words)
     if wrong := [word for word in numbers if word.startswith("--")]:
@@ -84,13 +91,21 @@ def _pose(words: Sequence[str]) -> Pose:
 
 
 def _tell(
-    robot: str | None, connect: list[str] | None, timeout: float, act: Callable[[RobotConnection], Result]
+    robot: str | None,
+    connect: list[str] | None,
+    timeout: float,
+    act: Callable[[RobotConnection], Result],
+    *,
+    as_json: bool,
 ) -> None:
     from giraff_cli.network.command import print_error, run_with_robot  # noqa: PLC0415
+    from giraff_cli.terminal.page import print_json  # noqa: PLC0415
 
     def say(connection: RobotConnection) -> int:
-        code, text = act(connection)
-        if code:
+        code, text = result = act(connection)
+        if as_json:
+            print_json(result._asdict())
+        elif code:
             print_error(text)
         else:
             print(printable(text), flush=True)

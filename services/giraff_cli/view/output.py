@@ -15,6 +15,7 @@ from giraff_cli.network.ports import free_port
 from giraff_cli.terminal.text import json_line
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import ConfigError, load
+from giraff_schemas.text import printable
 from giraff_viewer.scene import stock
 from giraff_viewer.show import Show, require_screen
 from giraff_viewer.window import ViewerError, Window
@@ -83,6 +84,8 @@ class ViewerOutput(ExitStack):
                 "file": str(self._options.save or self._options.picture or "") or None,
             }
             print(json_line(told), flush=True)
+        elif (file := self._options.save or self._options.picture) is not None and file.exists():
+            print(f"written: {printable(str(file))}", flush=True)
         return DONE
 
 
