@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from giraff_cli.options import AsJson
+
 check = typer.Typer(no_args_is_help=True, help="Checks that a robot must have passed before it drives.")
 
 
@@ -14,6 +16,7 @@ def wheels(
     port: Annotated[
         str | None, typer.Option(metavar="PATH", help="Of the base board; else the robot file's.", show_default=False)
     ] = None,
+    as_json: AsJson = False,
 ) -> None:
     """With the wheels lifted: find out how motors and encoders are wired, and write it into the robot file.
 
@@ -21,4 +24,4 @@ def wheels(
     """
     from giraff_cli.check.wheels import check_wheels  # noqa: PLC0415
 
-    raise typer.Exit(check_wheels(port))
+    raise typer.Exit(check_wheels(port, as_json=as_json))

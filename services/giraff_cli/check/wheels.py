@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from types import FrameType
-from typing import Final, Protocol, TypeVar
+from typing import Any, Final, Protocol, TypeVar
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.check.bench import BenchError, Levels, WheelBench
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
 from giraff_cli.robot_file import RobotFileError, record
+from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
 from giraff_node.config.moved import current_name, table_of_wiring
 from giraff_node.config.robot_file import ConfigError, load, parse_toml, robot_file
@@ -62,8 +64,18 @@ class Terminal:
             raise DoubtError("nobody answers") from error
 
 
-def check_wheels(port: str | None) -> int:
-    """The whole command; its exit code."""
+def check_wheels(port: str | None, *, as_json: bool = False) -> int:
+    """Do the whole command; return its exit code. `as_json`: the talk goes to standard error."""
+    out = sys.stdout
+    with contextlib.redirect_stdout(sys.stderr if as_json else out):
+        code, found = _check(port)
+    if as_json and found:
+        print(json_page(found), file=out)
+    return code
+
+
+def _check(port: str | None) -> tuple[int, dict[str, Any]]:
+    """Return the exit code, and what was written where."""
     try:
         path = robot_file()
         robot = load("robot", RobotConfig)
@@ -71,14 +83,14 @@ def check_wheels(port: str | None) -> int:
         table = table_of_wiring(parse_toml(path.read_text(encoding="utf-8")))
         port, drive = port or base.port, _of_wheels(path, base.drive)
     except (ConfigError, OSError, ValueError) as error:
-        return _complain(str(error), _NOT_BEGUN)
+        return _complain(str(error), _NOT_BEGUN), {}
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, _interrupt)
     human = Terminal()
     human.tell(_before(port))
     try:
         if human.ask(f'Type "{_WORD}" when both wheels turn freely:') != _WORD:
-            return _complain("not begun", _NOT_BEGUN)
+            return _complain("not begun", _NOT_BEGUN), {}
         bench = WheelBench(port, drive.board_type, robot.ticks_per_metre)
         try:
             bench.open()
@@ -87,15 +99,15 @@ def check_wheels(port: str | None) -> int:
             bench.close()
         record(path, table, fields)
     except BenchError as error:
-        return _complain(f"{error}. Nothing was written.", _NOT_BEGUN)
+        return _complain(f"{error}. Nothing was written.", _NOT_BEGUN), {}
     except DoubtError as error:
-        return _complain(f"in doubt: {error}. Nothing was written.", _IN_DOUBT)
+        return _complain(f"in doubt: {error}. Nothing was written.", _IN_DOUBT), {}
     except RobotFileError as error:
-        return _complain(str(error), _IN_DOUBT)
+        return _complain(str(error), _IN_DOUBT), {}
     except KeyboardInterrupt:
-        return _complain("interrupted; the motors are off. Nothing was written.", _INTERRUPTED)
+        return _complain("interrupted; the motors are off. Nothing was written.", _INTERRUPTED), {}
     human.tell(_after(path, fields, os.environ))
-    return _DONE
+    return _DONE, {"robot_file": str(path), "table": table, "wiring": fields}
 
 
 def _of_wheels(path: Path, drive: object) -> WheelsConfig:

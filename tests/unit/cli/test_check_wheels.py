@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import signal
 import tomllib
 from collections.abc import Callable, Iterator
@@ -106,13 +107,17 @@ def honest(truth: Wiring) -> list[str]:
 
 
 @pytest.mark.parametrize("bits", range(64))
-def test_any_wiring_is_found_proved_and_written(bits: int, path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_any_wiring_is_found_proved_and_written(
+    bits: int, path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     truth = Wiring(bits)
     monkeypatch.setattr(Bench, "truth", truth)
     answer(monkeypatch, *honest(truth))
-    assert check_wheels.check_wheels("port") == 0
+    assert check_wheels.check_wheels("port", as_json=True) == 0
     robot = tomllib.loads(path.read_text(encoding="utf-8"))["base"]["drive"]
     assert {name: robot[name] for name in FIELDS} == {name: Wiring[name.upper()] in truth for name in FIELDS}
+    told = {"robot_file": str(path), "table": "base.drive", "wiring": {name: robot[name] for name in FIELDS}}
+    assert json.loads(capsys.readouterr().out) == told
     assert Bench.made.board is ARDROS_BOARD
     assert Bench.made.closed
 
