@@ -25,6 +25,7 @@ PATH: Final = BLUE
 ELLIPSE: Final = CYAN
 TRUTH: Final = PINK
 TILT: Final = PINK
+LINES: Final[Colour] = (60, 60, 66)
 WALLS: Final[Colour] = (175, 165, 150)
 PARTICLES: Final[Colour] = (90, 130, 190)
 CANDIDATES: Final[Colour] = (255, 140, 60)

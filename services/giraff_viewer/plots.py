@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Final, NamedTuple
 
+from giraff_core.operator import ASKS_NOTHING
 from giraff_schemas.messages import (
     Attitude,
     BaseState,
@@ -109,6 +110,8 @@ class Values:
                 yield from self._age("tilt", sample.tick)
 
     def _motion(self, sample: DriveCommand | GuardedCommand | Odometry) -> Iterator[Value]:
+        if isinstance(sample, DriveCommand) and sample.lease_counter == ASKS_NOTHING:
+            return  # of an operator that watches: its zeros are not what the robot is asked for
         who = {DriveCommand: "commanded", GuardedCommand: "guarded", Odometry: "measured"}[type(sample)]
         yield f"plots/speed/{who}", sample.linear_x
         yield f"plots/turn/{who}", sample.angular_z

@@ -18,24 +18,27 @@ from giraff_schemas.camera import Picture
 from giraff_schemas.localization import MapPose, MapWalls, Particles
 from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tick, Tilt, TruePose
 from giraff_schemas.topics import Topic
-from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, PATH, ROBOT, TILT, TRUTH, WHITE
+from giraff_viewer.colours import CONES, ELLIPSE, GREY, LEVELS, LINES, PATH, ROBOT, TILT, TRUTH, WHITE
 from giraff_viewer.cones import Cone, ConeState
 from giraff_viewer.ghost import Ghost
 from giraff_viewer.pictures import Pictures
 from giraff_viewer.plots import Series, Values, balance_series, series
 from giraff_viewer.rows import FLOOR, Row, planar, turned
-from giraff_viewer.shapes import arc, cone, ellipse, headings, outline, placed
+from giraff_viewer.shapes import arc, cone, ellipse, grid, headings, outline, placed
 from giraff_viewer.story import Line, Story
-from giraff_viewer.trail import Trail
+from giraff_viewer.trail import Point, Trail
 from giraff_viewer.whereabouts import Whereabouts
 
 LOG: Final = "log"
+GRID: Final = f"{FLOOR}/grid"
+NUMBERS: Final = f"{GRID}/numbers"
 GUARD: Final = "guard"
 HAND: Final = "hand"
 
 _PLOT_EVERY: Final = 40_000_000  # ns between two points of a line; a screen shows no more
 _TRAIL_EVERY: Final = 500_000_000  # ns
 _UNPLACED_EVERY: Final = 5_000_000_000  # ns; a viewer with little memory forgets what is older than its newest data
+_FARTHEST: Final = 30  # m from the middle of `map` that lines are drawn: more are no help to the eye
 _HEADING: Final = 1.5  # radii of the robot
 _GRAVITY: Final = 9.81  # m/s²
 
@@ -52,6 +55,7 @@ class Scene:
         self._ghost = Ghost()
         self._pictures = Pictures()
         self._trail = Trail()
+        self._spread: tuple[int, int, int, int] | None = None
         self._moved = False
         self._story = Story()
         self._page = ""
@@ -65,6 +69,7 @@ class Scene:
             (FLOOR, rr.CoordinateFrame("floor")),
             ("frames/map", rr.Transform3D(**upside_up, parent_frame="floor", child_frame="map")),
             *self._whereabouts.begin(),
+            *((path, rr.CoordinateFrame("map")) for path in (GRID, NUMBERS)),
             (f"{FLOOR}/path", rr.CoordinateFrame("odom")),
             (f"{FLOOR}/ellipse", rr.CoordinateFrame("odom")),
             (f"{FLOOR}/truth", rr.CoordinateFrame("base_link")),
@@ -108,6 +113,8 @@ class Scene:
                 rows += self._draw_cones(at_ns)
             case MapPose() | Particles() | MapWalls():
                 rows += self._whereabouts.on_sample(sample)
+                walls = sample.walls if isinstance(sample, MapWalls) else ()
+                rows += self._draw_grid([point for wall in walls for point in (wall[:2], wall[2:])])
             case Tick() | Picture():
                 rows += self._pictures.on_sample(sample, at_ns)
             case Tilt() if self._due(HAND, _PLOT_EVERY, at_ns):
@@ -139,6 +146,8 @@ class Scene:
             rows += [where, (f"{FLOOR}/ellipse", self._ellipse(odometry))]
         if not self._whereabouts.known and self._due("frames/odom", _UNPLACED_EVERY, at_ns):
             rows.append(planar("map", "odom", 0.0, 0.0, 0.0))
+        if not self._whereabouts.known:
+            rows += self._draw_grid([(odometry.x, odometry.y)])
         self._moved |= self._trail.go_on(odometry.x, odometry.y, odometry.origin)
         return rows + self._draw_trail(at_ns)
 
@@ -157,6 +166,21 @@ class Scene:
             return []
         strips = [placed(strip, *apart) for strip in self._outline]
         return [(f"{FLOOR}/truth", rr.LineStrips2D(strips, colors=[TRUTH], radii=[0.008], labels=["truth"]))]
+
+    def _draw_grid(self, places: list[Point]) -> list[Row]:
+        """Lines a metre apart, from a metre beside all places that were heard of: the picture's axes."""
+        if not places:
+            return []
+        xs, ys = [x for x, _ in places], [y for _, y in places]
+        new = math.floor(min(xs)) - 1, math.floor(min(ys)) - 1, math.floor(max(xs)) + 2, math.floor(max(ys)) + 2
+        old = self._spread or new
+        spread = min(old[0], new[0]), min(old[1], new[1]), max(old[2], new[2]), max(old[3], new[3])
+        if spread == self._spread:
+            return []
+        self._spread = spread
+        lines, numbers = grid(*(max(-_FARTHEST, min(_FARTHEST, edge)) for edge in spread))
+        at = rr.Points2D(list(numbers), labels=list(numbers.values()), colors=[GREY], radii=[0.0], show_labels=True)
+        return [(GRID, rr.LineStrips2D(lines, colors=[LINES], radii=[0.004], draw_order=1.0)), (NUMBERS, at)]
 
     def _draw_trail(self, at_ns: int) -> list[Row]:
         if not (self._moved and self._due("trail", _TRAIL_EVERY, at_ns)):

@@ -54,6 +54,14 @@ def headings(variance: float, length: float) -> list[Strip]:
     return [[(0.0, 0.0), _at(length, bearing)] for bearing in (half, -half)]
 
 
+def grid(west: int, south: int, east: int, north: int) -> tuple[list[Strip], dict[Point, str]]:
+    """Return lines a metre apart over a piece of floor, and the numbers along its southern and western edge."""
+    across: list[Strip] = [[(west, y), (east, y)] for y in range(south, north + 1)]
+    along: list[Strip] = [[(x, south), (x, north)] for x in range(west, east + 1)]
+    numbers = {(float(x), float(south)): f"x {x} m" for x in range(west + 1, east)}
+    return across + along, numbers | {(float(west), float(y)): f"y {y} m" for y in range(south + 1, north)}
+
+
 def placed(strip: Strip, x: float, y: float, yaw: float) -> Strip:
     """Of a thing at this pose, in the frame of the pose."""
     cos, sin = math.cos(yaw), math.sin(yaw)

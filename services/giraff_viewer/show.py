@@ -25,11 +25,11 @@ _FLUSH_WITHIN: Final = 5.0  # s
 class Show:
     """Draws one robot. Times are ns since 1970, when each thing was heard."""
 
-    def __init__(self, robot: RobotConfig, *, live: bool, camera: str = "") -> None:
-        """`camera`: whose pictures alone are shown; empty: all is."""
-        self._live = live
+    def __init__(self, robot: RobotConfig, *, live: bool, camera: str = "", still: bool = False) -> None:
+        """`camera`: whose pictures alone are shown; empty: all is. `still`: one picture is taken, of no window."""
+        self._live, self._still = live, still
         self._camera = camera
-        self._blueprint = camera_blueprint(camera) if camera else blueprint(live=live)
+        self._blueprint = camera_blueprint(camera) if camera else blueprint(live=live, still=still)
         self._shown: tuple[bool, tuple[str, ...]] = (False, ())
         """What the screen shows: the plots of a robot that balances or not, and the cameras with a picture."""
         self.heard = 0
@@ -87,7 +87,9 @@ class Show:
             if self._scene.balances and not self._shown[0]:
                 self._log_static(self._scene.begin_balance())
             self._shown = wanted
-            self._stream.send_blueprint(blueprint(live=self._live, balances=wanted[0], cameras=wanted[1]))
+            balances, cameras = wanted
+            new = blueprint(live=self._live, balances=balances, cameras=cameras, still=self._still)
+            self._stream.send_blueprint(new)
         self._log(rows, at_ns)
 
     def on_liveliness(self, service: str, instance: str, at_ns: int, *, present: bool) -> None:

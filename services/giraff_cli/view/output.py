@@ -46,7 +46,7 @@ class ViewerOutput(ExitStack):
         super().__init__()
         self._options = options
         self.name = robot.name
-        self.show = Show(robot, live=live)
+        self.show = Show(robot, live=live, still=options.picture is not None)
         self.window: Window | None = None
         self.address = ""
         if options.save is not None:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
-import shutil
 import signal
 import socket
 import subprocess
@@ -74,8 +72,6 @@ def test_a_recording_is_seen_with_robot_path_and_cones(robot: ProcessRobot, reco
         "address": None,
         "file": str(picture),
     }
-    if kept := os.environ.get("GIRAFF_PICTURES"):
-        shutil.copy(picture, Path(kept) / "view.png")
     floor = Floor(picture)
     body = floor.points(ROBOT)
     middle = (body.min(axis=0) + body.max(axis=0)) / 2.0

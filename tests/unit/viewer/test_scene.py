@@ -14,6 +14,7 @@ import rerun as rr
 from rerun.components import AggregationPolicy
 
 from giraff_core.kinematics.ellipse import ELLIPSE_95
+from giraff_core.operator import Operator, Wish
 from giraff_schemas import topics
 from giraff_schemas.camera import Picture
 from giraff_schemas.messages import Range, Tick, TruePose
@@ -60,6 +61,8 @@ def test_odometry_moves_base_link_and_draws_the_way() -> None:
     assert where.parent_frame.as_arrow_array().to_pylist() == ["odom"]
     assert where.translation.as_arrow_array().to_pylist() == [[1.0, 2.0, 0.0]]
     assert paths(scene.on_sample(topics.ODOM, odometry(SECOND, 1.1, 2.0), SECOND + 10 * MS)) == set()
+    numbers = first["floor/grid/numbers"].labels.as_arrow_array().to_pylist()
+    assert numbers == ["x 1 m", "x 2 m", "y 2 m", "y 3 m"]
     assert "floor/path" in paths(scene.look(SECOND + 600 * MS))
     assert "floor/path" not in paths(scene.look(SECOND + 2000 * MS))
 
@@ -260,6 +263,12 @@ def test_a_line_gets_25_points_a_second() -> None:
     scene = Scene(stock("sim"))
     points = [scene.on_sample(topics.ODOM, odometry(n, 0.0), SECOND + n * 10 * MS) for n in range(100)]
     assert sum("plots/speed/measured" in paths(rows) for rows in points) == 25
+
+
+def test_an_operator_that_watches_draws_no_zeros_between_the_commands_of_another() -> None:
+    watching, driving = Operator("web", "w", asks_from_start=False), Operator("demo", "d")
+    assert list(Values().of(watching.say(Wish(0.0, 0.0, None)))) == []
+    assert ("plots/speed/commanded", 0.3) in Values().of(driving.say(Wish(0.3, 0.0, None)))
 
 
 def test_a_robot_that_balances_has_plots_of_its_own_and_others_have_none() -> None:
