@@ -45,7 +45,10 @@ _TEXTS: Final[_Rows] = (
     (r"'utf-8' codec can't decode .* in position (\d+).*", r"it is no text at byte \1"),
     (r"'utf-8' codec can't encode .*", "it is no text"),
     (r"maximum recursion depth exceeded.*", "it is nested too deeply"),
-    (r"(?:Exceeds the limit|int too large|Python int too large).*", "it has a number that no message can hold"),
+    (
+        r"(?:Exceeds the limit|int too large|Python int too large|can't serialize ints).*",
+        "it has a number that no message can hold",
+    ),
     (r"invalid literal for int\(\) with base \d+: (.*)", r"\1 is no whole number"),
     (r"could not convert string to float: (.*)", r"\1 is no number"),
     (r"(.*'.*') is not a valid float(?: range)?\.?", r"\1 is no number"),

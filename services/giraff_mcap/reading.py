@@ -79,15 +79,21 @@ class Recorded:
         return content
 
     def payload(self) -> bytes:
-        """As it was on the network: MessagePack."""
-        return msgspec.msgpack.encode(self.content())
+        """As it was on the network: MessagePack. Raises RecordingError for what never was there."""
+        try:
+            return msgspec.msgpack.encode(self.content())
+        except (ValueError, OverflowError, RecursionError) as error:
+            raise RecordingError(f"a sample of {self.topic} is damaged: {plain(error)}") from error
 
     def decode(self) -> Sample:
         """DecodeError: the topics table has no such key, or it is not what belongs there."""
         topic = topic_of(self.key)
         if topic is None:
             raise DecodeError(f"{self.key}: no such key in the topics table")
-        sample: Sample = decode(topic, self.topic, self.payload())
+        try:
+            sample: Sample = decode(topic, self.topic, self.payload())
+        except RecordingError as error:
+            raise DecodeError(str(error)) from error
         return sample
 
 

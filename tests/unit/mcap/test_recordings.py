@@ -13,9 +13,10 @@ import pytest
 from mcap.reader import make_reader
 
 from giraff_mcap.raw_sample import RawSample
-from giraff_mcap.reading import Recording, RecordingError
+from giraff_mcap.reading import Recorded, Recording, RecordingError
 from giraff_mcap.schemas import schema_of
 from giraff_mcap.writing import RecordingWriter
+from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import OPERATOR_CMD_VEL, TOPICS, topic_of
 from tests.unit.mcap.recordings import ROBOT, heard, odometry, record, ten
 
@@ -184,3 +185,15 @@ def test_samples_come_in_the_order_in_which_they_were_heard(tmp_path: Path) -> N
     samples: list[RawSample] = ten()
     record(tmp_path / "a.mcap", samples[::-1])
     assert [sample.seq for sample in Recording(tmp_path / "a.mcap").samples()] == list(range(10))
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [(b'{"voltage": 18446744073709551616}', "it has a number that no message can hold"), (b"{", "it ends too early")],
+)
+def test_a_sample_that_never_was_on_the_network_is_none(data: bytes, said: str) -> None:
+    recorded = Recorded("giraff/otto/battery", "battery", 0, 0, 0, data, "")
+    with pytest.raises(RecordingError, match=f"a sample of giraff/otto/battery is damaged: {said}"):
+        recorded.payload()
+    with pytest.raises(DecodeError, match=said):
+        recorded.decode()
