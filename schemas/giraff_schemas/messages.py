@@ -134,6 +134,8 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Tail of `reason`: what to do about it."""
     free_side: Side = "none"
     """Where a robot that sits down has room, by the ranges of now."""
+    heard: tuple[int, ...] = ()
+    """Numbers of the newest samples that the guard had heard, as its `HEARD` orders them, for a replay. -1: none."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.linear_x, self.angular_z)
@@ -302,10 +304,7 @@ class Odometry(Sample, frozen=True, kw_only=True):
 
 
 class TruePose(Sample, frozen=True, kw_only=True):
-    """Where a simulated robot truly is: `base_link` in `odom`, as odometry would have it if it made no error.
-
-    From the world, by `giraff run`; for people who look at it. Nothing that a robot runs may hear it.
-    """
+    """True `base_link` in `odom` of a simulated robot, for people who look at it. Nothing on a robot may hear it."""
 
     x: float
     y: float

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.authority import Authority
@@ -16,11 +18,16 @@ from giraff_schemas.messages import (
     GuardedCommand,
     GuardState,
     Lease,
+    Range,
     RobotTime,
+    Sample,
     Tick,
     Wheels,
 )
 from giraff_schemas.trouble import WELL, Trouble
+
+HEARD: Final = ("wheels", "attitude", "command")
+"""Order of the numbers in `GuardedCommand.heard`. Those of the ultrasonic sensors follow, by name."""
 
 
 class GuardPolicy:
@@ -128,3 +135,15 @@ class GuardPolicy:
         """The operator's command if it counts, else why none does."""
         refusal = self.fault or self._identity.base_fault(now.robot_ns)
         return (None, refusal) if refusal else self._authority.asked(now)
+
+
+def numbers_unheard(robot: RobotConfig) -> dict[str, int]:
+    """Return the numbers of `GuardedCommand.heard` of a guard that has heard nothing."""
+    return dict.fromkeys((*HEARD, *(f"range/{name}" for name in sorted(robot.sensors))), -1)
+
+
+def number_place(sample: Sample) -> str:
+    """Return where its number stands among them; a command's, where it is the lease holder's."""
+    if isinstance(sample, Range):
+        return f"range/{sample.sensor}"
+    return {Wheels: "wheels", Attitude: "attitude", DriveCommand: "command"}.get(type(sample), "")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import msgspec
+
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
 from giraff_core.lease import unranked_notice
@@ -13,7 +15,8 @@ from giraff_core.robot import RobotConfig
 from giraff_core.timer import PromptTimer, Timer
 from giraff_guard.config import GuardConfig
 from giraff_guard.kinds import sensed_by
-from giraff_guard.policy import GuardPolicy
+from giraff_guard.policy import GuardPolicy, number_place, numbers_unheard
+from giraff_schemas.messages import Sample
 from giraff_schemas.topics import ATTITUDE, CMD_VEL, GUARD, LEASE, OPERATOR_CMD_VEL, TICK, WHEELS, SampleT
 
 
@@ -43,22 +46,25 @@ class Guard:
         self._state_timer, self._lease_timer = Timer(GUARD.rate_hz), Timer(LEASE.rate_hz)
         self.timers = (self._timer,)
         self._reason, self._counter = "", 0
+        self._numbers = numbers_unheard(robot)
 
     def turn(self, now: float) -> None:
         policy, clock = self._policy, self._io.robot_ns
         self._hand_on(self._ticks, policy.on_tick)
         self._hand_on(self._attitudes, policy.on_attitude)
         for sample in (sample for inbox in self._sensed for sample in inbox.take()):
+            self._note(sample)
             if policy.on_sensed(sample, clock()):
                 self._timer.hurry("range", now)
         self._hand_on(self._wheels, policy.on_wheels)
         for command in self._commands.take():
             if policy.on_command(command, clock()):
+                self._note(command)
                 self._timer.hurry("command", now)
         if not self._timer.due(now):
             return
         passed, state, lease = policy.decide(clock())
-        self._guarded.put(passed)
+        self._guarded.put(msgspec.structs.replace(passed, heard=tuple(self._numbers.values())))
         self._tell_what_is_wrong()
         if lease.counter != self._counter or self._lease_timer.due(now):
             self._counter = lease.counter
@@ -69,7 +75,13 @@ class Guard:
 
     def _hand_on(self, inbox: Inbox[SampleT], take: Callable[[SampleT, int], object]) -> None:
         for sample in inbox.take():
+            self._note(sample)
             take(sample, self._io.robot_ns())
+
+    def _note(self, sample: Sample) -> None:
+        """Keep the number of the newest sample, of senses that the robot file has."""
+        if (place := number_place(sample)) in self._numbers:
+            self._numbers[place] = sample.seq
 
     def _tell_what_is_wrong(self) -> None:
         policy = self._policy

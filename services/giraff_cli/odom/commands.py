@@ -77,7 +77,7 @@ def set_pose(
 
 
 def _pose(words: Sequence[str]) -> Pose:
-    """Return the pose that was typed. ValueError: it is none; for the old form, `1 2 90 --degrees`, with the new one."""
+    """Return the pose that was typed. ValueError writes out the new form of an old one, like `1 2 90 --degrees`."""
     numbers = [word for word in words if word != "--degrees"]
     is_old = len(numbers) < len(words)
     if wrong := [word for word in numbers if word.startswith("--")]:

@@ -38,7 +38,7 @@ def differences(then: msgspec.Struct, now: msgspec.Struct, tolerance: float) -> 
     """Where what was said then and what is said now are not the same; but for who said it when."""
     found = []
     for name in then.__struct_fields__:
-        if name in {"seq", "stamp_ns", "instance", "remedy", "sensor_remedies"}:
+        if name in {"seq", "stamp_ns", "instance", "remedy", "sensor_remedies", "heard"}:
             continue  # a remedy is a part of its line, and older recordings have it there alone
         before, after = getattr(then, name), getattr(now, name)
         if name == "free_side" and before == "none":

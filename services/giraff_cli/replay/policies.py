@@ -17,7 +17,7 @@ from giraff_cli.replay.agreement import Agreement, differences
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
-from giraff_guard.policy import GuardPolicy
+from giraff_guard.policy import GuardPolicy, number_place, numbers_unheard
 from giraff_mcap.reading import is_whole, put_params
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy
@@ -47,6 +47,8 @@ neither is recorded."""
 _AROUND_NS: Final = 20_000_000
 _COMMAND_AROUND_NS: Final = 500_000_000
 """The ticks of commands tell for longer: a guard that stood still for a moment takes them late, and in order."""
+_NUMBERED_NS: Final = 5_000_000_000
+"""The numbers that a guard tells are of makers of about now: another one counts from 0 again."""
 _SETTLES: Final = 1.0  # s after which what was missed of a young guard's life no longer shows
 _SPEED: Final = 0.01
 """m/s, rad/s: what a limit may differ by. It depends on the moment of the guard's turn, known to a millisecond."""
@@ -196,7 +198,7 @@ def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig)
         return list(found.values())
     to_robot_ns = round(median(tick.robot_ns - tick.stamp_ns for tick in ticks))
     states, leases = _by_turn(turns, said.of(GuardState)), _by_turn(turns, said.of(Lease))
-    inputs = _Inputs(said)
+    inputs = _Inputs(said, robot)
     guard: _Guard | None = None
     for index, turn in enumerate(turns):
         if guard is None or turn.instance != guard.instance:
@@ -227,7 +229,8 @@ def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig)
 class _Inputs:
     """What the guard had heard by each of its turns: where its own words tell it by them, and else by the stamps."""
 
-    def __init__(self, said: RecordedSamples) -> None:
+    def __init__(self, said: RecordedSamples, robot: RobotConfig) -> None:
+        self._places = {name: index for index, name in enumerate(numbers_unheard(robot))}
         self._waiting: dict[type[Sample], list[Any]] = {
             type_: said.of(type_)[::-1] for type_ in (Tick, Attitude, Range, Wheels, DriveCommand)
         }
@@ -248,6 +251,10 @@ class _Inputs:
     def _taken(self, type_: type[Sample], sample: Any, turn: GuardedCommand) -> bool:
         if type_ is Tick and turn.guard_tick is not None and turn.guard_tick.epoch == sample.epoch:
             return bool(sample.robot_ns <= turn.guard_tick.robot_ns)
+        is_of_holder = type_ is not DriveCommand or sample.instance == turn.operator
+        place = self._places.get(number_place(sample)) if turn.heard and is_of_holder else None
+        if place is not None and _near(sample, turn, _NUMBERED_NS):
+            return bool(sample.seq <= turn.heard[place])
         is_holders = (
             type_ is DriveCommand and sample.instance == turn.operator and _near(sample, turn, _COMMAND_AROUND_NS)
         )
