@@ -124,8 +124,7 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Oldest moment of the ranges that the wish relies on; robot_ns 0 if one never came. None: it relies on none."""
     source: Source
     faults: int
-    """How often `source` has come to be a fault since the guard began; another number than before disarms. The word of
-    a fault may come late or be lost: its count is in every word after it."""
+    """Faults of `source` since the guard began. Another number disarms: each word has it, should a fault's be lost."""
     hand_neutral: bool
     """The operator's own command is a hand's and neutral: what arms the robot when held."""
     reason: str
@@ -136,6 +135,8 @@ class GuardedCommand(Sample, frozen=True, kw_only=True):
     """Where a robot that sits down has room, by the ranges of now."""
     heard: tuple[int, ...] = ()
     """Numbers of the newest samples that the guard had heard, as its `HEARD` orders them, for a replay. -1: none."""
+    decided_us: int = -1
+    """µs from `guard_tick` to the guard's decision, for a replay. -1: it has no tick."""
 
     def __post_init__(self) -> None:
         require_finite(self, self.linear_x, self.angular_z)

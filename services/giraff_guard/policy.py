@@ -139,11 +139,11 @@ class GuardPolicy:
 
 def numbers_unheard(robot: RobotConfig) -> dict[str, int]:
     """Return the numbers of `GuardedCommand.heard` of a guard that has heard nothing."""
-    return dict.fromkeys((*HEARD, *(f"range/{name}" for name in sorted(robot.sensors))), -1)
+    return dict.fromkeys((*HEARD, *(f"sensor {name}" for name in sorted(robot.sensors))), -1)
 
 
 def number_place(sample: Sample) -> str:
-    """Return where its number stands among them; a command's, where it is the lease holder's."""
+    """Return the name that its number has among them. Commands count where they are the lease holder's."""
     if isinstance(sample, Range):
-        return f"range/{sample.sensor}"
+        return f"sensor {sample.sensor}"
     return {Wheels: "wheels", Attitude: "attitude", DriveCommand: "command"}.get(type(sample), "")

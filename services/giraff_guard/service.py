@@ -63,8 +63,10 @@ class Guard:
                 self._timer.hurry("command", now)
         if not self._timer.due(now):
             return
-        passed, state, lease = policy.decide(clock())
-        self._guarded.put(msgspec.structs.replace(passed, heard=tuple(self._numbers.values())))
+        now_ns = clock()
+        passed, state, lease = policy.decide(now_ns)
+        decided_us = -1 if passed.guard_tick is None else (now_ns - passed.guard_tick.robot_ns) // 1000
+        self._guarded.put(msgspec.structs.replace(passed, heard=tuple(self._numbers.values()), decided_us=decided_us))
         self._tell_what_is_wrong()
         if lease.counter != self._counter or self._lease_timer.due(now):
             self._counter = lease.counter

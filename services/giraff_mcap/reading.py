@@ -249,9 +249,10 @@ def params_in(sample: Recorded) -> ParamAnswer | None:
     if not fnmatchcase(sample.key, PARAM_DESCRIBE.key):
         return None
     try:
-        return msgspec.json.decode(sample.data, type=ParamAnswer)
+        answer = msgspec.json.decode(sample.data, type=ParamAnswer)
     except msgspec.MsgspecError:  # of another version
         return None
+    return answer if sample.key == PARAM_DESCRIBE.key.replace("*", answer.service) else None
 
 
 def is_whole(answer: ParamAnswer) -> bool:

@@ -115,15 +115,7 @@ class OdometryPolicy:
                 bounds.require(name, getattr(request, name))
         except ValueError as error:
             return OdomAnswer(done=False, jumps=self.jumps, reason=str(error))
-        now = self.estimate
-        place = Estimate(
-            x=request.x,
-            y=request.y,
-            yaw=wrapped(request.yaw),
-            path=now.path,
-            back=now.back,
-            direction=now.direction,
-        )
+        place = Estimate(x=request.x, y=request.y, yaw=wrapped(request.yaw), path=self.estimate.path)
         return self._jump(request.id, less_sure(place, request.position_sd, request.yaw_sd))
 
     def _jump(self, wish: int, estimate: Estimate) -> OdomAnswer:

@@ -22,6 +22,7 @@ from giraff_mcap.reading import is_whole, put_params
 from giraff_odometry.config import OdometryConfig
 from giraff_odometry.policy import Estimate, OdometryPolicy
 from giraff_schemas.bumper import Bump
+from giraff_schemas.checks import converted
 from giraff_schemas.messages import (
     Attitude,
     DriveCommand,
@@ -45,8 +46,6 @@ _ON_ITS_WAY_NS: Final = 500_000
 """From a sample's stamp at its maker until the guard's turn can take it, and from there to the guard's own stamp:
 neither is recorded."""
 _AROUND_NS: Final = 20_000_000
-_COMMAND_AROUND_NS: Final = 500_000_000
-"""The ticks of commands tell for longer: a guard that stood still for a moment takes them late, and in order."""
 _NUMBERED_NS: Final = 5_000_000_000
 """The numbers that a guard tells are of makers of about now: another one counts from 0 again."""
 _SETTLES: Final = 1.0  # s after which what was missed of a young guard's life no longer shows
@@ -54,8 +53,11 @@ _SPEED: Final = 0.01
 """m/s, rad/s: what a limit may differ by. It depends on the moment of the guard's turn, known to a millisecond."""
 
 
-_SAYS: Final[dict[str, type[Sample]]] = {GUARD_SERVICE.name: GuardedCommand, ODOMETRY.name: Odometry}
-"""By service that is replayed, the samples that it says at each of its turns."""
+_SAYS: Final[dict[str, tuple[type[Sample], type[msgspec.Struct]]]] = {
+    GUARD_SERVICE.name: (GuardedCommand, GuardConfig),
+    ODOMETRY.name: (Odometry, OdometryConfig),
+}
+"""By service that is replayed, the samples that it says at each of its turns, and what it goes by."""
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
 
@@ -74,10 +76,13 @@ class Settings(Generic[ConfigT]):
 
 
 def with_params(config: ConfigT, answer: ParamAnswer) -> ConfigT:
-    """Return `config` with the values that its service has told."""
+    """Return `config` with the values that its service has told. ValueError: they are none."""
     tables = {answer.service: msgspec.to_builtins(config)}
-    put_params(tables, answer.service, answer.params)
-    return msgspec.convert(tables[answer.service], type(config), strict=False)
+    try:
+        put_params(tables, answer.service, answer.params)
+    except TypeError as error:
+        raise ValueError(f"{answer.service} has no such parameters") from error
+    return converted(tables[answer.service], type(config), strict=False)
 
 
 class RecordedSamples:
@@ -95,8 +100,13 @@ class RecordedSamples:
         self._newest[type(sample), sample.instance] = sample.seq
 
     def add_params(self, answer: ParamAnswer) -> None:
-        """Take what a service has told of its parameters, behind the samples that were heard before."""
-        if (type_ := _SAYS.get(answer.service)) is not None:
+        """Take what a service has told of its parameters, behind the samples that were heard before.
+
+        ValueError: they are none that it could go by.
+        """
+        if (said := _SAYS.get(answer.service)) is not None:
+            type_, config = said
+            with_params(config(), answer)
             self._told.append((self._newest.get((type_, answer.instance), -1), answer))
 
     def settings(self, config: ConfigT, service: str, instance: str) -> Settings[ConfigT]:
@@ -205,9 +215,13 @@ def replay_guard(said: RecordedSamples, config: GuardConfig, robot: RobotConfig)
             guard = _Guard(turns[index:], said.settings(config, GUARD_SERVICE.name, turn.instance), robot)
         guard.settings.go_on(turn.seq)
         now_ns = turn.stamp_ns + to_robot_ns
+        if turn.guard_tick is not None and turn.decided_us >= 0:
+            now_ns = turn.guard_tick.robot_ns + turn.decided_us * 1000
         new = list(inputs.until(turn))
         if turn.guard_tick is None:  # it was not linked yet: whatever was said, it did not hear
             new.clear()
+        if inputs.lacks:
+            guard.doubt(now_ns)
         command, state, lease = guard.turn(new, now_ns)
         then_state = states.get(index)
         known = turn.guard_tick is not None and guard.known(
@@ -235,46 +249,54 @@ class _Inputs:
             type_: said.of(type_)[::-1] for type_ in (Tick, Attitude, Range, Wheels, DriveCommand)
         }
         self._newest: dict[str, Range] = {}
-        self._last: DriveCommand | None = None  # the holder's newest that was taken
+        self._last_tick: RobotTime | None = None  # of the holder's newest command that was taken
+        self._numbers: dict[str, tuple[str, int]] = {}
+        self._tick: RobotTime | None = None
+        self.lacks = False
+        """The guard had heard something by the newest turn that the recording lacks."""
 
     def until(self, turn: GuardedCommand) -> Iterator[Sample]:
         """Those that are new in this turn, in the order in which the guard takes them."""
+        self.lacks = False
         for type_, waiting in self._waiting.items():
             while waiting and self._taken(type_, waiting[-1], turn):
                 sample = waiting.pop()
+                if isinstance(sample, Tick):
+                    self._tick = sample.time
                 if isinstance(sample, Range):
                     self._newest[sample.sensor] = sample
                 if isinstance(sample, DriveCommand) and sample.instance == turn.operator:
-                    self._last = sample
+                    self._last_tick = sample.tick
+                if self._is_numbered(sample, turn):
+                    maker, number = self._numbers.get(number_place(sample), ("", 0))
+                    self.lacks |= (maker, number + 1) != (sample.instance, sample.seq) and maker == sample.instance
+                    self._numbers[number_place(sample)] = sample.instance, sample.seq
                 yield sample
+        self.lacks |= self._tick is not None and turn.guard_tick not in {None, self._tick}
+        told = {name: turn.heard[place] for name, place in self._places.items() if turn.heard and name in self._numbers}
+        self.lacks |= any(self._numbers[name][1] < number for name, number in told.items() if name != "command")
+
+    def _is_numbered(self, sample: Sample, turn: GuardedCommand) -> bool:
+        """Whether the guard tells by its number that it has heard this."""
+        is_of_holder = not isinstance(sample, DriveCommand) or sample.instance == turn.operator
+        return bool(turn.heard) and is_of_holder and number_place(sample) in self._places
 
     def _taken(self, type_: type[Sample], sample: Any, turn: GuardedCommand) -> bool:
         if type_ is Tick and turn.guard_tick is not None and turn.guard_tick.epoch == sample.epoch:
             return bool(sample.robot_ns <= turn.guard_tick.robot_ns)
-        is_of_holder = type_ is not DriveCommand or sample.instance == turn.operator
-        place = self._places.get(number_place(sample)) if turn.heard and is_of_holder else None
-        if place is not None and _near(sample, turn, _NUMBERED_NS):
-            return bool(sample.seq <= turn.heard[place])
-        is_holders = (
-            type_ is DriveCommand and sample.instance == turn.operator and _near(sample, turn, _COMMAND_AROUND_NS)
-        )
+        if self._is_numbered(sample, turn) and _near(sample, turn, _NUMBERED_NS):
+            return bool(sample.seq <= turn.heard[self._places[number_place(sample)]])
+        is_holders = type_ is DriveCommand and sample.instance == turn.operator and _near(sample, turn)
         moment: RobotTime | None = sample.tick if is_holders else None
         used = turn.operator_tick
-        if moment is not None and used is not None:
-            if self._last is None or not moment == used == self._last.tick:
-                return moment.robot_ns <= used.robot_ns
-            # One more of the same moment: a guard that passes on the one before to the last bit has not had it.
-            if _twist(turn) == _twist(self._last) != _twist(sample):
-                return False
+        # One more of the same moment is told from the one before by its stamp alone.
+        if moment is not None and used is not None and not moment == used == self._last_tick:
+            return moment.robot_ns <= used.robot_ns
         if type_ is Range and turn.range_tick is not None and _near(sample, turn):
             last = self._newest.get(sample.sensor)
             if turn.range_tick in (sample.tick, last.tick if last is not None else None):
                 return bool(sample.tick == turn.range_tick)
         return bool(sample.stamp_ns + _ON_ITS_WAY_NS <= turn.stamp_ns)
-
-
-def _twist(sample: DriveCommand | GuardedCommand) -> tuple[float, float]:
-    return sample.linear_x, sample.angular_z
 
 
 def _near(sample: Sample, turn: GuardedCommand, around_ns: int = _AROUND_NS) -> bool:
@@ -332,6 +354,10 @@ class _Guard:
         if self._faults_before is None:
             self._faults_before = turn.faults - command.faults
         return msgspec.structs.replace(command, faults=command.faults + self._faults_before)
+
+    def doubt(self, now_ns: int) -> None:
+        """Begin anew to learn what it remembers: it had heard something that was not recorded."""
+        self._is_known, self._linked_ns, self._faults_before = False, now_ns, None
 
     def known(self, now_ns: int, *, agrees: bool) -> bool:
         """Whether what it remembers is what the recorded one remembers.

@@ -48,6 +48,11 @@ def replay(path: Path, least: float, *, as_json: bool) -> int:
             f"{path}: nothing in it can be compared: it takes wheels and odom, or all that the guard hears"
         )
     sys.stdout.write(_told(found, as_json=as_json))
+    if left := [agreement.key for agreement in found if agreement.left_out and not agreement.compared]:
+        return print_error(
+            f"{path}: {', '.join(left)}: nothing could be compared: it was at work before the recording began, or too "
+            "much is missing; record for longer, or from its start"
+        )
     agrees = all(agreement.share >= least for agreement in compared)
     return _AGREES if agrees and not unread else _DIFFERS
 
@@ -60,7 +65,10 @@ def agreements(recording: Recording, unread: dict[str, str]) -> list[Agreement]:
     said = RecordedSamples()
     for sample in recording.samples():
         if (answer := params_in(sample)) is not None:
-            said.add_params(answer)
+            try:
+                said.add_params(answer)
+            except ValueError as error:
+                unread.setdefault(sample.key, str(error))
         if topic_of(sample.key) is None:
             continue
         try:

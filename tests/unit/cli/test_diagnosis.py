@@ -67,6 +67,16 @@ def test_a_robot_that_nobody_asks_to_drive_is_idle_and_one_link_says_so() -> Non
     assert links["base"] == ("idle", "see lease")
 
 
+def test_an_idle_robot_that_base_forbids_to_move_is_stopped_by_base() -> None:
+    empty = "the battery is empty at 9.6 V; charge it"
+    chain = idle(Scene()).put(topics.BASE, base(armed=False, reason=empty), "b")
+    assert chain.diagnosis().conclusion == f"base: {empty}"
+    CAUSES["e-stop"][0](chain)
+    idle_again = {"reason": str(IDLE), "remedy": IDLE.remedy}
+    chain.put(topics.LEASE, msgspec.structs.replace(lease("", ""), **idle_again), "g")
+    assert chain.diagnosis().stopped_by == "e-stop"
+
+
 def test_one_who_asks_and_holds_no_lease_is_not_idle() -> None:
     chain = idle(Scene()).put(topics.OPERATOR_CMD_VEL, command(0.3), HAND, "joystick")
     assert chain.diagnosis().stopped_by == "lease"

@@ -6,6 +6,7 @@ import msgspec
 
 from giraff_cli.replay.policies import RecordedSamples, _Inputs
 from giraff_schemas.messages import DriveCommand, GuardedCommand, RobotTime
+from tests.unit.odometry.robots import ROBOT
 
 MOMENT = RobotTime(epoch=1, robot_ns=5_000_000_000)
 AT = 1_767_000_000_000_000_000  # ns
@@ -50,7 +51,7 @@ def heard(commands: list[DriveCommand], turns: list[GuardedCommand]) -> list[lis
     said = RecordedSamples()
     for each in commands:
         said.add(each)
-    inputs = _Inputs(said)
+    inputs = _Inputs(said, ROBOT)
     return [[sample.seq for sample in inputs.until(each)] for each in turns]
 
 
@@ -64,3 +65,15 @@ def test_the_first_of_a_moment_is_heard_in_the_turn_that_tells_it_whatever_its_s
     assert heard([late], [turn(1)]) == [[1]]
     newer = msgspec.structs.replace(late, tick=RobotTime(epoch=1, robot_ns=MOMENT.robot_ns + 1))
     assert heard([newer], [turn(1)]) == [[]]
+
+
+def test_a_guard_that_numbers_what_it_has_heard_is_believed_whatever_the_stamps() -> None:
+    said = RecordedSamples()
+    for seq in (1, 2, 4, 5):
+        said.add(command(seq, seq))
+    inputs = _Inputs(said, ROBOT)
+    found = []
+    for after_ms, newest in ((20, 1), (40, 2), (60, 5), (80, 5)):
+        numbered = msgspec.structs.replace(turn(after_ms), heard=(-1, -1, newest))
+        found.append(([sample.seq for sample in inputs.until(numbered)], inputs.lacks))
+    assert found == [([1], False), ([2], False), ([4, 5], True), ([], False)]

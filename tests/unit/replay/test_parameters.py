@@ -18,7 +18,7 @@ from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_mcap.metadata import ASKED
 from giraff_mcap.raw_sample import RawSample
-from giraff_mcap.reading import Recording
+from giraff_mcap.reading import Recording, params_in
 from giraff_mcap.tables import table_of
 from giraff_mcap.writing import RecordingWriter
 from giraff_odometry.config import OdometryConfig
@@ -56,7 +56,11 @@ def heard(answer: ParamAnswer, at_ns: int) -> RawSample:
 
 def drive_with(path: Path, *answers: tuple[float, ParamAnswer], **about: str) -> Path:
     """The drive, recorded where its robot file was not, with what was told so many s after its beginning."""
-    samples = [RawSample(each.heard_ns, each.topic, each.payload(), each.encoding) for each in ALL.samples()]
+    samples = [
+        RawSample(each.heard_ns, each.topic, each.payload(), each.encoding)
+        for each in ALL.samples()
+        if params_in(each) is None
+    ]
     samples += [heard(answer, samples[0].at_ns + round(after * 1e9)) for after, answer in answers]
     with RecordingWriter(path, {"robot": ALL.robot, **about}, to_wall_ns=0) as writer:
         writer.add(samples)
@@ -92,6 +96,27 @@ def test_what_was_set_meanwhile_counts_from_its_turn_on(tmp_path: Path) -> None:
     first = int(found.first.partition("seq ")[2].partition(":")[0])
     before = [each for each in ALL.samples(("cmd_vel",)) if each.seq == first]
     assert before[0].heard_ns - next(ALL.samples()).heard_ns >= 8.0e9
+
+
+def test_what_no_service_can_have_told_is_named_and_not_gone_by(tmp_path: Path) -> None:
+    [margin] = told("guard", margin=0.65).params
+    forged = [
+        msgspec.structs.replace(told("guard"), params=(msgspec.structs.replace(margin, name=name, value=value),))
+        for name, value in (("margin", "abc"), ("margin.x", 1.0), ("nothing", 1.0))
+    ]
+    for index, answer in enumerate(forged):
+        unread: dict[str, str] = {}
+        found = {
+            each.key: each
+            for each in agreements(
+                Recording(
+                    drive_with(tmp_path / f"{index}.mcap", (3.0, told("guard")), (3.0, told("odometry")), (8.0, answer))
+                ),
+                unread,
+            )
+        }
+        assert list(unread) == ["param/guard"]
+        assert found["cmd_vel"].share > 0.98
 
 
 def test_a_service_that_told_nothing_is_named(

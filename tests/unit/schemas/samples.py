@@ -132,6 +132,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "remedy": "",
         "free_side": "backward",
         "heard": [4, -1, 7, 3, 3, 5],
+        "decided_us": 15700,
     },
     m.Range: _START | {"sensor": "rear", "state": "echo", "range": 1.25, "echo_us": 7250, "tick": _TIME} | _SAYS,
     b.Bump: _START | {"sensor": "front", "pressed": True, "tick": _TIME},
