@@ -39,7 +39,8 @@ def on_page(trouble: Trouble) -> Trouble:
         return Trouble(trouble.what)
     see = f"see that the robot may move, then {RELEASE}"
     remedy = trouble.remedy.replace(f"to go on: {RESET_COMMAND}", see).replace(RESET_COMMAND, RELEASE)
-    return Trouble(trouble.what, "it takes somebody at the robot's computer" if "giraff " in remedy else remedy)
+    ask = "ask somebody at the robot's computer to see what is wrong there"
+    return Trouble(trouble.what, ask if "giraff " in remedy else remedy)
 
 
 def moment(tick: RobotTime | None) -> Moment | None:
@@ -151,6 +152,10 @@ class Room(msgspec.Struct, frozen=True, kw_only=True):
 
     walls: tuple[tuple[tuple[float, float], ...], ...]
     """Polylines, m."""
+    map: str = ""
+    """Name of the floor plan that is this room; empty: there is none."""
+    start: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """x, y (m) and yaw (rad) of the robot's start on that floor plan."""
 
 
 class Hello(_ToPage, frozen=True, kw_only=True, tag="hello"):
@@ -250,7 +255,9 @@ class MapView(msgspec.Struct, frozen=True, kw_only=True):
     yaw_sd: float
     """rad. Standard deviation of the yaw."""
     why: str
-    """Why the pose is not known, with the remedy; empty: it is known."""
+    """Why the sensors do not confirm the pose, with the remedy; empty: they do."""
+    odom: tuple[float, float, float]
+    """x, y (m) and yaw (rad) of the frame `odom` on that floor plan."""
 
 
 class State(_ToPage, frozen=True, kw_only=True, tag="state"):
@@ -281,7 +288,7 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     covariance: tuple[float, float, float] | None
     """m². xx, xy and yy of `pose`."""
     origin: str
-    """Another one: the pose was set from outside, and path and room begin anew."""
+    """Another one: the pose was set from outside, and the path begins anew."""
     speed: tuple[float, float] | None
     """m/s and rad/s, by the wheels."""
     path: float | None
@@ -296,6 +303,8 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """None: no camera was heard."""
     map: MapView | None = None
     """None: localization is not heard."""
+    room_fits: bool = True
+    """The robot's start is still the origin of `odom`. Otherwise only the map tells where the room is."""
 
 
 class Refused(_ToPage, frozen=True, kw_only=True, tag="refused"):

@@ -30,6 +30,7 @@ class Picture:
         self._latest = LatestSamples()
         self._trail: deque[tuple[float, float]] = deque(maxlen=_POINTS)
         self._origin: tuple[str, int] | None = None
+        self._room_fits = True
         self._n = 0
 
     @property
@@ -84,10 +85,12 @@ class Picture:
             balance=self._balance(attitude, odom) if attitude else None,
             camera=camera,
             map=_map_view(place) if place else None,
+            room_fits=self._room_fits,
         )
 
     def _go_on(self, odom: Odometry) -> None:
         if odom.origin != self._origin:
+            self._room_fits = self._origin is None and odom.jumps == 0
             self._origin = odom.origin
             self._trail.clear()
         here = odom.x, odom.y
@@ -134,6 +137,7 @@ def _map_view(place: MapPose) -> MapView:
         covariance=_place_covariance(place),
         yaw_sd=round(place.standard_deviations[2], 4),
         why=str(on_page(trouble_of(place))),
+        odom=(round(place.odom.x, 3), round(place.odom.y, 3), round(place.odom.yaw, 4)),
     )
 
 

@@ -27,7 +27,8 @@ class _Line(msgspec.Struct):
 def walls_of(room: Room) -> Walls:
     """What stands in a room, in the frame of odometry, which begins where the robot does."""
     start = Pose(*room.start)
-    return Walls(walls=tuple(tuple(start.sees(x, y) for x, y in line) for line in room.outlines()))
+    walls = tuple(tuple(start.sees(x, y) for x, y in line) for line in room.outlines())
+    return Walls(walls=walls, map=room.name, start=room.start)
 
 
 def write_room(room: Room, path: Path) -> None:

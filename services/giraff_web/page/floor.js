@@ -1,6 +1,6 @@
 // The floor plan: the robot in the middle, its front up; walls, path and what the sensors see around it.
 
-import { freedom } from "./words.js";
+import { freedom, isPlaced } from "./words.js";
 
 /** m from the robot to the nearer edge of the picture. */
 const VIEW = 1.9;
@@ -32,6 +32,14 @@ export function ellipse([xx, xy, yy]) {
   return [half(middle + off), half(middle - off), Math.atan2(2 * xy, xx - yy) / 2];
 }
 
+/** Where the room's start is in odom: x, y (m) and yaw (rad); null: nobody knows, and no room is drawn. */
+export function roomPlace({ map, room_fits }, room) {
+  if (!map || !isPlaced(map) || map.map !== room.map) return room_fits ? [0, 0, 0] : null;
+  const [east, north, yaw] = room.start.map((value, axis) => value - map.odom[axis]);
+  const [cos, sin] = [Math.cos(map.odom[2]), Math.sin(map.odom[2])];
+  return [cos * east + sin * north, cos * north - sin * east, yaw];
+}
+
 /** The path in odom; it begins anew where the pose was set from outside. */
 export class Trail {
   constructor() {
@@ -39,22 +47,16 @@ export class Trail {
     this.points = [];
     /** @type {string | null} */
     this._origin = null;
-    /** The room is where it was when the robot began. */
-    this.roomFits = true;
   }
 
   onHello(hello) {
     this.points = hello.trail.map(([x, y]) => [x, y]);
     this._origin = null;
-    this.roomFits = true;
   }
 
   onState(state) {
     if (!state.pose) return;
-    if (this._origin !== null && state.origin !== this._origin) {
-      this.points = [];
-      this.roomFits = false;
-    }
+    if (this._origin !== null && state.origin !== this._origin) this.points = [];
     this._origin = state.origin;
     const [x, y] = state.pose;
     const last = this.points.at(-1);
@@ -99,7 +101,7 @@ export class Floor {
     pen.setTransform(0, -this._scale, -this._scale, 0, width / 2, height / 2);
     pen.globalAlpha = linked ? 1 : 0.35;
     this._rings();
-    if (state.pose) this._around(state.pose, hello.room, trail);
+    if (state.pose) this._around(state.pose, hello.room, hello.room && roomPlace(state, hello.room), trail);
     for (const [name, part] of Object.entries(hello.sensors)) this._cone(part, state.ranges[name], hello.radius);
     this._robot(hello, state);
     this._doubt(state);
@@ -157,7 +159,7 @@ export class Floor {
     pen.restore();
   }
 
-  _around([x, y, yaw], room, trail) {
+  _around([x, y, yaw], room, place, trail) {
     const pen = this._pen;
     pen.save();
     pen.rotate(-yaw);
@@ -165,7 +167,9 @@ export class Floor {
     pen.lineJoin = pen.lineCap = "round";
     this._line(trail.points);
     this._stroke(this._colours.accent, 2);
-    if (room && trail.roomFits) {
+    if (place) {
+      pen.translate(place[0], place[1]);
+      pen.rotate(place[2]);
       for (const wall of room.walls) {
         this._line(wall);
         this._stroke(this._colours.ink, 3);
@@ -234,7 +238,7 @@ export class Floor {
 
   /** Where the robot is with 95 %: on the map where localization says so, else by its wheels. */
   _doubt({ map, pose, covariance }) {
-    const [yaw, of] = map && !map.why ? [map.pose[2], map.covariance] : [pose?.[2], covariance];
+    const [yaw, of] = map && isPlaced(map) ? [map.pose[2], map.covariance] : [pose?.[2], covariance];
     if (!of) return;
     const [long, short, angle] = ellipse(of);
     this._pen.beginPath();

@@ -67,7 +67,8 @@ export function whyText(at) {
   if (at.stopping) return "The emergency stop was asked for on this page.";
   const how = isStopped(at.state) ? released(at.state.stop.remedy || SEE, at.mayDrive) : "";
   const stopped = how && `STOPPED. ${sentence(how)}.`;
-  if (!at.mayDrive) return `${stopped || "You can watch and stop."} ${at.session ? sentence(at.session) : ADDRESS}`;
+  const address = at.session ? sentence(at.session).replace(/[^.]$/, "$&.") : ADDRESS;
+  if (!at.mayDrive) return `${stopped || "You can watch and stop."} ${address}`;
   if (stopped) return stopped;
   if (at.refused) return sentence(at.refused);
   if (!at.hold && ENDED[at.ended]) {
@@ -138,10 +139,17 @@ export function floorLines(state) {
   return lines;
 }
 
+/** Whether localization knows the place, by the sensors or because a person gave it. */
+export function isPlaced(map) {
+  return map.state === "localized" || map.state === "told";
+}
+
 /** Where the robot is on the map, in one short line. */
 export function placeText(map) {
   const state = sentence(map.state.replaceAll("_", " "));
-  if (map.why) return map.map ? `${state} on ${map.map}` : state;
+  if (map.state === "lost") return `Lost: the place on ${map.map} is not known`;
+  if (map.state === "ambiguous") return `Ambiguous: several places on ${map.map} fit`;
+  if (!isPlaced(map)) return state;
   const [x, y, yaw] = map.pose;
   const heading = Math.round(yaw * DEGREES);
   const most = fixed(sd(map.covariance), 2);
@@ -151,8 +159,9 @@ export function placeText(map) {
 /** The same in whole: "Localized on flat: x 1.20 m, y 3.40 m, heading 90°, sd 0.05 m, 2°". */
 export function mapText(map) {
   const state = `${sentence(map.state.replaceAll("_", " "))}${map.map ? ` on ${map.map}` : ""}`;
-  if (map.why) return `${state}: ${map.why}`;
-  return `${state}: ${poseText(map.pose, sd(map.covariance))}, ${Math.round(map.yaw_sd * DEGREES)}°`;
+  if (!isPlaced(map)) return `${state}: ${map.why}`;
+  const place = `${state}: ${poseText(map.pose, sd(map.covariance))}, ${Math.round(map.yaw_sd * DEGREES)}°`;
+  return map.why ? `${place}; ${map.why}` : place;
 }
 
 /** Larger standard deviation of a place, m, by its covariance. */

@@ -21,6 +21,7 @@ from giraff_web.messages import Room as Walls
 def test_a_room_begins_where_the_robot_does() -> None:
     room = Room("hall", Pose(2.0, 1.0, math.pi / 2))
     room.add_wall("north", [(0.0, 4.0), (3.0, 4.0), (3.0, 1.0)])
+    assert (walls_of(room).map, walls_of(room).start) == ("hall", (2.0, 1.0, math.pi / 2))
     points = [point for line in walls_of(room).walls for point in line]
     assert points == [pytest.approx(point) for point in ((3.0, 2.0), (3.0, -1.0), (3.0, -1.0), (0.0, -1.0))]
 

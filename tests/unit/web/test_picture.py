@@ -85,7 +85,7 @@ def test_all_that_is_heard_is_shown_as_long_as_it_is_new() -> None:
     state = shown.at(0.1)
     assert None not in (state.armed, state.stop, state.directions, state.pose, state.battery, state.speed, state.map)
     assert state.map is not None
-    assert (state.map.covariance, state.map.yaw_sd) == ((0.04, 0.01, 0.09), 0.1)
+    assert (state.map.covariance, state.map.yaw_sd, state.map.odom) == ((0.04, 0.01, 0.09), 0.1, (0.0, 0.0, 0.0))
     old = shown.at(STALE + 0.5)
     assert (old.armed, old.stop, old.directions, old.pose, old.battery, old.map) == (None,) * 6
 
@@ -111,6 +111,15 @@ def test_the_path_is_bounded_and_begins_anew_where_a_pose_was_set() -> None:
     assert shown.picture.trail[-1][0] == pytest.approx(2999 * 0.04)
     shown.picture.take(odometry(0.0, jumps=1), 0.0)
     assert shown.picture.trail == ((0.0, 0.0),)
+
+
+def test_the_room_fits_until_odometry_begins_anew_or_its_pose_is_set() -> None:
+    for later in (odometry(0.0, jumps=1), msgspec.structs.replace(odometry(0.0), instance="another")):
+        shown, late = Shown(), Shown()
+        for sample in (odometry(1.0), later):
+            shown.picture.take(sample, 0.0)
+        late.picture.take(later, 0.0)
+        assert (shown.at(0.1).room_fits, late.at(0.1).room_fits) == (False, later.jumps == 0)
 
 
 def test_numbers_that_a_page_cannot_hold_are_texts() -> None:

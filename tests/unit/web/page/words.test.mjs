@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { ellipse, steadyScale } from "../../../../services/giraff_web/page/floor.js";
+import { ellipse, roomPlace, steadyScale } from "../../../../services/giraff_web/page/floor.js";
 import * as words from "../../../../services/giraff_web/page/words.js";
 
 const free = { freedom: "free", allowed: 0.6, sensor: "", reason: "", way_out: "" };
@@ -36,7 +36,7 @@ test("why: the first of what is between the hand and the robot", () => {
   assert.match(why({ linked: false, mayDrive: false }), /^The link is lost/);
   assert.equal(why({ linked: false, closed: "too many pages" }), "Not connected: too many pages");
   assert.match(why({ mayDrive: false }), /open the address/);
-  assert.equal(why({ mayDrive: false, session: "this code was used" }), "You can watch and stop. This code was used");
+  assert.equal(why({ mayDrive: false, session: "this code was used" }), "You can watch and stop. This code was used.");
   assert.equal(why({ refused: "begin neutral", ended: "idle" }), "Begin neutral");
   assert.match(why({ ended: "stalled", state: { ...state, why: "not armed" } }), /stood still.*let go/);
   assert.match(why({ ended: "focus", input: "keys" }), /let go of the keys/);
@@ -122,7 +122,22 @@ test("the floor plan as lines", () => {
     "Localized on flat: x 3.00 m, y 4.00 m, heading 0°, sd 0.20 m, 2°",
   ]);
   assert.equal(words.placeText(map), "Localized: 3.00, 4.00 m, 0°, sd 0.20 m, 2°");
-  assert.equal(words.mapText({ ...map, state: "lost", why: "nothing fits; drive on" }), "Lost on flat: nothing fits; drive on");
+  const lost = { ...map, state: "lost", why: "nothing fits; drive on" };
+  assert.equal(words.mapText(lost), "Lost on flat: nothing fits; drive on");
+  assert.equal(words.placeText(lost), "Lost: the place on flat is not known");
+  assert.equal(words.placeText({ ...lost, state: "ambiguous" }), "Ambiguous: several places on flat fit");
+  const given = { ...map, state: "told", why: "drive on" };
+  assert.equal(words.placeText(given), "Told: 3.00, 4.00 m, 0°, sd 0.20 m, 2°");
+  assert.equal(words.mapText(given), "Told on flat: x 3.00 m, y 4.00 m, heading 0°, sd 0.20 m, 2°; drive on");
+});
+
+test("the room is where the map has it, else where odometry began, else nowhere", () => {
+  const room = { walls: [], map: "flat", start: [2, 1, 0] };
+  const map = { state: "localized", map: "flat", odom: [1, 1, Math.PI / 2] };
+  const by = (fits, known) => roomPlace({ room_fits: fits, map: known }, room)?.map((value) => value.toFixed(2));
+  assert.deepEqual([by(true, null), by(false, null)], [["0.00", "0.00", "0.00"], undefined]);
+  for (const other of [{ state: "lost" }, { map: "attic" }]) assert.equal(by(false, { ...map, ...other }), undefined);
+  for (const state of ["localized", "told"]) assert.deepEqual(by(false, { ...map, state }), ["0.00", "-1.00", "-1.57"]);
 });
 
 test("the plan keeps its scale beside a text that comes and goes, and its ellipse holds 95 %", () => {
