@@ -37,7 +37,7 @@ def _declared(struct: type[msgspec.Struct]) -> dict[str, Field]:
         for statement in class_.body if isinstance(class_, ast.ClassDef) and class_.name == struct.__name__ else ():
             match statement:
                 case ast.AnnAssign(target=ast.Name(id=name), annotation=annotation):
-                    found[name] = Field(name, ast.unparse(_plain(annotation)), "")
+                    found[name] = Field(name, ast.unparse(_Plain().visit(annotation)), "")
                 case ast.Expr(value=ast.Constant(value=str(text))) if name in found:
                     found[name] = msgspec.structs.replace(found[name], doc=" ".join(text.split()))
                 case _:
@@ -45,9 +45,15 @@ def _declared(struct: type[msgspec.Struct]) -> dict[str, Field]:
     return found
 
 
-def _plain(annotation: ast.expr) -> ast.expr:
-    """The type alone: of `Annotated[float, Tuning.RAISE_ONLY]` the first."""
-    match annotation:
-        case ast.Subscript(value=ast.Name(id="Annotated"), slice=ast.Tuple(elts=[plain, *_])):
-            return plain
-    return annotation
+class _Plain(ast.NodeTransformer):
+    """Shortens a type: `Annotated[float, Tuning.RAISE_ONLY]` to `float`, `tuple[float, float]` to `float[2]`."""
+
+    def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
+        self.generic_visit(node)
+        match node:
+            case ast.Subscript(value=ast.Name(id="Annotated"), slice=ast.Tuple(elts=[plain, *_])):
+                return plain
+            case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=[first, _, *_] as parts)):
+                if len({*map(ast.unparse, parts)}) == 1:
+                    return ast.Subscript(first, ast.Constant(len(parts)))
+        return node

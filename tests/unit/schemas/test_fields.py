@@ -8,13 +8,14 @@ import pytest
 
 from giraff_schemas.fields import Field, fields_of
 from giraff_schemas.health import Health
-from giraff_schemas.messages import Battery
+from giraff_schemas.messages import Battery, Odometry
 from giraff_schemas.topics import TOPICS, Topic
 
 
 def test_a_field_has_its_type_and_its_unit() -> None:
     assert fields_of(Battery)[-1] == Field("voltage", "float", "V.")
     assert [field.name for field in fields_of(Battery)] == ["seq", "stamp_ns", "instance", "voltage"]
+    assert "float[6]" in [field.type for field in fields_of(Odometry)]
     assert fields_of(Health)[0] == Field("service", "str", "")
 
 
