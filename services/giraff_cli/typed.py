@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
+import sys
 from collections.abc import Callable, Sequence
 from typing import Final
 
@@ -26,7 +28,7 @@ def length(text: str) -> float:
     match = _LENGTH.fullmatch(text.strip())
     value = float(match[1]) if match else math.nan
     if not math.isfinite(value):
-        raise ValueError(f"{text!r} is no length: give metres, like 2 or -0.5")
+        raise ValueError(_without_comma(text, _LENGTH) or f"{text!r} is no length: give metres, like 2 or -0.5")
     return value
 
 
@@ -56,7 +58,7 @@ def point(text: str) -> tuple[float, float]:
     try:
         return length(x), length(y)
     except ValueError:
-        raise ValueError(f"{text!r} is no point: give x and y in metres, like 1.5,-2, without a space") from None
+        raise ValueError(f"{text!r} is no point: give x and y in metres, like 1.5,-2") from None
 
 
 def pose(text: str) -> Pose:
@@ -70,26 +72,43 @@ def pose(text: str) -> Pose:
     return Pose(*place, angle_with_unit(yaw, f"{x},{y},"))
 
 
-def one_word(words: Sequence[str], read: Callable[[str], object], command: str, unit: str = "") -> str:
+def one_word(words: Sequence[str], read: Callable[[str], object], unit: str = "", gone: str | None = None) -> str:
     """Return the only word. Of several, raise ValueError with the one that they should have been.
 
-    `read`: takes what the word may be; `unit`: of the last number, where it has none.
+    `read`: takes what the word may be; `unit`: of the last number, where it has none; `gone`: an option of old.
     """
     if len(words) == 1:
         return words[0]
-    word = ",".join(each.strip(", ") for each in words)
+    word = ",".join(each.strip(", ") for each in words if each != gone)
     try:
         read(word)
     except ValueError:
         read(word := f"{word}{unit}")
-    raise ValueError(f"write it as one word: {command} {word}")
+    why = f"{gone} is gone" if gone in words else "write it as one word"
+    raise ValueError(f"{why}: {_retyped(words, word)}")
+
+
+def _retyped(words: Sequence[str], word: str) -> str:
+    """Return the command line with one word in the place of several; only that word where these cannot be found."""
+    line, count = sys.argv[1:], len(words)
+    for at in range(len(line) - count, 0, -1):  # from the end: the value of an option before them may be equal
+        before = line[at - 1]
+        if line[at : at + count] == [*words] and (before == "--" or not before.startswith("--")):
+            return shlex.join(["giraff", *line[:at], word, *line[at + count :]])
+    return f"write {word}"
+
+
+def _without_comma(text: str, pattern: re.Pattern[str]) -> str:
+    """Say how a number with a decimal comma is written; empty: it has none."""
+    dotted = text.strip().replace(",", ".", 1)
+    return f"{text} has a comma: write {dotted}" if "," in text and pattern.fullmatch(dotted) else ""
 
 
 def _angle(text: str) -> tuple[float, bool]:
     """Return rad, or the number as it stands, and whether it says which."""
     match = _ANGLE.fullmatch(text.strip())
     if match is None or not (match["number"] or match["pi"]) or (match["pi"] and match["unit"] in ("deg", "°")):
-        raise ValueError(f"{text!r} is no angle: {_LIKE}")
+        raise ValueError(_without_comma(text, _ANGLE) or f"{text!r} is no angle: {_LIKE}")
     value = float(match["number"] or 1.0) * (math.pi if match["pi"] else 1.0)
     by = float(match["by"] or 1.0)
     value = (-1.0 if match["sign"] == "-" else 1.0) * (value / by if by else math.nan)

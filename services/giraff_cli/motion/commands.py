@@ -144,16 +144,20 @@ def go(
 
     Exit code: 0 arrived; 1 it ended otherwise, with the reason; 2 nothing has moved.
     """
-    from giraff_cli.motion.pattern import read_pattern  # noqa: PLC0415
+    from giraff_cli.motion.pattern import PatternError, read_pattern  # noqa: PLC0415
     from giraff_node.motion_client import Wish  # noqa: PLC0415
     from giraff_schemas.motion import GoTo  # noqa: PLC0415
 
     def wish() -> Wish:
-        word = typed.one_word(goal, typed.point, "giraff go")
+        word = typed.one_word(goal, typed.point)
         if "," not in word or Path(word).exists():
             if (frame, speed, time_limit) != (None, None, None):
                 raise ValueError("--frame, --speed and --time-limit are for a point: a pattern says them in its file")
-            return read_pattern(Path(word))
+            try:
+                return read_pattern(Path(word))
+            except PatternError as error:
+                hint = "" if Path(word).exists() else "; a point is X,Y, like 1.5,-2"
+                raise PatternError(f"{error}{hint}") from error
         x, y = typed.point(word)
         return Wish((GoTo(x=x, y=y, frame=frame or "odom"),), speed, None, time_limit)
 

@@ -17,10 +17,15 @@ from giraff_schemas.topics import (
     MOTION_HOLD,
     MOTION_QUERIES,
     OPERATOR_CMD_VEL,
+    PARAM_QUERIES,
     QUERIES,
     ROOT,
     TOPICS,
     Topic,
+    alive_key,
+    frame_key,
+    health_key,
+    key_of,
     require_chunk,
     topic_of,
 )
@@ -34,6 +39,11 @@ _ROBOTS_OWN: Final = frozenset(
     if topic != CMD_VEL
 )
 _ASKED: Final = frozenset(query.key for query in (*QUERIES, *MOTION_QUERIES))
+_ASKED_BELOW: Final = tuple(
+    f"{key.split('/')[2]}/"
+    for key in (alive_key("x"), health_key("x"), frame_key("x"), *(key_of("x", query) for query in PARAM_QUERIES))
+)
+"""Beginnings of the keys at which a robot's services answer, and are known to be there."""
 _NEAR: Final = 0.5
 
 
@@ -48,11 +58,15 @@ def find_topic(key: str, there: Iterable[str] = ()) -> Topic[Any]:
     """
     if key.startswith(f"{ROOT}/"):
         raise UnknownKeyError(f"{key}: leave out {ROOT}/<robot>/, --robot names the robot; like odom or range/*")
-    if key in _ASKED:
+    if _is_asked(key):
         raise UnknownKeyError(f"{key} is asked, not published: `giraff node list` shows who answers")
     if (row := topic_of(key)) is None:
         raise UnknownKeyError(no_such_key(key, (*(topic.key for topic in TOPICS), *there)))
     return row if row.key == key else row.at(row.name_in(key))
+
+
+def _is_asked(key: str) -> bool:
+    return key in _ASKED or key.startswith(_ASKED_BELOW)
 
 
 def below_robot(key: str, robot: str | None) -> tuple[str, str | None]:
@@ -77,7 +91,7 @@ def find_heard_topic(key: str) -> Topic[Any]:
     """
     if topic_of(key) in CAMERA_PICTURES:
         raise UnknownKeyError(f"{key}: pictures must be asked for: giraff camera view, giraff record --camera")
-    if topic_of(key) is not None or key in _ASKED:
+    if topic_of(key) is not None or _is_asked(key):
         return find_topic(key)
     try:
         zenoh.KeyExpr(f"{ROOT}/robot/{key}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 odom = typer.Typer(no_args_is_help=True, help="Tell odometry where the robot is.")
 
 Timeout = Annotated[float, typer.Option(metavar="SECONDS", min=0.1, callback=finite, help="How long to try.")]
+
+_DEGREES: Final = "--degrees"
 
 
 def _deviation(text: str) -> float:
@@ -78,16 +80,15 @@ def set_pose(
 
 def _pose(words: Sequence[str]) -> Pose:
     """Return the pose that was typed. ValueError writes out the new form of an old one, like `1 2 90 --degrees`."""
-    numbers = [word for word in words if word != "--degrees"]
+    numbers = [word for word in words if word != _DEGREES]
     is_old = len(numbers) < len(words)
     if wrong := [word for word in numbers if word.startswith("--")]:
         raise ValueError(f"no such option: {wrong[0]}")
-    numbers = ",".join(numbers).split(",") if is_old else numbers
     try:
-        typed.angle(numbers[-1])
+        typed.angle(numbers[-1] if numbers else "")
     except ValueError:  # beyond a turn, and so no radians
         is_old = True
-    return typed.pose(typed.one_word(numbers, typed.pose, "giraff odom set", "deg" if is_old else "rad"))
+    return typed.pose(typed.one_word(words, typed.pose, "deg" if is_old else "rad", _DEGREES))
 
 
 def _tell(

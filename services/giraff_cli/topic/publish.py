@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import secrets
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -32,6 +33,7 @@ from giraff_schemas.topics import TOPICS, Topic, key_of
 _LOOK_FOR: Final = 1.5  # s, for a robot of this name: a service that is met late is one that is there
 FILLED_IN: Final = Sample.__struct_fields__
 _REFUSED_LATER: Final = 1
+_LONGEST_SHOWN: Final = 40  # characters of a number
 _MISTYPED: Final = 0.75
 """Share of letters that a key has in common with one of the table that was meant."""
 
@@ -81,27 +83,33 @@ def pub(
 
 def read_json(text: str) -> Any:
     """What somebody typed for a key of a maker's. Raises NotASampleError."""
+    value = _decoded(text, '"angle": 1.5')
+    _require_sendable(value)
+    return value
+
+
+def _require_sendable(value: Any, path: str = "") -> None:
+    """Raise NotASampleError, with the name of the field, where a number fits into no message."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            _require_sendable(inner, f"{path}.{name}" if path else name)
+        return
     try:
-        value = msgspec.json.decode(text)
         require_sendable(value)
     except (ValueError, RecursionError) as error:
-        raise NotASampleError(f"not JSON: {plain(error)}; quote it, like '{{\"angle\": 1.5}}'") from error
-    return value
+        raise NotASampleError(f"{path}: {plain(error)}" if path else plain(error)) from error
 
 
 def parse_sample(topic: Topic[Any], text: str) -> Sample:
     """What somebody typed as JSON. Raises NotASampleError."""
     name = topic.schema.__name__
-    try:
-        given = msgspec.json.decode(text)
-        if not isinstance(given, dict):
-            raise NotASampleError(f"a {name} is a JSON object, like {{{_example(topic)}}}")
-        if taken := [field for field in FILLED_IN if field in given]:
-            raise NotASampleError(f"{', '.join(taken)}: filled in when it is published; leave it out")
-        if topic.names:
-            given.setdefault(topic.names, topic.name_in(topic.key))
-    except (ValueError, RecursionError) as error:
-        raise NotASampleError(f"not JSON: {plain(error)}; quote it, like '{{{_example(topic)}}}'") from error
+    given = _decoded(text, _example(topic))
+    if not isinstance(given, dict):
+        raise NotASampleError(f"a {name} is a JSON object, like {{{_example(topic)}}}")
+    if taken := [field for field in FILLED_IN if field in given]:
+        raise NotASampleError(f"{', '.join(taken)}: filled in when it is published; leave it out")
+    if topic.names:
+        given.setdefault(topic.names, topic.name_in(topic.key))
     try:
         sample: Sample = converted(given, topic.schema)
     except ValueError as error:
@@ -111,6 +119,22 @@ def parse_sample(topic: Topic[Any], text: str) -> Sample:
     if unknown := _unknown(given, msgspec.to_builtins(sample)):
         raise NotASampleError(f"a {name} has no {', '.join(unknown)}; it has {_example(topic)}")
     return sample
+
+
+def _decoded(text: str, example: str) -> Any:
+    """Return the value of JSON text. Raises NotASampleError, which shows the `example` where it is no JSON."""
+    try:
+        return msgspec.json.Decoder(float_hook=_float).decode(text)
+    except msgspec.ValidationError as error:  # of `_float` alone: no type is asked for
+        raise NotASampleError(plain(error)) from error
+    except (ValueError, RecursionError) as error:
+        raise NotASampleError(f"not JSON: {plain(error)}; quote it, like '{{{example}}}'") from error
+
+
+def _float(text: str) -> float:
+    if math.isinf(number := float(text)):
+        raise ValueError(f"{text[:_LONGEST_SHOWN]} is beyond 64 bits: no message can hold it")
+    return number
 
 
 def _publish(

@@ -62,14 +62,14 @@ def test_an_angle_is_what_is_meant(text: str, rad: float) -> None:
         ("deg", "no angle"),
         ("/2", "no angle"),
         ("3*", "no angle"),
-        ("1,5", "no angle"),
+        ("1,5rad", "1,5rad has a comma: write 1.5rad"),
         ("pi/0", "no finite angle"),
         ("1e999deg", "no finite angle"),
         ("2m", "no angle"),
     ],
 )
 def test_what_is_no_angle_says_how_one_is_written(text: str, why: str) -> None:
-    with pytest.raises(ValueError, match=r"angle|turn in radians") as told:
+    with pytest.raises(ValueError, match=r"angle|turn in radians|write") as told:
         angle(text)
     assert why in str(told.value)
 
@@ -91,7 +91,7 @@ def test_whatever_is_typed_is_a_finite_number_or_refused(text: str) -> None:
 
 def test_a_length_is_in_metres() -> None:
     assert [length(text) for text in ("2", "-0.5", "2m", " 1.5 m ", ".2")] == [2.0, -0.5, 2.0, 1.5, 0.2]
-    for text in ("2cm", "2 mm", "nan", "inf", "1e999", "", "m", "two", "1,5"):
+    for text in ("2cm", "2 mm", "nan", "inf", "1e999", "", "m", "two", "1,5,2"):
         with pytest.raises(ValueError, match=r"is no length: give metres, like 2 or -0\.5"):
             length(text)
 
