@@ -46,6 +46,14 @@ class Result(NamedTuple):
 
     code: int
     text: str
+    robot: str | None = None
+    engaged: bool | None = None
+    """None: unknown, as each of these fields."""
+    off: bool | None = None
+    latch: int | None = None
+    by: str | None = None
+    """Who engaged the latch, or reset it."""
+    reason: str | None = None
 
 
 class OtherWay:
@@ -216,7 +224,8 @@ def _are_all(connection: RobotConnection, asked: Collection[str], tell: Callable
     if not asked:
         tell(Result(UNKNOWN, f"NOTHING IS STOPPED: no robot is heard; use the battery switch, then {HOW_TO_REACH}"))
     if connection.filed and connection.filed not in asked:
-        tell(Result(UNKNOWN, f"{connection.filed}, which {DEFAULT_FILE} names, is NOT HEARD and was not stopped"))
+        told = f"{connection.filed}, which {DEFAULT_FILE} names, is NOT HEARD and was not stopped"
+        tell(Result(UNKNOWN, told, connection.filed))
     return bool(asked)
 
 
@@ -239,7 +248,7 @@ def _doubtful(connection: RobotConnection, robot: str, doubt: str) -> Result:
     host = ""
     with contextlib.suppress(Exception):  # the robot is told of, whatever its lookup meets
         host = host_of(connection.session, robot)
-    return Result(UNKNOWN, printable(f"asked {robot} at {host or 'an unknown host'}; {doubt}"))
+    return Result(UNKNOWN, printable(f"asked {robot} at {host or 'an unknown host'}; {doubt}"), robot)
 
 
 def _tell_doubtful(connection: RobotConnection, robot: str, doubt: str, tell: Callable[[Result], object]) -> None:
@@ -257,19 +266,25 @@ def _confirmed(connection: RobotConnection, robot: str, answer: EStopAnswer, *, 
     way = [word for address in connection.network.connect for word in ("--connect", address)]
     release = shlex.join([*called_here(), "estop", "reset", "--robot", robot, *way])
     code, what = what_stands(is_off=is_off, off=off)
-    return Result(code, f"{robot}: {what}, latch {answer.id}; it stays so until `{release}`")
+    told = f"{robot}: {what}, latch {answer.id}; it stays so until `{release}`"
+    return Result(code, told, robot, answer.engaged, is_off, answer.id)
+
+
+def _of_state(code: int, text: str, robot: str, state: EStop) -> Result:
+    return Result(code, text, robot, state.engaged, state.off, state.id, state.by, state.reason)
 
 
 def _unconfirmed(robot: str, asking: EStopClient, timeout: float, whose: str = "") -> Result:
     refusal, several = asking.refusal, asking.unconfirmed
     reason = "" if refusal is None else printable(refusal.reason)
     if refusal is not None and refusal.engaged and not several:
-        return Result(ENGAGED, f"{robot}: STOPPED, latch {refusal.id}, but not for sure after a restart: {reason}")
+        told = f"{robot}: STOPPED, latch {refusal.id}, but not for sure after a restart: {reason}"
+        return Result(ENGAGED, told, robot, refusal.engaged, None, refusal.id)
     refused = refusal is not None and not refusal.engaged
     known = [several, f"{asking.key} answers that it has not stopped: {reason}" if refused else ""]
     why = "; ".join(filter(None, known)) or asking.fault or f"nobody answered {asking.key}"
     told = f"{whose}NOT CONFIRMED after {timeout:g} s: {why}; use the battery switch, then {HOW_TO_REACH}"
-    return Result(UNKNOWN, told)
+    return Result(UNKNOWN, told, robot)
 
 
 def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
@@ -279,30 +294,29 @@ def reset(connection: RobotConnection, by: str, timeout: float) -> Result:
     if not states:
         return _silent(connection, timeout)
     if len(states) > 1:
-        return Result(UNKNOWN, f"UNKNOWN: {_several(robot, states)}")
+        return Result(UNKNOWN, f"UNKNOWN: {_several(robot, states)}", robot)
     [state] = states
     if not state.engaged:
-        return Result(RELEASED, f"{robot}: not engaged, nothing to clear; {_HOW_TO_DRIVE}")
+        return _of_state(RELEASED, f"{robot}: not engaged, nothing to clear; {_HOW_TO_DRIVE}", robot, state)
     what = printable(f"latch {state.id} of {robot}, engaged by {state.by}: {trouble_of(state).what}")
     tick = _next_tick(connection, deadline)
     if tick is None:
-        return Result(
-            UNKNOWN,
-            f"NOT CLEARED, {what}: the robot's clock is not heard on {key_of(robot, TICK)}; restart giraff_base",
-        )
+        told = f"NOT CLEARED, {what}: the robot's clock is not heard on {key_of(robot, TICK)}; restart giraff_base"
+        return _of_state(UNKNOWN, told, robot, state)
     asking = QueryClient(
         connection.session, robot, ESTOP_RESET, EStopReset(by=by, id=state.id, tick=tick, engaged_ns=state.engaged_ns)
     )
     answer = asking.wait(deadline)
     if answer is None:
-        return Result(
-            UNKNOWN, f"NOT CONFIRMED after {timeout:g} s, {what}: {asking.fault or f'nobody answered {asking.key}'}"
-        )
+        told = f"NOT CONFIRMED after {timeout:g} s, {what}: {asking.fault or f'nobody answered {asking.key}'}"
+        return _of_state(UNKNOWN, told, robot, state)._replace(engaged=None, off=None)
     if not answer.done or answer.engaged:
         why = printable(answer.reason) or f"latch {answer.id} has come since"
-        return Result(ENGAGED, f"STILL ENGAGED, {what}: {why}")
+        kept = (state.by, state.reason) if answer.id == state.id else (None, None)
+        return Result(ENGAGED, f"STILL ENGAGED, {what}: {why}", robot, answer.engaged, None, answer.id, *kept)
     how = f"{_HOLD_IT}; {_HOW_TO_DRIVE}" if state.off else _HOW_TO_DRIVE
-    return Result(RELEASED, f"cleared {what}\n{robot} may move again, and does not yet: {how}")
+    told = f"cleared {what}\n{robot} may move again, and does not yet: {how}"
+    return _of_state(RELEASED, told, robot, state)._replace(engaged=False, off=False)
 
 
 def status(connection: RobotConnection, timeout: float) -> Result:
@@ -316,9 +330,10 @@ def status(connection: RobotConnection, timeout: float) -> Result:
         + printable((f", by {state.by}" if state.by else "") + (f": {state.reason}" if state.reason else ""))
         for state in states
     ]
+    code = ENGAGED if any(state.engaged for state in states) else RELEASED
     if len(states) > 1:
-        told.append(_several(robot, states))
-    return Result(ENGAGED if any(state.engaged for state in states) else RELEASED, "\n".join(told))
+        return Result(code, "\n".join([*told, _several(robot, states)]), robot)
+    return _of_state(code, told[0], robot, states[0])
 
 
 _HOW_TO_DRIVE: Final = "to drive, hold the hand level until it is armed"
@@ -350,7 +365,8 @@ def _next_tick(connection: RobotConnection, deadline: float) -> RobotTime | None
 
 def _silent(connection: RobotConnection, timeout: float) -> Result:
     key, hint = key_of(connection.robot, ESTOP), others(connection.session, connection.robot)
-    return Result(UNKNOWN, f"UNKNOWN: nothing is heard on {key} after {timeout:g} s; {HOW_TO_REACH}{hint}")
+    told = f"UNKNOWN: nothing is heard on {key} after {timeout:g} s; {HOW_TO_REACH}{hint}"
+    return Result(UNKNOWN, told, connection.robot)
 
 
 def _several(robot: str, states: list[EStop]) -> str:

@@ -99,14 +99,15 @@ class _Stop(threading.Thread):
             self.join(_LOOK)
             if not stopped_by and (stopped_by := page.confirmed):
                 told_code, what = client.what_stands(is_off=page.is_off, off=self._off)
-                self.tell(client.Result(told_code, f"{page.robot}: {what}, told by its page at {stopped_by}"))
+                told = f"{page.robot}: {what}, told by its page at {stopped_by}"
+                self.tell(client.Result(told_code, told, page.robot, engaged=True, off=page.is_off))
         if self._error is not None:
             raise self._error
         code = self._code
         if stopped_by:
             code = min(code, told_code) if self._is_one else max(code, told_code)
         if (told := page.unconfirmed) and not stopped_by and (code == client.UNKNOWN or self._place):
-            code = self.tell(client.Result(client.UNKNOWN, told))
+            code = self.tell(client.Result(client.UNKNOWN, told, page.robot or None))
         if self._page_fault:
             print_error(self._page_fault)
         if self._plan.complaint:

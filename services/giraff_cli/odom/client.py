@@ -32,6 +32,18 @@ class Result(NamedTuple):
 
     code: int
     text: str
+    robot: str
+    done: bool | None = None
+    """None: unknown, as each of these fields."""
+    reason: str | None = None
+    """Why it is not done."""
+    jumps: int | None = None
+    x: float | None = None
+    """m, after it."""
+    y: float | None = None
+    """m."""
+    yaw: float | None = None
+    """rad."""
 
 
 def reset(connection: RobotConnection, timeout: float) -> Result:
@@ -61,11 +73,16 @@ def _jump(connection: RobotConnection, query: Query[RequestT, OdomAnswer], reque
             UNANSWERED,
             f"NOT CONFIRMED after {timeout:g} s: {why}; check that giraff_odometry runs; "
             f"on a secured network [network.access] says who may ask{others(connection.session, robot)}",
+            robot,
+            reason=why,
         )
     if not answer.done:
-        return Result(REFUSED, f"odometry of {robot} refuses: {answer.reason}")
+        told = f"odometry of {robot} refuses: {answer.reason}"
+        return Result(REFUSED, told, robot, done=False, reason=answer.reason, jumps=answer.jumps)
     after = _next(connection, time.monotonic() + _HEAR_WITHIN, answer.jumps)
-    return Result(DONE, f"{robot}: odometry was {_where(before)}, is {_where(after)}; jump {answer.jumps}")
+    told = f"{robot}: odometry was {_where(before)}, is {_where(after)}; jump {answer.jumps}"
+    result = Result(DONE, told, robot, done=True, jumps=answer.jumps)
+    return result if after is None else result._replace(x=after.x, y=after.y, yaw=after.yaw)
 
 
 def _next(connection: RobotConnection, until: float, jumps: int = 0) -> Odometry | None:

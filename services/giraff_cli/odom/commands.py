@@ -103,13 +103,13 @@ def _tell(
     from giraff_cli.terminal.page import print_json  # noqa: PLC0415
 
     def say(connection: RobotConnection) -> int:
-        code, text = result = act(connection)
+        result = act(connection)
         if as_json:
             print_json(result._asdict())
-        elif code:
-            print_error(text)
+        elif result.code:
+            print_error(result.text)
         else:
-            print(printable(text), flush=True)
-        return code
+            print(printable(result.text), flush=True)
+        return result.code
 
     raise typer.Exit(run_with_robot(robot, connect or (), timeout, say, moves=True))

@@ -46,7 +46,7 @@ def test_a_stop_and_a_reset_are_told_once_base_confirms_them(
         assert engage(connection, "me", "a cat", 60.0).code == 0
         assert engage(connection, "me", "a cat", 60.0, off=True).code == 1, "this base tells of no off"
         assert status(connection, 60.0).text == f"{ROBOT}: ENGAGED, latch 7, by ann@desk: smoke"
-        code, text = reset(connection, "me", 60.0)
+        code, text, *_ = reset(connection, "me", 60.0)
     assert code == 0
     assert text.startswith(f"cleared latch 7 of {ROBOT}")
     assert robot.asked[0][0] == EStopEngage(by="me", reason="a cat")

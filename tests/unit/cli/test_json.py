@@ -12,6 +12,7 @@ from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
 
 ROOM = str(ROOT / "deploy" / "worlds" / "living_room.toml")
+STOP = dict.fromkeys(("engaged", "off", "latch", "by", "reason"))
 
 
 @pytest.mark.parametrize(
@@ -20,9 +21,13 @@ ROOM = str(ROOT / "deploy" / "worlds" / "living_room.toml")
         (("keys", "init", "--folder", "keys"), 0, {"folder": "keys"}),
         (("map", "show", ROOM), 0, {"svg": None}),
         (("map", "convert", ROOM, "out.yaml"), 0, {"file": "out.yaml", "image": "out.pgm", "resolution": 0.05}),
-        (("estop", "status", "--robot", "x", "--timeout", "0.1"), 2, {"code": 2}),
-        (("estop", "engage", "--robot", "x", "--timeout", "0.5"), 2, {"code": 2}),
-        (("odom", "reset", "--robot", "x", "--timeout", "0.1"), 2, {"code": 2}),
+        (("estop", "status", "--robot", "x", "--timeout", "0.1"), 2, {"robot": "x", "code": 2, **STOP}),
+        (("estop", "engage", "--robot", "x", "--timeout", "0.5"), 2, {"robot": "x", "code": 2, **STOP}),
+        (
+            ("odom", "reset", "--robot", "x", "--timeout", "0.1"),
+            2,
+            {"robot": "x", "code": 2, "done": None, "yaw": None},
+        ),
     ],
     ids=lambda words: " ".join(words[:2]) if isinstance(words, tuple) else "",
 )

@@ -95,8 +95,9 @@ def test_it_tells_what_was_and_what_is(network: Network) -> None:
     was = "at x 0.500 m, y 0.000 m, yaw 0.000 rad (0.0°)"
     there = "at x -1.000 m, y 0.500 m, yaw -1.571 rad (-90.0°)"
     here = "at x 0.000 m, y 0.000 m, yaw 0.000 rad (0.0°)"
-    assert first == (0, f"{NAME}: odometry was {was}, is {there}; jump 1")
-    assert second == (0, f"{NAME}: odometry was {there}, is {here}; jump 2")
+    assert first[:2] == (0, f"{NAME}: odometry was {was}, is {there}; jump 1")
+    told = f"{NAME}: odometry was {there}, is {here}; jump 2"
+    assert second == (0, told, NAME, True, None, 2, 0.0, 0.0, 0.0)
     wish = asked[0]
     assert isinstance(wish, OdomSetPose)
     assert (wish.position_sd, wish.yaw_sd) == (0.1, 0.2)
@@ -113,7 +114,7 @@ def test_a_wish_whose_answer_is_lost_is_asked_again_and_done_once(network: Netwo
         return lost[-1] if len(lost) > 2 else None
 
     with network.odometry(lose_two) as asked:
-        code, text = reset(network.connection, PATIENCE)
+        code, text, *_ = reset(network.connection, PATIENCE)
     assert (code, text.rpartition("; ")[2]) == (0, "jump 1")
     assert (len(asked), len({wish.id for wish in asked})) == (3, 1)
 
@@ -122,7 +123,7 @@ def test_a_refusal_is_told_with_its_reason(network: Network) -> None:
     with network.odometry():
         done = set_pose(network.connection, TURNED._replace(x=5e6), 0.1, 0.2, PATIENCE)
     reason = "x is 5000000: it must be within -1e+06..1e+06 m; are these millimetres?"
-    assert done == (1, f"odometry of {NAME} refuses: {reason}")
+    assert done == (1, f"odometry of {NAME} refuses: {reason}", NAME, False, reason, 0, None, None, None)
 
 
 @pytest.mark.parametrize("hangs", [True, False])
@@ -133,9 +134,9 @@ def test_without_an_answer_the_likely_cause_is_named(network: Network, hangs: bo
 
     if hangs:
         with network.odometry(lambda *_: None):
-            code, text = ask()
+            code, text, *_ = ask()
     else:
-        code, text = ask()
+        code, text, *_ = ask()
     assert code == 2
     assert text.startswith(f"NOT CONFIRMED after 3 s: nobody answered giraff/{NAME}/odom/reset; check that giraff_odom")
     assert text.endswith("; on the network: --robot anna")
@@ -144,6 +145,6 @@ def test_without_an_answer_the_likely_cause_is_named(network: Network, hangs: bo
 
 def test_an_odometry_that_hears_no_wheels_is_set_all_the_same(network: Network) -> None:
     with network.odometry(speaks=False):
-        code, text = set_pose(network.connection, TURNED, 0.1, 0.2, PATIENCE)
+        code, text, *_ = set_pose(network.connection, TURNED, 0.1, 0.2, PATIENCE)
     unheard = "not heard: it speaks once base tells it of the wheels"
     assert (code, text) == (0, f"{NAME}: odometry was {unheard}, is {unheard}; jump 1")
