@@ -175,7 +175,7 @@ class MotionPolicy(Hand):
         if (other := self._motion) is not None and other.stage != "ended":
             return Trouble(f"a motion of {other.by} goes on", "wait for its end, or cancel it")
         if self.operator.holder and not self.operator.holds:
-            return self.operator.refusal.of(f"{self.operator.holder} drives")
+            return Trouble(f"{self.operator.holder} drives", "wait until it rests, or end it; then ask again")
         if (odometry := self._odometry) is None or not self._knows_where:
             return _NO_ODOMETRY
         try:
