@@ -166,7 +166,8 @@ def test_it_never_asks_while_somebody_has_the_robot() -> None:
     bench.holder = "keyboard-1"
     bench.run(0.1)
     answer = bench.ask(MotionMove, distance=1.0)
-    assert (answer.accepted, answer.reason) == (False, "keyboard drives; wait until it rests, or end it; then ask again")
+    assert not answer.accepted
+    assert answer.reason == "keyboard drives; wait until it rests, or end it; then ask again"
     bench.run(1.0)
     assert bench.said == []
 
