@@ -8,6 +8,7 @@ import time
 from collections.abc import Sequence
 from contextlib import closing
 from datetime import UTC, datetime
+from operator import attrgetter
 from pathlib import Path
 from typing import Final
 
@@ -179,9 +180,11 @@ def _follow(
     warned, waited, tune_at = False, began, began
     while True:
         ended = pictures.wait(stopping, _SYNC_EVERY)
-        writer.add([*subscriber.take(), *pictures.take()])
-        if writer.first_ns is not None:  # a robot that says nothing is not recorded
-            writer.add(parameters.take(time.monotonic(), time.monotonic_ns()))
+        at_ns = time.monotonic_ns()  # what is heard later than this is not taken before the parameters
+        heard = [*subscriber.take(), *pictures.take()]
+        if heard or writer.first_ns is not None:  # a robot that says nothing is not recorded
+            heard += parameters.take(time.monotonic(), at_ns)
+        writer.add(sorted(heard, key=attrgetter("at_ns")))
         writer.sync()
         now = time.monotonic()
         if now >= tune_at:

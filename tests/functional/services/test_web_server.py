@@ -179,7 +179,7 @@ def test_what_the_library_refuses_gets_a_clear_word_and_no_line_in_the_log(
             ) as got,
         ):
             assert got.status == status
-            assert "giraff web" in (await got.json())["why"]
+            assert "open the address that the page service shows" in (await got.json())["why"]
             assert got.headers["Server"] == "giraff"
         assert it.log == []
 
