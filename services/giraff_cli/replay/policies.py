@@ -169,7 +169,7 @@ class _Odometry:
         policy = self._policy
         policy.on_wheels(wheels)
         policy.on_set_pose(OdomSetPose(by="", id=then.jumps, x=then.x, y=then.y, yaw=then.yaw))
-        policy.jumps = then.jumps
+        policy.jumps, policy.breaks = then.jumps, then.breaks
         policy.estimate = Estimate(x=then.x, y=then.y, yaw=then.yaw, covariance=then.covariance, path=then.path)
         self._is_sure = not any(then.covariance)
         self._path_then: float | None = then.path if then.path or not self._is_sure else None  # None: path is known

@@ -84,6 +84,13 @@ def test_a_path_is_known_once_it_grows(from_: int) -> None:
     assert (found.first, found.equal) == ("", SAMPLES - from_ - 1)
 
 
+def test_what_could_not_be_followed_before_the_recording_is_no_difference() -> None:
+    def lose(odometry: OdometryPolicy) -> None:
+        odometry.breaks += 1
+
+    assert replayed({20: lose}, from_=50).first == ""
+
+
 @pytest.mark.parametrize("field", ["x", "path"])
 def test_what_is_otherwise_shows_behind_a_jump_too(field: str) -> None:
     assert replayed({100: reset}, drift=1.01, field=field).share < 0.1
