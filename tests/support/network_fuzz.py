@@ -93,6 +93,8 @@ def fuzz_network(robot: ProcessRobot, wanted: int, seed: int) -> NetworkCounted:
     parameters = Parameters(robot)
     robot.drive_forward()
     robot.arm()
+    # Base says so before its board has heard of it.
+    robot.wait("motors that stand", lambda: not robot.drives(), PATIENCE)
     since_us = robot.simulator.now()
     rows = [(row, _truths(row)) for row in KEYS]
     rows += [(query, parameters.truths[query.key]) for query in PARAM_KEYS]
