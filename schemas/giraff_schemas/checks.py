@@ -62,7 +62,7 @@ def _short(value: int) -> str:
 
 
 def converted(value: Any, type_: type[T], *, strict: bool = True) -> T:
-    """What somebody has written, as a `type_`. ValueError, in our words, where it is none, or fits into no message."""
+    """Return what somebody has written as a `type_`. ValueError: it is none, or fits into no message."""
     try:
         found = msgspec.convert(value, type_, strict=strict)
     except msgspec.ValidationError as error:

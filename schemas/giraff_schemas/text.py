@@ -18,7 +18,7 @@ _TYPES: Final = {
     "null": "none",
     "datetime": "a date with its time",
 }
-"""By msgspec's word for it."""
+"""Our words by those of msgspec."""
 _BOUNDS: Final = {"<=": "at most", ">=": "at least", "<": "below", ">": "above"}
 _PLACE: Final = re.compile(r" - at `(?:key` in `)?\$\.?(.*)`$")
 _VALUES: Final[_Rows] = (
@@ -33,12 +33,12 @@ _VALUES: Final[_Rows] = (
     (r"(?:Number|Integer value) out of range", "is a number that no message can hold"),
     (r"Invalid (?:RFC3339|base64|UUID|epoch).*", "is written wrongly"),
 )
-"""What msgspec says of a value whose place it names."""
+"""Our words for texts of msgspec about a value whose place it names."""
 _FIELDS: Final[_Rows] = (
     (r"Object missing required field `(.*)`", r"`\1` is missing"),
     (r"Object contains unknown field `(.*)`", r"unknown field `\1`"),
 )
-"""What it says of a table of fields."""
+"""Our words for texts of msgspec about a table of fields."""
 _TEXTS: Final[_Rows] = (
     (r"Input data was truncated", "it ends too early"),
     (r".* is malformed: .*\(byte (\d+)\)", lambda m: f"it is wrong from character {int(m[1]) + 1} on"),
@@ -56,7 +56,7 @@ _TEXTS: Final[_Rows] = (
     (r"(.*) is not in the range x>=(.*?)\.?", r"\1 must be \2 or more"),
     (r"(.*) is not in the range (.*)<=x<=(.*?)\.?", r"\1 must be between \2 and \3"),
 )
-"""What libraries say of a whole text."""
+"""Our words for texts of libraries about a whole text."""
 _TOML_AT: Final = re.compile(r"(.*) \(at (line \d+, column \d+|end of document)\)")
 _TOML: Final[_Rows] = (
     (r"Invalid value", "a value is missing, or is text without quotes"),
@@ -102,7 +102,7 @@ def plain(error: Exception | str) -> str:
 
 
 def _by(rows: _Rows, said: str) -> str:
-    """What the first row that fits makes of it; empty: none fits."""
+    """Return what the first row that fits makes of it; empty: none fits."""
     matches = ((re.fullmatch(pattern, said), words) for pattern, words in rows)
     return next((words(m) if callable(words) else m.expand(words) for m, words in matches if m), "")
 
@@ -113,5 +113,5 @@ def _keyed(place: str) -> str:
 
 
 def _kinds(types: str, whole: str = _TYPES["int"]) -> str:
-    """Of `float | null`: a number or none. `whole`: what an int is called."""
+    """Return `a number or none` of `float | null`. `whole`: the word for an int."""
     return " or ".join((_TYPES | {"int": whole}).get(each, each) for each in types.split(" | "))

@@ -180,7 +180,7 @@ class Judgement:
 
 
 def _holds(best: Cluster | None, spread: float, lead: float) -> bool:
-    """Whether nearly all particles are in one place, and no challenger is ahead."""
+    """Tell whether nearly all particles are in one place, and no challenger is ahead."""
     return best is not None and best.mass >= _KEEP_MASS and best.spread <= spread and lead >= _KEEP_BEHIND
 
 

@@ -228,7 +228,7 @@ class Recording:
 
     @cached_property
     def described(self) -> dict[str, tuple[Param, ...]]:
-        """By service, the parameters that it went by when the recorder asked it first."""
+        """Parameters of each service when the recorder asked it first."""
         found: dict[str, tuple[Param, ...]] = {}
         for answer in map(
             params_in, self.samples((PARAM_DESCRIBE.key,)) if self.matching((PARAM_DESCRIBE.key,)) else ()

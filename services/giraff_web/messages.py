@@ -199,7 +199,7 @@ class Latch(msgspec.Struct, frozen=True, kw_only=True):
     by: str
     reason: str
     remedy: str
-    """How to go on, with `RELEASE` in it."""
+    """Remedy in the words of the page, with `RELEASE` in it."""
     id: str
     engaged_ns: str
 

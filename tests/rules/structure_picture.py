@@ -65,7 +65,7 @@ def imports() -> set[tuple[str, str]]:
 
 
 class Box(NamedTuple):
-    """Where a package stands."""
+    """Place of a package in the picture."""
 
     x: float
     y: float
@@ -76,7 +76,7 @@ class Box(NamedTuple):
         return self.x + self.width / 2
 
     def holds(self, x: float, y: float) -> bool:
-        """Whether a point lies within, its edge left out."""
+        """Tell whether a point lies within, its edge left out."""
         return self.x < x < self.x + self.width and self.y < y < self.y + _BOX_HEIGHT
 
 

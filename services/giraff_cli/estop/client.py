@@ -48,7 +48,7 @@ class Result(NamedTuple):
     text: str
     robot: str | None = None
     engaged: bool | None = None
-    """None: unknown, as each of these fields."""
+    """Unknown where it is None, as each of these fields."""
     off: bool | None = None
     latch: int | None = None
     by: str | None = None

@@ -72,7 +72,7 @@ class PoseView:
 
 
 _drawing = cache(FloorDrawing)
-"""Of one plan, and of few sizes of a terminal."""
+"""Drawings of one plan that are kept, in few sizes of a terminal."""
 
 
 def document(robot: str, pose: MapPose) -> dict[str, Any]:

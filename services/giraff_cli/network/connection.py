@@ -36,7 +36,7 @@ class Undeclared(msgspec.Struct, frozen=True):
     """A sample of a key that the topics table does not have."""
 
     content: Any
-    """Of `bytes` their number and the first ones."""
+    """Return the number of `bytes` and the first ones."""
     form: Form
 
 
@@ -199,7 +199,7 @@ class RobotConnection:
 
 
 def read_undeclared(payload: bytes, encoding: str) -> Undeclared:
-    """What a payload holds, by its encoding, or else by what it looks like."""
+    """Content of a payload, read by its encoding, or else by what it looks like."""
     readers: list[tuple[Form, str, Callable[[bytes], Any]]] = [
         ("JSON", "/json", msgspec.json.decode),
         ("MessagePack", "/msgpack", msgspec.msgpack.decode),

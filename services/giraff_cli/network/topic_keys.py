@@ -114,7 +114,7 @@ def find_published_topic(key: str) -> Topic[Any]:
 
 
 def is_declared(topic: Topic[Any]) -> bool:
-    """Whether the topics table has its key. Else it is a maker's own, and what it carries is known from it alone."""
+    """Tell whether the topics table has its key. A maker's own key carries what only its payload tells."""
     return topic_of(topic.key) is not None
 
 

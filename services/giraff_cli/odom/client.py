@@ -34,7 +34,7 @@ class Result(NamedTuple):
     text: str
     robot: str
     done: bool | None = None
-    """None: unknown, as each of these fields."""
+    """Unknown where it is None, as each of these fields."""
     reason: str | None = None
     """Why it is not done."""
     jumps: int | None = None

@@ -161,7 +161,7 @@ def _ask(
 
 
 def _value(text: str) -> Any:
-    """What was typed: a number, a truth, a list as JSON has it, none, or else text. ValueError: no message holds it."""
+    """Return the value that was typed: of JSON, or else text. ValueError: no message can hold it."""
     if text.lower() in ("none", "null"):
         return None
     try:

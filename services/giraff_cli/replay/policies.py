@@ -57,12 +57,12 @@ _SAYS: Final[dict[str, tuple[type[Sample], type[msgspec.Struct]]]] = {
     GUARD_SERVICE.name: (GuardedCommand, GuardConfig),
     ODOMETRY.name: (Odometry, OdometryConfig),
 }
-"""By service that is replayed, the samples that it says at each of its turns, and what it goes by."""
+"""Samples that each replayed service says at its turns, and its configuration."""
 ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 
 
 class Settings(Generic[ConfigT]):
-    """What a process goes by, from one sample of its own to the next."""
+    """Configuration of one process, from one of its samples to the next."""
 
     def __init__(self, config: ConfigT, changes: Sequence[tuple[int, ParamAnswer]]) -> None:
         """`changes`: what was set, with the number of the newest sample that was said before."""
@@ -277,7 +277,7 @@ class _Inputs:
         self.lacks |= any(self._numbers[name][1] < number for name, number in told.items() if name != "command")
 
     def _is_numbered(self, sample: Sample, turn: GuardedCommand) -> bool:
-        """Whether the guard tells by its number that it has heard this."""
+        """Tell whether the guard numbers this sample in `heard`."""
         is_of_holder = not isinstance(sample, DriveCommand) or sample.instance == turn.operator
         return bool(turn.heard) and is_of_holder and number_place(sample) in self._places
 

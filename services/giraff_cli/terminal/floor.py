@@ -107,7 +107,7 @@ class FloorDrawing:
 
 
 def _points(wall: Wall, per_metre: float) -> Iterator[tuple[float, float]]:
-    """Of a wall, two for each dot that it crosses."""
+    """Points of a wall, two for each dot that it crosses."""
     x, y, end_x, end_y = wall
     steps = max(1, math.ceil(2.0 * per_metre * math.hypot(end_x - x, end_y - y)))
     for step in range(steps + 1):

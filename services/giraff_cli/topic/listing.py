@@ -174,7 +174,7 @@ def _show(found: TopicInfo) -> None:
 
 
 def _nominal(row: TopicRow) -> str:
-    """Its rate by the table."""
+    """Return its rate by the table."""
     return "-" if not row.type else shown(row.nominal_hz) if row.nominal_hz else "on change"
 
 

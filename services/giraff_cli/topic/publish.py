@@ -82,7 +82,7 @@ def pub(
 
 
 def read_json(text: str) -> Any:
-    """What somebody typed for a key of a maker's. Raises NotASampleError."""
+    """Return what somebody typed for a maker's key. Raises NotASampleError."""
     value = _decoded(text, '"angle": 1.5')
     _require_sendable(value)
     return value

@@ -41,7 +41,7 @@ INSTANCES = {
 
 
 def told(service: str, robot: RobotConfig = ROBOT, margin: float | None = None) -> ParamAnswer:
-    """All that a service of the drive goes by, or that its margin was set."""
+    """Return all that a service of the drive goes by, or that its margin was set."""
     params: Parameters[GuardConfig | OdometryConfig] = Parameters(service, FILED[service], robot)
     if margin is not None:
         params.set("margin", margin)
