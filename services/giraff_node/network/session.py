@@ -272,7 +272,12 @@ def _at_all(address: str) -> str:
 
 def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> bool:
     """Leave the network; False when Zenoh does not come back from it: its close can hang, the process must not."""
-    closing = threading.Thread(target=session.close, daemon=True)
+
+    def close() -> None:
+        with contextlib.suppress(zenoh.ZError):  # it has given up by itself: nothing else is left to do
+            session.close()
+
+    closing = threading.Thread(target=close, daemon=True)
     closing.start()
     closing.join(within)
     return not closing.is_alive()
