@@ -11,7 +11,7 @@ import functools
 import os
 import threading
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any, Final, Literal
@@ -273,9 +273,11 @@ def _at_all(address: str) -> str:
 def close_session(session: zenoh.Session, within: float = _CLOSE_TIMEOUT) -> bool:
     """Leave the network; False when Zenoh does not come back from it: its close can hang, the process must not."""
 
+    leave: Callable[[], object] = session.close
+
     def close() -> None:
         with contextlib.suppress(zenoh.ZError):  # it has given up by itself: nothing else is left to do
-            session.close()
+            leave()
 
     closing = threading.Thread(target=close, daemon=True)
     closing.start()
