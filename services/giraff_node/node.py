@@ -353,7 +353,7 @@ class Node(Generic[ConfigT]):
             self._link_repair.look(now)
         if self._wrong_robot is not None and (others := self._wrong_robot.others(now)):
             self.log.warning(
-                "no other service of %s is heard, and there is %s; GIRAFF_ROBOT_NAME names the robot that is meant",
+                "no other service of %s is heard; robots that are there: %s; name yours with GIRAFF_ROBOT_NAME",
                 *(self.robot.name, ", ".join(others[:_MOST_NAMED])),
             )
         if self._base_reach is not None and self._base_reach.is_deaf(now):

@@ -92,7 +92,7 @@ class RecordedSamples:
         self._by_type: dict[type[Sample], list[Sample]] = defaultdict(list)
         self._newest: dict[tuple[type[Sample], str], int] = {}
         self._told: list[tuple[int, ParamAnswer]] = []
-        """Each with the number of its service's newest sample before it."""
+        """Answers, each with the number of its service's newest sample before it."""
 
     def add(self, sample: Sample) -> None:
         """The next of it."""
@@ -126,8 +126,8 @@ def replay_odometry(said: RecordedSamples, config: OdometryConfig, robot: RobotC
     """Wheels to odom, to the last bit.
 
     Where it went on from what was said, its covariance is left out until it is known again: how much of it is of
-    wheels and track, which were wrong alike all the way, was not said. So is its path, until both grow at one sample:
-    how much of a way back it had not counted yet was not said. Nor was it recorded who set its pose to what.
+    wheels and track, which were wrong alike all the way, was not said. Its path is left out until both paths grow in
+    one step: no sample says how much of a way back is not counted yet. Nobody recorded who set its pose to what.
     """
     found = Agreement(service="odometry", key=ODOM.key)
     recorded = {(sample.boot_id, sample.board_us): sample for sample in said.of(Odometry)}
@@ -251,7 +251,8 @@ class _Inputs:
         self._newest: dict[str, Range] = {}
         self._last_tick: RobotTime | None = None  # of the holder's newest command that was taken
         self._numbers: dict[str, tuple[str, int]] = {}
-        self._tick: RobotTime | None = None
+        """Maker and number of the newest sample that was taken, by `number_place`."""
+        self._tick: RobotTime | None = None  # the newest that was taken
         self.lacks = False
         """The guard had heard something by the newest turn that the recording lacks."""
 
@@ -269,7 +270,7 @@ class _Inputs:
                     self._last_tick = sample.tick
                 if self._is_numbered(sample, turn):
                     maker, number = self._numbers.get(number_place(sample), ("", 0))
-                    self.lacks |= (maker, number + 1) != (sample.instance, sample.seq) and maker == sample.instance
+                    self.lacks |= maker == sample.instance and sample.seq != number + 1
                     self._numbers[number_place(sample)] = sample.instance, sample.seq
                 yield sample
         self.lacks |= self._tick is not None and turn.guard_tick not in {None, self._tick}
@@ -315,8 +316,7 @@ class _Guard:
         counter = next((turn.lease_counter for turn in turns if turn.lease_counter), 1)
         self._policy = GuardPolicy(settings.live, robot, first_lease=counter)
         self._counter = counter
-        """Of the first lease. Its holder may have been granted it before the recording, or before its first tick. 0: it
-        is granted here, too."""
+        """Counter of the first lease. The recording may lack its grant, or the tick before. 0: it is granted here."""
         self._has_tick = False
         """Before its first one nobody is granted anything; the recording's may begin later than its commands."""
         age = first.seq / CMD_VEL.rate_hz

@@ -175,7 +175,9 @@ def base(chain: ChainState) -> Link:
     power = f", battery {battery.sample.voltage:.1f} V" if battery is not None else ""
     excused = chain.broken("operator", "hand", "lease", "ranger", "guard", "e-stop", "board")
     reason = "see e-stop" if chain.broken("e-stop") else chain.told_once(state.reason) or "not armed"
-    is_idle = chain.links["lease"].standing == "idle" and reason == "see lease"
+    lease_link = chain.links["lease"]
+    # A base with a reason of its own forbids to move, whoever asks.
+    is_idle = lease_link.standing == "idle" and state.reason == lease_link.text
     if is_idle and not state.armed and not excused:
         return link_from("base", "idle", heard, reason)
     if not state.armed or (state.reason and chain.wants_to_move and not state.driving):

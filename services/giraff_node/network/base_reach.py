@@ -78,11 +78,11 @@ class WrongRobotCheck:
         return found
 
     def _look(self) -> None:
-        for token in find_tokens(self._session, alive_key(self._robot), _ANSWERS_WITHIN):
-            if token.service in ROBOTS_OWN and token.instance != self._instance:
-                return
         found: set[str] = set()
-        with contextlib.suppress(NobodyError, ConfigError, zenoh.ZError):
+        with contextlib.suppress(NobodyError, ConfigError, zenoh.ZError):  # also where the service ends meanwhile
+            for token in find_tokens(self._session, alive_key(self._robot), _ANSWERS_WITHIN):
+                if token.service in ROBOTS_OWN and token.instance != self._instance:
+                    return
             # By name: one that is named is looked for beyond what answers on this host, which may be this very service.
             for _, session in open_clients(self._network, self._robot):
                 found |= {*list_robots(session)}
