@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import sys
-import threading
 import time
 
 import msgpack
@@ -18,8 +17,8 @@ import msgspec
 import zenoh
 
 from giraff_core.network import NetworkConfig
+from giraff_node.network.link_repair import LinkRepair
 from giraff_node.network.session import open_session
-from giraff_node.network.tcp_options import set_tcp_options
 
 
 def main(robot: str, key: str, network: str) -> None:
@@ -29,10 +28,13 @@ def main(robot: str, key: str, network: str) -> None:
         age = time.time() - said["stamp_ns"] * 1e-9
         print(json.dumps({"at": at, "age": age, "sample": said}), flush=True)
 
-    session = open_session(msgspec.json.decode(network, type=NetworkConfig), robot, "outside")
+    config = msgspec.json.decode(network, type=NetworkConfig)
+    session = open_session(config, robot, "outside")
+    repair = LinkRepair(session, config, robot, "outside")  # as each service that stays
     with session, session.declare_subscriber(f"giraff/{robot}/{key}", on_sample):
-        while not threading.Event().wait(0.5):
-            set_tcp_options()
+        while True:
+            repair.look(time.monotonic())
+            time.sleep(0.2)
 
 
 if __name__ == "__main__":

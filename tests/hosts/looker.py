@@ -28,6 +28,8 @@ class Came(msgspec.Struct):
 
     ticks: dict[str, list[float]]
     """Ages, s; by whether it looked."""
+    looks_at: float
+    """s of CLOCK_MONOTONIC at which it begins to look."""
     pictures: list[float]
     """Ages, s."""
     bytes: list[int]
@@ -36,7 +38,7 @@ class Came(msgspec.Struct):
 
 def main(robot: str, camera: str, network: str, seconds: str) -> None:
     config = msgspec.json.decode(network, type=NetworkConfig)
-    came = Came(ticks=defaultdict(list), pictures=[], bytes=[], trouble="")
+    came = Came(ticks=defaultdict(list), looks_at=0.0, pictures=[], bytes=[], trouble="")
     mode = ""
 
     def on_tick(sample: zenoh.Sample) -> None:
@@ -50,7 +52,7 @@ def main(robot: str, camera: str, network: str, seconds: str) -> None:
         set_tcp_options()
         mode = "alone"
         time.sleep(float(seconds))
-        mode = ""
+        mode, came.looks_at = "", time.monotonic()
         client = PictureClient(config, robot, camera, "looker")
         _look(client, 2.0, came=None)
         mode = "looking"
