@@ -74,8 +74,7 @@ class RawSubscriber:
         for key in list(self._encodings)[len(self._declared) : _MOST_DECLARED]:
             # Of a key that it knows Zenoh keeps to whom it goes, and looks for that no more with each sample.
             self._declared.append(self._session.declare_keyexpr(key))
-        # A deletion has no payload, nor is what has none a message.
-        return [RawSample(at_ns, str(key), payload, self._encodings[key]) for at_ns, key, payload in came if payload]
+        return [RawSample(at_ns, str(key), payload, self._encodings[key]) for at_ns, key, payload in came]
 
     def close(self) -> None:
         """Listen no longer."""
@@ -86,6 +85,8 @@ class RawSubscriber:
         # As little as can be: what is looked at here is looked at with the processor's caches full of other things. Of
         # the payload the bytes, because the sample would keep Zenoh's buffer of 64 kB from being used again.
         at_ns, key, payload = time.monotonic_ns(), sample.key_expr, sample.payload.to_bytes()
+        if not payload and sample.kind == zenoh.SampleKind.DELETE:
+            return  # no message, which may be empty as well
         if key not in self._encodings:
             self._encodings[key] = str(sample.encoding)
         self._waiting.append((at_ns, key, payload))

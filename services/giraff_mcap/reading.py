@@ -4,9 +4,11 @@
     recording.robot, recording.about               # name; versions, robot file (JSON), ... (about.get("tables"))
     recording.whole                                # False: cut off, by a crash or a full disk; what is there is read
     recording.seconds, recording.counts            # s; key -> samples and lost (of a whole one: as it was counted then)
-    for sample in recording.samples(keys=("odom", "range/*")):
+    unread = Unread()                              # takes what is damaged, and what is no sample
+    for sample in recording.samples(("odom", "range/*"), unread):
         sample.key, sample.heard_ns, sample.stamp_ns, sample.seq, sample.content()      # a dict
         odometry = sample.decode()                 # the Struct of the topics table; DecodeError
+    unread.texts()                                 # a line for each of them; none: everything was read
 
 Keys are those below the robot's name. A file that any other tool has written is read as long as its messages are JSON
 and its topics are `giraff/<robot>/...`.
@@ -14,7 +16,6 @@ and its topics are `giraff/<robot>/...`.
 
 from __future__ import annotations
 
-import struct
 from base64 import b64decode
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
@@ -25,16 +26,14 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 import msgspec
-from mcap.exceptions import McapError
-from mcap.reader import SeekingReader
-from mcap.records import Channel, Header, Message, Metadata
-from mcap.stream_reader import CRCValidationError, StreamReader
-from zstandard import ZstdError
+from mcap.records import Channel, Message
 
 from giraff_core.robot import RobotConfig
 from giraff_core.sensors import by_type
+from giraff_mcap.layout import DAMAGE, MAGIC, look_through, read_part, was_closed
 from giraff_mcap.raw_sample import Count, LossCounter, start_of
-from giraff_mcap.writing import ABOUT, SUMMARY, below_robot
+from giraff_mcap.unread import Unread, UnreadParts
+from giraff_mcap.writing import ABOUT, RAW, SUMMARY, below_robot
 from giraff_node.config.moved import modern, put
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
@@ -43,10 +42,8 @@ from giraff_schemas.text import plain
 from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, topic_of
 
 _SHARED: Final = "robot."
-_MAGIC: Final = b"\x89MCAP0\r\n"
-_LARGEST: Final = 1 << 28
-"""Bytes of a record: a damaged length must not fill the memory."""
-_DAMAGE: Final = (McapError, CRCValidationError, ZstdError, struct.error, RuntimeError, ValueError, EOFError, KeyError)
+_JSON: Final = "json"
+_NEVER_IN_A_KEY: Final = frozenset("*$?#")
 
 
 class RecordingError(Exception):
@@ -65,40 +62,29 @@ class Recorded:
     """Wall clock of the recorder, ns since 1970; as even as its monotonic clock."""
     stamp_ns: int
     seq: int
-    data: bytes
-    """JSON."""
+    payload: bytes
+    """As it was on the network: of keys of the topics table MessagePack."""
     encoding: str
     """Zenoh's, of the payload."""
 
     def content(self) -> Any:
-        """Return its fields. Bytes, which JSON has as base64, are bytes again."""
-        content = msgspec.json.decode(self.data)
-        for field in _fields_of_bytes(self.key):
-            with suppress(KeyError, TypeError, ValueError):  # of another version: `decode` tells
-                content[field] = b64decode(content[field], validate=True)
-        return content
-
-    def payload(self) -> bytes:
-        """As it was on the network: MessagePack. Raises RecordingError for what never was there."""
+        """Return its fields. Raises DecodeError for a payload that is no MessagePack."""
         try:
-            return msgspec.msgpack.encode(self.content())
-        except (ValueError, OverflowError, RecursionError) as error:
-            raise RecordingError(f"a sample of {self.topic} is damaged: {plain(error)}") from error
+            return msgspec.msgpack.decode(self.payload)
+        except (msgspec.MsgspecError, UnicodeError, RecursionError, ValueError) as error:
+            raise DecodeError(f"{self.key}: {plain(error)}") from error
 
     def decode(self) -> Sample:
         """DecodeError: the topics table has no such key, or it is not what belongs there."""
         topic = topic_of(self.key)
         if topic is None:
             raise DecodeError(f"{self.key}: no such key in the topics table")
-        try:
-            sample: Sample = decode(topic, self.topic, self.payload())
-        except RecordingError as error:
-            raise DecodeError(str(error)) from error
+        sample: Sample = decode(topic, self.topic, self.payload)
         return sample
 
 
 class Recording:
-    """One file, read anew with each look."""
+    """One file, as long as it was at the first look, read anew with each other."""
 
     def __init__(self, path: Path) -> None:
         """Raises RecordingError."""
@@ -110,14 +96,20 @@ class Recording:
         self.ended_by = ""
         """Empty: not known."""
         with self._open() as file:
-            if file.read(len(_MAGIC)) != _MAGIC:
+            if file.read(len(MAGIC)) != MAGIC:
                 raise RecordingError(f"{path}: not an MCAP file; give one that `giraff record` has written")
-            self.whole = _is_whole(file)
-        topics = self._look()
-        robots = sorted({topic.split("/")[1] for topic in topics if topic.startswith(f"{ROOT}/") and "/" in topic[7:]})
+            self.whole = was_closed(file)
+            self._layout = look_through(file)
+        self.about = self._layout.metadata.get(ABOUT, {})
+        self.ended_by = self._layout.metadata.get(SUMMARY, {}).get("ended_by", "")
+        channels = list(self._channels())
+        self._unreadable = {channel.topic: why for channel in channels if (why := _why_unreadable(channel))}
+        topics = {channel.topic for channel in channels} - self._unreadable.keys()
+        robots = sorted({topic.split("/")[1] for topic in topics})
         if not robots:
-            named = f"its topics are {', '.join(sorted(topics)[:5])}" if topics else "nothing is in it"
-            raise RecordingError(f"{path}: no recording of a Giraff: {named}")
+            whys = "; ".join(f"{topic}: {why}" for topic, why in sorted(self._unreadable.items())[:3])
+            damaged = "; it is damaged" if self._layout.holes else ""
+            raise RecordingError(f"{path}: no recording of a Giraff: {whys or 'nothing is in it'}{damaged}")
         if len(robots) > 1:
             raise RecordingError(f"{path}: of several robots ({', '.join(robots)}), one at a time is read")
         self.robot = robots[0]
@@ -129,7 +121,10 @@ class Recording:
         """By key, counted now."""
         tallies: dict[str, LossCounter] = {}
         for sample in self.samples():
-            tallies.setdefault(sample.key, LossCounter()).add(start_of(sample.content()))
+            content = None
+            with suppress(DecodeError):  # somebody's own
+                content = sample.content()
+            tallies.setdefault(sample.key, LossCounter()).add(start_of(content))
         return {key: Count(tally.count, tally.lost) for key, tally in sorted(tallies.items())}
 
     @cached_property
@@ -138,12 +133,25 @@ class Recording:
         heard = [sample.heard_ns for sample in self.samples()]
         return (max(heard) - min(heard)) * 1e-9 if heard else 0.0
 
-    def samples(self, keys: Sequence[str] = ()) -> Iterator[Recorded]:
-        """Those of these keys (`range/*` stands for all below it), or all; in the order in which they were heard."""
-        wanted = self.matching(keys)
-        for channel, message in self._messages():
+    def samples(self, keys: Sequence[str] = (), unread: Unread | None = None) -> Iterator[Recorded]:
+        """Those of these keys (`range/*` stands for all below it), or all; in the order in which they were heard.
+
+        `unread` takes all that is left out. What is damaged is known when the last sample was taken.
+        """
+        wanted, unread = self.matching(keys), Unread() if unread is None else unread
+        for channel, message in self._messages(unread):
             key = below_robot(channel.topic)
-            if key not in wanted:
+            why = self._unreadable.get(channel.topic, "")
+            if key not in wanted and not (why and not keys):
+                continue
+            payload = b""
+            try:
+                if not why:
+                    payload = _payload(key, channel, message)
+            except (msgspec.MsgspecError, UnicodeError, RecursionError, ValueError, OverflowError) as error:
+                why = f"no JSON that a message can hold: {plain(error)}"
+            if why:
+                unread.leave_out(channel.topic, why)
                 continue
             yield Recorded(
                 topic=channel.topic,
@@ -151,7 +159,7 @@ class Recording:
                 heard_ns=message.log_time,
                 stamp_ns=message.publish_time,
                 seq=message.sequence,
-                data=message.data,
+                payload=payload,
                 encoding=channel.metadata.get("encoding", "application/msgpack"),
             )
 
@@ -159,56 +167,44 @@ class Recording:
         """The keys that any of these patterns stands for; of no pattern: all."""
         return {key for key in self.keys if not patterns or any(fnmatchcase(key, pattern) for pattern in patterns)}
 
-    def _messages(self) -> Iterator[tuple[Channel, Message]]:
+    def _channels(self) -> Iterator[Channel]:
+        """Find all channels. They stand in the chunks where no index names them."""
+        yield from self._layout.channels.values()
+        if self._layout.messages is not None:
+            return
         with self._open() as file:
-            try:
-                if self.whole:
-                    for _, channel, message in SeekingReader(
-                        file, validate_crcs=True, record_size_limit=_LARGEST
-                    ).iter_messages():
-                        yield channel, message
-                    return
-                channels: dict[int, Channel] = {}
-                for record in _records(file):
-                    if isinstance(record, Channel):
-                        channels[record.id] = record
-                    elif isinstance(record, Message) and record.channel_id in channels:
-                        yield channels[record.channel_id], record
-            except _DAMAGE as error:
-                raise RecordingError(
-                    f"{self.path}: damaged inside ({_what(error)}); `giraff record --repair` saves "
-                    "what comes before the damage"
-                ) from error
+            for part in self._layout.parts:
+                with suppress(*DAMAGE, MemoryError):
+                    yield from (record for record in read_part(file, part) if isinstance(record, Channel))
 
-    def _look(self) -> set[str]:
-        """Take in header and metadata; all topics."""
-        topics: set[str] = set()
-        metadata: dict[str, dict[str, str]] = {}
+    def _messages(self, unread: Unread) -> Iterator[tuple[Channel, Message]]:
+        """All that can be read, in the order in which it was heard."""
+        channels = dict(self._layout.channels)
+        parts = UnreadParts(self._layout)
+        waiting: list[Message] = []
         with self._open() as file:
-            try:
-                if self.whole:
-                    reader = SeekingReader(file, validate_crcs=True, record_size_limit=_LARGEST)
-                    metadata = {record.name: record.metadata for record in reader.iter_metadata()}
-                    summary = reader.get_summary()
-                    channels = list(summary.channels.values()) if summary else []
-                else:
-                    channels = []
-                    for record in _records(file):
-                        if isinstance(record, Channel):
-                            channels.append(record)
-                        elif isinstance(record, Metadata):
-                            metadata[record.name] = record.metadata
-            except _DAMAGE as error:
-                raise RecordingError(f"{self.path}: damaged ({_what(error)})") from error
-        for channel in channels:
-            if channel.message_encoding != "json":
-                raise RecordingError(
-                    f"{self.path}: {channel.topic} is encoded as {channel.message_encoding!r}, and only JSON is read"
-                )
-            topics.add(channel.topic)
-        self.about = metadata.get(ABOUT, {})
-        self.ended_by = metadata.get(SUMMARY, {}).get("ended_by", "")
-        return topics
+            for part in self._layout.parts:
+                # Chunks may overlap: what begins later than this one waits for it.
+                while waiting and waiting[-1].log_time < part.since_ns:
+                    message = waiting.pop()
+                    yield channels[message.channel_id], message
+                try:
+                    records = list(read_part(file, part))
+                except (*DAMAGE, MemoryError, OSError):
+                    parts.damaged(part)
+                    continue
+                messages = [record for record in records if isinstance(record, Message)]
+                channels |= {record.id: record for record in records if isinstance(record, Channel)}
+                parts.read(part, [message.log_time for message in messages])
+                named = [message for message in messages if message.channel_id in channels]
+                if len(named) < len(messages):
+                    unread.leave_out("?", "nothing in the file names its key", len(messages) - len(named))
+                waiting += reversed(named)
+                waiting.sort(key=lambda message: message.log_time, reverse=True)
+        while waiting:
+            message = waiting.pop()
+            yield channels[message.channel_id], message
+        unread.gaps += parts.gaps()
 
     def tables(self) -> dict[str, Any]:
         """Return the tables that the services went by, as they told the recorder.
@@ -249,7 +245,7 @@ def params_in(sample: Recorded) -> ParamAnswer | None:
     if not fnmatchcase(sample.key, PARAM_DESCRIBE.key):
         return None
     try:
-        answer = msgspec.json.decode(sample.data, type=ParamAnswer)
+        answer = msgspec.msgpack.decode(sample.payload, type=ParamAnswer)
     except msgspec.MsgspecError:  # of another version
         return None
     return answer if sample.key == PARAM_DESCRIBE.key.replace("*", answer.service) else None
@@ -269,31 +265,27 @@ def put_params(tables: dict[str, Any], service: str, params: Iterable[Param]) ->
             put(tables, ("robot", field), param.value)
 
 
-def _what(error: Exception) -> str:
-    return str(error) or type(error).__name__
+def _why_unreadable(channel: Channel) -> str:
+    """Say why nothing of a channel can be read; empty: it can."""
+    root, *chunks = channel.topic.split("/")
+    if root != ROOT or len(chunks) < 2:
+        return f"its topic is not {ROOT}/ROBOT/KEY"
+    if not all(chunks) or _NEVER_IN_A_KEY & set(channel.topic):
+        return "its topic is no key of Zenoh"
+    if channel.message_encoding not in {_JSON, RAW}:
+        return f"its messages are {channel.message_encoding or 'of no encoding'}, and only JSON is read"
+    return ""
 
 
-def _is_whole(file: IO[bytes]) -> bool:
-    file.seek(0, 2)
-    if file.tell() < 2 * len(_MAGIC):
-        return False
-    file.seek(-len(_MAGIC), 2)
-    return file.read() == _MAGIC
-
-
-def _records(file: IO[bytes]) -> Iterator[Any]:
-    """Of a file that was cut off: all up to the cut, or to what is damaged before it."""
-    file.seek(0)
-    records = StreamReader(file, record_size_limit=_LARGEST, validate_crcs=True).records
-    while True:
-        try:
-            record = next(records, None)
-        except _DAMAGE:
-            return
-        if record is None:
-            return
-        if not isinstance(record, Header):
-            yield record
+def _payload(key: str, channel: Channel, message: Message) -> bytes:
+    """Return a payload as it was on the network. Raises what msgspec raises."""
+    if channel.message_encoding == RAW:
+        return message.data
+    content = msgspec.json.decode(message.data)
+    for field in _fields_of_bytes(key):
+        with suppress(KeyError, TypeError, ValueError):  # of another version: `decode` tells
+            content[field] = b64decode(content[field], validate=True)
+    return msgspec.msgpack.encode(content)
 
 
 @cache

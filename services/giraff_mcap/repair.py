@@ -1,4 +1,4 @@
-"""A recording that was cut off becomes a whole one: with index, counts and an end."""
+"""Makes a whole recording of one that was cut off or damaged: with index, counts and an end."""
 
 from __future__ import annotations
 
@@ -6,34 +6,28 @@ from pathlib import Path
 from typing import Final
 
 from giraff_mcap.raw_sample import RawSample
-from giraff_mcap.reading import Recording, RecordingError
+from giraff_mcap.reading import Recording
+from giraff_mcap.unread import Unread
 from giraff_mcap.writing import RecordingWriter
 
 _BATCH: Final = 500
 
 
-def repair(path: Path, into: Path) -> RecordingWriter:
-    """The new file, closed. Raises RecordingError where nothing can be saved, OSError where it cannot be written."""
-    recording = Recording(path)
+def repair(path: Path, into: Path) -> tuple[RecordingWriter, Unread]:
+    """Write the new file, which says what is missing; return its writer, closed, and that.
+
+    Raises RecordingError where nothing can be saved, OSError where it cannot be written.
+    """
+    recording, unread = Recording(path), Unread()
     with RecordingWriter(into, recording.about, to_wall_ns=0) as writer:
         batch: list[RawSample] = []
-        damage = ""
-        try:
-            for sample in recording.samples():
-                batch.append(
-                    RawSample(
-                        at_ns=sample.heard_ns,
-                        key=sample.topic,
-                        payload=sample.payload(),
-                        encoding=sample.encoding,
-                    )
-                )
-                if len(batch) == _BATCH:
-                    writer.add(batch)
-                    writer.sync()
-                    batch.clear()
-        except RecordingError as error:  # further on; what came before is whole
-            damage = f": {error}"
+        for sample in recording.samples(unread=unread):
+            batch.append(RawSample(sample.heard_ns, sample.topic, sample.payload, sample.encoding))
+            if len(batch) == _BATCH:
+                writer.add(batch)
+                writer.sync()
+                batch.clear()
         writer.add(batch)
-        writer.close(f"a repair of {path.name}{damage}")
-    return writer
+        missing = "".join(f"; {line}" for line in unread.texts())
+        writer.close(f"a repair of {path.name}{missing}", unread)
+    return writer, unread

@@ -16,9 +16,6 @@ import msgspec
 from giraff_schemas.topics import TOPICS
 
 ENCODING: Final = "jsonschema"
-FOREIGN: Final = "unknown"
-"""Name of the schema of what no row of the topics table describes."""
-_ANYTHING: Final[dict[str, Any]] = {"type": "object", "properties": {}}
 
 
 def name_of(type_: type[msgspec.Struct]) -> str:
@@ -26,10 +23,8 @@ def name_of(type_: type[msgspec.Struct]) -> str:
     return f"giraff.{type_.__name__}"
 
 
-def schema_of(type_: type[msgspec.Struct] | None) -> bytes:
-    """The JSON Schema of a message; of None, one that says nothing."""
-    if type_ is None:
-        return msgspec.json.encode({"title": FOREIGN, **_ANYTHING})
+def schema_of(type_: type[msgspec.Struct]) -> bytes:
+    """Return the JSON Schema of a message."""
     _, components = msgspec.json.schema_components([type_])
     return msgspec.json.encode(_plain(components[type_.__name__], components))
 

@@ -1,4 +1,6 @@
-"""Writes a recording: one channel a key, each message as JSON, with its schema, when it was heard and when it was made.
+"""Writes a recording: one channel a key, with when each message was heard and when it was made.
+
+Messages of the topics table are JSON, with their schema. Others are kept as they came, byte for byte.
 
 A chunk is closed and on disk with each `sync`: what ends this process or the machine costs what came after the last.
 """
@@ -9,18 +11,21 @@ import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import IO, Any, Final, Self, cast
+from typing import IO, Any, Final, NamedTuple, Self, cast
 
 import msgspec
 from mcap.writer import CompressionType, Writer
 
 from giraff_mcap.durable import DurableFile
 from giraff_mcap.raw_sample import Count, LossCounter, RawSample, start_of
-from giraff_mcap.schemas import ENCODING, FOREIGN, name_of, schema_of
+from giraff_mcap.schemas import ENCODING, name_of, schema_of
+from giraff_mcap.unread import Unread
 from giraff_schemas.text import plain
 from giraff_schemas.topics import ROOT, topic_of
 
 PROFILE: Final = "giraff"
+RAW: Final = "zenoh"
+"""Message encoding of channels that hold payloads as they came. The channel's metadata name Zenoh's encoding."""
 ABOUT: Final = "giraff"
 """Name of the metadata that tells of robot and recorder; written at once."""
 SUMMARY: Final = "giraff.summary"
@@ -29,6 +34,12 @@ SUMMARY: Final = "giraff.summary"
 _INDEX_OF_A_CHUNK: Final = 100  # bytes of the summary, and a few for each channel
 _INDEX_OF_A_KEY: Final = 10
 _SUMMARY: Final = 20_000  # bytes that end a file, besides: schemas, channels, counts
+
+
+class _Channel(NamedTuple):
+    id: int
+    tally: LossCounter
+    is_raw: bool
 
 
 class RecordingWriter:
@@ -48,7 +59,7 @@ class RecordingWriter:
         self._file = DurableFile(path)
         self._writer = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, chunk_size=1 << 22)
         self._schemas: dict[str, int] = {}
-        self._channels: dict[str, tuple[int, LossCounter]] = {}
+        self._channels: dict[str, _Channel] = {}
         self._chunks = self._largest = 0
         # The wall clock as of the beginning, gone on by the monotonic one: it stays even when somebody sets the clock.
         self._to_wall_ns = time.time_ns() - time.monotonic_ns() if to_wall_ns is None else to_wall_ns
@@ -91,9 +102,11 @@ class RecordingWriter:
         self._largest = max(self._largest, self._file.tell() - before)
         self._file.sync()
 
-    def close(self, ended_by: str) -> None:
-        """End the file with its index and what was counted."""
+    def close(self, ended_by: str, unread: Unread | None = None) -> None:
+        """End the file with its index and what was counted. `unread`: what a repair could not read."""
         summary = {"ended_by": ended_by, "counts": msgspec.json.encode(self.totals).decode()}
+        if unread:
+            summary["unread"] = msgspec.json.encode(unread).decode()
         self._writer.flush()
         self._writer.add_metadata(SUMMARY, summary)
         self._writer.finish()
@@ -106,20 +119,24 @@ class RecordingWriter:
         return {key: Count(tally.count, tally.lost) for key, tally in sorted(self.counts.items())}
 
     def _add(self, sample: RawSample) -> None:
+        channel, tally, is_raw = self._channels.get(sample.key) or self._channel(sample)
+        content: Any = None
+        data = sample.payload
         try:
-            content: Any = msgspec.msgpack.decode(sample.payload)
-            data = msgspec.json.encode(content)
+            content = msgspec.msgpack.decode(sample.payload)
+            if not is_raw:
+                data = msgspec.json.encode(content)
         except (msgspec.MsgspecError, UnicodeError, RecursionError, TypeError, ValueError, OverflowError) as error:
-            self.unreadable[below_robot(sample.key)] = (
-                f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {plain(error)}"
-            )
-            return
+            if not is_raw:
+                self.unreadable[below_robot(sample.key)] = (
+                    f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {plain(error)}"
+                )
+                return
         start = start_of(content)
         at_ns = sample.at_ns + self._to_wall_ns
         if self.first_ns is None:
             self.first_ns = at_ns
         self.last_ns = at_ns
-        channel, tally = self._channels.get(sample.key) or self._channel(sample)
         tally.add(start)
         self._writer.add_message(
             channel,
@@ -129,16 +146,18 @@ class RecordingWriter:
             sequence=start.seq & 0xFFFFFFFF if start else 0,
         )
 
-    def _channel(self, sample: RawSample) -> tuple[int, LossCounter]:
+    def _channel(self, sample: RawSample) -> _Channel:
         below = below_robot(sample.key)
         topic = topic_of(below)
-        name = FOREIGN if topic is None else name_of(topic.schema)
-        if name not in self._schemas:
-            schema = schema_of(None if topic is None else topic.schema)
-            self._schemas[name] = self._writer.register_schema(name, ENCODING, schema)
-        how = {"encoding": sample.encoding}
-        channel = self._writer.register_channel(sample.key, "json", self._schemas[name], how)
-        self._channels[sample.key] = channel, self.counts.setdefault(below, LossCounter())
+        schema_id = 0  # none
+        if topic is not None:
+            name = name_of(topic.schema)
+            if name not in self._schemas:
+                self._schemas[name] = self._writer.register_schema(name, ENCODING, schema_of(topic.schema))
+            schema_id = self._schemas[name]
+        encoding = RAW if topic is None else "json"
+        channel = self._writer.register_channel(sample.key, encoding, schema_id, {"encoding": sample.encoding})
+        self._channels[sample.key] = _Channel(channel, self.counts.setdefault(below, LossCounter()), topic is None)
         return self._channels[sample.key]
 
 

@@ -69,7 +69,12 @@ class Listener:
             fresh[:] = [one for one in self.heard(moment) if one.age < _FRESH]
             return bool(fresh)
 
-        wait(arrived, within, what=f"samples after {moment:.2f}")
+        def told() -> str:
+            heard = self.heard()
+            newest = f"the newest came at {heard[-1].at:.2f}, {heard[-1].age:.2f} s old" if heard else "none ever came"
+            return f"a fresh sample after {moment:.2f}; {newest}"
+
+        wait(arrived, within, what=told)
         return fresh[0].at - moment
 
     def longest_gap(self, since: float, until: float) -> float:

@@ -92,5 +92,5 @@ def all_of(subscriber: RawSubscriber, count: int) -> list[RawSample]:
 def require_the_same(heard: Iterable[RawSample], recorded: Iterable[Recorded], robot: str) -> None:
     """What `robot` said again is what sim-test had said, byte for byte and in its order."""
     for again, sample in zip(heard, recorded, strict=True):
-        said = (sample.topic.replace("sim-test", robot), sample.payload(), sample.encoding)
+        said = (sample.topic.replace("sim-test", robot), sample.payload, sample.encoding)
         assert (again.key, again.payload, again.encoding) == said

@@ -41,7 +41,8 @@ def localize(
     one that runs on the network is shown, or is told --at or --global. With --from a recording goes through it, faster
     than real time, and a summary says how that went. It moves nothing.
 
-    Exit code: 0 done; 1 the place is refused, with the reason; 2 no robot, no map, or nobody has answered.
+    Exit code: 0 done; 1 the place is refused, with the reason, or a part of the
+    recording cannot be read; 2 no robot, no map, or nobody has answered.
     """
     place = _place(at)
     if at is not None and anywhere:

@@ -23,12 +23,14 @@ from giraff_maps.floor_plan import MapError
 from giraff_maps.read import read_map
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.tables import table_of
+from giraff_mcap.unread import Unread
 from giraff_node.config.robot_file import ConfigError
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import ODOM, RANGE, TRUE_POSE
 from giraff_sim.world.room import Room, RoomError, read_room
 
 _LOOK_EVERY: Final = 100  # samples
+_INCOMPLETE: Final = 1
 
 
 def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -> int:
@@ -42,7 +44,8 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
         with StopSignal() as stopping:
             began = time.monotonic()
             drive = RecordedDrive(LocalizationPolicy(config, robot, floor), place, _room(map_path))
-            strange = _feed(recording, drive, stopping)
+            unread = Unread()
+            strange = _feed(recording, drive, stopping, unread)
             took = time.monotonic() - began
     except (MapError, RecordingError, ConfigError) as error:
         return print_error(str(error))
@@ -50,6 +53,8 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
         print_error(f"{path}: {strange} samples could not be read, and are left out")
     if not recording.whole:
         print_error(f"{path}: cut off; this is of what is there")
+    for line in unread.texts():
+        print_error(f"{path}: {line}")
     if drive.refused:
         print_error(f"--at: {drive.refused}")
         return REFUSED
@@ -59,13 +64,13 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
         return print_error(f"{path}: it has no odom, and so no way; record with odom and range/* (giraff record)")
     summary = summarize(drive, recording.robot, took=took)
     say(to_json(summary) if as_json else to_text(summary))
-    return DONE
+    return _INCOMPLETE if unread else DONE
 
 
-def _feed(recording: Recording, drive: RecordedDrive, stopping: StopSignal) -> int:
-    """How many samples could not be read."""
+def _feed(recording: Recording, drive: RecordedDrive, stopping: StopSignal, unread: Unread) -> int:
+    """How many samples are not of this version. `unread` takes what is missing in the file."""
     strange = 0
-    for number, recorded in enumerate(recording.samples((ODOM.key, RANGE.key, TRUE_POSE.key))):
+    for number, recorded in enumerate(recording.samples((ODOM.key, RANGE.key, TRUE_POSE.key), unread)):
         if number % _LOOK_EVERY == 0 and stopping.asked:
             break
         try:

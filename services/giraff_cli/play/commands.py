@@ -21,14 +21,19 @@ def play(
         float, typer.Option(metavar="N", min=0.01, max=100.0, callback=finite, help="Times as fast.")
     ] = 1.0,
     loop: Annotated[bool, typer.Option("--loop", help="Again and again, until Ctrl-C.")] = False,
+    skip_gaps: Annotated[
+        bool, typer.Option("--skip-gaps", help="Wait 2 s at most where nothing was recorded for longer.")
+    ] = False,
     as_json: AsJson = False,
 ) -> None:
     """Say again what a recording holds: order, rhythm and bytes as they were, under the name of a replay.
 
-    In the name of a robot that is there it refuses whatever that robot's parts decide by. Exit code: 0; 1 it ended
-    early, because the file is damaged or such a robot came; 2 nothing was played.
+    In the name of a robot that is there it refuses whatever that robot's parts decide by. Exit code: 0; 1 a part of
+    the file could not be read, or it ended early because such a robot came; 2 nothing was played.
     """
     require_extra("play", "mcap", "cli,record")
     from giraff_cli.play.player import play as it  # noqa: PLC0415
 
-    raise typer.Exit(it(file, robot, connect or (), topics or (), rate, loop=loop, as_json=as_json))
+    raise typer.Exit(
+        it(file, robot, connect or (), topics or (), rate, loop=loop, skip_gaps=skip_gaps, as_json=as_json)
+    )

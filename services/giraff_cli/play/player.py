@@ -19,13 +19,16 @@ from giraff_cli.play.reader import Reader, RecordedSample
 from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.terminal.text import json_line
 from giraff_mcap.reading import Recording, RecordingError
-from giraff_node.network.consent import NoRobotError
+from giraff_mcap.unread import Unread
+from giraff_node.network.consent import NoRobotError, tell
 from giraff_node.network.tokens import Token, watch_tokens
 from giraff_schemas.services import PLAY
 from giraff_schemas.topics import alive_key, key_below
 
 _MEET_WITHIN: Final = 1.0  # s, to meet who listens, and a robot of this name
 _LOOK_EVERY_NS: Final = 200_000_000
+_LONG_SILENCE: Final = 5.0
+"""s of waiting that a person is told of."""
 
 _DONE: Final = 0
 _STOPPED: Final = 1
@@ -41,6 +44,8 @@ class Played(msgspec.Struct, kw_only=True):
     latest: float = 0.0
     """s by which the latest sample came too late."""
     ended_by: str = "the end of the recording"
+    unread: Unread = msgspec.field(default_factory=Unread)
+    """What the recording could not give."""
 
 
 def play(
@@ -51,6 +56,7 @@ def play(
     rate: float,
     *,
     loop: bool,
+    skip_gaps: bool,
     as_json: bool,
 ) -> int:
     """Until the end, or Ctrl-C; the exit code."""
@@ -61,7 +67,7 @@ def play(
         return print_error(str(error))
     name = robot or f"replay-{recording.robot}"
     with StopSignal() as stopping:
-        reader = Reader(recording, topics, loop=loop)
+        reader = Reader(recording, topics, loop=loop, skip_gaps=skip_gaps)
         return run_on_network(
             name,
             connect,
@@ -126,6 +132,8 @@ def _play(
     looked_ns = began_ns
     while (said := reader.next()) is not None:
         due_ns = began_ns + round(said.at_ns / rate)
+        if (silent := (due_ns - time.monotonic_ns()) * 1e-9) > _LONG_SILENCE:
+            tell(f"nothing was recorded here; the next sample comes in {silent:.0f} s (--skip-gaps leaves that out)")
         if stopping.wait((due_ns - time.monotonic_ns()) * 1e-9):
             played.ended_by = "Ctrl-C or a signal"
             break
@@ -138,13 +146,13 @@ def _play(
             if trouble := _refusal(keys, presence.services):
                 break
     played.seconds = (time.monotonic_ns() - began_ns) * 1e-9
-    trouble = trouble or reader.trouble
     played.ended_by = trouble or played.ended_by
+    played.unread = reader.unread
     sys.stdout.write(_told(played, as_json=as_json))
-    if trouble:
-        print_error(trouble)
-        return _STOPPED
-    return _DONE
+    troubles = [*([trouble] if trouble else []), *(f"{played.file}: {line}" for line in reader.unread.texts())]
+    for line in troubles:
+        print_error(line)
+    return _STOPPED if troubles else _DONE
 
 
 class Publishers:

@@ -7,16 +7,21 @@ import threading
 import time
 from collections import deque
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from giraff_mcap.reading import Recorded, Recording, RecordingError
+from giraff_mcap.reading import Recorded, Recording
+from giraff_mcap.unread import Unread
+from giraff_schemas.codec import DecodeError
 
 _AHEAD: Final = 4000  # samples that are read before their time: ten seconds of a whole robot
 _READ_AGAIN: Final = 0.02  # s
 _SWITCH: Final = 1e-4  # s for which the reading thread may keep the interpreter; by default 5 ms
 _BETWEEN_ROUNDS_NS: Final = 20_000_000
+LONG_GAP_NS: Final = 2_000_000_000
+"""ns without any sample after which a person is told, or what `--skip-gaps` makes of it."""
 
 
 class RecordedSample(NamedTuple):
@@ -32,14 +37,16 @@ class RecordedSample(NamedTuple):
 class Reader:
     """Reads ahead in a thread of its own: a chunk takes longer to unpack than a sample may come late."""
 
-    def __init__(self, recording: Recording, topics: Sequence[str], *, loop: bool) -> None:
+    def __init__(self, recording: Recording, topics: Sequence[str], *, loop: bool, skip_gaps: bool) -> None:
         self._recording = recording
         self._topics = topics
         self._loop = loop
+        self._skip_gaps = skip_gaps
         self._read: deque[RecordedSample] = deque()
         self._ended = False
-        self.trouble = ""
-        """Why the rest cannot be read."""
+        self._error: Exception | None = None
+        self.unread = Unread()
+        """What the first round could not read."""
         self._thread = threading.Thread(target=self._run, name="reading", daemon=True)
 
     def start(self) -> None:
@@ -47,9 +54,11 @@ class Reader:
         self._thread.start()
 
     def next(self) -> RecordedSample | None:
-        """The next sample; None: that was all."""
+        """Return the next sample; None: that was all. Raises what ended the reading."""
         while not self._read:
             if self._ended and not self._read:
+                if self._error is not None:
+                    raise self._error
                 return None
             time.sleep(_READ_AGAIN / 10.0)
         return self._read.popleft()
@@ -60,21 +69,22 @@ class Reader:
                 self._read.append(said)
                 while len(self._read) >= _AHEAD:
                     time.sleep(_READ_AGAIN)
-        except RecordingError as error:
-            self.trouble = str(error)
+        except Exception as error:  # noqa: BLE001  whoever takes the samples raises it
+            self._error = error
         finally:
             self._ended = True
 
     def _rounds(self) -> Iterator[RecordedSample]:
         begins_ns, number = 0, 1
         while True:
-            first_ns: int | None = None
+            before_ns: int | None = None
             ends_ns = begins_ns
-            for sample in self._recording.samples(self._topics):
-                first_ns = sample.heard_ns if first_ns is None else first_ns
-                ends_ns = begins_ns + sample.heard_ns - first_ns
+            for sample in self._recording.samples(self._topics, self.unread if number == 1 else None):
+                passed_ns = 0 if before_ns is None else sample.heard_ns - before_ns
+                before_ns = sample.heard_ns
+                ends_ns += min(passed_ns, LONG_GAP_NS) if self._skip_gaps else passed_ns
                 yield RecordedSample(ends_ns, sample.key, _payload(sample, number), sample.encoding)
-            if not self._loop or first_ns is None:
+            if not self._loop or before_ns is None:
                 return
             begins_ns, number = ends_ns + _BETWEEN_ROUNDS_NS, number + 1
 
@@ -82,8 +92,9 @@ class Reader:
 def _payload(sample: Recorded, number: int) -> bytes:
     """As it was; in a later round by a maker of its own, whose numbers begin anew."""
     if number == 1:
-        return sample.payload()
-    content: Any = sample.content()
-    if isinstance(content, dict) and isinstance(content.get("instance"), str):
-        content["instance"] += f"-{number}"
-    return msgspec.msgpack.encode(content)
+        return sample.payload
+    with suppress(DecodeError):  # somebody's own
+        content: Any = sample.content()
+        if isinstance(content, dict) and isinstance(content.get("instance"), str):
+            return msgspec.msgpack.encode(content | {"instance": f"{content['instance']}-{number}"})
+    return sample.payload

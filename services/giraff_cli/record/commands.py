@@ -28,14 +28,16 @@ def record(  # noqa: PLR0913, PLR0917  one argument an option
     ] = False,
     repair: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Instead: make a whole one of what a crash has left.", show_default=False),
+        typer.Option(
+            metavar="FILE", help="Instead: make a whole one of what a crash or damage left.", show_default=False
+        ),
     ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Record what a robot says into an MCAP file, which Foxglove and other tools open. See docs/recording.md.
 
-    Waits for a robot that is not there yet. Exit code: 0; 1 the disk took no more, what came before is kept; 2 nothing
-    was recorded.
+    Waits for a robot that is not there yet. Exit code: 0; 1 the disk took no more, what came before is kept, or a
+    repair misses something; 2 nothing was recorded.
     """
     require_extra("record", "mcap", "cli,record")
     if repair is not None:

@@ -1,26 +1,29 @@
-"""`giraff record --repair`: what a crash has left, as a file that any tool opens."""
+"""`giraff record --repair`: what a crash or damage has left, as a file that any tool opens."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Final
 
 from giraff_cli.network.command import print_error
 from giraff_cli.record.report import Report, told
 from giraff_mcap.reading import RecordingError
 from giraff_mcap.repair import repair as repair_into
 
+_IS_MISSING: Final = 1
+
 
 def repair(path: Path, output: Path | None, *, as_json: bool) -> int:
-    """The exit code; the file itself is left as it is."""
+    """Return the exit code, 1 where anything is missing. The file itself is left as it is."""
     into = output or path.with_name(f"{path.stem}-repaired.mcap")
     try:
-        writer = repair_into(path, into)
+        writer, unread = repair_into(path, into)
     except RecordingError as error:
         return print_error(str(error))
     except FileExistsError:
         return print_error(f"{into} is there already: name another with -o; nothing is ever written over")
     except OSError as error:
         return print_error(f"{into}: cannot be written: {error.strerror}")
-    sys.stdout.write(told(Report.of(writer, f"the repair of {path}", 0), as_json=as_json))
-    return 0
+    sys.stdout.write(told(Report.of(writer, f"the repair of {path}", 0, unread), as_json=as_json))
+    return _IS_MISSING if unread else 0

@@ -11,6 +11,7 @@ from rich.text import Text
 
 from giraff_cli.terminal.text import json_page
 from giraff_mcap.raw_sample import Count
+from giraff_mcap.unread import Unread
 from giraff_mcap.writing import RecordingWriter
 from giraff_telemetry.console import CleanConsole
 
@@ -30,9 +31,11 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     keys: dict[str, Count]
     unreadable: dict[str, str]
     """By key: why its payloads are not in the file."""
+    unread: Unread
+    """What a repair could not read."""
 
     @classmethod
-    def of(cls, writer: RecordingWriter, ended_by: str, overrun: int) -> Self:
+    def of(cls, writer: RecordingWriter, ended_by: str, overrun: int, unread: Unread | None = None) -> Self:
         totals = writer.totals
         return cls(
             file=str(writer.path),
@@ -44,6 +47,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
             ended_by=ended_by,
             keys=totals,
             unreadable=writer.unreadable,
+            unread=unread or Unread(),
         )
 
 
@@ -62,6 +66,8 @@ def told(report: Report, *, as_json: bool) -> str:
     console.print(table)
     for key, why in report.unreadable.items():
         console.print(Text(f"not recorded: {key}: {why}"))
+    for line in report.unread.texts():
+        console.print(Text(line), soft_wrap=True)
     slow = f", {report.overrun} of them because the disk was too slow" if report.overrun else ""
     console.print(
         Text(

@@ -19,7 +19,8 @@ def replay(
 ) -> None:
     """A recording through the policies of today's odometry and guard: do they say what was said then?
 
-    Exit code: 0 they do, but for the share that timing leaves open; 1 they do not; 2 nothing could be compared.
+    Exit code: 0 they do, but for the share that timing leaves open; 1 they do not, or a part of
+    it cannot be read; 2 nothing could be compared.
     """
     require_extra("replay", "mcap", "cli,record")
     from giraff_cli.replay.runner import replay as it  # noqa: PLC0415

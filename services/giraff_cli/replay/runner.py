@@ -19,6 +19,7 @@ from giraff_guard.config import GuardConfig
 from giraff_mcap.metadata import ASKED
 from giraff_mcap.reading import Recording, RecordingError, params_in
 from giraff_mcap.tables import table_of
+from giraff_mcap.unread import Unread
 from giraff_node.config.robot_file import ConfigError
 from giraff_odometry.config import OdometryConfig
 from giraff_schemas.codec import DecodeError
@@ -31,17 +32,20 @@ _DIFFERS = 1
 
 def replay(path: Path, least: float, *, as_json: bool) -> int:
     """The exit code. `least`: share that must agree."""
-    unread: dict[str, str] = {}
+    strange: dict[str, str] = {}
+    unread = Unread()
     try:
         recording = Recording(path)
-        found = agreements(recording, unread)
+        found = agreements(recording, strange, unread)
     except (RecordingError, ConfigError) as error:
         return print_error(str(error))
     if ASKED in recording.about:
         for service in sorted({agreement.service for agreement in found} - recording.described.keys()):
             print_error(f"{path}: {service} did not tell its parameters; it is taken to have gone by the robot file")
-    for why in unread.values():
+    for why in strange.values():
         print_error(f"{path}: not of this version: {why}")
+    for line in unread.texts():
+        print_error(f"{path}: {line}")
     compared = [agreement for agreement in found if agreement.compared]
     if not compared:
         return print_error(
@@ -54,27 +58,28 @@ def replay(path: Path, least: float, *, as_json: bool) -> int:
             "much is missing; record for longer, or from its start"
         )
     agrees = all(agreement.share >= least for agreement in compared)
-    return _AGREES if agrees and not unread else _DIFFERS
+    return _AGREES if agrees and not strange and not unread else _DIFFERS
 
 
-def agreements(recording: Recording, unread: dict[str, str]) -> list[Agreement]:
+def agreements(recording: Recording, strange: dict[str, str], unread: Unread | None = None) -> list[Agreement]:
     """Of each service that can be replayed. Raises RecordingError, and ConfigError where no robot file can be used.
 
-    `unread`: takes, by key, why a sample of it cannot be decoded by this version, and so is not compared.
+    `strange` takes, by key, why a sample of it cannot be decoded by this version, and so is not compared.
+    `unread` takes what is missing in the file.
     """
     said = RecordedSamples()
-    for sample in recording.samples():
+    for sample in recording.samples(unread=unread):
         if (answer := params_in(sample)) is not None:
             try:
                 said.add_params(answer)
             except ValueError as error:
-                unread.setdefault(sample.key, str(error))
+                strange.setdefault(sample.key, str(error))
         if topic_of(sample.key) is None:
             continue
         try:
             said.add(sample.decode())
         except DecodeError as error:
-            unread.setdefault(sample.key, str(error))
+            strange.setdefault(sample.key, str(error))
     robot = table_of(recording, "robot", RobotConfig)
     return [
         replay_odometry(said, table_of(recording, "odometry", OdometryConfig), robot),

@@ -35,7 +35,7 @@ def view(  # noqa: PLR0913, PLR0917  one argument an option
 ) -> None:
     """Floor plan, path, what the sensors see, guard's verdict, speeds and ages, drawn: live, or of a recording.
 
-    Exit code: 0 shown; 1 the viewer or the disk failed; 2 nothing to show.
+    Exit code: 0 shown; 1 the viewer or the disk failed, or a part of FILE cannot be read; 2 nothing to show.
     """
     require_extra("view", "rerun", "viewer,cli")
     if recording is not None:

@@ -12,12 +12,14 @@ from giraff_cli.terminal.signals import StopSignal
 from giraff_cli.view.output import DONE, Options, ViewerOutput, give_up, known_robot
 from giraff_core.robot import RobotConfig
 from giraff_mcap.reading import Recording, RecordingError
+from giraff_mcap.unread import Unread
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of
 from giraff_viewer.window import ViewerError
 
 _LOOK_EVERY: Final = 2000  # samples
 _PATIENCE: Final = 0.2  # s
+_INCOMPLETE: Final = 1
 
 
 class RecordingViewer:
@@ -37,24 +39,27 @@ class RecordingViewer:
             return print_error(str(error))
         try:
             with stage:
-                strange = self._draw(recording, stage)
+                unread = Unread()
+                strange = self._draw(recording, stage, unread)
                 if strange:
                     print_error(f"{self._path}: {strange} samples could not be read, and are not shown")
                 if not recording.whole:
                     print_error(f"{self._path}: cut off; shown is what is there")
+                for line in unread.texts():
+                    print_error(f"{self._path}: {line}")
                 code = stage.end(hurried=self._stopping.asked > 0) if stage.is_open else DONE
                 while stage.lasts and stage.is_open and not self._stopping.wait(_PATIENCE):
                     pass
-                return code
+                return code or (_INCOMPLETE if unread else DONE)
         except RecordingError as error:
             return print_error(str(error))
         except ViewerError as error:
             give_up(error)
 
-    def _draw(self, recording: Recording, stage: ViewerOutput) -> int:
-        """How many samples could not be read."""
+    def _draw(self, recording: Recording, stage: ViewerOutput, unread: Unread) -> int:
+        """How many samples are not of this version. `unread` takes what is missing in the file."""
         strange = 0
-        for number, recorded in enumerate(recording.samples()):
+        for number, recorded in enumerate(recording.samples(unread=unread)):
             if number % _LOOK_EVERY == 0 and (self._stopping.asked or not stage.is_open):
                 break
             topic = topic_of(recorded.key)

@@ -33,7 +33,7 @@ def test_however_fast_it_is_said_nothing_is_left_out(tmp_path: Path) -> None:
 
         def last_has_come() -> bool:
             heard.extend(subscriber.take())
-            return heard[-1].payload == recorded[-1].payload()
+            return heard[-1].payload == recorded[-1].payload
 
         wait(is_said_to_all, 60.0, what="somebody who hears all of it")
         wait(last_has_come, 60.0, what="the last sample")

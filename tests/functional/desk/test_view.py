@@ -53,7 +53,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     true = Pose(-0.3, 0.4, 0.3).placed_in(Pose(odometry.x, odometry.y, odometry.yaw))
     unsure = msgspec.structs.replace(odometry, covariance=(0.09, 0.03, 0.0, 0.04, 0.0, 0.04))
     told = stamped(TruePose(x=true.x, y=true.y, yaw=true.yaw, tick=odometry.tick), 0, newest.stamp_ns, "run")
-    said = [RawSample(each.heard_ns, each.topic, each.payload(), each.encoding) for each in drive]
+    said = [RawSample(each.heard_ns, each.topic, each.payload, each.encoding) for each in drive]
     said += [raw(ODOM, unsure, said[-1].at_ns + 50_000_000), raw(TRUE_POSE, told, said[-1].at_ns + 100_000_000)]
     with RecordingWriter(path, {"robot": "sim-test"}) as writer:
         writer.add(said)

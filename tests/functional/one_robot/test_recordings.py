@@ -82,8 +82,8 @@ def test_what_a_kill_left_is_repaired(robot: ProcessRobot, killed: Path) -> None
     assert done.returncode == 0, done.stderr
     repaired = Recording(killed.with_name("killed-repaired.mcap"))
     assert repaired.whole
-    assert [(s.topic, s.heard_ns, s.data) for s in repaired.samples()] == [
-        (s.topic, s.heard_ns, s.data) for s in recording.samples()
+    assert [(s.topic, s.heard_ns, s.payload) for s in repaired.samples()] == [
+        (s.topic, s.heard_ns, s.payload) for s in recording.samples()
     ]
     assert "is there already" in giraff(robot, "record", "--repair", str(killed), name=None).stderr
 
@@ -100,7 +100,7 @@ def test_what_a_kill_left_is_said_again(robot: ProcessRobot, killed: Path) -> No
     del subscriber
     assert (process.returncode, complaint) == (0, "")
     assert f"as {REPLAY}: {len(recorded)} samples" in output
-    assert heard == [(sample.topic.replace("sim-test", REPLAY), sample.payload()) for sample in recorded]
+    assert heard == [(sample.topic.replace("sim-test", REPLAY), sample.payload) for sample in recorded]
 
 
 def test_again_and_again_only_what_is_asked_for(robot: ProcessRobot, killed: Path) -> None:

@@ -140,7 +140,7 @@ def test_pictures_that_were_asked_for_are_recorded_byte_for_byte(
     read = list(Recording(tmp_path / "a.mcap").samples())
     assert [each.key for each in read] == ["camera/head/@small", "camera/head/@full", "camera/head/@full"]
     assert [each.decode() for each in read] == sent
-    assert [each.payload() for each in read] == [encode(each) for each in sent]
+    assert [each.payload for each in read] == [encode(each) for each in sent]
     kept.close()
     assert source.closed
 

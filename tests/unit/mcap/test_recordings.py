@@ -13,7 +13,7 @@ import pytest
 from mcap.reader import make_reader
 
 from giraff_mcap.raw_sample import RawSample
-from giraff_mcap.reading import Recorded, Recording, RecordingError
+from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.schemas import schema_of
 from giraff_mcap.writing import RecordingWriter
 from giraff_schemas.codec import DecodeError
@@ -26,7 +26,7 @@ def test_what_was_heard_is_read_byte_for_byte_and_as_evenly(tmp_path: Path) -> N
     record(tmp_path / "a.mcap", samples[:4], samples[4:])
     recording = Recording(tmp_path / "a.mcap")
     read = list(recording.samples())
-    assert [sample.payload() for sample in read] == [sample.payload for sample in samples]
+    assert [sample.payload for sample in read] == [sample.payload for sample in samples]
     assert {later.heard_ns - before.heard_ns for before, later in pairwise(read)} == {10_000_000}
     assert [(sample.seq, sample.stamp_ns) for sample in read] == [(s, 1_700_000_000_000_000_000 + s) for s in range(10)]
     assert read[3].decode() == odometry(3)
@@ -79,18 +79,27 @@ def test_a_lost_sample_is_counted_by_its_maker(tmp_path: Path) -> None:
     assert Recording(tmp_path / "a.mcap").counts == writer.totals
 
 
-def test_what_is_no_sample_of_ours_is_kept_or_named(tmp_path: Path) -> None:
+ANYTHING = {
+    "new/list": msgspec.msgpack.encode([1]),
+    "new/bytes": msgspec.msgpack.encode({"image": b"\x00\xff", "far": float("inf"), 7: None}),
+    "new/torn": b"\xc1",
+    "new/ext": b"\xd4\x01\x00",
+    "new/json": b'{"x": NaN}',
+}
+
+
+def test_what_is_no_sample_of_ours_is_kept_byte_for_byte_or_named(tmp_path: Path) -> None:
     (sample,) = ten()[:1]
     path = tmp_path / "a.mcap"
-    strangers = [
-        sample._replace(key=f"giraff/{ROBOT}/{key}", payload=payload)
-        for key, payload in (("new/thing", msgspec.msgpack.encode([1])), ("torn", b"\xc1"), ("ext", b"\xd4\x01\x00"))
-    ]
-    writer = record(path, [sample, *strangers])
-    assert set(writer.unreadable) == {"torn", "ext"}
-    assert [(recorded.key, recorded.content()) for recorded in Recording(path).samples(["new/*"])] == [
-        ("new/thing", [1])
-    ]
+    strangers = [sample._replace(key=f"giraff/{ROBOT}/{key}", payload=payload) for key, payload in ANYTHING.items()]
+    writer = record(path, [sample, *strangers, sample._replace(payload=b"\xc1")])
+    assert set(writer.unreadable) == {"odom"}
+    read = {recorded.key: recorded for recorded in Recording(path).samples(["new/*"])}
+    assert {key: recorded.payload for key, recorded in read.items()} == ANYTHING
+    assert {recorded.encoding for recorded in read.values()} == {sample.encoding}
+    assert read["new/list"].content() == [1]
+    with pytest.raises(DecodeError, match="new/torn"):
+        read["new/torn"].content()
 
 
 def test_a_file_that_was_cut_off_anywhere_is_read_up_to_the_last_whole_chunk(tmp_path: Path) -> None:
@@ -156,15 +165,6 @@ def test_what_is_no_recording_is_told_in_one_line(tmp_path: Path, content: bytes
     assert "\n" not in str(told.value)
 
 
-def test_a_chunk_that_was_tampered_with_shows(tmp_path: Path) -> None:
-    record(tmp_path / "a.mcap", ten())
-    data = bytearray((tmp_path / "a.mcap").read_bytes())
-    data[data.index(b"zstd") + 100] ^= 0xFF
-    (tmp_path / "a.mcap").write_bytes(data)
-    with pytest.raises(RecordingError, match="damaged"):
-        list(Recording(tmp_path / "a.mcap").samples())
-
-
 def test_a_key_is_found_in_the_table() -> None:
     assert topic_of("cmd_vel/joystick") is OPERATOR_CMD_VEL
     assert topic_of("cmd_vel/a/b") is None
@@ -185,15 +185,3 @@ def test_samples_come_in_the_order_in_which_they_were_heard(tmp_path: Path) -> N
     samples: list[RawSample] = ten()
     record(tmp_path / "a.mcap", samples[::-1])
     assert [sample.seq for sample in Recording(tmp_path / "a.mcap").samples()] == list(range(10))
-
-
-@pytest.mark.parametrize(
-    ("data", "said"),
-    [(b'{"voltage": 18446744073709551616}', "it has a number that no message can hold"), (b"{", "it ends too early")],
-)
-def test_a_sample_that_never_was_on_the_network_is_none(data: bytes, said: str) -> None:
-    recorded = Recorded("giraff/otto/battery", "battery", 0, 0, 0, data, "")
-    with pytest.raises(RecordingError, match=f"a sample of giraff/otto/battery is damaged: {said}"):
-        recorded.payload()
-    with pytest.raises(DecodeError, match=said):
-        recorded.decode()

@@ -17,6 +17,6 @@ def begin_of_the_drive(path: Path, duration_ns: int) -> list[Recorded]:
     samples = list(Recording(DRIVE).samples())
     recorded = [sample for sample in samples if sample.heard_ns < samples[0].heard_ns + duration_ns]
     with RecordingWriter(path, {"robot": "sim-test"}) as writer:
-        writer.add([RawSample(sample.heard_ns, sample.topic, sample.payload(), sample.encoding) for sample in recorded])
+        writer.add([RawSample(sample.heard_ns, sample.topic, sample.payload, sample.encoding) for sample in recorded])
         writer.close("test")
     return recorded

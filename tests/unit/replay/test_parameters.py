@@ -57,7 +57,7 @@ def heard(answer: ParamAnswer, at_ns: int) -> RawSample:
 def drive_with(path: Path, *answers: tuple[float, ParamAnswer], **about: str) -> Path:
     """The drive, recorded where its robot file was not, with what was told so many s after its beginning."""
     samples = [
-        RawSample(each.heard_ns, each.topic, each.payload(), each.encoding)
+        RawSample(each.heard_ns, each.topic, each.payload, each.encoding)
         for each in ALL.samples()
         if params_in(each) is None
     ]

@@ -1,0 +1,185 @@
+"""Each command that reads a recording reads what is sound of a bad one, and its exit code tells that it was not all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import msgspec
+import pytest
+from mcap.writer import Writer
+
+import giraff_cli.play.reader as reading
+from giraff_mcap.layout import look_through
+from giraff_mcap.reading import Recorded, Recording
+from giraff_mcap.unread import Unread
+from tests.rules.repository import ROOT
+from tests.unit.cli.quiet_network import meet
+from tests.unit.cli.typed import typed
+from tests.unit.replay.drive import begin_of_the_drive
+
+ROOM: Final = str(ROOT / "deploy" / "worlds" / "living_room.toml")
+TOPIC: Final = "giraff/sim-test/odom"
+NO_JSON: Final = {
+    "not a number": b'{"x": NaN}',
+    "infinity": b'{"x": -Infinity}',
+    "a large integer": b'{"x": 123456789012345678901234567890}',
+    "no JSON": b"hello",
+    "no text": b'{"x": "\xff"}',
+}
+NO_KEYS: Final = ("giraff/sim-test//camera", "/camera/image", "giraff/sim-test/**")
+
+
+Giraff = Callable[..., tuple[int, str, str]]
+
+
+class Bad(NamedTuple):
+    """A file, and what every command says of it."""
+
+    path: Path
+    samples: int
+    """Number of samples that can be read."""
+    told: tuple[str, ...]
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Recorded]]:
+    """The first four seconds of the drive, as foreign tools write them: JSON, in small chunks."""
+    path = tmp_path_factory.mktemp("drive") / "own.mcap"
+    return path, begin_of_the_drive(path, 4_000_000_000)
+
+
+def foreign(path: Path, recorded: list[Recorded], *, strange: bool) -> Path:
+    """Write these as another tool does. `strange`: with messages that are no samples in between."""
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=20_000)
+        writer.start()
+        channels: dict[str, int] = {}
+
+        def say(topic: str, data: bytes, at_ns: int, encoding: str = "json") -> None:
+            if topic not in channels:
+                channels[topic] = writer.register_channel(topic, encoding, 0)
+            writer.add_message(channels[topic], at_ns, data, at_ns)
+
+        for number, sample in enumerate(recorded):
+            say(sample.topic, json.dumps(sample.content(), default=str).encode(), sample.heard_ns)
+            if strange and number == 20:
+                for data in NO_JSON.values():
+                    say(TOPIC, data, sample.heard_ns)
+                for topic in NO_KEYS:
+                    say(topic, b"{}", sample.heard_ns)
+                say("giraff/sim-test/image", b"\x08\x01", sample.heard_ns, "protobuf")
+        writer.finish()
+    return path
+
+
+@pytest.fixture(params=["damaged", "strange"])
+def bad(request: pytest.FixtureRequest, tmp_path: Path, drive: tuple[Path, list[Recorded]]) -> Bad:
+    _, recorded = drive
+    path = foreign(tmp_path / "bad.mcap", recorded, strange=request.param == "strange")
+    if request.param == "strange":
+        lines = [f"5 samples of {TOPIC} left out: no JSON", "giraff/sim-test/image left out: its messages are protobuf"]
+        lines += [f"1 sample of {topic} left out: its topic is " for topic in NO_KEYS]
+        return Bad(path, len(recorded), tuple(lines))
+    with path.open("rb") as file:
+        part = look_through(file).parts[4]
+    data = bytearray(path.read_bytes())
+    data[part.offset + part.size // 2] ^= 0x10
+    path.write_bytes(data)
+    assert part.messages
+    return Bad(path, len(recorded) - part.messages, (f"damaged: {part.messages} samples from ",))
+
+
+COMMANDS: Final = {
+    "repair": ("record", "--repair", "{}", "-o", "{}.repaired", "--json"),
+    "play": ("play", "{}", "--rate", "100", "--json"),
+    "replay": ("replay", "{}", "--json"),
+    "view": ("view", "{}", "--save", "{}.rrd"),
+    "localize": ("localize", "--from", "{}", "--map", ROOM, "--json"),
+}
+
+
+@pytest.fixture
+def said(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
+    """The keys that are published, on a network where nobody is. The robot file at hand is the example."""
+    network, keys = meet(monkeypatch), list[str]()
+    session = network.open(None)
+    session.declare_publisher.side_effect = lambda key, **_: type("", (), {"put": lambda _, __: keys.append(key)})()
+    monkeypatch.setattr("zenoh.open", lambda _: session)
+    monkeypatch.setenv("GIRAFF_CONFIG", str(ROOT / "deploy" / "robot.toml"))
+    monkeypatch.chdir(tmp_path)
+    return keys
+
+
+@pytest.fixture
+def giraff(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], said: list[str]) -> Giraff:
+    """A command, typed where `said` is."""
+    assert not said
+    return lambda *words: typed(monkeypatch, capsys, *words)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_what_is_sound_is_read_and_the_rest_is_named_and_counted(
+    bad: Bad, giraff: Giraff, said: list[str], command: str
+) -> None:
+    code, out, complaint = giraff(*(word.format(bad.path) for word in COMMANDS[command]))
+    assert code == 1, (out, complaint)
+    assert "Traceback" not in complaint
+    if command == "localize":  # reads three keys alone
+        assert "left out" in complaint or "damaged: " in complaint
+        return
+    for line in bad.told:
+        assert line in (complaint if command != "repair" else json_texts(out)), complaint
+    if command == "repair":
+        assert json.loads(out)["samples"] == bad.samples
+        assert len(list(Recording(Path(f"{bad.path}.repaired")).samples())) == bad.samples
+    if command == "play":
+        assert json.loads(out)["samples"] == bad.samples == len(said)
+        assert not [key for key in said if "*" in key or "//" in key]
+
+
+def json_texts(out: str) -> str:
+    """What a repair's JSON says is missing, as text."""
+    return "\n".join(msgspec.json.decode(msgspec.json.encode(json.loads(out)["unread"]), type=Unread).texts())
+
+
+def test_what_is_whole_ends_with_zero(
+    tmp_path: Path, giraff: Giraff, said: list[str], drive: tuple[Path, list[Recorded]]
+) -> None:
+    path = foreign(tmp_path / "whole.mcap", drive[1], strange=False)
+    for command in ("repair", "play", "view"):
+        code, out, complaint = giraff(*(word.format(path) for word in COMMANDS[command]))
+        assert (code, complaint) == (0, ""), out
+    assert len(said) == len(drive[1])
+
+
+def test_a_long_gap_is_told_or_left_out(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, giraff: Giraff, drive: tuple[Path, list[Recorded]]
+) -> None:
+    # Otherwise the waiting for the reader's thread takes some of this clock's time.
+    monkeypatch.setattr(reading.Reader, "start", reading.Reader._run)
+    hour = 3_600_000_000_000
+    late = [*drive[1][:10], *(replace(each, heard_ns=each.heard_ns + hour) for each in drive[1][10:20])]
+    path = foreign(tmp_path / "late.mcap", late, strange=False)
+    code, out, complaint = giraff("play", str(path), "--json")
+    assert (code, json.loads(out)["samples"]) == (0, 20)
+    assert "the next sample comes in 3600 s (--skip-gaps leaves that out)" in complaint
+    code, out, complaint = giraff("play", str(path), "--json", "--skip-gaps")
+    assert (code, complaint) == (0, "")
+    assert json.loads(out)["seconds"] < 3.0
+
+
+def test_what_ends_the_reading_ends_the_command(
+    monkeypatch: pytest.MonkeyPatch, giraff: Giraff, drive: tuple[Path, list[Recorded]]
+) -> None:
+    """It is a fault of this program then, and told as one."""
+
+    def fail(*_: Any) -> bytes:
+        raise RuntimeError("out of order")
+
+    monkeypatch.setattr(reading, "_payload", fail)
+    with pytest.raises(RuntimeError, match="out of order"):
+        giraff("play", str(drive[0]))
