@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ipaddress
+import re
 from collections.abc import Sequence
 from typing import Final, Literal
 
@@ -9,12 +11,19 @@ import msgspec
 
 from giraff_core.access import AccessConfig
 from giraff_core.site import require_site
+from giraff_schemas.trouble import Trouble
 
 _PORT: Final = 7447  # Zenoh's own
 HAND_PORTS: Final = range(7448, 7457)
 """Other hosts reach a door at 7447, and hands and whatever else stays at the first free one of these."""
 _FURTHER: Final = (10, 11, 12)
 """A door listens at so much more than its port, too: who calls one port all the time shuts that one alone."""
+IPV4_ALONE: Final = Trouble("robots listen at IPv4 alone", "give its IPv4 address")
+"""Nobody listens at [::]: a host without IPv6 could not, and IPv4 addresses would have a second form there, by which
+a process of this host looks like one of another."""
+_FORM: Final = "give HOST or HOST:PORT, like 192.168.1.20:7447 or [fd00::2]:7447"
+_NAME: Final = re.compile(r"[\w-]{1,63}(?:\.[\w-]{1,63})*\.?")
+_ZONE: Final = re.compile(r"[\w.-]+")
 
 
 class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -26,7 +35,7 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     session_file: str = ""
     """A Zenoh JSON5 file; when given, it alone counts."""
     rendezvous: str = "127.0.0.1:7447"
-    """Where the door of this host listens, on its loopback; at the same port it listens to other hosts."""
+    """Where the door of this host listens, on its loopback; at the same port it listens to other hosts, by IPv4."""
     sockets: str = ""
     """Folder of the Unix sockets at which the robot's own processes on this host meet; empty: /run/giraff/network where
     this user may use it, else a folder of this user's own."""
@@ -54,12 +63,13 @@ class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 f"[network.access] names several hosts of the robot, but mode is {self.mode}: anybody on the network "
                 'could speak for guard and ranger; run them on the host of base, or set mode = "secured"'
             )
-        for address in self.connect:
-            _require_address("connect", address)
-        if self.router:
-            _require_address("router", self.router)
-            if not self.site:
-                raise ValueError("router is given, but not at which site this host is: the router passes between sites")
+        for field, given in (("connect", self.connect), ("router", (self.router,) if self.router else ())):
+            for address in given:
+                host_and_port(address, field)
+        if ":" in host_and_port(self.rendezvous, "rendezvous")[0] or not re.search(r":\d+$", self.rendezvous):
+            raise ValueError(f"rendezvous: {self.rendezvous!r}: give HOST:PORT by IPv4, like 127.0.0.1:7447")
+        if self.router and not self.site:
+            raise ValueError("router is given, but not at which site this host is: the router passes between sites")
         if self.site:
             require_site(self.site)
 
@@ -96,19 +106,51 @@ def ports_of(network: NetworkConfig, role: str) -> Sequence[int]:
     )
 
 
-def _require_address(field: str, address: str) -> None:
-    """ValueError unless it is HOST or HOST:PORT, also as Zenoh writes it: tcp/HOST:PORT."""
-    address = _plain(address)
-    if not address or any(mark in address for mark in "/#? "):
-        raise ValueError(f"{field}: {address!r} is no address; give HOST or HOST:PORT, like 192.168.1.20:7447")
+def host_and_port(address: str, field: str = "") -> tuple[str, int]:
+    """Return host and port of HOST or HOST:PORT, also as Zenoh writes it: tcp/HOST:PORT. Raises ValueError.
 
-
-def _plain(address: str) -> str:
-    return address.removeprefix("tcp/")
+    An IPv6 address stands in brackets where a port follows. It is returned without them. `field`: named in an error.
+    """
+    refused = f"{field and field + ': '}{address!r}"
+    text = address.removeprefix("tcp/")
+    if text.startswith("["):
+        host, end, rest = text[1:].partition("]")
+        is_sound = bool(end) and _is_ipv6(host)
+    elif text.count(":") > 1:
+        host, rest, is_sound = text, "", _is_ipv6(text)
+    else:
+        host, colon, port = text.partition(":")
+        rest, is_sound = colon + port, _is_name(host)
+    if not is_sound or "/" in text or rest[:1] not in ("", ":"):
+        raise ValueError(f"{refused} is no address; {_FORM}")
+    if re.match(r"fe80:[^%]*$", host, re.IGNORECASE):
+        raise ValueError(f"{refused} needs its interface, like fe80::1%eth0")
+    if rest and not (re.fullmatch(r":[0-9]{1,5}", rest) and 0 < int(rest[1:]) < 1 << 16):
+        raise ValueError(f"{refused}: {rest[1:]!r} is no port from 1 to 65535; {_FORM}")
+    return host, int(rest[1:] or _PORT)
 
 
 def with_port(address: str) -> str:
-    """HOST:PORT; an IPv6 address stands in brackets."""
-    address = _plain(address)
-    _, colon, port = address.rpartition(":")
-    return address if colon and not port.endswith("]") else f"{address}:{_PORT}"
+    """Return HOST:PORT; an IPv6 address stands in brackets."""
+    host, port = host_and_port(address)
+    return f"[{host}]:{port}" if ":" in host else f"{host}:{port}"
+
+
+def _is_name(host: str) -> bool:
+    """Tell whether a text is a name or an IPv4 address."""
+    if re.fullmatch(r"[0-9.]+", host) is None:
+        return _NAME.fullmatch(host) is not None
+    try:
+        ipaddress.IPv4Address(host)
+    except ValueError:
+        return False
+    return True
+
+
+def _is_ipv6(host: str) -> bool:
+    """Tell whether a text is an IPv6 address, also with an interface at its end."""
+    try:
+        zone = ipaddress.IPv6Address(host).scope_id
+    except ValueError:
+        return False
+    return zone is None or _ZONE.fullmatch(zone) is not None

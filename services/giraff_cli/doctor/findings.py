@@ -22,7 +22,7 @@ from giraff_cli.doctor.inspection import (
 from giraff_cli.terminal.text import json_page
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
-from giraff_core.network import HAND_PORTS
+from giraff_core.network import HAND_PORTS, IPV4_ALONE
 from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, RUN, SERVICES
 from giraff_schemas.trouble import Trouble, trouble_of
 from giraff_telemetry.describe import START_A_HAND
@@ -137,6 +137,9 @@ def _of_call(call: Probe, look: Inspection) -> tuple[str, str, str] | None:
     match call.outcome:
         case "untrusted":
             return "certificates", f"{call.address}: {call.detail}", _trust(call.detail)
+        case "refused" | "silent" | "no way" if call.address.startswith("["):
+            fix = f"{IPV4_ALONE.remedy}; where it is a router's, see that it is on and listens there"
+            return "network", f"{call.address} does not answer, and {IPV4_ALONE.what}", fix
         case "refused":
             here = f"{', '.join(machine.services)} run on this machine, but " if machine.services else ""
             what = f"{here}{call.address} refuses: no door listens"

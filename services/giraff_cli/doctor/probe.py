@@ -14,8 +14,9 @@ from typing import Any, Final
 
 from giraff_cli.doctor.inspection import NO_NAME, Machine, Outcome, Probe
 from giraff_cli.network.interfaces import Interface, on_link
-from giraff_core.network import NetworkConfig, ports_of, with_port
+from giraff_core.network import NetworkConfig, host_and_port, ports_of, with_port
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
+from giraff_node.network.reach import address_fault
 from giraff_web.config import WebConfig
 
 _ANSWER_WITHIN: Final = 1.0  # s
@@ -32,9 +33,9 @@ def call_all(network: NetworkConfig, machine: Machine) -> tuple[Probe, ...]:
 
 
 def call_pages(hosts: Sequence[str]) -> tuple[Probe, ...]:
-    """The pages of web services on these hosts."""
-    plain = NetworkConfig()
-    return _at_once([partial(call, f"{host}:{WebConfig().port}", plain, ()) for host in hosts])
+    """The pages of web services on these hosts, which name themselves."""
+    plain, pages = NetworkConfig(), [f"{host}:{WebConfig().port}" for host in hosts]
+    return _at_once([partial(call, page, plain, ()) for page in pages if not address_fault(page)])
 
 
 def has_free_port(network: NetworkConfig) -> bool:
@@ -54,9 +55,9 @@ def _is_free(port: int) -> bool:
 
 def call(address: str, network: NetworkConfig, own: tuple[Interface, ...]) -> Probe:
     """What comes back from HOST:PORT."""
-    host, _, port = address.rpartition(":")
-    outcome, detail = _outcome(host.strip("[]"), int(port), network)
-    return Probe(address=address, outcome=outcome, detail=detail, on_link=on_link(host.strip("[]"), own))
+    host, port = host_and_port(address)
+    outcome, detail = _outcome(host, port, network)
+    return Probe(address=address, outcome=outcome, detail=detail, on_link=on_link(host, own))
 
 
 def _outcome(host: str, port: int, network: NetworkConfig) -> tuple[Outcome, str]:

@@ -16,7 +16,7 @@ from giraff_cli.network.connection import RobotConnection
 from giraff_cli.network.user import user_at_host
 from giraff_cli.terminal.output import discard_stdout
 from giraff_cli.terminal.text import json_line
-from giraff_core.network import with_port
+from giraff_core.network import host_and_port
 from giraff_node.network.consent import NoRobotError
 from giraff_node.network.query_client import engaging
 from giraff_node.network.reach import address_fault
@@ -77,7 +77,7 @@ class _Stop(threading.Thread):
             self._place = place_of(page) if page else None
         except ValueError as error:
             self._page_fault = f"--page is left out: {error}"
-        at = [with_port(address).rpartition(":")[0].strip("[]") for address in connect if address not in faults]
+        at = [host_and_port(address)[0] for address in connect if address not in faults]
         self._off = off
         self._page = PageStop(named or filed, self._place, timeout, plan.doubt, at, off=off)
         self.tell = partial(tell)

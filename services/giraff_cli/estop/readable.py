@@ -22,6 +22,7 @@ from giraff_node.config.robot_file import (
     read,
     robot_file,
 )
+from giraff_node.network.reach import address_fault
 from giraff_node.network.session import CERTIFICATES
 
 _OPEN: Final = ("lan", "fixed")
@@ -60,9 +61,9 @@ def read_what_is_left(robot: str | None, environment: Mapping[str, str]) -> Read
     values = given.tables.get("network", {})
     network = _sound(values)
     misplaced = [{entry.word: entry.value} for entry in doubted]
-    unsound = str([*misplaced, {field: value for field, value in values.items() if field not in network}])
+    unsound = str([*misplaced, {field: value for field, value in values.items() if network.get(field) != value}])
     network = _without_contradiction(network, unsound)
-    in_doubt = is_lost or bool(doubted) or len(network) < len(values)
+    in_doubt = is_lost or bool(doubted) or network != values
     keys = Path(network.get("keys", NetworkConfig().keys))
     is_secured = _looks_secured(f"{misplaced}\n{values}\n{text}") or has_bundle(keys)
     if in_doubt and "mode" not in network and is_secured and not network.get("session_file"):
@@ -153,7 +154,10 @@ def _sound(values: Mapping[str, Any]) -> dict[str, Any]:
     sound: dict[str, Any] = {}
     for field in reversed(NetworkConfig.__struct_fields__):  # one that asks for another comes after it
         if field in values:
-            tried = sound | {field: values[field]}
+            value = values[field]
+            if field == "connect" and isinstance(value, list):  # a robot at a sound address is stopped all the same
+                value = [each for each in value if not address_fault(str(each))]
+            tried = sound | {field: value}
             try:
                 msgspec.convert(tried, NetworkConfig, strict=False)
             except msgspec.ValidationError:

@@ -14,10 +14,10 @@ import zenoh
 
 from giraff_cli.network.pages import PageKeeper
 from giraff_cli.network.topic_keys import is_declared
-from giraff_core.network import NetworkConfig, addresses, link_of, with_port
+from giraff_core.network import NetworkConfig, addresses
 from giraff_node import robot_now_ns
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import NobodyError, close_session, open_clients
+from giraff_node.network.session import NobodyError, close_session, open_clients, way_to
 from giraff_node.network.tokens import Token, find_tokens, watch_tokens
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
@@ -154,7 +154,7 @@ class RobotConnection:
 
     def unreached(self, given: Iterable[str]) -> list[str]:
         """Return the addresses at which no door has answered `open_other_doors`."""
-        return [each for each in given if f"{link_of(self.network)}/{with_port(each)}" not in self._dialled]
+        return [each for each in given if way_to(self.network, each) not in self._dialled]
 
     def _open_other_doors(self, on_door: Callable[[zenoh.Session], object]) -> None:
         known = _doors(self.session)

@@ -98,7 +98,7 @@ def target_of(
     try:
         return Target(name, msgspec.structs.replace(network, connect=(*network.connect, *connect)), warning, filed)
     except ValueError as error:
-        raise NoRobotError(f"--connect: {error}") from error
+        raise NoRobotError(f"--{error}") from error
 
 
 def name_of(given: RawSettings) -> str:

@@ -6,7 +6,7 @@ import socket
 from collections.abc import Sequence
 from typing import Final
 
-from giraff_core.network import NetworkConfig, with_port
+from giraff_core.network import IPV4_ALONE, host_and_port
 
 _ANSWERS_WITHIN: Final = 2.0  # s; a host on Wi-Fi takes up to one
 
@@ -19,20 +19,18 @@ def find_silent(addresses: Sequence[str]) -> list[str]:
 def address_fault(address: str) -> str:
     """Why this cannot be an address; empty: it can."""
     try:
-        NetworkConfig(connect=(address,))
+        host_and_port(address)
     except ValueError as error:
-        return str(error).removeprefix("connect: ")
+        return str(error)
     return ""
 
 
 def _silence(address: str) -> str:
     if why := address_fault(address):
         return why
-    host, _, port = with_port(address).rpartition(":")
+    host, port = host_and_port(address)
     try:
-        socket.create_connection((host.strip("[]"), int(port)), _ANSWERS_WITHIN).close()
+        socket.create_connection((host, port), _ANSWERS_WITHIN).close()
     except OSError as error:
-        return str(error.strerror or error)
-    except (ValueError, OverflowError):  # a port or a name that is none
-        return "it is no address: give HOST or HOST:PORT"
+        return f"{error.strerror or error}{f'; {IPV4_ALONE}' if ':' in host else ''}"
     return ""

@@ -9,6 +9,8 @@ from __future__ import annotations
 import contextlib
 import functools
 import os
+import re
+import socket
 import threading
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
@@ -20,7 +22,7 @@ import msgspec
 import zenoh
 
 from giraff_core.access import access_control, with_inside, with_own_host
-from giraff_core.network import NetworkConfig, addresses, door_ports, link_of, ports_of
+from giraff_core.network import NetworkConfig, addresses, door_ports, link_of, ports_of, with_port
 from giraff_node.config.robot_file import ConfigError
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BundleError, read_bundle
 from giraff_node.network.scouting import find_doors
@@ -235,7 +237,7 @@ def _open(config: dict[str, Any]) -> zenoh.Session:
 
 def _endpoints(network: NetworkConfig, role: Role, port: int, name: str, *, stays: bool) -> tuple[list[str], list[str]]:
     """Where a process listens, and whom it dials. Raises ConfigError."""
-    dials = [f"{link_of(network)}/{address}" for address in addresses(network)]
+    dials = [way_to(network, address) for address in addresses(network)]
     listens = _ports(network, role, port)
     if role not in {"inside", "client"}:
         return listens, dials
@@ -255,12 +257,25 @@ def _endpoints(network: NetworkConfig, role: Role, port: int, name: str, *, stay
     return listens, dials
 
 
+def way_to(network: NetworkConfig, address: str) -> str:
+    """Return an address as Zenoh dials it, which knows an interface by its number alone: fe80::1%2."""
+    return f"{link_of(network)}/{re.sub(r'(?<=%)[^]]+', _number_of, with_port(address))}"
+
+
+def _number_of(interface: re.Match[str]) -> str:
+    try:
+        return str(socket.if_nametoindex(interface[0]))
+    except OSError:  # a number already, or none of this host: nobody answers, and doctor says why
+        return interface[0]
+
+
 def _ports(network: NetworkConfig, role: Role, port: int) -> list[str]:
     """Where other hosts reach this process."""
     link, own_port = link_of(network), f"127.0.0.1:{port}" if network.local else _at_all(f":{port}")
     own = [f"{link}/{own_port}{_FIRST}"]
     if role in {"door", "apart"}:
-        at_door = [network.rendezvous] if network.local else map(_at_all, door_ports(network.rendezvous))
+        door = with_port(network.rendezvous)
+        at_door = [door] if network.local else map(_at_all, door_ports(door))
         return [*(own if role == "apart" else []), *(f"{link}/{address}{_RETRIED}" for address in at_door)]
     return own if role == "outside" or network.is_split else []
 

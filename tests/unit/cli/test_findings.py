@@ -127,8 +127,8 @@ def silent(machine: Machine = MACHINE, **fields: Any) -> Inspection:
     return Inspection(machine=machine, network=network, robot=None, wanted="anne")
 
 
-def call(outcome: Any, detail: str = "", *, on_link: bool = True) -> tuple[Probe, ...]:
-    return (Probe(address="10.71.1.9:7447", outcome=outcome, detail=detail, on_link=on_link),)
+def call(outcome: Any, detail: str = "", *, on_link: bool = True, address: str = "10.71.1.9:7447") -> tuple[Probe, ...]:
+    return (Probe(address=address, outcome=outcome, detail=detail, on_link=on_link),)
 
 
 def test_a_healthy_robot_has_no_findings() -> None:
@@ -227,6 +227,10 @@ def test_a_healthy_robot_has_no_findings() -> None:
         (silent(calls=call("silent")), "does not answer, though it is in a network of this machine"),
         (silent(calls=call("silent")), "and that its firewall lets in 7447/tcp"),
         (silent(calls=call("no way", on_link=False)), "is in none of this machine's networks (uplink 10.71.1.2/24)"),
+        (
+            silent(calls=call("refused", address="[::1]:7447")),
+            "[::1]:7447 does not answer, and robots listen at IPv4 alone -> give its IPv4 address; where",
+        ),
         (
             silent(calls=call("untrusted", "self-signed")),
             "fault certificates: no robot called anne is heard: 10.71.1.9",

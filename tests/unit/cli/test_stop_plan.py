@@ -52,6 +52,7 @@ def aim(path: Path, robot: str | None = "anne", **variables: str) -> tuple[str, 
         (b"\0\0\0" + NETWORK, FIXED),  # a disk that has lost a block
         (NETWORK + b"connect = []\n[guard]\nmargin = = 1", FIXED),  # a line twice
         (b"[network]\nmode = fixed\nrendezvous = '127.0.0.1:9'", NetworkConfig(rendezvous="127.0.0.1:9")),
+        (b"[network\n" + NETWORK.replace(b'["', b'["robot:abc", "'), FIXED),
         (b"[network", DEFAULT),
         (b'[network]\nmode = "fxied"\nlocal = true', NetworkConfig(local=True)),
         (b'[network]\nmode = "lna"', NetworkConfig()),

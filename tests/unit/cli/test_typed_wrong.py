@@ -130,7 +130,15 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("run", "--boards", "arm"), "'arm' is not one of 'avr', 'host'"),
     (("map", "show", "none.toml"), "none.toml: cannot be read: No such file or directory"),
     (("topic", "echo", "odom", "--robot", "a/b"), "'a/b' cannot be part of a key: use letters, digits, '-' and '_'"),
-    (("topic", "hz", "--connect", "otto:x"), "--connect otto:x: it is no address: give HOST or HOST:PORT; check"),
+    (("topic", "hz", "--connect", "otto:x"), "giraff: --connect: 'otto:x': 'x' is no port from 1 to 65535; give"),
+    (
+        ("doctor", "--connect", "robot:abc"),
+        "giraff: --connect: 'robot:abc': 'abc' is no port from 1 to 65535; give HOST",
+    ),
+    (
+        ("topic", "hz", "--connect", "[::1]:9"),
+        "; robots listen at IPv4 alone; give its IPv4 address; check",
+    ),
     ((*BATTERY, '{"voltage": null}', "--robot", "x"), "not a Battery: voltage must be a number, and is none; it has"),
     ((*BATTERY, "[]", "--robot", "x"), "a Battery is a JSON object, like"),
     (("topic", "pub", "tick", '{"epoch": 1.5, "robot_ns": 1}', "--robot", "x"), "epoch must be a whole number"),

@@ -116,7 +116,7 @@ def test_a_file_that_leads_nowhere_is_not_passed_over(elsewhere: Path) -> None:
 def test_a_name_that_can_be_none_is_refused() -> None:
     with pytest.raises(NoRobotError, match=r"robot: 'a/b' cannot be part of a key"):
         resolve_target("a/b", (), {})
-    with pytest.raises(NoRobotError, match=r"--connect: connect: 'a b' is no address"):
+    with pytest.raises(NoRobotError, match=r"--connect: 'a b' is no address"):
         resolve_target("anne", ["a b"], {})
 
 

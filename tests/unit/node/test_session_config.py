@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
+import socket
 from typing import get_args
 
+import msgspec
 import pytest
 import zenoh
 
-from giraff_core.network import NetworkConfig, door_ports
+from giraff_core.network import NetworkConfig, door_ports, with_port
 from giraff_node.config.robot_file import ConfigError
-from giraff_node.network.session import Role, session_config
+from giraff_node.network.session import Role, session_config, way_to
 
 ROBOT = "sim-node"
 
@@ -63,3 +65,62 @@ def test_a_door_listens_at_further_ports_and_a_client_knows_them() -> None:
     assert door_ports("192.0.2.1:7447") == tuple(f"192.0.2.1:{port}" for port in (7447, 7457, 7458, 7459))
     assert door_ports("[2001:db8::1]:65530") == ("[2001:db8::1]:65530",)
     assert not session_config(NetworkConfig(), ROBOT, "outside", port=7448)["listen"]["endpoints"][1:]
+
+
+@pytest.mark.parametrize(
+    ("address", "read"),
+    [
+        ("192.168.1.20", "192.168.1.20:7447"),
+        ("tcp/robot_1.lan:1", "robot_1.lan:1"),
+        ("[fd00::2]:7448", "[fd00::2]:7448"),
+        ("[fd00::2]", "[fd00::2]:7447"),
+        ("::1", "[::1]:7447"),
+        ("fe80::1%eth0", "[fe80::1%eth0]:7447"),
+    ],
+)
+def test_host_and_port_of_an_address_are_told_apart(address: str, read: str) -> None:
+    assert with_port(address) == read
+    NetworkConfig(connect=(address,), router=address, site="lab")
+
+
+PORTS = (":", ":abc", ":99999", ":0", ":7447 ", ":٣")
+NO_ADDRESSES = (
+    " ",
+    ":7447",
+    "a b",
+    " a",
+    "http://a",
+    "tls/a:1",
+    "10.77.0.300",
+    "7447",
+    "a..b",
+    "[a]:1",
+    "[::1",
+    "::1]",
+)
+
+
+@pytest.mark.parametrize(
+    ("address", "told"),
+    [
+        *((f"robot{port}", "is no port from 1 to 65535; give HOST or HOST:PORT") for port in PORTS),
+        *((address, "is no address; give HOST or HOST:PORT") for address in (*NO_ADDRESSES, "a:1:2", "[::1]7447")),
+        ("[fe80::1]:7447", "needs its interface, like fe80::1%eth0"),
+    ],
+)
+def test_what_is_no_address_is_refused_by_each_field(address: str, told: str) -> None:
+    for field in ("rendezvous", "connect", "router"):
+        with pytest.raises(msgspec.ValidationError, match=rf"^{field}: '.*{told}"):
+            msgspec.convert({field: [address] if field == "connect" else address, "site": "lab"}, NetworkConfig)
+
+
+def test_a_rendezvous_has_a_port_and_is_ipv4_alone() -> None:
+    for address in ("127.0.0.1", "[::1]:7447"):
+        with pytest.raises(ValueError, match="give HOST:PORT by IPv4"):
+            NetworkConfig(rendezvous=address)
+
+
+def test_zenoh_is_told_an_interface_by_its_number() -> None:
+    number, name = socket.if_nameindex()[0]
+    assert way_to(NetworkConfig(), f"fe80::1%{name}") == f"tcp/[fe80::1%{number}]:7447"
+    assert way_to(NetworkConfig(), "[fe80::1%none]:1") == "tcp/[fe80::1%none]:1"
