@@ -8,7 +8,6 @@ from typing import Final, Literal
 import msgspec
 
 from giraff_cli.doctor.inspection import (
-    NO_NAME,
     Geometry,
     HealthReply,
     Inspection,
@@ -23,6 +22,7 @@ from giraff_cli.terminal.text import json_page
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS, IPV4_ALONE
+from giraff_node.network.reach import NO_NAME
 from giraff_schemas.services import BASE, DOOR, HANDS, ODOMETRY, PLAY, ROBOTS_OWN, RUN, SERVICES
 from giraff_schemas.trouble import Trouble, trouble_of
 from giraff_telemetry.describe import START_A_HAND
@@ -147,6 +147,8 @@ def _of_call(call: Probe, look: Inspection) -> tuple[str, str, str] | None:
         case "answers" if look.network.has_doors and not look.network.door and not look.network.problem:
             what = f"{call.address} answers, but is no door: another program, or one that hangs"
             return "door", what, f"see there who listens: ss -ltnp 'sport = :{port}'"
+        case "no name":
+            return "network", f"{call.address.rpartition(':')[0]}: {NO_NAME.what}", NO_NAME.remedy
         case "silent" | "no way" if not call.on_link:
             what = f"{call.address} does not answer, and is in none of this machine's networks ({where})"
             return "network", what, "correct the address, or join the robot's network"
@@ -190,7 +192,7 @@ def _of_network(look: Inspection) -> Iterator[Finding]:
             fix=f"end one of those who listen: ss -ltnp 'sport >= {HAND_PORTS[0]} and sport <= {HAND_PORTS[-1]}'",
         )
     for page in network.pages:
-        if page.outcome in ("silent", "no way") and not page.detail.startswith(NO_NAME):
+        if page.outcome in ("silent", "no way"):
             host, _, port = page.address.rpartition(":")
             what = f"giraff_web runs on {host}, but {page.address} does not answer: no browser reaches the page"
             yield Finding(

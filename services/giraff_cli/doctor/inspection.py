@@ -12,11 +12,9 @@ from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
 from giraff_schemas.trouble import WELL, Trouble
 
-Outcome = Literal["answers", "refused", "silent", "no way", "untrusted"]
-"""Of a call to an address. `silent`: nothing came back; `no way`: it cannot be sent there; `untrusted`: the
-certificates of both ends do not go together."""
-NO_NAME: Final = "no such name"
-"""Begins the detail of a call to a host whose name nobody knows."""
+Outcome = Literal["answers", "refused", "silent", "no way", "no name", "untrusted"]
+"""Of a call to an address. `silent`: nothing came back; `no way`: it cannot be sent there; `no name`: the host's
+name is not known here; `untrusted`: the certificates of both ends do not go together."""
 _TROUBLE: Final = {*Trouble.__struct_fields__}
 
 

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
-from giraff_cli.doctor.inspection import NO_NAME, Machine, Outcome, Probe
+from giraff_cli.doctor.inspection import Machine, Outcome, Probe
 from giraff_cli.network.interfaces import Interface, on_link
 from giraff_core.network import NetworkConfig, host_and_port, ports_of, with_port
 from giraff_node.network.key_bundle import CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY
@@ -69,7 +69,7 @@ def _outcome(host: str, port: int, network: NetworkConfig) -> tuple[Outcome, str
     except ConnectionRefusedError:
         return "refused", ""
     except socket.gaierror as error:
-        return "no way", f"{NO_NAME}: {error.strerror}"
+        return ("no way" if ":" in host else "no name"), error.strerror or str(error)
     except OSError as error:
         return ("no way" if error.errno in _UNREACHABLE else "silent"), error.strerror or str(error)
 

@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from giraff_core.network import IPV4_ALONE, host_and_port
+from giraff_schemas.trouble import Trouble
 
+NO_NAME: Final = Trouble("no such name is known here (DNS, /etc/hosts)", "give its address")
 _ANSWERS_WITHIN: Final = 2.0  # s; a host on Wi-Fi takes up to one
 
 
@@ -32,5 +34,7 @@ def _silence(address: str) -> str:
     try:
         socket.create_connection((host, port), _ANSWERS_WITHIN).close()
     except OSError as error:
-        return f"{error.strerror or error}{f'; {IPV4_ALONE}' if ':' in host else ''}"
+        if ":" in host:
+            return f"{error.strerror or error}; {IPV4_ALONE}"
+        return str(NO_NAME) if isinstance(error, socket.gaierror) else str(error.strerror or error)
     return ""

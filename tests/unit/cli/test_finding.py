@@ -287,17 +287,24 @@ def test_a_stop_that_names_nobody_goes_to_every_robot(
     assert told in said.complaint
 
 
-@pytest.mark.parametrize("verb", [LOOKS, MOVES])
+@pytest.mark.parametrize(
+    ("verb", "error", "told"),
+    [
+        (LOOKS, ConnectionRefusedError(111, "Connection refused"), "Connection refused"),
+        (MOVES, ConnectionRefusedError(111, "Connection refused"), "Connection refused"),
+        (LOOKS, socket.gaierror(-2, "?"), "no such name is known here (DNS, /etc/hosts); give its address"),
+    ],
+)
 def test_an_address_that_does_not_answer_is_an_error(
-    host: Host, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...]
+    host: Host, monkeypatch: pytest.MonkeyPatch, verb: tuple[str, ...], error: OSError, told: str
 ) -> None:
     def refuse(*_: object) -> None:
-        raise ConnectionRefusedError(111, "Connection refused")
+        raise error
 
     monkeypatch.setattr(socket, "create_connection", refuse)
-    said = host.beside(OWN).types(*verb, "--connect", "192.168.1.9")
+    said = host.beside(OWN).types(*verb, "--connect", "robot.lan")
     assert (said.code, said.asked) == (2, "")
-    assert "--connect 192.168.1.9: Connection refused; check the address" in said.complaint
+    assert f"--connect robot.lan: {told}; check the address" in said.complaint
 
 
 @pytest.mark.parametrize(

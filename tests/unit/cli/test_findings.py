@@ -14,7 +14,6 @@ import pytest
 from giraff_cli.doctor import probe
 from giraff_cli.doctor.findings import as_document, findings
 from giraff_cli.doctor.inspection import (
-    NO_NAME,
     Disk,
     Geometry,
     GeometryInUse,
@@ -232,6 +231,10 @@ def test_a_healthy_robot_has_no_findings() -> None:
             "[::1]:7447 does not answer, and robots listen at IPv4 alone -> give its IPv4 address; where",
         ),
         (
+            silent(calls=call("no name", address="robot.lan:7447")),
+            "robot.lan: no such name is known here (DNS, /etc/hosts) -> give its address",
+        ),
+        (
             silent(calls=call("untrusted", "self-signed")),
             "fault certificates: no robot called anne is heard: 10.71.1.9",
         ),
@@ -344,7 +347,7 @@ def test_a_run_and_what_is_played_are_doors_and_the_loopback_needs_none(instead:
 
 
 def test_a_page_on_a_machine_whose_name_is_not_known_here_is_no_finding() -> None:
-    assert findings(of_network(pages=call("no way", NO_NAME))) == []
+    assert findings(of_network(pages=call("no name"))) == []
 
 
 def test_a_port_is_free_where_nobody_listens(monkeypatch: pytest.MonkeyPatch) -> None:
