@@ -32,14 +32,15 @@ def record(path: Path, table: str, fields: Mapping[str, Value], *, kept_as: str 
     """
     with _explained(path, table, fields):
         before = path.read_bytes()
-        text = before.decode()
+        text = before.decode("utf-8-sig")
+        mark = before.removesuffix(text.encode())  # of byte order, where an editor has left one
         was = tomllib.loads(text)
         after = _with(text, table, fields)
         if tomllib.loads(after) != _merged(was, table.split("."), fields):
             raise ValueError("something else would change with it")
         kept = _keep(path, before, kept_as) if kept_as else None
         try:
-            write_file_durably(path, after.encode())
+            write_file_durably(path, mark + after.encode())
         except OSError:
             with contextlib.suppress(OSError):
                 if kept is not None and path.read_bytes() == before:

@@ -94,7 +94,7 @@ class RoomFile(_Strict, frozen=True, kw_only=True):
 def read_room_file(path: Path) -> RoomFile:
     """What a room file says. Raises MapError; whether its walls and posts can be is not asked yet."""
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise MapError(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:

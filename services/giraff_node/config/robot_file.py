@@ -31,12 +31,16 @@ ConfigT = TypeVar("ConfigT", bound=msgspec.Struct)
 TABLES: Final = ("robot", "network", *(service.table for service in SERVICES if service.table), "sim")
 _NOT_FIELDS = ("GIRAFF_CONFIG",)
 _WRITTEN_AS_TOML: Final = {"[": "list", "{": "table"}
+_QUOTED: Final = re.compile(r"""(["'])((?:(?!\1).)*)\1""")
+"""A variable of an env file that docker reads: it keeps the quotes, which systemd and shells take away."""
 _DEEPEST: Final = 20
 """Tables and lists within each other."""
 _TOO_DEEP: Final = "it is nested too deeply"
 _PLACE: Final = re.compile(r"at `\$\.([^`]*)`")
 _OF_SENSORS: Final = re.compile(rf"\$\.({'|'.join(SENSOR_TABLES)})\.")
 _UNKNOWN: Final = re.compile(r"unknown field `([^`]*)`")
+_NO_TEXT: Final = re.compile(r"Expected `(\w+)[^`]*`, got `str`")
+_NUMBER: Final = re.compile(r"-?\d+\.\d+")
 _NO_DRIVE: Final = "Object missing required field `drive`"
 DEFAULT_FILE = Path("deploy/robot.toml")
 """The robot file below the working directory, where GIRAFF_CONFIG names no other."""
@@ -82,7 +86,9 @@ class RawSettings(NamedTuple):
             shown = plain(_OF_SENSORS.sub("$.sensors.", told))
             if (name, told) == ("base", _NO_DRIVE):
                 shown = "there is no [base.drive]; say what moves the robot, as deploy/robot.toml does"
-            raise ConfigError(f"{self.place(name)}: {shown}{_hint(values, config, told)}") from error
+            raise ConfigError(
+                f"{self.place(name)}: {shown}{_hint(values, config, told) or _form(values, told)}"
+            ) from error
 
     @property
     def is_example(self) -> bool:
@@ -253,6 +259,20 @@ def _hint(values: Mapping[str, Any], config: type[msgspec.Struct], told: str) ->
     return suggestion(str(inner.get(keys[-1])), known) if known and inner.get(keys[-1]) not in known else ""
 
 
+def _form(values: Mapping[str, Any], told: str) -> str:
+    """Return the text that stands where `told` wants another type, and how to write it where that is clear."""
+    wanted, found = _NO_TEXT.search(told), _PLACE.search(told)
+    text: Any = values
+    for key in found[1].split(".") if found else ():
+        text = text.get(key) if isinstance(text, Mapping) else None
+    if wanted is None or not isinstance(text, str):
+        return ""
+    if wanted[1] == "array":
+        return f" ({text!r}); write {msgspec.json.encode(re.split(r'[,; ]+', text)).decode()}"
+    number = text.replace(",", ".")
+    return f" ({text!r})" + (f"; write {number}" if wanted[1] == "float" and _NUMBER.fullmatch(number) else "")
+
+
 def _structs(kind: Any, values: Mapping[str, Any]) -> list[msgspec.inspect.StructType]:
     """Return those of a type; where a tag tells several apart, the one that is meant, else all."""
     kinds = kind.types if isinstance(kind, msgspec.inspect.UnionType) else (kind,)
@@ -292,6 +312,8 @@ def _with_key(told: str, values: Mapping[str, Any], config: type[msgspec.Struct]
 
 def _value(variable: str, text: str) -> Any:
     """What a variable holds: text, or a list or a table written as in the file: ["a", "b"], { a = 1, b = 2 }."""
+    if (quoted := _QUOTED.fullmatch(text)) is not None:
+        text = quoted[2]
     kind = _WRITTEN_AS_TOML.get(text[:1])
     if kind is None:
         return text
@@ -307,7 +329,7 @@ def _value(variable: str, text: str) -> Any:
 def parse_toml(text: str) -> dict[str, Any]:
     """Raises ValueError, also for what is TOML and would be too much for whoever reads it."""
     try:
-        values = tomllib.loads(text)
+        values = tomllib.loads(text.removeprefix("\ufeff"))  # an editor of Windows may begin a file so
     except (ValueError, RecursionError) as error:
         raise ValueError(plain(error)) from error
     _require_moderate(values, _DEEPEST)

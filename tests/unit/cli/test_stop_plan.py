@@ -48,7 +48,7 @@ def aim(path: Path, robot: str | None = "anne", **variables: str) -> tuple[str, 
     [
         (b"[guard\nmargin = 1" + NETWORK, FIXED),  # a header without its end
         (b"# K\xfcche" + NETWORK, FIXED),  # another encoding
-        (b"\xef\xbb\xbf[robot]" + NETWORK, FIXED),  # the mark that an editor left
+        (b"\xef\xbb\xbf[robot" + NETWORK, FIXED),  # the mark that an editor left
         (b"\0\0\0" + NETWORK, FIXED),  # a disk that has lost a block
         (NETWORK + b"connect = []\n[guard]\nmargin = = 1", FIXED),  # a line twice
         (b"[network]\nmode = fixed\nrendezvous = '127.0.0.1:9'", NetworkConfig(rendezvous="127.0.0.1:9")),

@@ -5,9 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 import random
+from pathlib import Path
 
 import pytest
 
+from giraff_cli.motion.pattern import read_pattern
+from giraff_maps.room_file import read_room_file
 from giraff_sim.world.room import Room, read_room
 from tests.support.robots import ROBOT
 from tests.unit.maps.grids import FLAT, TWINS
@@ -34,6 +37,13 @@ def test_the_flats_way_leads_through_every_room_and_clear_of_all() -> None:
         for part in range(21):
             clear = room.clearance(x + part / 20 * (to_x - x), y + part / 20 * (to_y - y))
             assert clear > ROBOT.footprint_radius, (x, y)
+
+
+def test_a_byte_order_mark_is_no_part_of_a_room_or_a_pattern(tmp_path: Path) -> None:
+    for read, path in ((read_room_file, FLAT), (read_pattern, Path("deploy/patterns/square.toml"))):
+        marked = tmp_path / path.name
+        marked.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+        assert read(marked) == read(path)
 
 
 def _first(room: Room, x: float, y: float, direction: float) -> float | None:

@@ -8,11 +8,13 @@ import msgspec
 import pytest
 
 from giraff_base.config import BaseConfig
+from giraff_cli.robot_file import record
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig
 from giraff_core.robot import RobotConfig
 from giraff_guard.config import GuardConfig
 from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_node.network.discovery import Target, resolve_target
 from giraff_sim.board import ROOT
 
 
@@ -20,6 +22,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
     port: str
     operator_budget: float = 0.4
     retries: int = 3
+    pauses: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         if self.operator_budget <= 0.0:
@@ -71,6 +74,11 @@ def test_the_environment_overrides_the_file(tmp_path: Path) -> None:
         ('[base]\nport = "x"', {"GIRAFF_BASE_PRT": "y"}, "did you mean 'port'?"),
         ('[base]\nport = "x"', {"GIRAFF_BASE_PRT": "y"}, "with GIRAFF_BASE_PRT of the environment"),
         ('[base]\nport = "x"', {"GIRAFF_BASE_OPERATOR_BUDGET": "nan-ish"}, "with GIRAFF_BASE_OPERATOR_BUDGET of"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_OPERATOR_BUDGET": "0,3"}, "and is text ('0,3'); write 0.3"),
+        ('[base]\nport = "x"\noperator_budget = "0,3"', {}, "must be a number, and is text ('0,3'); write 0.3"),
+        ('[base]\nport = "x"\noperator_budget = "wide"', {}, "must be a number, and is text ('wide')"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_RETRIES": "0,3"}, "must be a whole number, and is text ('0,3')"),
+        ('[base]\nport = "x"\npauses = ["0,3"]', {}, "pauses 1 must be a number, and is text"),
         ('[base]\nport = "x"', {"GIRAFF_BASE_": "y"}, "GIRAFF_BASE_: names no field"),
         ('[base]\nport = "x"', {"GIRAFF_HOME": "y"}, "GIRAFF_HOME: names no field"),
         ('[base]\nport = "x"\n[base.deeper]\na = 1', {}, "unknown field `deeper`"),
@@ -105,6 +113,16 @@ def test_a_list_from_the_environment(tmp_path: Path) -> None:
     assert load("network", NetworkConfig, given).connect == ("192.0.2.1", "192.0.2.2:7448")
     with pytest.raises(ConfigError, match="GIRAFF_NETWORK_CONNECT: not a list"):
         load("network", NetworkConfig, {**given, "GIRAFF_NETWORK_CONNECT": "[tcp"})
+    with pytest.raises(ConfigError, match=r"""is text \('192.168.1.20, b'\); write \["192.168.1.20","b"\]$"""):
+        load("network", NetworkConfig, {**given, "GIRAFF_NETWORK_CONNECT": "192.168.1.20, b"})
+
+
+def test_quotes_that_docker_leaves_around_a_value_are_no_part_of_it(tmp_path: Path) -> None:
+    variables = {"PORT": '"/dev/y"', "OPERATOR_BUDGET": "'0.3'", "RETRIES": '"5"'}
+    given = environment(tmp_path, "", **{f"GIRAFF_BASE_{field}": text for field, text in variables.items()})
+    assert load("base", Settings, given) == Settings(port="/dev/y", operator_budget=0.3, retries=5)
+    given |= {"GIRAFF_ROBOT_NAME": '"anne"', "GIRAFF_NETWORK_CONNECT": """'["192.0.2.1"]'"""}
+    assert resolve_target(None, (), given) == Target("anne", NetworkConfig(connect=("192.0.2.1",)))
 
 
 def test_a_table_from_the_environment(tmp_path: Path) -> None:
@@ -128,6 +146,13 @@ def test_a_missing_file_is_named_with_the_way_out(tmp_path: Path, monkeypatch: p
         robot_file({})
     with pytest.raises(ConfigError, match=r"nowhere\.toml"):
         robot_file({"GIRAFF_CONFIG": "nowhere.toml"})
+
+
+def test_a_byte_order_mark_is_no_part_of_a_robot_file(tmp_path: Path) -> None:
+    given = environment(tmp_path, '\ufeff[base]\nport = "x"\n')
+    record(tmp_path / "robot.toml", "base", {"retries": 5})
+    assert load("base", Settings, given) == Settings(port="x", retries=5)
+    assert (tmp_path / "robot.toml").read_bytes().startswith(b"\xef\xbb\xbf[base]")
 
 
 @pytest.mark.parametrize("content", [b"\xff\xfe", b"\x00"])
