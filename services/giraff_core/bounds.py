@@ -42,15 +42,22 @@ class Bounds(NamedTuple):
     high: float
     unit: str = ""
     hint: str = ""
-    """The likely cause, where the unit does not tell it."""
+    """Likely cause, where the unit does not tell it."""
 
     def require(self, name: str, value: float) -> None:
         """ValueError unless it is in here."""
         if self.low <= value <= self.high:
             return
-        cause = self.hint or (_MISTAKEN.get(self.unit, "") if abs(value) > self.high else "")
+        cause = self.hint or (self._mistaken(value) if abs(value) > self.high else "")
         bounds = f"{_shown(self.low)}..{_shown(self.high)} {self.unit}".rstrip()
         raise ValueError(f"{name} is {value:.10g}: it must be within {bounds}{cause and f'; {cause}'}")
+
+    def _mistaken(self, value: float) -> str:
+        """Return what the unit tells of a number that is too large; of degrees also their value in radians."""
+        radians = math.radians(value)
+        if self.unit == "rad" and self.low <= radians <= self.high:
+            return f"{_MISTAKEN['rad']} {value:.10g} degrees are {radians:.5g} rad"
+        return _MISTAKEN.get(self.unit, "")
 
 
 def check_bounds(config: msgspec.Struct) -> None:

@@ -55,7 +55,7 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """m above the floor. A robot that balances needs it: it leans, and the sensor looks at the floor then."""
     roll: Annotated[float, ANGLE] = 0.0
     """rad. About the fixed axes of `base_link`, first roll, then pitch, then yaw (REP-103)."""
-    pitch: Annotated[float, Bounds(-_STEEPEST, _STEEPEST, "rad", "are these degrees?")] = 0.0
+    pitch: Annotated[float, Bounds(-_STEEPEST, _STEEPEST, "rad")] = 0.0
     """rad; positive: it looks down. One that looks more up or down than ahead says nothing of the way."""
     yaw: Annotated[float, ANGLE]
 

@@ -77,7 +77,7 @@ class Camera(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     """m above the floor."""
     roll: Annotated[float, ANGLE] = 0.0
     """rad. About the fixed axes of `base_link`, first roll, then pitch, then yaw (REP-103)."""
-    pitch: Annotated[float, Bounds(-math.pi / 2, math.pi / 2, "rad", "are these degrees?")] = 0.0
+    pitch: Annotated[float, Bounds(-math.pi / 2, math.pi / 2, "rad")] = 0.0
     """rad; positive: it looks down."""
     yaw: Annotated[float, ANGLE] = 0.0
     width: Annotated[int, Bounds(64, 1920, "px")] = 320

@@ -46,7 +46,7 @@ _REMEMBERED: Final = 64
 """Wishes that are met once."""
 _SETTABLE: Final = {
     "position_sd": Bounds(0.0, 20.0, "m"),
-    "yaw_sd": Bounds(0.0, math.pi, "rad", "are these degrees?"),
+    "yaw_sd": Bounds(0.0, math.pi, "rad"),
 }
 _ORIGIN: Final = Pose(0.0, 0.0, 0.0)
 _NOWHERE: Final[Covariance] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 
 import msgspec
 
+from giraff_core.kinematics.parts import ANGLE
 from giraff_maps.checks import LARGEST
 from giraff_maps.floor_plan import MapError
 from giraff_schemas.text import plain
@@ -104,6 +105,10 @@ def _require_known(path: Path, content: dict[Any, Any]) -> None:
 def _require_sense(path: Path, said: GridFile) -> None:
     if not all(map(math.isfinite, said.origin)):
         raise MapError(f"{path}: origin must be three finite numbers: m, m and rad")
+    try:
+        ANGLE.require("the yaw in origin", said.origin[2])
+    except ValueError as error:
+        raise MapError(f"{path}: {error}") from error
     if not (math.isfinite(said.resolution) and said.resolution > 0.0):
         raise MapError(f"{path}: resolution {said.resolution:g} must be the side of a cell in metres, most often 0.05")
     if not 0.0 <= said.free_thresh <= said.occupied_thresh <= 1.0:

@@ -77,6 +77,11 @@ def test_a_room(tmp_path: Path, walls: str, complaint: str) -> None:
         ("resolution: 0.05", "resolution: thick", "no grid of map_server"),
         ("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]", "no grid of map_server"),
         ("[-1.0, 2.0, 0.0]", "[-1.0, .inf, 0.0]", "origin must be three finite numbers"),
+        (
+            "[-1.0, 2.0, 0.0]",
+            "[-4, -3, 90]",
+            "the yaw in origin is 90: it must be within -2π..2π rad; are these degrees? 90 degrees are 1.5708 rad",
+        ),
         ("negate: 0", "negate: 2", "negate 2 must be 0 or 1"),
         ("negate: 0", "negat: 1", "unknown field `negat`; did you mean 'negate'?"),
         ("occupied_thresh: 0.65", "occupied_thresh: 65", "occupied_thresh 65 must be in this order and from 0 to 1"),

@@ -94,7 +94,12 @@ def test_what_stands_by_default_is_far_from_the_ends(table: str, name: str, with
 @pytest.mark.parametrize(
     ("table", "was", "becomes", "told"),
     [
-        ("robot", "yaw = 3.141592653589793", "yaw = 180", "180: it must be within -2π..2π rad; are these degrees?"),
+        (
+            "robot",
+            "yaw = 3.141592653589793",
+            "yaw = 180",
+            "180: it must be within -2π..2π rad; are these degrees? 180 degrees are 3.1416 rad",
+        ),
         ("robot", "yaw = 0.0", "yaw = -90.0", "-90: it must be within -2π..2π rad; are these degrees?"),
         ("robot", "x = 0.25", "x = 250", "250: it must be within -2..2 m; are these millimetres?"),
         ("robot", "footprint_radius = 0.30", "footprint_radius = 0.0001", "0.0001: it must be within 0.03..2 m"),
