@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from pathlib import Path
 from typing import NamedTuple
 
 Wall = tuple[float, float, float, float]
@@ -10,6 +12,30 @@ Wall = tuple[float, float, float, float]
 
 class MapError(Exception):
     """A map that cannot be used. The message names the file and the place in it, the likely cause and the way out."""
+
+
+def at_home(path: Path) -> Path:
+    """Return the path with the home folder in place of a leading `~`, which no shell replaces in a file."""
+    try:
+        return path.expanduser()
+    except RuntimeError:  # there is no such user
+        return path
+
+
+def require_file(path: Path) -> None:
+    """Raise MapError for what is there and is no regular file: to read a pipe or a device may never end."""
+    with suppress(OSError):  # its reader says why then
+        if path.exists() and not path.is_file():
+            raise MapError(f"{path}: it is no file, but a folder, a pipe or a device: give the file itself")
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a file, less a byte order mark. Raises MapError; ValueError where it is no text."""
+    try:
+        require_file(path)
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise MapError(f"{path}: cannot be read: {error.strerror}") from error
 
 
 class Bounds(NamedTuple):

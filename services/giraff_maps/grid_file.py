@@ -1,12 +1,12 @@
 """An occupancy grid as ROS's map_server and nav2_map_server keep it: a YAML file, and an image that it names.
 
-    image: flat.pgm                # beside the YAML file, or an absolute path; PGM, PNG or BMP
+    image: flat.pgm                # beside the YAML file, an absolute path, or one from ~; PGM, PNG or BMP
     resolution: 0.05               # m, side of a cell
     origin: [-2.0, -1.5, 0.0]      # m, m, rad: the lower left corner of the image in the map
     negate: 0                      # 1: white is occupied
     occupied_thresh: 0.65          # what is darker is occupied
     free_thresh: 0.196             # what is lighter is free; all between is unknown
-    mode: trinary                  # or scale; raw: a pixel is its occupancy in percent, over 100 unknown
+    mode: trinary                  # in any case; or scale; raw: a pixel is its occupancy in percent, over 100 unknown
 
 A pixel that is not opaque is unknown in every mode. (map_server reckons its opacity into a colour in one of the three,
 by which transparent black is a wall.)
@@ -24,7 +24,7 @@ import msgspec
 
 from giraff_core.kinematics.parts import ANGLE
 from giraff_maps.checks import LARGEST
-from giraff_maps.floor_plan import MapError
+from giraff_maps.floor_plan import MapError, at_home, read_text, require_file
 from giraff_schemas.text import plain
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def read_grid(path: Path) -> Grid:
     """The grid of a YAML file and its image. Raises MapError, also where a library is missing."""
     said = _read_yaml(path)
     _require_sense(path, said)
-    image_path = path.parent / said.image
+    image_path = path.parent / at_home(Path(said.image))
     image = _open_image(path, image_path, said.resolution)
     return Grid(_occupied(path, said, image)[::-1], said.resolution, said.origin)
 
@@ -81,13 +81,13 @@ def _read_yaml(path: Path) -> GridFile:
     except ImportError as error:
         raise _missing(path, "yaml") from error
     try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise MapError(f"{path}: cannot be read: {error.strerror}") from error
+        content = yaml.safe_load(read_text(path))
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise MapError(f"{path}: not YAML: {plain(error)}") from error
     if isinstance(content, dict):
         _require_known(path, content)
+        if isinstance(mode := content.get("mode"), str):
+            content["mode"] = mode.lower()
     try:
         return msgspec.convert(content, GridFile, strict=False)
     except ValueError as error:
@@ -129,6 +129,7 @@ def _open_image(path: Path, image_path: Path, resolution: float) -> Image.Image:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Image.DecompressionBombWarning)
+            require_file(image_path)
             image = Image.open(image_path, formats=_FORMATS)
             with image:
                 _require_size(path, image.size, resolution)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from giraff_maps.checks import usable
-from giraff_maps.floor_plan import FloorPlan, MapError
+from giraff_maps.floor_plan import FloorPlan, MapError, at_home, require_file
 from giraff_maps.grid_file import read_grid
 from giraff_maps.outlines import walls_of
 from giraff_maps.room_file import room_plan
@@ -17,8 +17,8 @@ _MOSTLY: Final = 0.9  # share of occupied cells that no map of a home has
 
 def read_map(path: Path) -> FloorPlan:
     """The floor plan in a file: a room (`.toml`), or a grid of ROS's map_server (`.yaml`). Raises MapError."""
-    if path.exists() and not path.is_file():
-        raise MapError(f"{path}: it is no file")
+    path = at_home(path)
+    require_file(path)
     match path.suffix.lower():
         case ".toml":
             return usable(room_plan(path), path)

@@ -33,9 +33,11 @@ from typing import Final
 
 import msgspec
 
-from giraff_maps.floor_plan import FloorPlan, MapError, Wall
+from giraff_maps.floor_plan import FloorPlan, MapError, Wall, read_text
 from giraff_schemas.text import plain
 
+GRIDS: Final = (".yaml", ".yml")
+"""How a grid's name ends."""
 SHORTEST_WALL: Final = 1e-3
 """m: below it a segment has no direction worth the name."""
 _CORNERS: Final = 8  # of a post where it is drawn
@@ -93,10 +95,13 @@ class RoomFile(_Strict, frozen=True, kw_only=True):
 
 def read_room_file(path: Path) -> RoomFile:
     """What a room file says. Raises MapError; whether its walls and posts can be is not asked yet."""
+    if path.suffix.lower() in GRIDS:
+        raise MapError(
+            f"{path}: it is a grid of ROS's map_server, and this takes a room (.toml), which also has a start: "
+            "docs/maps.md shows how to write one; `giraff localize --map` takes grids"
+        )
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise MapError(f"{path}: cannot be read: {error.strerror}") from error
+        tables = tomllib.loads(read_text(path))
     except (ValueError, RecursionError) as error:
         raise MapError(f"{path}: not TOML: {plain(error)}") from error
     try:

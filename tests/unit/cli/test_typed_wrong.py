@@ -127,6 +127,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("dst", "--seeds", "two"), "'--seeds': 'two' is no whole number"),
     (("run", "--seed", "1.5"), "'--seed': '1.5' is no whole number"),
     (("web", "--port", "x"), "'--port': 'x' is no whole number"),
+    (("run", "--world", "map.yaml"), "map.yaml: it is a grid of ROS's map_server, and this takes a room (.toml)"),
     (("run", "--boards", "arm"), "'arm' is not one of 'avr', 'host'"),
     (("map", "show", "none.toml"), "none.toml: cannot be read: No such file or directory"),
     (("topic", "echo", "odom", "--robot", "a/b"), "'a/b' cannot be part of a key: use letters, digits, '-' and '_'"),

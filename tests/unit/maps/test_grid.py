@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from giraff_maps.read import read_map
-from tests.unit.maps.grids import YAML, painted, written
+from tests.unit.maps.grids import YAML, painted, polyline, room, written
 
 BOX = tuple(f"{'.' * 4}{sign * 16}{'.' * 4}" for sign in "." * 4 + "#" * 20 + "." * 8)
 """24 cells across and 32 up; occupied are 4 to 20 of them and 8 to 28."""
@@ -34,6 +34,17 @@ def test_the_origins_yaw_turns_the_image_about_its_lower_left_corner(tmp_path: P
 def test_kinds_of_images_are_one(tmp_path: Path, image: str) -> None:
     plan = read_map(painted(tmp_path, BOX, YAML.replace("map.pgm", image), image))
     assert plan.walls == read_map(painted(tmp_path, BOX)).walls
+
+
+def test_what_others_write_is_meant_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = read_map(painted(tmp_path, BOX))
+    monkeypatch.setenv("HOME", str(tmp_path))
+    yaml = f"\ufeff{YAML}mode: Trinary\n".replace("map.pgm", "~/map.pgm")
+    (tmp_path / "maps").mkdir()
+    assert read_map(written(tmp_path / "maps", yaml)) == plan
+    assert read_map(Path("~") / "maps" / "map.yaml") == plan
+    (drawn := room(tmp_path, polyline((0, 0), (1, 0)))).write_text(f"\ufeff{drawn.read_text()}")
+    assert len(read_map(drawn).walls) == 1
 
 
 def test_a_plain_pgm_with_comments_is_read(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import giraff_maps.checks
 import giraff_maps.outlines
 from giraff_maps.floor_plan import MapError
 from giraff_maps.read import read_map
+from giraff_maps.room_file import read_room_file
 from tests.unit.maps.grids import YAML, painted, polyline, room, written
 
 FREE = ("....",) * 12
@@ -68,7 +70,8 @@ def test_a_room(tmp_path: Path, walls: str, complaint: str) -> None:
         ("image: map.pgm\n", "", "`image` is missing"),
         ("image: map.pgm", "image: other.pgm", "other.pgm is not there: both files belong together"),
         ("image: map.pgm", "image: map.yaml", "no image of the kinds PGM, PNG and BMP"),
-        ("image: map.pgm", "image: .", "cannot be read"),
+        ("image: map.pgm", "image: .", "it is no file, but a folder, a pipe or a device: give the file itself"),
+        ("image: map.pgm", "image: ~nobody-here/map.pgm", "map.pgm is not there"),
         ("resolution: 0.05", "resolution: 0", "resolution 0 must be the side of a cell in metres"),
         ("resolution: 0.05", "resolution: -0.05", "resolution -0.05 must be"),
         ("resolution: 0.05", "resolution: .nan", "resolution nan must be"),
@@ -92,6 +95,15 @@ def test_a_room(tmp_path: Path, walls: str, complaint: str) -> None:
 )
 def test_a_grid(tmp_path: Path, old: str, new: str, complaint: str) -> None:
     assert complaint in refused(painted(tmp_path, WALL, YAML.replace(old, new)))
+
+
+@pytest.mark.parametrize("name", ["map.yaml", "map.pgm", "room.toml"])
+def test_nothing_waits_for_a_pipe(tmp_path: Path, name: str) -> None:
+    grid, drawn = painted(tmp_path, WALL), room(tmp_path, "")
+    (tmp_path / name).unlink()
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(MapError, match=f"{name}: it is no file, but a folder, a pipe or a device"):
+        _ = read_room_file(drawn) if name == "room.toml" else read_map(grid)
 
 
 def test_a_grid_of_nothing(tmp_path: Path) -> None:
