@@ -20,10 +20,10 @@ class RecorderConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     after: Annotated[float, Bounds(0.1, 3600.0, "s")] = 5.0
     """s after it that are."""
     memory: Annotated[int, Bounds(1000, 10**11, "bytes")] = 32_000_000
-    """bytes that what is remembered may take; beyond them the oldest is forgotten early. A minute of a whole robot
-    takes half of it."""
+    """bytes that samples in memory may take; beyond them the oldest are forgotten early. A minute of a whole robot
+    takes half of it. Samples of keys that are not the robot's go first while they have more than a quarter."""
     files: Annotated[int, Bounds(1, 100_000)] = 20
-    """Files that are kept; then the oldest goes."""
+    """Files that are kept; then the oldest goes. The first of each kind in the past week goes last."""
     disk: Annotated[int, Bounds(100, 10**15, "bytes")] = 100_000_000
     """bytes that all files together may have; beyond them the oldest goes. A minute takes 3 million."""
     health_period: Annotated[float, Bounds(0.1, 3600.0, "s")] = 5.0

@@ -20,7 +20,7 @@ from giraff_node import Node, Timer
 from giraff_node.network.tokens import Token, watch_tokens
 from giraff_node.process.state import state_directory
 from giraff_recorder.config import RecorderConfig
-from giraff_recorder.policy import Incident, IncidentDetector, Memory, surplus
+from giraff_recorder.policy import Incident, IncidentDetector, IncidentFile, Memory, surplus
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.health import Health
 from giraff_schemas.topics import BASE, ESTOP, health_key, key_below, key_of
@@ -108,8 +108,9 @@ def write(node: Node[RecorderConfig], folder: Path, incident: Incident, samples:
             writer.sync()
             yield
         writer.close(incident.text)
-    files = sorted(folder.glob("*.mcap"))
-    for name in surplus([(file.name, file.stat().st_size) for file in files], node.config):
+    # Last comes this one, whatever the clock said: a boot without one is in 1970.
+    files = [(file.name, file.stat()) for file in sorted(folder.glob("*.mcap"), key=lambda file: (file == path, file))]
+    for name in surplus([IncidentFile(name, stat.st_size, stat.st_mtime) for name, stat in files], node.config):
         (folder / name).unlink(missing_ok=True)
         node.log.info("%s went, to keep the limits of [recorder]", folder / name)
     node.log.info("wrote %s: %.0f s", path, writer.seconds)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 from giraff_mcap.raw_sample import RawSample
@@ -11,34 +12,65 @@ from giraff_recorder.config import RecorderConfig
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
 from giraff_schemas.services import WATCHED
+from giraff_schemas.topics import topic_of
 
 _OVERHEAD: Final = 300
 """bytes that a sample in memory takes beside its payload."""
+_MOST_OWN: Final = 100_000
+"""bytes. Largest payload that counts as the robot's own. On an open network, anybody may put more on its keys."""
+_FOREIGN_SHARE: Final = 0.25
+"""Part of the memory that samples of other keys keep. They may use more while the robot's own leave it free."""
+_SERIES: Final = 7 * 86_400.0
+"""s before the newest file in which the first file of a kind is kept."""
 _ARMED_LATELY: Final = 2.0  # s
 
 
 class Memory:
-    """The newest samples, oldest first: of the last while, and never more than so many bytes."""
+    """The newest samples: those of the last while, and never more than so many bytes.
+
+    The robot's own samples have a share that nobody else's can take. Anybody may put large samples on other keys.
+    """
 
     def __init__(self, config: RecorderConfig) -> None:
         self._span_ns = round((config.before + config.after) * 1e9)
         self._most = config.memory
-        self._samples: deque[RawSample] = deque()
-        self._bytes = 0
+        self._own, self._foreign = _Part(), _Part()
 
     def add(self, samples: Iterable[RawSample]) -> None:
         """Remember these, and forget what is too old or too much."""
+        newest_ns = 0
         for sample in samples:
-            self._samples.append(sample)
-            self._bytes += _size(sample)
-        while self._samples and (
-            self._bytes > self._most or self._samples[-1].at_ns - self._samples[0].at_ns > self._span_ns
-        ):
-            self._bytes -= _size(self._samples.popleft())
+            own = len(sample.payload) <= _MOST_OWN and _is_own_key(sample.key)
+            (self._own if own else self._foreign).add(sample)
+            newest_ns = sample.at_ns
+        for part in (self._own, self._foreign):
+            part.forget_before(newest_ns - self._span_ns)
+        while self._own.bytes + self._foreign.bytes > self._most:
+            (self._foreign if self._foreign.bytes > self._most * _FOREIGN_SHARE else self._own).forget_oldest()
 
     def since(self, at_ns: int) -> list[RawSample]:
-        """Those that came after `at_ns` (time.monotonic_ns)."""
-        return [sample for sample in self._samples if sample.at_ns > at_ns]
+        """Return the samples that came after `at_ns` (time.monotonic_ns), oldest first."""
+        both = (*self._own.samples, *self._foreign.samples)
+        return sorted((sample for sample in both if sample.at_ns > at_ns), key=lambda sample: sample.at_ns)
+
+
+class _Part:
+    """Samples of one share, oldest first."""
+
+    def __init__(self) -> None:
+        self.samples: deque[RawSample] = deque()
+        self.bytes = 0
+
+    def add(self, sample: RawSample) -> None:
+        self.samples.append(sample)
+        self.bytes += _size(sample)
+
+    def forget_oldest(self) -> None:
+        self.bytes -= _size(self.samples.popleft())
+
+    def forget_before(self, at_ns: int) -> None:
+        while self.samples and self.samples[0].at_ns < at_ns:
+            self.forget_oldest()
 
 
 class Incident(NamedTuple):
@@ -115,13 +147,41 @@ class IncidentDetector:
             self._event = now, kind, text
 
 
-def surplus(files: Sequence[tuple[str, int]], config: RecorderConfig) -> list[str]:
-    """Of these files (name, bytes), the oldest first: those that must go. The newest stays in any case."""
+class IncidentFile(NamedTuple):
+    """A file of the flight recorder."""
+
+    name: str
+    """File name, which ends in `-<kind>.mcap`."""
+    size: int
+    """bytes."""
+    at: float
+    """s of the wall clock. Time of the last write."""
+
+
+def surplus(files: Sequence[IncidentFile], config: RecorderConfig) -> list[str]:
+    """Return the names of the files that must go. `files`: oldest first. The newest stays in any case.
+
+    One file of each kind goes last: the first of the past week, which shows how a series of incidents began. The end of
+    a series is among the newest files anyway. Where a kind has none of that week, its newest file counts.
+    """
     gone = []
     left = list(files)
-    while len(left) > 1 and (len(left) > config.files or sum(size for _, size in left) > config.disk):
-        gone.append(left.pop(0)[0])
+    kept: dict[str, IncidentFile] = {}
+    for file in files:
+        kind = file.name.rsplit("-", 1)[-1]
+        if kind not in kept or kept[kind].at < files[-1].at - _SERIES:
+            kept[kind] = file
+    while len(left) > 1 and (len(left) > config.files or sum(file.size for file in left) > config.disk):
+        goes = next((file for file in left[:-1] if file not in kept.values()), left[0])
+        left.remove(goes)
+        gone.append(goes.name)
     return gone
+
+
+@lru_cache(maxsize=1000)
+def _is_own_key(key: str) -> bool:
+    """Return whether a whole key is in the topics table."""
+    return topic_of(key.split("/", 2)[-1]) is not None
 
 
 def _size(sample: RawSample) -> int:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from giraff_mcap.raw_sample import RawSample
 from giraff_recorder.config import RecorderConfig
-from giraff_recorder.policy import Incident, IncidentDetector, Memory, surplus
+from giraff_recorder.policy import Incident, IncidentDetector, IncidentFile, Memory, surplus
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, BoardState, EStop
 
@@ -133,12 +133,42 @@ def test_memory_is_bounded_in_time_and_bytes(steps: list[tuple[int, int]]) -> No
         assert not kept or kept[-1].at_ns == at_ns
 
 
-def test_the_oldest_files_go() -> None:
-    config = RecorderConfig(files=3, disk=100)
-    assert surplus([], config) == []
-    assert surplus([("a", 1), ("b", 1), ("c", 1), ("d", 1)], config) == ["a"]
-    assert surplus([("a", 60), ("b", 60)], config) == ["a"]
-    assert surplus([("a", 500)], config) == []
+def test_the_robots_own_samples_have_a_share_that_large_ones_of_others_do_not_take() -> None:
+    memory = Memory(CONFIG)
+    own = [RawSample(number * 2_000_000, "giraff/otto/range/rear", bytes(200), "") for number in range(27_000)]
+    memory.add(own)
+    for number, key in enumerate(("maker/film", "range/rear", "odom") * 2):  # large ones are nobody's own
+        memory.add([RawSample(own[-1].at_ns + number, f"giraff/otto/{key}", bytes(15_900_000), "")])
+        memory.add([RawSample(own[-1].at_ns + number, "giraff/otto/maker/arm", b"1", "")])
+    kept = memory.since(-1)
+    assert [sample for sample in kept if sample.key == own[0].key and len(sample.payload) == 200] == own
+    assert kept[-1].key.endswith("arm")
+    assert kept == sorted(kept, key=lambda sample: sample.at_ns)
+
+
+def files(*kinds: str, days: float = 0.0) -> list[IncidentFile]:
+    """Files of 10 bytes, `days` apart, oldest first."""
+    return [IncidentFile(f"{number:02}-{kind}.mcap", 10, number * days * 86_400) for number, kind in enumerate(kinds)]
+
+
+@pytest.mark.parametrize(
+    ("given", "limits", "gone"),
+    [
+        ([], {}, []),
+        (files("a", "a", "a", "a"), {"files": 3}, ["01-a.mcap"]),
+        (files("b", *"a" * 20), {"files": 20}, ["02-a.mcap"]),
+        (files("a", "b", *"a" * 4), {"files": 3}, ["02-a.mcap", "03-a.mcap", "04-a.mcap"]),
+        (files("a", "b", "a", "a", days=5.0), {"files": 3}, ["00-a.mcap"]),
+        (files("a", "b", "b", "c"), {"files": 2}, ["02-b.mcap", "00-a.mcap"]),
+        (files("a", "b", "c"), {"disk": 9 * 12}, []),
+        ([file._replace(size=60) for file in files("a", "b", "b")], {"disk": 100}, ["00-a.mcap", "01-b.mcap"]),
+        ([file._replace(size=500) for file in files("a")], {"disk": 100}, []),
+    ],
+)
+def test_the_oldest_files_go_but_one_of_each_kind_and_the_newest(
+    given: list[IncidentFile], limits: dict[str, int], gone: list[str]
+) -> None:
+    assert surplus(given, RecorderConfig(**limits)) == gone
 
 
 @pytest.mark.parametrize("field", RecorderConfig.__struct_fields__)
