@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from typing import Final
 
 from cryptography import x509
@@ -15,6 +15,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 from giraff_keys.host_names import Address, with_local
 from giraff_node.network.key_bundle import BACKDATED
 
+PROGRAM_MADE: Final = datetime(2026, 1, 1, tzinfo=UTC)  # no clock that is right is before it
 AUTHORITY_LIFE: Final = timedelta(days=3652)  # ten years
 
 

@@ -12,7 +12,7 @@ from typing import Final
 from giraff_cli.keys.bundle import bundle_text
 from giraff_cli.keys.status import Standing, State, authority_standing, host_standing, keys_command
 from giraff_cli.terminal.text import json_line
-from giraff_keys.certificates import CertificateError, addresses_of, new_authority, new_host
+from giraff_keys.certificates import PROGRAM_MADE, CertificateError, addresses_of, new_authority, new_host
 from giraff_keys.files import CA_KEY, KeyFileError, read_authority, read_certificate
 from giraff_keys.folder import holding, lay_down
 from giraff_keys.host_names import Address, require_address, require_name, without_local
@@ -22,7 +22,6 @@ _DONE: Final = 0
 _TO_DO: Final = 1
 _REFUSED: Final = 2
 
-_PROGRAM_MADE: Final = datetime(2026, 1, 1, tzinfo=UTC)  # no clock that is right is before it
 _BUNDLE: Final = {CA_CERTIFICATE, HOST_CERTIFICATE, HOST_KEY, BUNDLE_FILE}
 
 
@@ -97,7 +96,7 @@ def show(folder: Path, moment: datetime, *, as_json: bool) -> int:
 
 def make_authority(folder: Path, moment: datetime) -> datetime:
     """Make the folder with a new CA in it; when that ends. Raises RefusedError, OSError."""
-    if moment < _PROGRAM_MADE:
+    if moment < PROGRAM_MADE:
         raise RefusedError(f"this machine's clock says {moment:%Y-%m-%d}: set it, certificates are made from it")
     if not folder.parent.is_dir():
         raise RefusedError(f"{folder.parent}: there is no such folder; make it, or name another one with --folder")

@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 from cryptography.hazmat.primitives import hashes
 
 from giraff_core.network import NetworkConfig
-from giraff_keys.certificates import addresses_of, new_authority, new_host
+from giraff_keys.certificates import PROGRAM_MADE, addresses_of, new_authority, new_host
 from giraff_keys.files import KeyFileError, is_pair, read_certificate, read_key
 from giraff_keys.folder import holding, lay_down
 from giraff_keys.host_names import Address, require_address, with_local
@@ -67,15 +67,18 @@ def host_certificate(folder: Path) -> Certificate:
 def made_certificate(
     state: Path, hostname: str, names: Iterable[Address], now: datetime
 ) -> tuple[Certificate, Trouble]:
-    """That of the last start if it still fits, else a new one; and why it will not be known again, if it could not be
-    kept. `state`: the service's state folder."""
+    """Return the certificate of the last start if it still fits, else a new one; and what devices may refuse about it.
+
+    `state`: the service's state folder. A clock before the certificate's beginning renews nothing: a boot without a
+    clock must not cost the trust of the devices.
+    """
     wanted = with_local(names)
     try:
         state.mkdir(parents=True, exist_ok=True)
         with holding(state):
             if not _fits(state / FOLDER, wanted, now):
                 _make(state / FOLDER, hostname, wanted, now)
-        return _loaded(state / FOLDER, "remove the folder, and start again"), WELL
+        return _loaded(state / FOLDER, "remove the folder, and start again"), _early(state / FOLDER, now)
     except OSError as error:
         with tempfile.TemporaryDirectory() as passing:
             _make(Path(passing) / FOLDER, hostname, wanted, now)
@@ -108,15 +111,24 @@ def _fits(folder: Path, wanted: Iterable[Address], now: datetime) -> bool:
             return False
     except KeyFileError:
         return False
-    begins, ends = certificate.not_valid_before_utc, certificate.not_valid_after_utc
-    return begins <= now < ends - EXPIRES_SOON and {*wanted} <= {*addresses_of(certificate)}
+    return now < certificate.not_valid_after_utc - EXPIRES_SOON and {*wanted} <= {*addresses_of(certificate)}
+
+
+def _early(folder: Path, now: datetime) -> Trouble:
+    """Return the trouble with a certificate that begins later than `now`. The certificate has been read before."""
+    begins = read_certificate(folder / HOST_CERTIFICATE).not_valid_before_utc
+    if now >= begins:
+        return WELL
+    early = f"the certificate begins on {begins:%Y-%m-%d}, but at the start the clock stood at {now:%Y-%m-%d}"
+    return Trouble(early, f"set the clock; if it was right, remove {folder} and start again")
 
 
 def _make(folder: Path, hostname: str, names: Iterable[Address], now: datetime) -> None:
     """The folder around it is held. Raises OSError."""
-    authority = new_authority(now)
+    begins = max(now, PROGRAM_MADE)
+    authority = new_authority(begins)
     name = f"Giraff web on {hostname}"[:64]  # X.509 has room for so many characters
-    host = new_host(authority, name, tuple(names), now, _LIFE_DAYS)
+    host = new_host(authority, name, tuple(names), begins, _LIFE_DAYS)
     public = {CA_CERTIFICATE: authority.certificate_pem, HOST_CERTIFICATE: host.certificate_pem}
     lay_down(folder, public, {HOST_KEY: host.key_pem}, renew=folder.exists())
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 from ipaddress import ip_address
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from giraff_core.access import AccessConfig
 from giraff_core.network import NetworkConfig
-from giraff_keys.certificates import addresses_of
+from giraff_keys.certificates import PROGRAM_MADE, addresses_of
 from giraff_keys.files import read_certificate
 from giraff_keys.host_names import Address
 from giraff_schemas.trouble import WELL
@@ -82,7 +82,6 @@ def test_it_is_the_same_after_the_next_start_so_that_who_trusts_it_goes_on(tmp_p
         ((*NAMES, "other.example"), timedelta()),
         (NAMES, 367 * DAY),
         (NAMES, 5000 * DAY),
-        (NAMES, -2 * DAY),
     ],
 )
 def test_it_is_made_anew_for_other_names_and_when_it_is_over_soon(
@@ -92,6 +91,22 @@ def test_it_is_made_anew_for_other_names_and_when_it_is_over_soon(
     second = made(tmp_path, names=names, now=now)
     assert second != first
     assert {*names} <= {*addresses_of(second)}
+
+
+@pytest.mark.parametrize(
+    "now", [-2 * DAY, datetime(2000, 1, 1, tzinfo=UTC) - NOW, datetime(1970, 1, 1, tzinfo=UTC) - NOW]
+)
+def test_a_boot_without_a_clock_keeps_it_and_says_so(tmp_path: Path, now: timedelta) -> None:
+    first = made(tmp_path)
+    _, notice = made_certificate(tmp_path, "desk", NAMES, NOW + now)
+    assert leaf(tmp_path) == first
+    assert f"but at the start the clock stood at {NOW + now:%Y-%m-%d}; set the clock" in str(notice)
+
+
+def test_one_that_is_made_without_a_clock_is_good_once_the_clock_is_set(tmp_path: Path) -> None:
+    made_certificate(tmp_path, "desk", NAMES, datetime(1970, 1, 1, tzinfo=UTC))
+    first = leaf(tmp_path)
+    assert made(tmp_path, now=PROGRAM_MADE + 30 * DAY - NOW) == first
 
 
 @pytest.mark.parametrize("damaged", ["host.pem", "host.key", "ca.pem"])
