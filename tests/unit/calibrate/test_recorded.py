@@ -191,8 +191,13 @@ BAD: dict[str, tuple[str | bytes, str]] = {
     "inf": (HEAD + "0.2,0,0,-inf,1,1\n", "row 3: heading is -inf"),
     "huge": (HEAD + "0.2,1e300,0,0,1,1\n", "row 3: x is 1e+300, which cannot be"),
     "wrapped": (HEAD + "0.2,0,0,0,1,-4294967290\n", "row 3: left counts is -4.29497e+09, more than a wheel can make"),
+    "no time": (HEAD + "1e300,0,0,0,1,1\n", "row 3: time is 1e+300, which cannot be"),
+    "16 bits": (
+        HEAD + "0.2,0,0,0,11,-65525\n",
+        "row 3: left counts is -65525; a counter of 16 bits wrapped there: add 65536",
+    ),
     "half a count": (HEAD + "0.2,0,0,1,0.5,1\n", "row 3: right counts is 0.5, and counts are whole; are the columns"),
-    "time back": (HEAD + "0.05,0,0,0,1,1\n", "row 3: time goes back from 0.1 to 0.05 s; are two runs in it?"),
+    "time back": (HEAD + "0.05,0,0,0,1,1\n", "row 3: time goes back from 0.1 to 0.05; are two runs in it?"),
     "empty": ("", "is empty; was the disk full"),
     "blank": ("\n\n", "is empty"),
     "one row": ("0,0,0,0,0,0\n", "one row is no run"),
@@ -243,6 +248,19 @@ def exchanged(table: Floats, one: int, other: int) -> Floats:
     return table[:, order]
 
 
+def wrapping(table: Floats) -> Floats:
+    """Counts since the row before, of a counter of 16 bits."""
+    counter = np.remainder(np.cumsum(table[:, 4:], axis=0) + 32_768, 65_536) - 32_768
+    return np.column_stack((table[:, :4], np.diff(counter, axis=0, prepend=0.0)))
+
+
+def beside(table: Floats, ahead: float, aside: float) -> Floats:
+    """Poses of a marker that is not on the middle between the wheels."""
+    cos, sin = np.cos(table[:, 3]), np.sin(table[:, 3])
+    moved = np.column_stack((ahead * cos - aside * sin, ahead * sin + aside * cos))
+    return np.column_stack((table[:, 0], table[:, 1:3] + moved, table[:, 3:]))
+
+
 SLIPS: dict[str, tuple[Callable[[Floats], Floats], str]] = {
     "left and right": (lambda table: exchanged(table, 4, 5), "columns of counts are exchanged"),
     "x and y": (lambda table: exchanged(table, 1, 2), "x and y are exchanged"),
@@ -253,6 +271,19 @@ SLIPS: dict[str, tuple[Callable[[Floats], Floats], str]] = {
     "millimetres": (lambda table: table * (1, 1000, 1000, 1, 1, 1), "x and y are in millimetres"),
     "backwards": (lambda table: table * (1, 1, 1, 1, -1, -1), "counts are negative forward"),
     "sums": (lambda table: np.column_stack((table[:, :4], np.cumsum(table[:, 4:], axis=0))), "counts are summed up"),
+    "sums of 16 bits": (
+        lambda table: np.column_stack((table[:, :4], np.cumsum(wrapping(table)[:, 4:], axis=0))),
+        "counts are summed up",
+    ),
+    "marker": (
+        lambda table: beside(table, 0.1, -0.15),
+        " m to the left of the middle between the wheels; write x - a cos",
+    ),
+    "rows left out": (
+        lambda table: np.delete(table, np.s_[700:760], axis=0),
+        "rows are missing before row 701: a wheel",
+    ),
+    "every third": (lambda table: np.delete(table, np.s_[3::3], axis=0), "rows are missing before row "),
     "twice the counts": (lambda table: table * (1, 1, 1, 1, 2, 2), "are gear, counts of a turn and wheel diameter"),
     "time first again": (lambda table: table[:, (0, 0, 1, 2, 4, 5)], "x and y the second and third column"),
 }
@@ -266,6 +297,15 @@ def test_columns_that_cannot_be_so_are_named(say: Typed, tmp_path: Path, name: s
     line = refused(say("--metadata", METADATA, "--fit", path, *CHECK))
     assert line.startswith(f"giraff calibrate odometry: {path}: ")
     assert expected in line
+
+
+def test_times_may_have_gaps_where_counts_are_summed_up_and_any_unit(say: Typed, tmp_path: Path) -> None:
+    table = table_of("square-a_run-01").copy()
+    table[500, 4:] += table[400:500, 4:].sum(axis=0)
+    table = np.delete(table, np.s_[400:500], axis=0)
+    table[:, 0] = 1.76e18 + 1e9 * table[:, 0]  # nanoseconds since 1970
+    path = save(tmp_path / "summed.csv", table)
+    assert say("--metadata", METADATA, f"--fit={path}", *FIT[1:], *CHECK)[::2] == (0, "")
 
 
 METADATA_ROWS = {"type": "diff", "ngear": "43.7", "encRes": "64", "Li": "0.2", "Di": "0.084,0.084"}

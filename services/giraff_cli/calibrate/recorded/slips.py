@@ -9,9 +9,21 @@ from typing import Final
 import numpy as np
 
 from giraff_cli.calibrate.paths import Floats, path, wrapped
-from giraff_cli.calibrate.recorded.tables import LEFT, NO_WHEEL_TURNED, RIGHT, YAW, RecordingError, X, Y, as_run
+from giraff_cli.calibrate.recorded.tables import (
+    LEFT,
+    NO_WHEEL_TURNED,
+    RIGHT,
+    TIME,
+    YAW,
+    RecordingError,
+    X,
+    Y,
+    as_run,
+    unwrapped,
+)
 from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_cli.calibrate.windows import residuals, windows_of
+from giraff_core.kinematics.calibration import Scales
 
 _OFF: Final = 0.25
 """Of what was measured: what odometry may be off within a window. With every scale at its limit it is less."""
@@ -19,6 +31,18 @@ _BETTER: Final = 0.4
 """Of that: what remains of it once the cause is found."""
 _AT_REST: Final = 0.01
 """m that either wheel rolls at most while a robot stands and its encoders flutter."""
+_GAP: Final = 1.5
+"""Usual times between rows. A longer one is a gap."""
+_LOST: Final = 0.02
+"""m. Least that a wheel rolls uncounted in all gaps before rows count as missing."""
+_BESIDE: Final = 0.015
+"""m. From this distance from the middle between the wheels, a marker spoils a fit."""
+_MARKER_WINDOWS: Final = 4
+"""Least windows of a run, of three residuals each, that tell five unknowns."""
+_MARKER_TURNED: Final = 1.0
+"""m, root of the sum of squares. Least that the turns move a marker 1 m beside the middle."""
+_BY: Final = 1e-6
+"""Change of a scale, for slopes."""
 _TURNED: Final = 0.5
 """rad, root of the sum of squares: less says nothing of the sense in which a robot turned."""
 
@@ -43,7 +67,7 @@ def _times(factor: float, *columns: int) -> Callable[[Floats], Floats]:
 
 def _increments(table: Floats) -> Floats:
     changed = table.copy()
-    changed[1:, (RIGHT, LEFT)] = np.diff(table[:, (RIGHT, LEFT)], axis=0)
+    changed[1:, (RIGHT, LEFT)] = unwrapped(np.diff(table[:, (RIGHT, LEFT)], axis=0))
     return changed
 
 
@@ -68,11 +92,15 @@ def require_plausible(name: str, table: Floats, geometry: Geometry) -> None:
         raise RecordingError(f"{name}: {NO_WHEEL_TURNED}")
     run = as_run(name, table)
     off = _apart(run, geometry)
-    if off < _OFF and not _turns_opposite(run, geometry):
-        return
-    apart, cause = min((_apart(as_run(name, change(table)), geometry), cause) for change, cause in _SLIPS)
-    if apart < min(_BETTER * off, _OFF):
+    is_plausible = off < _OFF and not _turns_opposite(run, geometry)
+    if not is_plausible:
+        apart, cause = min((_apart(as_run(name, change(table)), geometry), cause) for change, cause in _SLIPS)
+        if apart < min(_BETTER * off, _OFF):
+            raise RecordingError(f"{name}: {cause}")
+    if cause := _gap(table, geometry) or _marker(run, geometry):
         raise RecordingError(f"{name}: {cause}")
+    if is_plausible:
+        return
     truly, rolled = float(np.sum(np.hypot(*np.diff(table[:, (X, Y)], axis=0).T))), _path_length(run, geometry)
     if rolled and not 0.7 < truly / rolled < 1.4:
         raise RecordingError(
@@ -96,6 +124,57 @@ def _apart(run: Run, geometry: Geometry) -> float:
     measured[:, 2] = wrapped(measured[:, 2])
     truly = float(np.sum((measured * lengths) ** 2))
     return float(np.sqrt(np.sum(off**2) / truly)) if truly else math.inf
+
+
+def _gap(table: Floats, geometry: Geometry) -> str:
+    """Return where rows are missing; empty: nowhere. The robot moves in a gap of time, and its counts do not say so."""
+    times = np.diff(table[:, TIME])
+    if not np.any(times > 0.0):
+        return ""
+    is_gap = times > _GAP * np.quantile(times[times > 0.0], 0.25)
+    _, x, y, yaw = np.diff(table[:, (TIME, X, Y, YAW)], axis=0).T
+    truly = np.hypot(x, y) + np.abs(wrapped(yaw)) * geometry.track_width / 2.0
+    rolled = np.abs(table[1:, (RIGHT, LEFT)]).max(axis=1) / geometry.ticks_per_metre
+    usual = float(np.sum(truly[~is_gap])) / (float(np.sum(rolled[~is_gap])) or 1.0)
+    lost = np.where(is_gap, truly / (usual or 1.0) - rolled, 0.0)
+    if float(np.sum(lost)) < max(_LOST, 0.3 * float(np.sum(rolled[is_gap]))):
+        return ""
+    row = int(np.argmax(lost))
+    return (
+        f"rows are missing before row {row + 2}: a wheel rolled {lost[row] + rolled[row]:.3f} m there and its counts "
+        f"say {rolled[row]:.3f} m; add the lost counts to that row, or split the run there"
+    )
+
+
+def _marker(run: Run, geometry: Geometry) -> str:
+    """Return where the marker is, if it is beside the middle between the wheels; empty: it is not.
+
+    Turns then move it, and straight lines tell nothing. Wrong scales are fitted beside it: they are not its fault.
+    """
+    windows = windows_of([run], geometry)
+    lengths = np.array((1.0, 1.0, geometry.track_width / 2.0))
+
+    def off_by(scales: Floats) -> Floats:
+        return np.ravel(residuals(windows, [run], geometry, Scales(*scales)) * lengths)
+
+    scales = np.array(geometry.scales)
+    off = off_by(scales)
+    slopes = np.column_stack([(off_by(scales + by) - off) / _BY for by in np.eye(3) * _BY])
+    yaw = np.array([it.measured[2] for it in windows])
+    moved = np.zeros((len(windows), 3, 2))
+    moved[:, 0, 0] = moved[:, 1, 1] = np.cos(yaw) - 1.0
+    moved[:, 1, 0], moved[:, 0, 1] = np.sin(yaw), -np.sin(yaw)
+    both = np.column_stack((slopes, moved.reshape(-1, 2)))
+    unexplained, left = (off - it @ np.linalg.lstsq(it, off, rcond=None)[0] for it in (slopes, both))
+    ahead, aside = -np.linalg.lstsq(both, off, rcond=None)[0][3:]
+    is_told = len(windows) >= _MARKER_WINDOWS and np.linalg.norm(moved) > _MARKER_TURNED
+    is_better = np.linalg.norm(left) < _BETTER * np.linalg.norm(unexplained)
+    if not (is_told and is_better and math.hypot(ahead, aside) > _BESIDE):
+        return ""
+    return (
+        f"x and y are those of a marker a = {ahead:.3f} m ahead and b = {aside:.3f} m to the left of the middle "
+        "between the wheels; write x - a cos(heading) + b sin(heading) and y - a sin(heading) - b cos(heading)"
+    )
 
 
 def _turns_opposite(run: Run, geometry: Geometry) -> bool:

@@ -34,8 +34,12 @@ _DIAMETER: Final = Bounds(0.005, 2.0, "m")
 _GEAR: Final = Bounds(0.01, 10_000.0)
 _COUNTS: Final = Bounds(1.0, 1e7)
 _MOST_COUNTS: Final = 1e7
+_TURN_16: Final = 65_536.0
+"""Counts after which a counter of 16 bits begins again."""
 _MOST: Final = 1e10
-"""Of any number here: time in seconds since 1970 is a fifth of it. Beyond it sums lose counts, and overflow."""
+"""Largest number of a row but its time. Beyond it sums lose counts, and overflow."""
+_LATEST: Final = 1e19
+"""Largest time. Any unit will do, nanoseconds since 1970 as well: only the order and the gaps count."""
 
 
 class RecordingError(Exception):
@@ -45,6 +49,7 @@ class RecordingError(Exception):
 def read_table(path: Path) -> Floats:
     """Shape (rows, 6), all numbers, time never going back."""
     rows: list[list[float]] = []
+    numbers: list[int] = []
     for number, row in _rows(path, _FORM, f"name the files in it, like '{path}/*.csv'"):
         if len(rows) == MOST_ROWS:
             raise RecordingError(
@@ -54,16 +59,39 @@ def read_table(path: Path) -> Floats:
         values = _numbers(f"{path}, row {number}", row)
         if rows and values[TIME] < rows[-1][TIME]:
             raise RecordingError(
-                f"{path}, row {number}: time goes back from {rows[-1][TIME]:g} to {values[TIME]:g} s; are two runs in "
-                "it? split it there"
+                f"{path}, row {number}: time goes back from {rows[-1][TIME]:.15g} to {values[TIME]:.15g}; are two "
+                "runs in it? split it there"
             )
         rows.append(values)
+        numbers.append(number)
     if len(rows) < 2:
         raise RecordingError(f"{path}: one row is no run; {_FORM}")
     table = np.array(rows)
     if not np.any(table[1:, (RIGHT, LEFT)]):
         raise RecordingError(f"{path}: {NO_WHEEL_TURNED}")
+    for column in (RIGHT, LEFT):
+        wrap = _wrap_in(table[1:, column])
+        if wrap is not None:
+            told = f"{COLUMNS[column]} is {table[wrap + 1, column]:.0f}"
+            added = -math.copysign(_TURN_16, table[wrap + 1, column])
+            raise RecordingError(
+                f"{path}, row {numbers[wrap + 1]}: {told}; a counter of 16 bits wrapped there: add {added:.0f} in each "
+                "such row"
+            )
     return table
+
+
+def unwrapped(counts: Floats) -> Floats:
+    """Return counts of rows, corrected where a counter of 16 bits has wrapped."""
+    return np.where(np.abs(counts) > _TURN_16 / 2, counts - np.copysign(_TURN_16, counts), counts)
+
+
+def _wrap_in(counts: Floats) -> int | None:
+    """Return the first row in which a counter of 16 bits has wrapped: its count is right but for one such turn."""
+    is_large = np.abs(counts) > _TURN_16 / 2
+    others = float(np.abs(counts[~is_large]).max(initial=0.0))
+    wraps = is_large & (np.abs(unwrapped(counts)) <= 2.0 * others)
+    return int(np.argmax(wraps)) if wraps.any() and others < _TURN_16 / 4 else None
 
 
 def as_run(name: str, table: Floats) -> Run:
@@ -148,7 +176,10 @@ def _numbers(where: str, row: list[str]) -> list[float]:
     if len(row) != len(COLUMNS):
         cause = "; are there semicolons or blanks between?" if len(row) == 1 else ""
         raise RecordingError(f"{where}: {len(row)} columns, not {len(COLUMNS)}{cause}; {_FORM}")
-    values = [_number(f"{where}: {column}", text) for column, text in zip(COLUMNS, row, strict=True)]
+    values = [
+        _number(f"{where}: {column}", text, _LATEST if column == COLUMNS[TIME] else _MOST)
+        for column, text in zip(COLUMNS, row, strict=True)
+    ]
     for column in (RIGHT, LEFT):
         if abs(values[column]) > _MOST_COUNTS:
             told = f"{COLUMNS[column]} is {values[column]:g}"
@@ -159,13 +190,13 @@ def _numbers(where: str, row: list[str]) -> list[float]:
     return values
 
 
-def _number(where: str, text: str) -> float:
+def _number(where: str, text: str, most: float) -> float:
     try:
         value = float(text)
     except ValueError as error:
         cause = "is there a header? remove it" if ", row 1:" in where else "correct it, or leave the run out"
         raise RecordingError(f"{where} is {_shown(text)}, no number; {cause}") from error
-    if math.isfinite(value) and abs(value) > _MOST:
+    if math.isfinite(value) and abs(value) > most:
         raise RecordingError(f"{where} is {value:g}, which cannot be; correct it, or leave the run out")
     if not math.isfinite(value):
         raise RecordingError(
