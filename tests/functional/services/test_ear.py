@@ -28,13 +28,14 @@ def test_each_sample_comes_with_its_key_its_bytes_and_its_encoding(session: zeno
         session.put("giraff/anna/odom", bytes([number]), encoding="application/msgpack")
         session.put("giraff/anna/own", b"x", encoding="text/plain")
     session.put("giraff/berta/odom", b"another robot's")
+    session.put("giraff/anna/empty", b"")
     session.delete("giraff/anna/own")
     taken = hears.take()
     assert [(one.key, one.payload, one.encoding) for one in taken if one.key.endswith("odom")] == [
         ("giraff/anna/odom", bytes([number]), "application/msgpack") for number in range(3)
     ]
     assert {(one.payload, one.encoding) for one in taken if one.key.endswith("own")} == {(b"x", "text/plain")}
-    assert len(taken) == 6
+    assert len(taken) == 7, "what is empty is a sample as well, and a deletion is none"
     assert [one.at_ns for one in taken] == sorted(one.at_ns for one in taken)
     session.put("giraff/anna/odom", b"later", encoding="application/msgpack")
     assert [(one.payload, one.encoding) for one in hears.take()] == [(b"later", "application/msgpack")]
