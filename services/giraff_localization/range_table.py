@@ -7,8 +7,9 @@ chance, and often by a detour.
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -32,6 +33,16 @@ _RAY: Final = math.tau / _RAYS
 """rad from one to the next."""
 _BLOCK: Final = 16
 """Cells on each side of what is computed at once."""
+_PART: Final = 1_000_000
+"""Pairs of a place and a ray that one part tries on walls: 0.01 to 0.03 s, after which the service turns."""
+_PER_TRIED_WALL: Final = 2_000
+"""Pairs that take as long as all else that is done for a wall in reach."""
+_PER_WALL: Final = 10
+"""Pairs that take as long as to find out whether a wall is in reach."""
+_AT_ONCE: Final = 64
+"""Walls whose directions are computed at once."""
+
+_Floats = npt.NDArray[np.float32]
 
 
 class Cone(NamedTuple):
@@ -55,6 +66,8 @@ class RangeTable:
         """m of range that count as one: 2 cm, or more for a sensor that hears farther than 5 m."""
         self._table = np.full((space.columns, space.rows, HEADINGS), CLEAR, np.uint8)
         self._flat = self._table.reshape(-1)
+        self._near_free = _grown(space.is_free, math.ceil(1.0 / CELL / 2.0))
+        self._table[~self._near_free] = SOLID
 
     def expected(self, x: Floats, y: Floats, heading: Floats) -> npt.NDArray[np.uint8]:
         """Of a sensor there: the range in bins, or CLEAR, SLANTED, SOLID."""
@@ -65,26 +78,28 @@ class RangeTable:
         return found
 
     def build(self) -> Iterator[float]:
-        """Fill it bit by bit; tells the share that is done after each."""
-        space = self._space
-        near_free = _grown(space.is_free, math.ceil(1.0 / CELL / 2.0))
-        self._table[~near_free] = SOLID
-        columns, rows = range(0, space.columns, _BLOCK), range(0, space.rows, _BLOCK)
-        for number, column in enumerate(columns):
-            for row in rows:
-                if near_free[column : column + _BLOCK, row : row + _BLOCK].any():
-                    self._fill(slice(column, column + _BLOCK), slice(row, row + _BLOCK))
-            yield (number + 1) / len(columns)
+        """Fill it in parts that stay small however many walls there are. Yields the share that is done after each."""
+        corners = itertools.product(range(0, self._space.columns, _BLOCK), range(0, self._space.rows, _BLOCK))
+        blocks = [(slice(column, column + _BLOCK), slice(row, row + _BLOCK)) for column, row in corners]
+        blocks = [block for block in blocks if self._near_free[block].any()]
+        tried = 0
+        for number, block in enumerate(blocks):
+            for more in self._fill(*block):
+                tried += more
+                if tried >= _PART:
+                    yield number / len(blocks)
+                    tried = 0
+        yield 1.0
 
-    def _fill(self, columns: slice, rows: slice) -> None:
-        """One block."""
+    def _fill(self, columns: slice, rows: slice) -> Iterator[int]:
+        """Fill one block. Yields the pairs that it has tried since it last did."""
         space, cone = self._space, self._cone
         column = np.arange(columns.start, min(columns.stop, space.columns), dtype=np.float32)
         row = np.arange(rows.start, min(rows.stop, space.rows), dtype=np.float32)
         x, y = np.meshgrid(
             space.left + (column + 0.5) * CELL, space.bottom + (row + 0.5) * CELL, indexing="ij", copy=False
         )
-        nearest, normal = self._cast(x.ravel().astype(np.float32), y.ravel().astype(np.float32))
+        nearest, normal = yield from self._cast(x.ravel().astype(np.float32), y.ravel().astype(np.float32))
         offsets = range(-_steps(cone.half_cone), _steps(cone.half_cone) + 1)
         axis = np.arange(HEADINGS, dtype=np.float32) * np.float32(math.tau / HEADINGS)
         heard = np.full((x.size, HEADINGS), np.inf, np.float32)
@@ -96,17 +111,21 @@ class RangeTable:
             np.minimum(heard, np.where(faces, distance, np.inf), out=heard)
         found = np.where(heard < cone.reach, heard / self.bin, np.where(met, SLANTED, CLEAR)).astype(np.uint8)
         self._table[columns, rows] = found.reshape(len(column), len(row), HEADINGS)
+        yield found.size * len(offsets)
 
-    def _cast(
-        self, x: npt.NDArray[np.float32], y: npt.NDArray[np.float32]
-    ) -> tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
-        """Of rays all around each of these places: m to the first wall, and the direction of its normal, rad."""
+    def _cast(self, x: _Floats, y: _Floats) -> Generator[int, None, tuple[_Floats, _Floats]]:
+        """Return m to the first wall and rad of its normal, of rays all around each of these places.
+
+        Yields like `_fill`.
+        """
         angles = np.arange(_RAYS, dtype=np.float32) * np.float32(_RAY)
         ray_x, ray_y = np.cos(angles), np.sin(angles)
         nearest = np.full((x.size, _RAYS), self._cone.reach, np.float32)
         normal = np.zeros((x.size, _RAYS), np.float32)
+        yield _PER_WALL * len(self._walls)
         for wall, away, rays in _in_reach(self._walls, x, y, self._cone.reach):
             before = nearest[:, rays]
+            yield before.size + _PER_TRIED_WALL
             if away > before.max():
                 continue  # all that these rays can meet is nearer
             x0, y0, x1, y1 = wall
@@ -123,8 +142,8 @@ class RangeTable:
 
 
 def _in_reach(
-    walls: npt.NDArray[np.float32], x: npt.NDArray[np.float32], y: npt.NDArray[np.float32], reach: float
-) -> Iterator[tuple[npt.NDArray[np.float32], float, npt.NDArray[np.int64]]]:
+    walls: _Floats, x: _Floats, y: _Floats, reach: float
+) -> Iterator[tuple[_Floats, float, npt.NDArray[np.int64]]]:
     """Walls that may be met from these places, nearest first: m that they are away at least, and by which rays."""
     middle_x, middle_y = float(x.mean()), float(y.mean())
     x0, y0, x1, y1 = walls.T
@@ -134,7 +153,15 @@ def _in_reach(
     away = np.hypot(x0 + part * along_x - middle_x, y0 + part * along_y - middle_y)
     away -= np.hypot(x - middle_x, y - middle_y).max()
     near = np.argsort(away)[: np.count_nonzero(away < reach)]
-    x0, y0, x1, y1 = walls[near].T
+    for some in np.split(near, range(_AT_ONCE, len(near), _AT_ONCE)):
+        for wall, rays in zip(some, _rays(walls[some], x, y), strict=True):
+            yield walls[wall], float(away[wall]), rays
+
+
+def _rays(walls: _Floats, x: _Floats, y: _Floats) -> Iterator[npt.NDArray[np.int64]]:
+    """Yield the rays by which each wall may be met from these places."""
+    middle_x, middle_y = float(x.mean()), float(y.mean())
+    x0, y0, x1, y1 = walls.T
     towards = np.arctan2((y0 + y1) / 2.0 - middle_y, (x0 + x1) / 2.0 - middle_x)
     one, other = (
         np.remainder(np.arctan2(end_y - y[:, None], end_x - x[:, None]) - towards + math.pi, math.tau) - math.pi
@@ -143,9 +170,9 @@ def _in_reach(
     is_among = np.abs(one - other).max(0) > math.pi  # the wall lies among these places
     first = np.floor((towards + np.minimum(one, other).min(0)) / _RAY).astype(int)
     last = np.ceil((towards + np.maximum(one, other).max(0)) / _RAY).astype(int)
-    for number, wall in enumerate(near):
-        count = _RAYS if is_among[number] else min(_RAYS, last[number] - first[number] + 1)
-        yield walls[wall], float(away[wall]), np.arange(first[number], first[number] + count) % _RAYS
+    counts = np.where(is_among, _RAYS, np.minimum(_RAYS, last - first + 1))
+    for begin, count in zip(first, counts, strict=True):
+        yield np.arange(begin, begin + count) % _RAYS
 
 
 def _steps(half_cone: float) -> int:

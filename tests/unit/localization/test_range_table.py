@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from itertools import product
+from collections.abc import Iterator
+from itertools import islice, product
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -11,8 +13,10 @@ import pytest
 
 from giraff_core.kinematics.pose import Pose
 from giraff_core.sensors import HC_SR04, UltrasonicModel
+from giraff_localization import range_table
 from giraff_localization.config import LocalizationConfig
 from giraff_localization.floor import Floor
+from giraff_localization.free_space import Floats
 from giraff_localization.range_table import CLEAR, SLANTED, SOLID
 from giraff_maps.floor_plan import FloorPlan, MapError
 from tests.support.robots import ROBOT
@@ -92,6 +96,24 @@ def _first(x: float, y: float, angle: float) -> tuple[float, float]:
         if 0.0 < distance < best:
             best, normal = distance, math.atan2(y1 - y0, x1 - x0) + math.pi / 2.0
     return best, normal
+
+
+def test_a_part_stays_small_however_many_walls_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Judged by what is tried on walls, 2000 pairs for each wall included, and not by the clock."""
+    tried, in_reach, largest = list[int](), range_table._in_reach, 0
+
+    def counted(walls: Floats, x: Floats, y: Floats, reach: float) -> Iterator[tuple[Floats, float, Any]]:
+        for wall in in_reach(walls, x, y, reach):
+            tried.append(x.size * wall[2].size + 2000)
+            yield wall
+
+    monkeypatch.setattr(range_table, "_in_reach", counted)
+    specks = tuple((x / 2, y / 2, x / 2 + 0.05, y / 2) for x in range(40) for y in range(40) if (x + y) % 3)
+    made = Floor(FloorPlan("specks", specks), LocalizationConfig(), ROBOT)
+    for _ in islice(made.build(), 20):
+        largest = max(largest, sum(tried))
+        tried.clear()
+    assert 800_000 < largest < 1_100_000
 
 
 def test_a_robot_fits_where_no_wall_is_near() -> None:
