@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import msgspec
 
@@ -12,8 +12,10 @@ from giraff_cli.network.age_histogram import AgeHistogram
 
 _RECALLED: Final = 10_000
 """Samples back that a late one is known to be late, and not lost or a double."""
-_KEPT_NS: Final = 10_000_000_000  # of marks, by which the rate of now is told
-_ENOUGH: Final = 0.25  # s of a maker's stamps that tell a rate
+_KEPT: Final = 10.0  # s of marks, by which the rate of now is told
+_ENOUGH: Final = 0.25  # s that tell a rate
+_LEAP: Final = 2.0
+"""s by which stamps and arrivals differ where a clock leaps. Samples that come late differ by less."""
 
 
 class Header(msgspec.Struct, frozen=True):
@@ -39,6 +41,14 @@ class Arrival:
     """By this host's wall clock."""
 
 
+class _Mark(NamedTuple):
+    """A sample, and when it came."""
+
+    head: Header
+    at: float
+    """Monotonic, s."""
+
+
 class PublisherStatistics:
     """The samples of one maker on one key, from the first that was heard."""
 
@@ -47,32 +57,32 @@ class PublisherStatistics:
         self.ages = AgeHistogram()
         """By the two hosts' wall clocks, ms."""
         self.newest = first
-        self._first = self._last = head
+        self._first = self._last = _Mark(head, first.at)
         self._heard = 0
         self._missing: set[int] = set()
-        self._marks: deque[Header] = deque()
+        self._marks: deque[_Mark] = deque()
 
     def add(self, arrival: Arrival, head: Header) -> None:
         """Another sample, or the first."""
         self.ages.add((arrival.wall_ns - head.stamp_ns) * 1e-6)
         self.newest = arrival
-        newest = self._last.seq
+        newest = self._last.head.seq
         if self._heard == 0 or head.seq > newest:
             self._heard += 1
             self._miss(newest + 1, head.seq)
-            self._last = head
-            self._mark(head)
+            self._last = _Mark(head, arrival.at)
+            self._mark()
         elif head.seq in self._missing:
             self._heard += 1
             self._missing.discard(head.seq)
             self.reordered += 1
-        elif head.seq >= self._first.seq:
+        elif head.seq >= self._first.head.seq:
             self.duplicated += 1  # one from before the first was on its way before anybody listened
 
     @property
     def sent(self) -> int:
         """What the maker has numbered between the first and the newest that were heard, both counted."""
-        return self._last.seq - self._first.seq + 1
+        return self._last.head.seq - self._first.head.seq + 1
 
     @property
     def heard(self) -> int:
@@ -86,12 +96,20 @@ class PublisherStatistics:
 
     @property
     def rate(self) -> float | None:
-        """Hz, by the maker's own numbers and stamps, whatever became of the samples; None: too few to tell."""
+        """Hz, by the maker's own numbers and stamps, whatever became of the samples; None: too few to tell.
+
+        Where the maker's wall clock leapt, it is by when the samples came.
+        """
         return _rate(self._first, self._last)
+
+    @property
+    def leap(self) -> float:
+        """s. How far the maker's wall clock leapt between the first and the newest sample; 0: it did not."""
+        return _leap(self._first, self._last)
 
     def rate_over(self, seconds: float) -> float | None:
         """The same of the last `seconds`."""
-        since = next((mark for mark in self._marks if mark.stamp_ns >= self._last.stamp_ns - seconds * 1e9), None)
+        since = next((mark for mark in self._marks if mark.at >= self._last.at - seconds), None)
         return None if since is None else _rate(since, self._last)
 
     def _miss(self, begin: int, end: int) -> None:
@@ -101,10 +119,10 @@ class PublisherStatistics:
         if len(self._missing) > _RECALLED:
             self._missing = {seq for seq in self._missing if seq >= forget}
 
-    def _mark(self, head: Header) -> None:
-        if not self._marks or head.stamp_ns - self._marks[-1].stamp_ns >= _ENOUGH * 1e9:
-            self._marks.append(head)
-            while self._marks[0].stamp_ns < head.stamp_ns - _KEPT_NS:
+    def _mark(self) -> None:
+        if not self._marks or self._last.at - self._marks[-1].at >= _ENOUGH:
+            self._marks.append(self._last)
+            while self._marks[0].at < self._last.at - _KEPT:
                 self._marks.popleft()
 
 
@@ -152,6 +170,11 @@ class TopicStatistics:
         return (self.bytes - self._first_size) / took if took > 0.0 else None
 
 
-def _rate(first: Header, last: Header) -> float | None:
-    took = (last.stamp_ns - first.stamp_ns) * 1e-9
-    return (last.seq - first.seq) / took if took >= _ENOUGH else None
+def _rate(first: _Mark, last: _Mark) -> float | None:
+    took = last.at - first.at if _leap(first, last) else (last.head.stamp_ns - first.head.stamp_ns) * 1e-9
+    return (last.head.seq - first.head.seq) / took if took >= _ENOUGH else None
+
+
+def _leap(first: _Mark, last: _Mark) -> float:
+    leap = (last.head.stamp_ns - first.head.stamp_ns) * 1e-9 - (last.at - first.at)
+    return leap if abs(leap) > _LEAP else 0.0

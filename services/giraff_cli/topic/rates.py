@@ -45,6 +45,8 @@ class Rate(msgspec.Struct, frozen=True, kw_only=True):
     """s from the maker's stamp to here, by the wall clocks of both hosts, which may disagree."""
     age_p99: float | None
     age_largest: float | None
+    clock_leap: float = 0.0
+    """s. How far the maker's wall clock leapt meanwhile; 0: it did not. After a leap `hz` goes by arrivals."""
 
 
 class Rates(msgspec.Struct, frozen=True, kw_only=True):
@@ -197,6 +199,7 @@ def _rate(key: str, maker: NodeId, count: PublisherStatistics) -> Rate:
         age_median=median,
         age_p99=high,
         age_largest=largest,
+        clock_leap=round(count.leap, 3),
     )
 
 
@@ -216,6 +219,8 @@ def _show_rates(rates: Rates) -> None:
             for rate in rates.rates
         ),
     )
+    for maker, leap in {rate.maker: rate.clock_leap for rate in rates.rates if rate.clock_leap}.items():
+        print_error(printable(f"the clock of {maker.name} leapt by {leap:+.1f} s meanwhile: its ages are wrong"))
     for key, number in rates.unreadable.items():
         print_error(printable(f"unreadable on {key}: {number}"))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -73,6 +75,18 @@ def test_ages_and_sizes() -> None:
     assert (ages.quantile(0.5), ages.quantile(1.0)) == (2.0, 30.0)
     assert (tally.smallest, tally.largest) == (40, 42)
     assert tally.bytes_per_second == pytest.approx(4100.0, rel=0.05)
+
+
+@pytest.mark.parametrize("leap", [3600.0, -3600.0, 0.0])
+def test_a_leap_of_the_makers_clock_is_named_and_changes_no_rate(leap: float) -> None:
+    tally = TopicStatistics("odom")
+    for seq in range(2000):
+        sample, head = arrival(seq), Header(seq, seq * PERIOD_NS + round(leap * 1e9) * (seq > 1700), "a")
+        tally.on_sample(dataclasses.replace(sample, head=head))
+    count = tally.counts["a"]
+    assert count.rate == pytest.approx(100.0)
+    assert count.rate_over(5.0) == pytest.approx(100.0)
+    assert count.leap == pytest.approx(leap)
 
 
 def test_few_samples_tell_no_rate() -> None:
