@@ -46,6 +46,11 @@ def test_a_script_needs_no_names_and_may_have_empty_lines(tmp_path: Path) -> Non
         ("0,1,2,3\n1,1,2,up\n", "tilt.csv:2: z is 'up', not a number"),
         ("0,1,nan,3\n", "tilt.csv:1: y is nan: it must be finite"),
         ("1,1,2,3\n1,1,2,3\n", "tilt.csv:2: time 1 does not come after 1"),
+        (
+            "0,0,0,1\n1,0.6,0.1,0.8\n2,0,0,0\n",
+            "tilt.csv: x, y, z make 1.00 together, like g: make them m/s², times 9.8",
+        ),
+        ("1764284023.5,0,0,9.8\n", "tilt.csv:1: time 1764284023.5 is none in s from the start: take it off each row"),
         ("t,x,z,y\n0,1,2,3\n", "tilt.csv:1: t is 't'"),
     ],
 )

@@ -10,6 +10,7 @@ import bisect
 import csv
 import math
 import random
+import statistics
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -31,6 +32,10 @@ _WAVES: Final = 3
 _TREMOR_HZ: Final = (6.0, 12.0)
 
 _COLUMNS: Final = ("t", "x", "y", "z")
+_LATEST_BEGIN: Final = 86_400.0
+"""s. Largest first time of a script. A later one counts from 1970, or in another unit."""
+_LIKE_G: Final = (0.7, 1.4)
+"""Median acceleration in a script that is in g. A hand that holds still feels 9.8 m/s²."""
 
 
 class ScriptError(Exception):
@@ -157,12 +162,19 @@ def read_script(path: Path, begin: float = 0.0) -> ScriptedHand:
                 if times and time + begin <= times[-1]:
                     before = times[-1] - begin
                     raise ScriptError(f"{path}:{number}: time {time:g} does not come after {before:g}")
+                if not times and time > _LATEST_BEGIN:
+                    raise ScriptError(
+                        f"{path}:{number}: time {time:.15g} is none in s from the start: take it off each row"
+                    )
                 times.append(time + begin)
                 vectors.append((vector[0], vector[1], vector[2]))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise ScriptError(f"{path}: cannot be read: {plain(error)}") from error
     if not times:
         raise ScriptError(f"{path}: holds no row of t, x, y, z")
+    felt = statistics.median(math.hypot(*vector) for vector in vectors)
+    if _LIKE_G[0] < felt < _LIKE_G[1]:
+        raise ScriptError(f"{path}: x, y, z make {felt:.2f} together, like g: make them m/s², times {GRAVITY}")
     return ScriptedHand(times, vectors)
 
 
