@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -9,7 +10,8 @@ import typer
 
 from giraff_cli.options import AsJson, Connect, Ending, Robot, Topics, require_extra
 
-_UNITS: Final = {"k": 1_000, "M": 1_000_000, "G": 1_000_000_000}
+_SIZE: Final = re.compile(r"(.+?) ?([kmg]i?|)b?", re.IGNORECASE)
+_UNITS: Final = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "ki": 1 << 10, "mi": 1 << 20, "gi": 1 << 30}
 
 
 def record(  # noqa: PLR0913, PLR0917  one argument an option
@@ -21,7 +23,7 @@ def record(  # noqa: PLR0913, PLR0917  one argument an option
     topics: Topics = None,
     seconds: Ending = None,
     max_size: Annotated[
-        str | None, typer.Option(metavar="SIZE", help="End before the file is larger, like 500k, 20M or 2G.")
+        str | None, typer.Option(metavar="SIZE", help="End before the file is larger, like 500k, 20MB or 4GiB.")
     ] = None,
     camera: Annotated[
         bool, typer.Option("--camera", help="Ask for what its cameras see, and keep it: a megabyte a second or less.")
@@ -52,11 +54,12 @@ def record(  # noqa: PLR0913, PLR0917  one argument an option
 
 
 def bytes_of(size: str) -> int:
-    """Of a size like 20M. Raises typer.BadParameter."""
+    """Return the bytes of a size like 20M, 4GB or 4GiB. Raises typer.BadParameter."""
+    parts = _SIZE.fullmatch(size)
     try:
-        number = int(float(size.rstrip("kMG")) * _UNITS.get(size[-1:], 1))
+        number = int(float(parts[1]) * _UNITS[parts[2].lower()]) if parts else 0
     except (ValueError, OverflowError):
         number = 0
     if number < 100_000:
-        raise typer.BadParameter(f"--max-size {size}: give 100k at least, like 500k, 20M or 2G")
+        raise typer.BadParameter(f"--max-size {size}: give 100k at least, like 500k, 20MB or 4GiB")
     return number

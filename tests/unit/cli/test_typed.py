@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from giraff_cli.motion.pattern import PatternError, read_pattern
+from giraff_cli.record.commands import bytes_of
 from giraff_cli.typed import angle, length, point, pose
 from giraff_schemas.motion import Arc, Move, Turn
 
@@ -94,6 +95,23 @@ def test_a_length_is_in_metres() -> None:
     for text in ("2cm", "2 mm", "nan", "inf", "1e999", "", "m", "two", "1,5,2"):
         with pytest.raises(ValueError, match=r"is no length: give metres, like 2 or -0\.5"):
             length(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "size"),
+    [
+        ("4GB", 4 * 10**9),
+        ("4GiB", 4 << 30),
+        ("500MB", 5 * 10**8),
+        ("0.5 gb", 5 * 10**8),
+        ("100k", 100_000),
+        ("2G", 2 * 10**9),
+        ("1e6", 10**6),
+        ("100000", 100_000),
+    ],
+)
+def test_a_size_is_what_is_meant(text: str, size: int) -> None:
+    assert bytes_of(text) == size
 
 
 def test_a_point_is_two_lengths() -> None:
