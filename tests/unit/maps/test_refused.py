@@ -99,8 +99,8 @@ def test_a_grid(tmp_path: Path, old: str, new: str, complaint: str) -> None:
 
 @pytest.mark.parametrize("name", ["map.yaml", "map.pgm", "room.toml"])
 def test_nothing_waits_for_a_pipe(tmp_path: Path, name: str) -> None:
-    grid, drawn = painted(tmp_path, WALL), room(tmp_path, "")
-    (tmp_path / name).unlink()
+    grid, drawn = written(tmp_path, YAML), room(tmp_path, "")
+    (tmp_path / name).unlink(missing_ok=True)
     os.mkfifo(tmp_path / name)
     with pytest.raises(MapError, match=f"{name}: it is no file, but a folder, a pipe or a device"):
         _ = read_room_file(drawn) if name == "room.toml" else read_map(grid)
