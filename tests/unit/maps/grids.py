@@ -25,7 +25,10 @@ def painted(tmp_path: Path, rows: Sequence[str], yaml: str = YAML, image: str = 
     """A grid from its picture: `#` occupied, `.` free, blank unknown; the first row is the topmost."""
     shade = {"#": 0, ".": 254, " ": 205}
     pixels = bytes(shade[sign] for row in rows for sign in row)
-    Image.frombytes("L", (len(rows[0]), len(rows)), pixels).save(tmp_path / image)
+    if image.endswith(".pgm"):
+        (tmp_path / image).write_bytes(f"P5\n{len(rows[0])} {len(rows)}\n255\n".encode() + pixels)
+    else:
+        Image.frombytes("L", (len(rows[0]), len(rows)), pixels).save(tmp_path / image)
     return written(tmp_path, yaml)
 
 
