@@ -84,7 +84,7 @@ def look_through(file: IO[bytes]) -> Layout:
         head = file.read(_RECORD.size)
         opcode, size = _RECORD.unpack(head) if len(head) == _RECORD.size else (0, 0)
         after = position + _RECORD.size + size
-        if opcode == Opcode.DATA_END:
+        if opcode == Opcode.DATA_END and size == 4:
             break  # what follows is the index, which no checksum confirms
         if not _is_known(opcode) or after > end or not _take(file, opcode, position, size, found):
             found.holes.append(position)
