@@ -8,24 +8,36 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from io import BytesIO
 from typing import IO, Final
 
+import lz4.frame
 import msgspec
+import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, ChunkIndex, Footer, Message, Metadata, Statistics
 from mcap.stream_reader import CRCValidationError, breakup_chunk
-from zstandard import ZstdError
 
 MAGIC: Final = b"\x89MCAP0\r\n"
-DAMAGE: Final = (McapError, CRCValidationError, ZstdError, struct.error, RuntimeError, ValueError, EOFError, KeyError)
-_LARGEST: Final = 1 << 28
+DAMAGE: Final = (
+    McapError,
+    CRCValidationError,
+    zstandard.ZstdError,
+    struct.error,
+    RuntimeError,
+    ValueError,
+    EOFError,
+    KeyError,
+)
+_LARGEST: Final = 1 << 26
 """Bytes of a record: a damaged length must not fill the memory."""
 _RUN: Final = 1 << 22
 """Bytes of messages outside of any chunk that are read at a time."""
+_BLOCK: Final = 1 << 16
+"""Bytes that are searched at first. Each later block has twice as many, up to `_RUN`."""
 _RECORD: Final = struct.Struct("<BQ")
 _PRIVATE: Final = 0x80
 """The first opcode that any program may use for itself."""
@@ -52,11 +64,12 @@ class Layout(msgspec.Struct):
     """What is where in a file."""
 
     parts: list[Part] = []
-    """In the order in which their messages begin."""
     holes: list[int] = []
     """Offsets at which the file makes no sense."""
     channels: dict[int, Channel] = {}
     """Channels that are named outside of any chunk."""
+    names_all: bool = False
+    """An index with a right checksum names all channels, and tells when each chunk begins."""
     metadata: dict[str, dict[str, str]] = {}
     messages: int | None = None
     """Number of messages in the file when it was closed. None: not known."""
@@ -78,22 +91,27 @@ def look_through(file: IO[bytes]) -> Layout:
     if was_closed(file):
         end -= len(MAGIC)
     chunks, end = _read_summary(file, end, found)
-    before, position = 0, len(MAGIC)
+    before, before_opcode, position = 0, 0, len(MAGIC)
     while position < end:
         file.seek(position)
         head = file.read(_RECORD.size)
         opcode, size = _RECORD.unpack(head) if len(head) == _RECORD.size else (0, 0)
         after = position + _RECORD.size + size
-        if opcode == Opcode.DATA_END and size == 4:
-            break  # what follows is the index, which no checksum confirms
-        if not _is_known(opcode) or after > end or not _take(file, opcode, position, size, found):
-            found.holes.append(position)
+        if opcode == Opcode.MESSAGE_INDEX and before_opcode not in {Opcode.CHUNK, Opcode.MESSAGE_INDEX}:
+            # It follows a chunk always, so this is one whose first byte is damaged.
+            found.parts.append(Part(before, position - before, chunks.get(before, 0), in_chunk=True))
+        is_end = opcode == Opcode.DATA_END and size == 4
+        if is_end or not _is_known(opcode) or after > end or not _take(file, opcode, position, size, found):
             # The record before may have led astray: its length may be what is damaged.
-            position = _next_chunk(file, before + 1, end, chunks)
-            before = position
+            next_chunk = _next_chunk(file, before + 1, end, chunks)
+            if is_end and next_chunk == end:
+                break  # what follows is the index, which no checksum confirms
+            found.holes.append(position)
+            before, before_opcode, position = next_chunk, 0, next_chunk
             continue
-        before, position = position, after
-    found.parts.sort(key=lambda part: part.since_ns)
+        before, before_opcode, position = position, opcode, after
+    for part in found.parts:
+        part.since_ns = chunks.get(part.offset, part.since_ns)
     return found
 
 
@@ -101,22 +119,29 @@ def read_part(file: IO[bytes], part: Part) -> Iterator[Channel | Message]:
     """Unpack a part. Raises one of DAMAGE and MemoryError where it is damaged, and OSError."""
     file.seek(part.offset)
     data = file.read(part.size)
+    chunk = Chunk("", data, message_end_time=0, message_start_time=0, uncompressed_crc=0, uncompressed_size=len(data))
     if part.in_chunk:
         chunk = Chunk.read(ReadDataStream(BytesIO(data[_RECORD.size :])))
-    else:
-        chunk = Chunk(
-            compression="",
-            data=data,
-            message_start_time=0,
-            message_end_time=0,
-            uncompressed_crc=0,
-            uncompressed_size=len(data),
-        )
-    if chunk.uncompressed_size > _LARGEST:
-        raise ValueError("a chunk that is larger than any")
+        chunk.data, chunk.compression = _unpacked(chunk), ""
     for record in breakup_chunk(chunk, validate_crc=True):
         if isinstance(record, (Channel, Message)):
             yield record
+
+
+def _unpacked(chunk: Chunk) -> bytes:
+    """Return the records of a chunk. Its own word for their size is the limit."""
+    size = chunk.uncompressed_size
+    if size > _LARGEST:
+        raise ValueError("a chunk that is larger than any")
+    match chunk.compression:
+        case "zstd":
+            if zstandard.frame_content_size(chunk.data) not in {-1, size}:
+                raise ValueError("a chunk of another size")
+            return zstandard.decompress(chunk.data, size)
+        case "lz4":
+            return bytes(lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=size))
+        case _:
+            return chunk.data
 
 
 def _is_known(opcode: int) -> bool:
@@ -163,8 +188,14 @@ def _take_message(file: IO[bytes], position: int, after: int, parts: list[Part])
     parts.append(Part(position, after - position, at_ns, in_chunk=False, messages=1))
 
 
-def _read_summary(file: IO[bytes], end: int, found: Layout) -> tuple[list[int], int]:
-    """Note what the index at the end says, if its checksum is right; where the chunks are, and where the data end."""
+def _read_summary(file: IO[bytes], end: int, found: Layout) -> tuple[dict[int, int], int]:
+    """Note what the index at the end says, if its checksum is right; when each chunk begins, and where the data end.
+
+    Chunks are named by their offset.
+    """
+    named: dict[int, Channel] = {}
+    chunks: dict[int, int] = {}
+    counted: Statistics | None = None
     try:
         footer_at = end - _FOOTER
         file.seek(footer_at)
@@ -172,38 +203,44 @@ def _read_summary(file: IO[bytes], end: int, found: Layout) -> tuple[list[int], 
         opcode, size = _RECORD.unpack_from(head)
         footer = Footer.read(ReadDataStream(BytesIO(head[_RECORD.size :])))
         if (opcode, size) != (Opcode.FOOTER, 20) or not len(MAGIC) <= footer.summary_start < footer_at:
-            return [], end
+            return {}, end
         file.seek(footer.summary_start)
         summary = file.read(footer_at - footer.summary_start)
         if footer.summary_crc and zlib.crc32(summary + head[:-4]) != footer.summary_crc:
-            return [], end
-        chunks: list[int] = []
+            return {}, end
         stream = ReadDataStream(BytesIO(summary))
         while stream.count < len(summary):
             opcode, size = stream.read1(), stream.read8()
             record = ReadDataStream(BytesIO(stream.read(size)))
             if opcode == Opcode.CHANNEL:
                 channel = Channel.read(record)
-                found.channels[channel.id] = channel
+                named[channel.id] = channel
             elif opcode == Opcode.STATISTICS:
-                found.messages = Statistics.read(record).message_count
+                counted = Statistics.read(record)
             elif opcode == Opcode.CHUNK_INDEX:
-                chunks.append(ChunkIndex.read(record).chunk_start_offset)
+                index = ChunkIndex.read(record)
+                chunks[index.chunk_start_offset] = index.message_start_time
     except (*DAMAGE, OSError):
-        return [], end
-    return sorted(chunks), footer.summary_start
+        return {}, end
+    found.channels = named
+    if counted is not None:
+        found.messages = counted.message_count
+        found.names_all = counted.channel_count == len(named) and counted.chunk_count == len(chunks) > 0
+    return chunks, footer.summary_start
 
 
-def _next_chunk(file: IO[bytes], start: int, end: int, chunks: list[int]) -> int:
+def _next_chunk(file: IO[bytes], start: int, end: int, chunks: Mapping[int, int]) -> int:
     """Find the next chunk; where it begins, or `end`."""
-    known = next((chunk for chunk in chunks if chunk >= start), None)
-    if known is not None or chunks:
-        return end if known is None else known
-    overlap = _TO_COMPRESSED + 8
+    overlap, length = _TO_COMPRESSED + 8, _BLOCK
+    known = min((chunk for chunk in chunks if chunk >= start), default=end)
+    file.seek(known)
+    if file.read(1) == bytes([Opcode.CHUNK]):
+        end = known  # none is searched beyond it
     at = start
     while at < end:
         file.seek(at)
-        block = file.read(min(_RUN, end - at))
+        block = file.read(min(length, end - at))
+        length = min(2 * length, _RUN)
         found = (_chunk_in(block, marker) for marker in _COMPRESSED)
         if places := [place for place in found if place is not None]:
             return at + min(places)

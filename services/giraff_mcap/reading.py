@@ -16,6 +16,7 @@ and its topics are `giraff/<robot>/...`.
 
 from __future__ import annotations
 
+import re
 from base64 import b64decode
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
@@ -44,6 +45,7 @@ from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, topic_of
 _SHARED: Final = "robot."
 _JSON: Final = "json"
 _NEVER_IN_A_KEY: Final = frozenset("*$?#")
+_PYTHONS_OWN: Final = re.compile(rb"\b(NaN|Infinity)\b")
 
 
 class RecordingError(Exception):
@@ -97,17 +99,26 @@ class Recording:
         """Empty: not known."""
         with self._open() as file:
             if file.read(len(MAGIC)) != MAGIC:
-                raise RecordingError(f"{path}: not an MCAP file; give one that `giraff record` has written")
+                raise RecordingError(
+                    f"{path}: not an MCAP file, or its first bytes are damaged, as a copy in text mode does; give one "
+                    "that `giraff record` has written"
+                )
             self.whole = was_closed(file)
             self._layout = look_through(file)
         self.about = self._layout.metadata.get(ABOUT, {})
-        self.ended_by = self._layout.metadata.get(SUMMARY, {}).get("ended_by", "")
+        summary = self._layout.metadata.get(SUMMARY, {})
+        self.ended_by = summary.get("ended_by", "")
+        self._before = Unread()
+        """What was missing when it was repaired."""
+        with suppress(msgspec.MsgspecError):
+            self._before = msgspec.json.decode(summary.get("unread", "{}"), type=Unread)
         channels = list(self._channels())
-        self._unreadable = {channel.topic: why for channel in channels if (why := _why_unreadable(channel))}
-        topics = {channel.topic for channel in channels} - self._unreadable.keys()
+        self._layout.parts.sort(key=lambda part: part.since_ns)
+        unreadable = {channel.topic: why for channel in channels if (why := _why_unreadable(channel))}
+        topics = {channel.topic for channel in channels if not _why_unreadable(channel)}
         robots = sorted({topic.split("/")[1] for topic in topics})
         if not robots:
-            whys = "; ".join(f"{topic}: {why}" for topic, why in sorted(self._unreadable.items())[:3])
+            whys = "; ".join(f"{topic}: {why}" for topic, why in sorted(unreadable.items())[:3])
             damaged = "; it is damaged" if self._layout.holes else ""
             raise RecordingError(f"{path}: no recording of a Giraff: {whys or 'nothing is in it'}{damaged}")
         if len(robots) > 1:
@@ -141,7 +152,7 @@ class Recording:
         wanted, unread = self.matching(keys), Unread() if unread is None else unread
         for channel, message in self._messages(unread):
             key = below_robot(channel.topic)
-            why = self._unreadable.get(channel.topic, "")
+            why = _why_unreadable(channel)
             if key not in wanted and not (why and not keys):
                 continue
             payload = b""
@@ -149,7 +160,8 @@ class Recording:
                 if not why:
                     payload = _payload(key, channel, message)
             except (msgspec.MsgspecError, UnicodeError, RecursionError, ValueError, OverflowError) as error:
-                why = f"no JSON that a message can hold: {plain(error)}"
+                named = " (NaN and Infinity are none)" if _PYTHONS_OWN.search(message.data) else ""
+                why = f"no JSON that a message can hold{named}: {plain(error)}"
             if why:
                 unread.leave_out(channel.topic, why)
                 continue
@@ -162,20 +174,32 @@ class Recording:
                 payload=payload,
                 encoding=channel.metadata.get("encoding", "application/msgpack"),
             )
+        if not keys:
+            for topic, left in self._before.left_out.items():
+                unread.leave_out(topic, left.why, left.samples)
 
     def matching(self, patterns: Sequence[str]) -> set[str]:
         """The keys that any of these patterns stands for; of no pattern: all."""
         return {key for key in self.keys if not patterns or any(fnmatchcase(key, pattern) for pattern in patterns)}
 
     def _channels(self) -> Iterator[Channel]:
-        """Find all channels. They stand in the chunks where no index names them."""
-        yield from self._layout.channels.values()
-        if self._layout.messages is not None:
+        """Find all channels. Where no index names them, they stand in the chunks, and so does when each begins."""
+        layout = self._layout
+        if layout.names_all:
+            yield from layout.channels.values()
             return
+        found: set[int] = set()
         with self._open() as file:
-            for part in self._layout.parts:
-                with suppress(*DAMAGE, MemoryError):
-                    yield from (record for record in read_part(file, part) if isinstance(record, Channel))
+            for part in layout.parts:
+                with suppress(*DAMAGE, MemoryError, OSError):
+                    records = list(read_part(file, part))
+                    times = [record.log_time for record in records if isinstance(record, Message)]
+                    part.since_ns = min(times, default=part.since_ns)
+                    for channel in (record for record in records if isinstance(record, Channel)):
+                        found.add(channel.id)
+                        layout.channels.setdefault(channel.id, channel)
+                        yield channel
+        yield from (channel for channel in layout.channels.values() if channel.id not in found)
 
     def _messages(self, unread: Unread) -> Iterator[tuple[Channel, Message]]:
         """All that can be read, in the order in which it was heard."""
@@ -204,7 +228,7 @@ class Recording:
         while waiting:
             message = waiting.pop()
             yield channels[message.channel_id], message
-        unread.gaps += parts.gaps()
+        unread.gaps += [*parts.gaps(), *self._before.gaps]
 
     def tables(self) -> dict[str, Any]:
         """Return the tables that the services went by, as they told the recorder.
@@ -267,13 +291,18 @@ def put_params(tables: dict[str, Any], service: str, params: Iterable[Param]) ->
 
 def _why_unreadable(channel: Channel) -> str:
     """Say why nothing of a channel can be read; empty: it can."""
-    root, *chunks = channel.topic.split("/")
+    return _why_not(channel.topic, channel.message_encoding)
+
+
+@cache
+def _why_not(topic: str, encoding: str) -> str:
+    root, *chunks = topic.split("/")
     if root != ROOT or len(chunks) < 2:
         return f"its topic is not {ROOT}/ROBOT/KEY"
-    if not all(chunks) or _NEVER_IN_A_KEY & set(channel.topic):
+    if not all(chunks) or _NEVER_IN_A_KEY & set(topic):
         return "its topic is no key of Zenoh"
-    if channel.message_encoding not in {_JSON, RAW}:
-        return f"its messages are {channel.message_encoding or 'of no encoding'}, and only JSON is read"
+    if encoding not in {_JSON, RAW}:
+        return f"its messages are {encoding or 'of no encoding'}, and only JSON is read"
     return ""
 
 

@@ -8,6 +8,7 @@ from typing import Final
 import msgspec
 
 from giraff_mcap.layout import Layout, Part
+from giraff_schemas.text import printable
 
 _MOST_NAMED: Final = 10
 
@@ -15,8 +16,8 @@ _MOST_NAMED: Final = 10
 class Gap(msgspec.Struct, frozen=True):
     """A damaged place in a file. Times are in s since the first sample that can be read."""
 
-    since: float
-    """s. Time of the last sample before it."""
+    since: float | None
+    """s. Time of the last sample before it. None: there is none."""
     until: float | None
     """s. Time of the first sample after it. None: there is none."""
     samples: int | None
@@ -26,7 +27,10 @@ class Gap(msgspec.Struct, frozen=True):
     def text(self) -> str:
         """What is missing, for people."""
         what = "an unknown number of samples" if self.samples is None else _samples(self.samples)
-        where = f"after {self.since:.1f} s" if self.until is None else f"from {self.since:.1f} s to {self.until:.1f} s"
+        if self.since is None:
+            where = "before all others"
+        else:
+            where = f"after {self.since:.1f} s" + ("" if self.until is None else f" and before {self.until:.1f} s")
         return f"damaged: {what} {where} cannot be read"
 
 
@@ -48,6 +52,11 @@ class Unread(msgspec.Struct):
     def __bool__(self) -> bool:
         return bool(self.gaps or self.left_out)
 
+    @property
+    def samples(self) -> int:
+        """Number of samples that are known to be missing."""
+        return sum(gap.samples or 0 for gap in self.gaps) + sum(left.samples for left in self.left_out.values())
+
     def leave_out(self, topic: str, why: str, samples: int = 1) -> None:
         """Count messages that are left out."""
         self.left_out.setdefault(topic, LeftOut(0, why)).samples += samples
@@ -58,7 +67,7 @@ class Unread(msgspec.Struct):
         if (more := len(self.gaps) - _MOST_NAMED) > 0:
             lines.append(f"damaged at {more} more places")
         for topic, left in list(self.left_out.items())[:_MOST_NAMED]:
-            lines.append(f"{_samples(left.samples)} of {topic} left out: {left.why}")
+            lines.append(f"{_samples(left.samples)} of {printable(topic) or 'an empty topic'} left out: {left.why}")
         if (more := len(self.left_out) - _MOST_NAMED) > 0:
             lines.append(f"samples of {more} more topics left out")
         return lines
@@ -86,7 +95,7 @@ class UnreadParts:
 
     def gaps(self) -> list[Gap]:
         """Return what is missing, once all parts were looked at."""
-        places: dict[tuple[float, float | None], list[int | None]] = {}
+        places: dict[tuple[float | None, float | None], list[int | None]] = {}
         for offset, number in sorted(self._missing.items()):
             places.setdefault(self._between(offset), []).append(number)
         if self._layout.messages is not None:
@@ -100,12 +109,13 @@ class UnreadParts:
         counts = {place: None if None in numbers else sum(filter(None, numbers)) for place, numbers in places.items()}
         return [Gap(*place, number) for place, number in counts.items() if number != 0]
 
-    def _between(self, offset: int) -> tuple[float, float | None]:
+    def _between(self, offset: int) -> tuple[float | None, float | None]:
         """Return the times of the samples before and after a place in the file."""
         began = min((first for first, _ in self._times.values()), default=0)
         before = [last for at, (_, last) in self._times.items() if at < offset]
         after = [first for at, (first, _) in self._times.items() if at > offset]
-        return (max(before, default=began) - began) * 1e-9, (min(after) - began) * 1e-9 if after else None
+        since, until = max(before, default=None), min(after, default=None)
+        return None if since is None else (since - began) * 1e-9, None if until is None else (until - began) * 1e-9
 
 
 def _samples(number: int) -> str:

@@ -9,19 +9,24 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping
+from fnmatch import fnmatchcase
+from operator import attrgetter
 from pathlib import Path
 from types import TracebackType
 from typing import IO, Any, Final, NamedTuple, Self, cast
 
 import msgspec
+from mcap.data_stream import RecordBuilder
+from mcap.records import Channel, Schema
 from mcap.writer import CompressionType, Writer
 
 from giraff_mcap.durable import DurableFile
 from giraff_mcap.raw_sample import Count, LossCounter, RawSample, start_of
 from giraff_mcap.schemas import ENCODING, name_of, schema_of
 from giraff_mcap.unread import Unread
+from giraff_schemas.params import ParamAnswer
 from giraff_schemas.text import plain
-from giraff_schemas.topics import ROOT, topic_of
+from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, topic_of
 
 PROFILE: Final = "giraff"
 RAW: Final = "zenoh"
@@ -59,7 +64,10 @@ class RecordingWriter:
         self._file = DurableFile(path)
         self._writer = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, chunk_size=1 << 22)
         self._schemas: dict[str, int] = {}
-        self._channels: dict[str, _Channel] = {}
+        self._channels: dict[tuple[str, str], _Channel] = {}
+        """By key and Zenoh's encoding."""
+        self._copies = RecordBuilder()
+        """Channels that the next `sync` names outside of their chunk, too: that may be damaged."""
         self._chunks = self._largest = 0
         # The wall clock as of the beginning, gone on by the monotonic one: it stays even when somebody sets the clock.
         self._to_wall_ns = time.time_ns() - time.monotonic_ns() if to_wall_ns is None else to_wall_ns
@@ -91,7 +99,7 @@ class RecordingWriter:
 
     def add(self, samples: Iterable[RawSample]) -> None:
         """Take samples, in any order of keys."""
-        for sample in sorted(samples):
+        for sample in sorted(samples, key=attrgetter("at_ns")):
             self._add(sample)
 
     def sync(self) -> None:
@@ -100,6 +108,7 @@ class RecordingWriter:
         self._writer.flush()
         self._chunks += 1
         self._largest = max(self._largest, self._file.tell() - before)
+        self._file.write(self._copies.end())
         self._file.sync()
 
     def close(self, ended_by: str, unread: Unread | None = None) -> None:
@@ -119,7 +128,7 @@ class RecordingWriter:
         return {key: Count(tally.count, tally.lost) for key, tally in sorted(self.counts.items())}
 
     def _add(self, sample: RawSample) -> None:
-        channel, tally, is_raw = self._channels.get(sample.key) or self._channel(sample)
+        channel, tally, is_raw = self._channels.get((sample.key, sample.encoding)) or self._channel(sample)
         content: Any = None
         data = sample.payload
         try:
@@ -149,16 +158,22 @@ class RecordingWriter:
     def _channel(self, sample: RawSample) -> _Channel:
         below = below_robot(sample.key)
         topic = topic_of(below)
-        schema_id = 0  # none
-        if topic is not None:
-            name = name_of(topic.schema)
+        type_: type[msgspec.Struct] | None = None if topic is None else topic.schema
+        if fnmatchcase(below, PARAM_DESCRIBE.key):
+            type_ = ParamAnswer
+        encoding, schema_id, metadata = RAW if type_ is None else "json", 0, {"encoding": sample.encoding}
+        if type_ is not None:
+            name, schema = name_of(type_), schema_of(type_)
             if name not in self._schemas:
-                self._schemas[name] = self._writer.register_schema(name, ENCODING, schema_of(topic.schema))
+                self._schemas[name] = self._writer.register_schema(name, ENCODING, schema)
             schema_id = self._schemas[name]
-        encoding = RAW if topic is None else "json"
-        channel = self._writer.register_channel(sample.key, encoding, schema_id, {"encoding": sample.encoding})
-        self._channels[sample.key] = _Channel(channel, self.counts.setdefault(below, LossCounter()), topic is None)
-        return self._channels[sample.key]
+            Schema(id=schema_id, name=name, encoding=ENCODING, data=schema).write(self._copies)
+        channel = self._writer.register_channel(sample.key, encoding, schema_id, metadata)
+        copy = Channel(id=channel, topic=sample.key, message_encoding=encoding, metadata=metadata, schema_id=schema_id)
+        copy.write(self._copies)
+        known = _Channel(channel, self.counts.setdefault(below, LossCounter()), type_ is None)
+        self._channels[sample.key, sample.encoding] = known
+        return known
 
 
 def below_robot(key: str) -> str:

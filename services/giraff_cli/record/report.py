@@ -69,10 +69,11 @@ def told(report: Report, *, as_json: bool) -> str:
     for line in report.unread.texts():
         console.print(Text(line), soft_wrap=True)
     slow = f", {report.overrun} of them because the disk was too slow" if report.overrun else ""
+    missing = f", {report.unread.samples or 'some'} cannot be read" if report.unread else ""
     console.print(
         Text(
             f"{report.file}: {report.seconds:.1f} s, {report.samples} samples, {report.bytes / 1e6:.2f} MB, "
-            f"{report.lost} lost{slow}; ended by {report.ended_by}"
+            f"{report.lost} lost{slow}{missing}; ended by {report.ended_by}"
         ),
         soft_wrap=True,
     )

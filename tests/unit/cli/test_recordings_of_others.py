@@ -90,7 +90,7 @@ def bad(request: pytest.FixtureRequest, tmp_path: Path, drive: tuple[Path, list[
     data[part.offset + part.size // 2] ^= 0x10
     path.write_bytes(data)
     assert part.messages
-    return Bad(path, len(recorded) - part.messages, (f"damaged: {part.messages} samples from ",))
+    return Bad(path, len(recorded) - part.messages, (f"damaged: {part.messages} samples after ",))
 
 
 COMMANDS: Final = {
