@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from giraff_cli.network.ports import free_port
 from giraff_schemas.services import ROLES
 from giraff_sim.board import ROOT
 from tests.functional.deploy.installing import TRUE_PYTHON, Tree
@@ -41,7 +42,7 @@ def test_a_service_of_the_installed_tree_runs_and_is_well(tree: Tree, tmp_path: 
     environment = {
         "GIRAFF_CONFIG": str(tree.installed(CONFIGURATION)),
         "GIRAFF_NETWORK_LOCAL": "true",
-        "GIRAFF_NETWORK_RENDEZVOUS": "127.0.0.1:0",
+        "GIRAFF_NETWORK_RENDEZVOUS": f"127.0.0.1:{free_port()}",
         "RUNTIME_DIRECTORY": str(tmp_path),
     }
     python = [str(made / "bin" / "python"), "-I"]
