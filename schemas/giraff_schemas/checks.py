@@ -1,11 +1,13 @@
-"""Numbers that a message cannot hold: in one that is made or has come, and in what somebody has written.
+"""Numbers that a message cannot hold, in one that is made or has come and in what somebody has written; and no files.
 
 The checks of `__post_init__` run for every sample on both sides: text comes only of a fault.
 """
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import isfinite
+from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import msgspec
@@ -69,3 +71,14 @@ def converted(value: Any, type_: type[T], *, strict: bool = True) -> T:
         raise ValueError(plain(error)) from error
     require_sendable(msgspec.to_builtins(found))
     return found
+
+
+def refuse_to_read(path: Path) -> str:
+    """Return why a path must not be read, as text; empty: it may be, or its reader says why not.
+
+    A pipe or a device may never end.
+    """
+    with suppress(OSError):
+        if path.exists() and not path.is_file():
+            return f"{path}: it is no file, but a folder, a pipe or a device: give the file itself"
+    return ""

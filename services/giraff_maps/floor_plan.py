@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
+
+from giraff_schemas.checks import refuse_to_read
 
 Wall = tuple[float, float, float, float]
 """m; from x, y to x, y."""
@@ -23,10 +24,9 @@ def at_home(path: Path) -> Path:
 
 
 def require_file(path: Path) -> None:
-    """Raise MapError for what is there and is no regular file: to read a pipe or a device may never end."""
-    with suppress(OSError):  # its reader says why then
-        if path.exists() and not path.is_file():
-            raise MapError(f"{path}: it is no file, but a folder, a pipe or a device: give the file itself")
+    """Raise MapError for what is there and is no regular file."""
+    if why := refuse_to_read(path):
+        raise MapError(why)
 
 
 def read_text(path: Path) -> str:
