@@ -38,8 +38,10 @@ def record(  # noqa: PLR0913, PLR0917  one argument an option
 ) -> None:
     """Record what a robot says into an MCAP file, which Foxglove and other tools open. See docs/recording.md.
 
-    Waits for a robot that is not there yet. Exit code: 0; 1 the disk took no more, what came before is kept, or a
-    repair misses something; 2 nothing was recorded.
+    Waits for a robot that is not there yet. Hears no sample above 64 KiB; no topic of Giraff has one.
+
+    Exit code: 0; 1 the disk took no more, what came before is kept, or a repair misses something; 2 nothing was
+    recorded.
     """
     require_extra("record", "mcap", "cli,record")
     if repair is not None:
