@@ -10,6 +10,8 @@ from types import FrameType, TracebackType
 from typing import Any, Final, Self
 
 _SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+_AT_ONCE: Final = 3600.0
+"""s. Longest single wait; the system refuses one of some centuries."""
 
 
 class StopSignal:
@@ -50,7 +52,7 @@ class StopSignal:
             left = deadline - time.monotonic()
             if left <= 0.0:
                 return False
-            if select.select([self._waker], [], [], left)[0]:
+            if select.select([self._waker], [], [], min(left, _AT_ONCE))[0]:
                 self._waker.recv(4096)
         return True
 
