@@ -12,9 +12,10 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from giraff_mcap.reading import Recorded, Recording
+from giraff_mcap.reading import Recorded, Recording, params_in
 from giraff_mcap.unread import Unread
 from giraff_schemas.codec import DecodeError
+from giraff_schemas.topics import topic_of
 
 _AHEAD: Final = 4000  # samples that are read before their time: ten seconds of a whole robot
 _READ_AGAIN: Final = 0.02  # s
@@ -90,10 +91,10 @@ class Reader:
 
 
 def _payload(sample: Recorded, number: int) -> bytes:
-    """As it was; in a later round by a maker of its own, whose numbers begin anew."""
-    if number == 1:
+    """Return it as it was; in a later round Giraff's own have a maker of their own, whose numbers begin anew."""
+    if number == 1 or (topic_of(sample.key) is None and params_in(sample) is None):
         return sample.payload
-    with suppress(DecodeError):  # somebody's own
+    with suppress(DecodeError):  # of another version
         content: Any = sample.content()
         if isinstance(content, dict) and isinstance(content.get("instance"), str):
             return msgspec.msgpack.encode(content | {"instance": f"{content['instance']}-{number}"})

@@ -16,6 +16,7 @@ import giraff_cli.play.reader as reading
 from giraff_mcap.layout import look_through
 from giraff_mcap.reading import Recorded, Recording
 from giraff_mcap.unread import Unread
+from giraff_schemas.params import ParamAnswer
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
@@ -30,6 +31,7 @@ NO_JSON: Final = {
     "no JSON": b"hello",
     "no text": b'{"x": "\xff"}',
 }
+ANSWER: Final = ParamAnswer(service="base", instance="i-1", host="", done=True, reason="", params=())
 NO_KEYS: Final = ("giraff/sim-test//camera", "/camera/image", "giraff/sim-test/**")
 
 
@@ -170,6 +172,21 @@ def test_a_long_gap_is_told_or_left_out(
     code, out, complaint = giraff("play", str(path), "--json", "--skip-gaps")
     assert (code, complaint) == (0, "")
     assert json.loads(out)["seconds"] < 3.0
+
+
+@pytest.mark.parametrize(
+    ("key", "content", "maker"),
+    [
+        ("odom", {"seq": 1, "instance": "i-1"}, "i-1-2"),
+        ("param/base", msgspec.to_builtins(ANSWER), "i-1-2"),
+        ("mine", {"instance": "i-1", 1: 2}, "i-1"),
+    ],
+)
+def test_a_second_round_has_makers_of_its_own_and_leaves_foreign_payloads(
+    key: str, content: dict[Any, Any], maker: str
+) -> None:
+    sample = Recorded("", key, 0, 0, 0, msgspec.msgpack.encode(content), "")
+    assert reading._payload(sample, 2) == msgspec.msgpack.encode(content | {"instance": maker})
 
 
 def test_what_ends_the_reading_ends_the_command(
