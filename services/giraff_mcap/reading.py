@@ -36,6 +36,7 @@ from giraff_mcap.raw_sample import Count, LossCounter, start_of
 from giraff_mcap.unread import Unread, UnreadParts
 from giraff_mcap.writing import ABOUT, RAW, SUMMARY, below_robot
 from giraff_node.config.moved import modern, put
+from giraff_schemas.checks import refuse_to_read
 from giraff_schemas.codec import DecodeError, decode
 from giraff_schemas.messages import Sample
 from giraff_schemas.params import Param, ParamAnswer
@@ -258,6 +259,8 @@ class Recording:
         return found
 
     def _open(self) -> IO[bytes]:
+        if why := refuse_to_read(self.path):
+            raise RecordingError(why)
         try:
             return self.path.open("rb")
         except OSError as error:

@@ -165,6 +165,13 @@ def test_what_is_no_recording_is_told_in_one_line(tmp_path: Path, content: bytes
     assert "\n" not in str(told.value)
 
 
+def test_nothing_waits_for_a_pipe(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "a.mcap")
+    for path in (tmp_path, tmp_path / "a.mcap"):
+        with pytest.raises(RecordingError, match="it is no file, but a folder, a pipe or a device"):
+            Recording(path)
+
+
 def test_a_key_is_found_in_the_table() -> None:
     assert topic_of("cmd_vel/joystick") is OPERATOR_CMD_VEL
     assert topic_of("cmd_vel/a/b") is None
