@@ -55,12 +55,12 @@ class Uncertainty(NamedTuple):
         return self.known + slip * self.by_slip + play**2 * self.by_play
 
 
-def windows_of(runs: Sequence[Run], geometry: Geometry, length: float = LENGTH) -> list[Window]:
-    """All runs in windows of about `length` m, as their measured poses allow."""
+def windows_of(runs: Sequence[Run], geometry: Geometry, length: float = LENGTH, most: int = _MOST) -> list[Window]:
+    """All runs in windows of about `length` m, `most` a run at most, as their measured poses allow."""
     return [
         Window(index, begin.row, end.row, seen_from(as_array(begin), as_array(end)))
         for index, run in enumerate(runs)
-        for begin, end in _pieces(run, geometry, length)
+        for begin, end in _pieces(run, geometry, length, most)
     ]
 
 
@@ -104,12 +104,12 @@ def _effects(measured: Floats) -> tuple[Floats, Floats]:
     return begin, np.array(((cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)))
 
 
-def _pieces(run: Run, geometry: Geometry, length: float) -> Iterator[tuple[MeasuredPose, MeasuredPose]]:
+def _pieces(run: Run, geometry: Geometry, length: float, most: int) -> Iterator[tuple[MeasuredPose, MeasuredPose]]:
     """Neighbouring measured poses, so many left out that they are about `length` apart."""
     start = MeasuredPose(0, 0.0, 0.0, 0.0)
     known = (start, *(pose for pose in run.measured if pose.row > 0))
     gone = way(run, geometry)[[pose.row for pose in known]]
-    count = max(1, min(round(float(gone[-1]) / length), _MOST))
+    count = max(1, min(round(float(gone[-1]) / length), most))
     chosen = np.searchsorted(gone, np.linspace(0.0, gone[-1], count + 1)[1:-1])
     ends = sorted({0, *(int(index) for index in chosen), len(known) - 1})
     for begin, end in itertools.pairwise(ends):

@@ -75,17 +75,18 @@ def driven(
     random: np.random.Generator,
     slip: float = 1e-5,
     marks: tuple[float, float] = (0.0, 0.0),
+    geometry: Geometry = GEOMETRY,
 ) -> Run:
     """A robot with these scales on that course: whole counts, slip (m² per metre) and marks (m and rad) as said.
 
     Without marks its poses are measured all along, with marks at the end.
     """
     nominal = np.array(course)
-    counts = np.diff(np.round(np.cumsum(nominal, axis=0) * GEOMETRY.ticks_per_metre), axis=0, prepend=0.0)
+    counts = np.diff(np.round(np.cumsum(nominal, axis=0) * geometry.ticks_per_metre), axis=0, prepend=0.0)
     rolled = counts * (scales.left_wheel, scales.right_wheel)
-    rolled += random.normal(size=rolled.shape) * np.sqrt(slip * np.abs(rolled) * GEOMETRY.ticks_per_metre)
+    rolled += random.normal(size=rolled.shape) * np.sqrt(slip * np.abs(rolled) * geometry.ticks_per_metre)
     truly = Run(name, rolled[:, 0], rolled[:, 1], (), 0.0, 0.0)
-    poses = path(truly, GEOMETRY, Scales(1.0, 1.0, scales.track))
+    poses = path(truly, geometry, Scales(1.0, 1.0, scales.track))
     position_sd, yaw_sd = marks
     if not position_sd:
         measured = tuple(MeasuredPose(row, *poses[row]) for row in range(1, len(poses)))

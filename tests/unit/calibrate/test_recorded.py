@@ -15,11 +15,14 @@ import pytest
 
 import giraff_cli.options
 from giraff_cli.calibrate.paths import Floats
+from giraff_cli.calibrate.recorded.slips import require_plausible
+from giraff_cli.calibrate.recorded.tables import RecordingError
+from giraff_cli.calibrate.runs import Geometry, Run
 from giraff_core.kinematics.calibration import Scales
 from giraff_core.robot import RobotConfig
 from giraff_node.config.robot_file import load
 from tests.rules.repository import ROOT
-from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight, table_of
+from tests.unit.calibrate.recorded import DATA, GEOMETRY, driven, square, straight, table_of, turn
 from tests.unit.cli.typed import typed
 
 Typed = Callable[..., tuple[int, str, str]]
@@ -68,15 +71,19 @@ def save(path: Path, table: Floats) -> Path:
     return path
 
 
+def tabled(run: Run) -> Floats:
+    """As the rows of a file, 20 a second."""
+    rows = np.array([(pose.row / 20.0, pose.x, pose.y, pose.yaw) for pose in run.measured])
+    return np.vstack((np.zeros((1, 6)), np.column_stack((rows, run.right, run.left))))
+
+
 def made_up(folder: Path, scales: Scales, *, seed: int = 0) -> list[Path]:
     """Six runs of a robot with these scales, as files."""
     random = np.random.default_rng(seed)
     files = []
     for number in range(6):
         run = driven(str(number), square(1.0, (1, -1)[number % 2]), scales, random, slip=1e-6)
-        rows = np.array([(pose.row / 20.0, pose.x, pose.y, pose.yaw) for pose in run.measured])
-        table = np.vstack((np.zeros((1, 6)), np.column_stack((rows, run.right, run.left))))
-        files.append(save(folder / f"run-{number}.csv", table))
+        files.append(save(folder / f"run-{number}.csv", tabled(run)))
     return files
 
 
@@ -174,9 +181,7 @@ def test_what_does_not_tell_the_scales_is_refused(say: Typed, tmp_path: Path) ->
     files = []
     for number in range(2):
         run = driven(str(number), straight(3.0), Scales(1.0, 1.0, 1.0), random)
-        rows = np.array([(pose.row / 20.0, pose.x, pose.y, pose.yaw) for pose in run.measured])
-        table = np.vstack((np.zeros((1, 6)), np.column_stack((rows, run.right, run.left))))
-        files.append(save(tmp_path / f"line-{number}.csv", table))
+        files.append(save(tmp_path / f"line-{number}.csv", tabled(run)))
     line = refused(say("--metadata", METADATA, "--fit", f"{files[0]},{files[1]}", *CHECK), 1)
     assert "how far the robot turns is not determined: add turns" in line
 
@@ -297,6 +302,20 @@ def test_columns_that_cannot_be_so_are_named(say: Typed, tmp_path: Path, name: s
     line = refused(say("--metadata", METADATA, "--fit", path, *CHECK))
     assert line.startswith(f"giraff calibrate odometry: {path}: ")
     assert expected in line
+
+
+@pytest.mark.parametrize("geometry", [GEOMETRY, GEOMETRY._replace(track_width=0.47)])
+def test_a_marker_is_named_on_whole_turns_too(geometry: Geometry) -> None:
+    """A spin moves it and not the robot. In millimetres it would hardly move, but that is not the cause."""
+    wider = geometry.track_width / GEOMETRY.track_width
+    for radians in (6.0 * math.pi, -6.0 * math.pi):
+        course = [(wider * left, wider * right) for left, right in turn(radians)]
+        run = driven("spin", course, Scales(1.0, 1.0, 1.0), np.random.default_rng(0), slip=1e-6, geometry=geometry)
+        table = tabled(run)
+        require_plausible("spin", table, geometry)
+        for offset in ((0.05, 0.0), (0.15, 0.0), (0.0, 0.1)):
+            with pytest.raises(RecordingError, match="x and y are those of a marker"):
+                require_plausible("spin", beside(table, *offset), geometry)
 
 
 def test_times_may_have_gaps_where_counts_are_summed_up_and_any_unit(say: Typed, tmp_path: Path) -> None:

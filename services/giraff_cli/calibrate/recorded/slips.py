@@ -22,7 +22,7 @@ from giraff_cli.calibrate.recorded.tables import (
     unwrapped,
 )
 from giraff_cli.calibrate.runs import Geometry, Run
-from giraff_cli.calibrate.windows import residuals, windows_of
+from giraff_cli.calibrate.windows import LENGTH, Window, residuals, windows_of
 from giraff_core.kinematics.calibration import Scales
 
 _OFF: Final = 0.25
@@ -37,10 +37,14 @@ _LOST: Final = 0.02
 """m. Least that a wheel rolls uncounted in all gaps before rows count as missing."""
 _BESIDE: Final = 0.015
 """m. From this distance from the middle between the wheels, a marker spoils a fit."""
+_MARKER_FARTHEST: Final = 1.5
+"""m from there. No marker is farther out; such a run is in another unit."""
 _MARKER_WINDOWS: Final = 4
 """Least windows of a run, of three residuals each, that tell five unknowns."""
 _MARKER_TURNED: Final = 1.0
 """m, root of the sum of squares. Least that the turns move a marker 1 m beside the middle."""
+_SMALL_SCALES: Final = 0.3
+"""m. A scale that is off by 10 % counts like a tenth of this in one window."""
 _BY: Final = 1e-6
 """Change of a scale, for slopes."""
 _TURNED: Final = 0.5
@@ -65,6 +69,12 @@ def _times(factor: float, *columns: int) -> Callable[[Floats], Floats]:
     return change
 
 
+def _in_metres(table: Floats) -> Floats:
+    """A marker beside the middle circles on a spin. By a thousandth it would stand, as the middle does."""
+    is_beyond_marker = float(np.ptp(table[:, (X, Y)], axis=0).max()) > 2.0 * _MARKER_FARTHEST
+    return _times(0.001, X, Y)(table) if is_beyond_marker else table
+
+
 def _increments(table: Floats) -> Floats:
     changed = table.copy()
     changed[1:, (RIGHT, LEFT)] = unwrapped(np.diff(table[:, (RIGHT, LEFT)], axis=0))
@@ -78,7 +88,7 @@ _SLIPS: Final[tuple[tuple[Callable[[Floats], Floats], str], ...]] = (
     (_exchanged(Y, YAW), "y and heading are exchanged: x, y, heading is the order"),
     (_times(math.pi / 180.0, YAW), "heading is in degrees: make it radians"),
     (_times(-1.0, YAW), "heading is counted clockwise: turn its sign"),
-    (_times(0.001, X, Y), "x and y are in millimetres: make them metres"),
+    (_in_metres, "x and y are in millimetres: make them metres"),
     (_times(-1.0, RIGHT, LEFT), "counts are negative forward: turn the sign of both"),
     (_increments, "counts are summed up: each row has those since the row before"),
 )
@@ -113,11 +123,16 @@ def require_plausible(name: str, table: Floats, geometry: Geometry) -> None:
     )
 
 
+def _windows(run: Run, geometry: Geometry) -> list[Window]:
+    """Return windows that turn a quarter at most. A whole turn looks like none, and moves no marker."""
+    return windows_of([run], geometry, min(LENGTH, geometry.track_width * math.pi / 4.0), len(run.left))
+
+
 def _apart(run: Run, geometry: Geometry) -> float:
     """What odometry is off in the windows, as a part of what was measured: root mean square of position, and of what
     the wheels roll in a turn.
     """
-    windows = windows_of([run], geometry)
+    windows = _windows(run, geometry)
     lengths = np.array((1.0, 1.0, geometry.track_width / 2.0))
     off = residuals(windows, [run], geometry, geometry.scales) * lengths
     measured = np.array([it.measured for it in windows])
@@ -150,8 +165,9 @@ def _marker(run: Run, geometry: Geometry) -> str:
     """Return where the marker is, if it is beside the middle between the wheels; empty: it is not.
 
     Turns then move it, and straight lines tell nothing. Wrong scales are fitted beside it: they are not its fault.
+    Small ones are preferred: on a spin, unequal wheels move the middle as a marker at the side moves.
     """
-    windows = windows_of([run], geometry)
+    windows = _windows(run, geometry)
     lengths = np.array((1.0, 1.0, geometry.track_width / 2.0))
 
     def off_by(scales: Floats) -> Floats:
@@ -164,12 +180,13 @@ def _marker(run: Run, geometry: Geometry) -> str:
     moved = np.zeros((len(windows), 3, 2))
     moved[:, 0, 0] = moved[:, 1, 1] = np.cos(yaw) - 1.0
     moved[:, 1, 0], moved[:, 0, 1] = np.sin(yaw), -np.sin(yaw)
-    both = np.column_stack((slopes, moved.reshape(-1, 2)))
+    off, slopes = np.concatenate((off, np.zeros(3))), np.vstack((slopes, _SMALL_SCALES * np.eye(3)))
+    both = np.column_stack((slopes, np.vstack((moved.reshape(-1, 2), np.zeros((3, 2))))))
     unexplained, left = (off - it @ np.linalg.lstsq(it, off, rcond=None)[0] for it in (slopes, both))
     ahead, aside = -np.linalg.lstsq(both, off, rcond=None)[0][3:]
     is_told = len(windows) >= _MARKER_WINDOWS and np.linalg.norm(moved) > _MARKER_TURNED
     is_better = np.linalg.norm(left) < _BETTER * np.linalg.norm(unexplained)
-    if not (is_told and is_better and math.hypot(ahead, aside) > _BESIDE):
+    if not (is_told and is_better and _BESIDE < math.hypot(ahead, aside) < _MARKER_FARTHEST):
         return ""
     return (
         f"x and y are those of a marker a = {ahead:.3f} m ahead and b = {aside:.3f} m to the left of the middle "
@@ -180,7 +197,7 @@ def _marker(run: Run, geometry: Geometry) -> str:
 def _turns_opposite(run: Run, geometry: Geometry) -> bool:
     """Whether it turned to the one side by its wheels and to the other in truth."""
     yaw = path(run, geometry, geometry.scales)[:, 2]
-    windows = windows_of([run], geometry)
+    windows = _windows(run, geometry)
     rolled = np.array([yaw[it.end] - yaw[it.begin] for it in windows])
     truly = wrapped(np.array([it.measured[2] for it in windows]))
     is_turned = float(np.sum(truly**2)) > _TURNED**2 and float(np.sum(rolled**2)) > _TURNED**2
