@@ -17,6 +17,7 @@ from typing import Any, Final, NamedTuple, TypeVar, get_type_hints
 import msgspec
 import msgspec.inspect
 
+from giraff_core.network import host_and_port
 from giraff_core.robot import WIRING
 from giraff_core.sensors import TABLES as SENSOR_TABLES
 from giraff_core.sensors import by_type
@@ -40,7 +41,8 @@ _PLACE: Final = re.compile(r"at `\$\.([^`]*)`")
 _OF_SENSORS: Final = re.compile(rf"\$\.({'|'.join(SENSOR_TABLES)})\.")
 _UNKNOWN: Final = re.compile(r"unknown field `([^`]*)`")
 _NO_TEXT: Final = re.compile(r"Expected `(\w+)[^`]*`, got `str`")
-_NUMBER: Final = re.compile(r"-?\d+\.\d+")
+_NUMBER: Final = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)")
+_EXAMPLES: Final = {"float": "0.3", "int": "3", "bool": "true"}
 _NO_DRIVE: Final = "Object missing required field `drive`"
 DEFAULT_FILE = Path("deploy/robot.toml")
 """The robot file below the working directory, where GIRAFF_CONFIG names no other."""
@@ -268,9 +270,22 @@ def _form(values: Mapping[str, Any], told: str) -> str:
     if wanted is None or not isinstance(text, str):
         return ""
     if wanted[1] == "array":
-        return f" ({text!r}); write {msgspec.json.encode(re.split(r'[,; ]+', text)).decode()}"
-    number = text.replace(",", ".")
-    return f" ({text!r})" + (f"; write {number}" if wanted[1] == "float" and _NUMBER.fullmatch(number) else "")
+        parts = [part for part in re.split(r"[,;\s]+", text) if part]
+        if found and found[1] == "connect" and not all(map(_is_address, parts or ("",))):
+            parts = ["192.168.1.20:7447"]
+        return f" ({text!r}); write {msgspec.json.encode(parts).decode()}"
+    number = text.strip().replace(",", ".")
+    if wanted[1] == "float" and _NUMBER.fullmatch(number):
+        return f" ({text!r}); write {float(number)!r}"
+    return f" ({text!r})" + (f"; write it like {_EXAMPLES[wanted[1]]}" if wanted[1] in _EXAMPLES else "")
+
+
+def _is_address(text: str) -> bool:
+    try:
+        host_and_port(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _structs(kind: Any, values: Mapping[str, Any]) -> list[msgspec.inspect.StructType]:
@@ -312,8 +327,9 @@ def _with_key(told: str, values: Mapping[str, Any], config: type[msgspec.Struct]
 
 def _value(variable: str, text: str) -> Any:
     """What a variable holds: text, or a list or a table written as in the file: ["a", "b"], { a = 1, b = 2 }."""
+    text = text.strip()  # an env file of Windows ends its lines by a carriage return
     if (quoted := _QUOTED.fullmatch(text)) is not None:
-        text = quoted[2]
+        text = quoted[2].strip()
     kind = _WRITTEN_AS_TOML.get(text[:1])
     if kind is None:
         return text

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import msgspec
@@ -77,7 +78,10 @@ def test_the_environment_overrides_the_file(tmp_path: Path) -> None:
         ('[base]\nport = "x"', {"GIRAFF_BASE_OPERATOR_BUDGET": "0,3"}, "and is text ('0,3'); write 0.3"),
         ('[base]\nport = "x"\noperator_budget = "0,3"', {}, "must be a number, and is text ('0,3'); write 0.3"),
         ('[base]\nport = "x"\noperator_budget = "wide"', {}, "must be a number, and is text ('wide')"),
-        ('[base]\nport = "x"', {"GIRAFF_BASE_RETRIES": "0,3"}, "must be a whole number, and is text ('0,3')"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_RETRIES": "0,3"}, "must be a whole number, and is text ('0,3'); write it"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_OPERATOR_BUDGET": ".3"}, "is text ('.3'); write 0.3"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_OPERATOR_BUDGET": "30cm"}, "is text ('30cm'); write it like 0.3"),
+        ('[base]\nport = "x"', {"GIRAFF_BASE_OPERATOR_BUDGET": ""}, "is text (''); write it like 0.3"),
         ('[base]\nport = "x"\npauses = ["0,3"]', {}, "pauses 1 must be a number, and is text"),
         ('[base]\nport = "x"', {"GIRAFF_BASE_": "y"}, "GIRAFF_BASE_: names no field"),
         ('[base]\nport = "x"', {"GIRAFF_HOME": "y"}, "GIRAFF_HOME: names no field"),
@@ -113,15 +117,20 @@ def test_a_list_from_the_environment(tmp_path: Path) -> None:
     assert load("network", NetworkConfig, given).connect == ("192.0.2.1", "192.0.2.2:7448")
     with pytest.raises(ConfigError, match="GIRAFF_NETWORK_CONNECT: not a list"):
         load("network", NetworkConfig, {**given, "GIRAFF_NETWORK_CONNECT": "[tcp"})
-    with pytest.raises(ConfigError, match=r"""is text \('192.168.1.20, b'\); write \["192.168.1.20","b"\]$"""):
-        load("network", NetworkConfig, {**given, "GIRAFF_NETWORK_CONNECT": "192.168.1.20, b"})
+    for text, advice in (
+        ("192.168.1.20, b", '["192.168.1.20","b"]'),
+        ("192.168.1.20, ", '["192.168.1.20"]'),
+        *((text, '["192.168.1.20:7447"]') for text in ("robot:abc", "", "'a', 'b'")),
+    ):
+        with pytest.raises(ConfigError, match=rf"is text \(.*\); write {re.escape(advice)}$"):
+            load("network", NetworkConfig, {**given, "GIRAFF_NETWORK_CONNECT": text})
 
 
-def test_quotes_that_docker_leaves_around_a_value_are_no_part_of_it(tmp_path: Path) -> None:
-    variables = {"PORT": '"/dev/y"', "OPERATOR_BUDGET": "'0.3'", "RETRIES": '"5"'}
+def test_quotes_and_blanks_around_a_value_of_the_environment_are_no_part_of_it(tmp_path: Path) -> None:
+    variables = {"PORT": '"/dev/y"', "OPERATOR_BUDGET": "'0.3 '", "RETRIES": '"5"\r'}
     given = environment(tmp_path, "", **{f"GIRAFF_BASE_{field}": text for field, text in variables.items()})
     assert load("base", Settings, given) == Settings(port="/dev/y", operator_budget=0.3, retries=5)
-    given |= {"GIRAFF_ROBOT_NAME": '"anne"', "GIRAFF_NETWORK_CONNECT": """'["192.0.2.1"]'"""}
+    given |= {"GIRAFF_ROBOT_NAME": '"anne"', "GIRAFF_NETWORK_CONNECT": """ '["192.0.2.1"]'\r"""}
     assert resolve_target(None, (), given) == Target("anne", NetworkConfig(connect=("192.0.2.1",)))
 
 
