@@ -59,9 +59,11 @@ def bytes_of(size: str) -> int:
     """Return the bytes of a size like 20M, 4GB or 4GiB. Raises typer.BadParameter."""
     parts = _SIZE.fullmatch(size)
     try:
-        number = int(float(parts[1]) * _UNITS[parts[2].lower()]) if parts else 0
+        number = int(float(parts[1]) * _UNITS[parts[2].lower()]) if parts else -1
     except (ValueError, OverflowError):
-        number = 0
+        number = -1
+    if number < 0:
+        raise typer.BadParameter(f"--max-size {size}: it is no size; give one like 500k, 20MB or 4GiB")
     if number < 100_000:
-        raise typer.BadParameter(f"--max-size {size}: give 100k at least, like 500k, 20MB or 4GiB")
+        raise typer.BadParameter(f"--max-size {size}: give 100k at least")
     return number

@@ -105,7 +105,10 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("record", "--topics", "odmo"), "--topics odmo: no such topic; there are tick, "),
     (("record", "-o", "/proc/none/a.mcap", "--robot", "x"), "cannot be written: No such file"),
     (("record", "--max-size", "7"), "give 100k at least"),
-    (("record", "--max-size", "4XB"), "--max-size 4XB: give 100k at least, like 500k, 20MB or 4GiB"),
+    *(
+        (("record", "--max-size", size), f"--max-size {size}: it is no size; give one like 500k, 20MB or 4GiB")
+        for size in ("4XB", "4TB", "1,5GB", "nan", "inf", "-1GB")
+    ),
     (("play", "nothing.mcap"), "No such file"),
     (("play", "/etc/hostname"), "not an MCAP file"),
     (("tpic",), "giraff: no such command 'tpic'. Did you mean 'topic'? (see giraff --help)"),
