@@ -135,6 +135,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("run", "--boards", "arm"), "'arm' is not one of 'avr', 'host'"),
     (("map", "show", "none.toml"), "none.toml: cannot be read: No such file or directory"),
     (("topic", "echo", "odom", "--robot", "a/b"), "'a/b' cannot be part of a key: use letters, digits, '-' and '_'"),
+    (("topic", "echo", "odom", "--robot", '"nina"'), "cannot be part of a key: use letters, digits, '-' and '_'"),
     (("topic", "hz", "--connect", "otto:x"), "giraff: --connect: 'otto:x': 'x' is no port from 1 to 65535; give"),
     (
         ("doctor", "--connect", "robot:abc"),
