@@ -91,7 +91,15 @@ def _read_yaml(path: Path) -> GridFile:
     try:
         return msgspec.convert(content, GridFile, strict=False)
     except ValueError as error:
-        raise MapError(f"{path}: no grid of map_server: {plain(error)}") from error
+        told = plain(error)
+        raise MapError(f"{path}: no grid of map_server: {told}{_form(told, content)}") from error
+
+
+def _form(told: str, content: Any) -> str:
+    """Return how a mode or a resolution is written, where `told` says that it cannot be read."""
+    if told.startswith("resolution ") and isinstance(text := content["resolution"], str):
+        return f" ({text[:20]!r}); write it like 0.05"
+    return "; known are: trinary, scale, raw" if told.startswith("mode ") else ""
 
 
 def _require_known(path: Path, content: dict[Any, Any]) -> None:

@@ -77,7 +77,11 @@ def test_a_room(tmp_path: Path, walls: str, complaint: str) -> None:
         ("resolution: 0.05", "resolution: .nan", "resolution nan must be"),
         ("resolution: 0.05", "resolution: 50", "is too large: resolution is the side of a cell in metres"),
         ("resolution: 0.05", "resolution: 0.0005", "is too small: resolution is the side of a cell in metres"),
-        ("resolution: 0.05", "resolution: thick", "no grid of map_server"),
+        (
+            "resolution: 0.05",
+            "resolution: 0,05",
+            "resolution must be a number, and is text ('0,05'); write it like 0.05",
+        ),
         ("[-1.0, 2.0, 0.0]", "[-1.0, 2.0]", "no grid of map_server"),
         ("[-1.0, 2.0, 0.0]", "[-1.0, .inf, 0.0]", "origin must be three finite numbers"),
         (
@@ -89,7 +93,7 @@ def test_a_room(tmp_path: Path, walls: str, complaint: str) -> None:
         ("negate: 0", "negat: 1", "unknown field `negat`; did you mean 'negate'?"),
         ("occupied_thresh: 0.65", "occupied_thresh: 65", "occupied_thresh 65 must be in this order and from 0 to 1"),
         ("occupied_thresh: 0.65", "occupied_thresh: 0.1", "free_thresh 0.196 and occupied_thresh 0.1 must be in this"),
-        ("negate: 0", "mode: ternary", "mode cannot be 'ternary'"),
+        ("negate: 0", "mode: ternary", "mode cannot be 'ternary'; known are: trinary, scale, raw"),
         ("negate: 0", "negate: 1", "of its cells are occupied: is negate the wrong way round?"),
     ],
 )
