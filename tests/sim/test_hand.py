@@ -20,7 +20,7 @@ STEP = 0.008
 
 def written(tmp_path: Path, text: str) -> Path:
     path = tmp_path / "tilt.csv"
-    path.write_text(text)
+    path.write_text(text, encoding="utf-8")
     return path
 
 
@@ -32,8 +32,8 @@ def test_rows_hold_until_the_next_and_the_last_for_ever(tmp_path: Path) -> None:
     assert hand.acceleration(1e6, ORIGIN) == (0.0, -5.0, 8.4)
 
 
-def test_a_script_needs_no_names_and_may_have_empty_lines(tmp_path: Path) -> None:
-    hand = read_script(written(tmp_path, "0,1,2,3\n\n1,4,5,6\n"))
+def test_a_script_needs_no_names_and_may_have_a_mark_and_empty_lines(tmp_path: Path) -> None:
+    hand = read_script(written(tmp_path, "\ufeff0,1,2,3\n\n1,4,5,6\n"))
     assert hand.acceleration(0.5, ORIGIN) == (1.0, 2.0, 3.0)
 
 
@@ -50,6 +50,12 @@ def test_a_script_needs_no_names_and_may_have_empty_lines(tmp_path: Path) -> Non
             "0,0,0,1\n1,0.6,0.1,0.8\n2,0,0,0\n",
             "tilt.csv: x, y, z make 1.00 together, like g: make them m/s², times 9.8",
         ),
+        (
+            "0,0,0,1000\n1,600,100,800\n",
+            "tilt.csv: x, y, z make 1002.49 together, like mg: make them m/s², times 0.0098",
+        ),
+        ("0,0,0,9806\n", "tilt.csv: x, y, z make 9806 together: make them m/s², 9.8 where it is held still"),
+        ("0,0,0,9.8\n100000000,1,0,9.8\n", "tilt.csv: it lasts 1e.08 s, more than a day: are the times in ms or ns?"),
         ("1764284023.5,0,0,9.8\n", "tilt.csv:1: time 1764284023.5 is none in s from the start: take it off each row"),
         ("t,x,z,y\n0,1,2,3\n", "tilt.csv:1: t is 't'"),
     ],

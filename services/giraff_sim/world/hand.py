@@ -32,10 +32,13 @@ _WAVES: Final = 3
 _TREMOR_HZ: Final = (6.0, 12.0)
 
 _COLUMNS: Final = ("t", "x", "y", "z")
-_LATEST_BEGIN: Final = 86_400.0
-"""s. Largest first time of a script. A later one counts from 1970, or in another unit."""
+_DAY: Final = 86_400.0
+"""s. Largest first time of a script, and its longest. More counts from 1970, or is in another unit."""
 _LIKE_G: Final = (0.7, 1.4)
 """Median acceleration in a script that is in g. A hand that holds still feels 9.8 m/s²."""
+
+_HARDEST: Final = 100.0
+"""m/s². Largest median acceleration in a script: no hand keeps up ten times gravity."""
 
 
 class ScriptError(Exception):
@@ -154,7 +157,7 @@ def read_script(path: Path, begin: float = 0.0) -> ScriptedHand:
     times: list[float] = []
     vectors: list[Vector] = []
     try:
-        with path.open(encoding="utf-8", newline="") as file:
+        with path.open(encoding="utf-8-sig", newline="") as file:  # Excel begins a file by a mark
             for number, row in enumerate(csv.reader(file, skipinitialspace=True), 1):
                 if not row or (number == 1 and tuple(cell.strip() for cell in row) == _COLUMNS):
                     continue
@@ -162,7 +165,7 @@ def read_script(path: Path, begin: float = 0.0) -> ScriptedHand:
                 if times and time + begin <= times[-1]:
                     before = times[-1] - begin
                     raise ScriptError(f"{path}:{number}: time {time:g} does not come after {before:g}")
-                if not times and time > _LATEST_BEGIN:
+                if not times and time > _DAY:
                     raise ScriptError(
                         f"{path}:{number}: time {time:.15g} is none in s from the start: take it off each row"
                     )
@@ -172,10 +175,22 @@ def read_script(path: Path, begin: float = 0.0) -> ScriptedHand:
         raise ScriptError(f"{path}: cannot be read: {plain(error)}") from error
     if not times:
         raise ScriptError(f"{path}: holds no row of t, x, y, z")
-    felt = statistics.median(math.hypot(*vector) for vector in vectors)
-    if _LIKE_G[0] < felt < _LIKE_G[1]:
-        raise ScriptError(f"{path}: x, y, z make {felt:.2f} together, like g: make them m/s², times {GRAVITY}")
+    _require_units(path, times[-1] - times[0], vectors)
     return ScriptedHand(times, vectors)
+
+
+def _require_units(path: Path, lasts: float, vectors: list[Vector]) -> None:
+    """Raise ScriptError where no hand feels so much, or so little, or where no script lasts so many seconds."""
+    felt = statistics.median(math.hypot(*vector) for vector in vectors)
+    for scale, unit in ((1.0, "g"), (1000.0, "mg")):
+        if _LIKE_G[0] < felt / scale < _LIKE_G[1]:
+            raise ScriptError(
+                f"{path}: x, y, z make {felt:.2f} together, like {unit}: make them m/s², times {GRAVITY / scale:g}"
+            )
+    if felt > _HARDEST:
+        raise ScriptError(f"{path}: x, y, z make {felt:.4g} together: make them m/s², 9.8 where it is held still")
+    if lasts > _DAY:
+        raise ScriptError(f"{path}: it lasts {lasts:.4g} s, more than a day: are the times in ms or ns? make them s")
 
 
 def _numbers(row: list[str], place: str) -> list[float]:
