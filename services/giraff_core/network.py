@@ -22,8 +22,10 @@ IPV4_ALONE: Final = Trouble("robots listen at IPv4 alone", "give its IPv4 addres
 """Nobody listens at [::]: a host without IPv6 could not, and IPv4 addresses would have a second form there, by which
 a process of this host looks like one of another."""
 _FORM: Final = "give HOST or HOST:PORT, like 192.168.1.20:7447 or [fd00::2]:7447"
-_NAME: Final = re.compile(r"[\w-]{1,63}(?:\.[\w-]{1,63})*\.?")
+_NAME: Final = re.compile(r"\w[\w-]{0,62}(?:\.\w[\w-]{0,62})*\.?")
 _ZONE: Final = re.compile(r"[\w.-]+")
+_NO_INTERFACE: Final = re.compile(r"fe[89ab][0-9a-f]:([^%]*$|.*%25[a-z])", re.IGNORECASE)
+"""An address of one link alone, fe80::/10, without an interface, or with one as a URL has it: %25eth0."""
 
 
 class NetworkConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -123,7 +125,7 @@ def host_and_port(address: str, field: str = "") -> tuple[str, int]:
         rest, is_sound = colon + port, _is_name(host)
     if not is_sound or "/" in text or rest[:1] not in ("", ":"):
         raise ValueError(f"{refused} is no address; {_FORM}")
-    if re.match(r"fe80:[^%]*$", host, re.IGNORECASE):
+    if _NO_INTERFACE.match(host):
         raise ValueError(f"{refused} needs its interface, like fe80::1%eth0")
     if rest and not (re.fullmatch(r":[0-9]{1,5}", rest) and 0 < int(rest[1:]) < 1 << 16):
         raise ValueError(f"{refused}: {rest[1:]!r} is no port from 1 to 65535; {_FORM}")
@@ -138,7 +140,7 @@ def with_port(address: str) -> str:
 
 def _is_name(host: str) -> bool:
     """Tell whether a text is a name or an IPv4 address."""
-    if re.fullmatch(r"[0-9.]+", host) is None:
+    if re.fullmatch(r"[\d.]+", host) is None:
         return _NAME.fullmatch(host) is not None
     try:
         ipaddress.IPv4Address(host)

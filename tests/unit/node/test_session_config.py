@@ -97,6 +97,8 @@ NO_ADDRESSES = (
     "[a]:1",
     "[::1",
     "::1]",
+    "-h",
+    "٣.٣.٣.٣",
 )
 
 
@@ -105,7 +107,10 @@ NO_ADDRESSES = (
     [
         *((f"robot{port}", "is no port from 1 to 65535; give HOST or HOST:PORT") for port in PORTS),
         *((address, "is no address; give HOST or HOST:PORT") for address in (*NO_ADDRESSES, "a:1:2", "[::1]7447")),
-        ("[fe80::1]:7447", "needs its interface, like fe80::1%eth0"),
+        *(
+            (host, "needs its interface, like fe80::1%eth0")
+            for host in ("[fe80::1]:7447", "[FE81::1]", "febf::1", "fe80::1%25eth0")
+        ),
     ],
 )
 def test_what_is_no_address_is_refused_by_each_field(address: str, told: str) -> None:
