@@ -23,7 +23,7 @@ from mcap.writer import CompressionType, Writer
 from giraff_mcap.durable import DurableFile
 from giraff_mcap.raw_sample import Count, LossCounter, RawSample, start_of
 from giraff_mcap.schemas import ENCODING, name_of, schema_of
-from giraff_mcap.unread import Unread
+from giraff_mcap.unread import LeftOut, Unread
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.text import plain
 from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, topic_of
@@ -59,8 +59,8 @@ class RecordingWriter:
         self.path = path
         self.counts: dict[str, LossCounter] = {}
         """By key below the robot's name."""
-        self.unreadable: dict[str, str] = {}
-        """By key: why its newest payload that is not in the file could not be read."""
+        self.unreadable: dict[str, LeftOut] = {}
+        """By key: payloads that are not in the file, because they cannot be read."""
         self._file = DurableFile(path)
         self._writer = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, chunk_size=1 << 22)
         self._schemas: dict[str, int] = {}
@@ -137,9 +137,8 @@ class RecordingWriter:
                 data = msgspec.json.encode(content)
         except (msgspec.MsgspecError, UnicodeError, RecursionError, TypeError, ValueError, OverflowError) as error:
             if not is_raw:
-                self.unreadable[below_robot(sample.key)] = (
-                    f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {plain(error)}"
-                )
+                why = f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {plain(error)}"
+                self.unreadable.setdefault(below_robot(sample.key), LeftOut(0, why)).samples += 1
                 return
         start = start_of(content)
         at_ns = sample.at_ns + self._to_wall_ns

@@ -40,7 +40,7 @@ def record(  # noqa: PLR0913, PLR0917  one argument an option
 
     Waits for a robot that is not there yet. Hears no sample above 64 KiB; no topic of Giraff has one.
 
-    Exit code: 0; 1 the disk took no more, what came before is kept, or a repair misses something; 2 nothing was
+    Exit code: 0; 1 the disk took no more, what came before is kept, or samples could not be read; 2 nothing was
     recorded.
     """
     require_extra("record", "mcap", "cli,record")

@@ -36,7 +36,7 @@ _TUNE_EVERY: Final = 2.0  # s; a link of the recorder's only thread, which would
 _SILENT_AFTER: Final = 3.0  # s
 
 _DONE: Final = 0
-_CUT_SHORT: Final = 1
+_INCOMPLETE: Final = 1
 
 
 class Limits(msgspec.Struct, frozen=True):
@@ -137,12 +137,12 @@ def _record(
         report = Report.of(writer, ended_by or trouble, subscriber.overrun)
     if not report.samples and not trouble:
         path.unlink()
-        return print_error(f"{not_found_text(robot, monitor.names)}; nothing was recorded ({ended_by})")
+        why = "; ".join(report.missing) or not_found_text(robot, monitor.names)
+        return print_error(f"{why}; nothing was recorded ({ended_by})")
     sys.stdout.write(told(report, as_json=as_json))
     if trouble:
         print_error(trouble)
-        return _CUT_SHORT
-    return _DONE
+    return _INCOMPLETE if trouble or report.missing else _DONE
 
 
 def tell(text: str) -> None:

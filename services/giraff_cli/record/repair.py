@@ -25,5 +25,6 @@ def repair(path: Path, output: Path | None, *, as_json: bool) -> int:
         return print_error(f"{into} is there already: name another with -o; nothing is ever written over")
     except OSError as error:
         return print_error(f"{into}: cannot be written: {error.strerror}")
-    sys.stdout.write(told(Report.of(writer, f"the repair of {path}", 0, unread), as_json=as_json))
-    return _IS_MISSING if unread else 0
+    report = Report.of(writer, f"the repair of {path}", 0, unread)
+    sys.stdout.write(told(report, as_json=as_json))
+    return _IS_MISSING if report.missing else 0

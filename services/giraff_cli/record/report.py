@@ -11,7 +11,7 @@ from rich.text import Text
 
 from giraff_cli.terminal.text import json_page
 from giraff_mcap.raw_sample import Count
-from giraff_mcap.unread import Unread
+from giraff_mcap.unread import LeftOut, Unread
 from giraff_mcap.writing import RecordingWriter
 from giraff_telemetry.console import CleanConsole
 
@@ -29,10 +29,15 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     """Of the lost: heard, but the disk was too slow for too long."""
     ended_by: str
     keys: dict[str, Count]
-    unreadable: dict[str, str]
-    """By key: why its payloads are not in the file."""
+    unreadable: dict[str, LeftOut]
+    """By key: payloads that were heard, and are not in the file."""
     unread: Unread
     """What a repair could not read."""
+
+    @property
+    def missing(self) -> list[str]:
+        """Return a line for each loss but of samples that never came."""
+        return Unread(self.unread.gaps, self.unread.left_out | self.unreadable).texts()
 
     @classmethod
     def of(cls, writer: RecordingWriter, ended_by: str, overrun: int, unread: Unread | None = None) -> Self:
@@ -64,9 +69,7 @@ def told(report: Report, *, as_json: bool) -> str:
     text = StringIO()
     console = CleanConsole(file=text, width=120, highlight=False)
     console.print(table)
-    for key, why in report.unreadable.items():
-        console.print(Text(f"not recorded: {key}: {why}"))
-    for line in report.unread.texts():
+    for line in report.missing:
         console.print(Text(line), soft_wrap=True)
     slow = f", {report.overrun} of them because the disk was too slow" if report.overrun else ""
     missing = f", {report.unread.samples or 'some'} cannot be read" if report.unread else ""

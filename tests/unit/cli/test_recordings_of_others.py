@@ -16,6 +16,7 @@ import giraff_cli.play.reader as reading
 from giraff_mcap.layout import look_through
 from giraff_mcap.reading import Recorded, Recording
 from giraff_mcap.unread import Unread
+from giraff_mcap.writing import RAW
 from giraff_schemas.params import ParamAnswer
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
@@ -54,17 +55,20 @@ def drive(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Recorded
     return path, begin_of_the_drive(path, 4_000_000_000)
 
 
-def foreign(path: Path, recorded: list[Recorded], *, strange: bool) -> Path:
-    """Write these as another tool does. `strange`: with messages that are no samples in between."""
+def foreign(path: Path, recorded: list[Recorded], *, strange: bool, torn: bytes = b"") -> Path:
+    """Write these as another tool does. `strange`: with messages that are no samples in between.
+
+    `torn`: with this payload of odometry as well, as it was on the network.
+    """
     with path.open("wb") as file:
         writer = Writer(file, chunk_size=20_000)
         writer.start()
-        channels: dict[str, int] = {}
+        channels: dict[tuple[str, str], int] = {}
 
         def say(topic: str, data: bytes, at_ns: int, encoding: str = "json") -> None:
-            if topic not in channels:
-                channels[topic] = writer.register_channel(topic, encoding, 0)
-            writer.add_message(channels[topic], at_ns, data, at_ns)
+            if (topic, encoding) not in channels:
+                channels[topic, encoding] = writer.register_channel(topic, encoding, 0)
+            writer.add_message(channels[topic, encoding], at_ns, data, at_ns)
 
         for number, sample in enumerate(recorded):
             say(sample.topic, json.dumps(sample.content(), default=str).encode(), sample.heard_ns)
@@ -74,6 +78,8 @@ def foreign(path: Path, recorded: list[Recorded], *, strange: bool) -> Path:
                 for topic in NO_KEYS:
                     say(topic, b"{}", sample.heard_ns)
                 say("giraff/sim-test/image", b"\x08\x01", sample.heard_ns, "protobuf")
+        if torn:
+            say(TOPIC, torn, recorded[-1].heard_ns, RAW)
         writer.finish()
     return path
 
@@ -141,6 +147,19 @@ def test_what_is_sound_is_read_and_the_rest_is_named_and_counted(
     if command == "play":
         assert json.loads(out)["samples"] == bad.samples == len(said)
         assert not [key for key in said if "*" in key or "//" in key]
+
+
+@pytest.mark.parametrize("command", ["repair", "replay"])
+def test_a_sample_that_cannot_be_decoded_is_told(
+    tmp_path: Path, giraff: Giraff, drive: tuple[Path, list[Recorded]], command: str
+) -> None:
+    path = foreign(tmp_path / "torn.mcap", drive[1], strange=False, torn=b"\xc1")
+    code, out, complaint = giraff(*(word.format(path) for word in COMMANDS[command]))
+    assert code == 1, (out, complaint)
+    if command == "repair":
+        assert json.loads(out)["unreadable"]["odom"]["samples"] == 1
+    else:
+        assert "samples could not be read" in complaint or "not of this version: " in complaint
 
 
 def json_texts(out: str) -> str:
