@@ -64,7 +64,7 @@ def localize(path: Path, map_path: Path, place: Pose | None, *, as_json: bool) -
         return print_error(f"{path}: it has no odom, and so no way; record with odom and range/* (giraff record)")
     summary = summarize(drive, recording.robot, took=took)
     say(to_json(summary) if as_json else to_text(summary))
-    return _INCOMPLETE if unread else DONE
+    return _INCOMPLETE if unread or strange else DONE
 
 
 def _feed(recording: Recording, drive: RecordedDrive, stopping: StopSignal, unread: Unread) -> int:

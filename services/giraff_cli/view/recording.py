@@ -50,7 +50,7 @@ class RecordingViewer:
                 code = stage.end(hurried=self._stopping.asked > 0) if stage.is_open else DONE
                 while stage.lasts and stage.is_open and not self._stopping.wait(_PATIENCE):
                     pass
-                return code or (_INCOMPLETE if unread else DONE)
+                return code or (_INCOMPLETE if unread or strange else DONE)
         except RecordingError as error:
             return print_error(str(error))
         except ViewerError as error:

@@ -149,7 +149,7 @@ def test_what_is_sound_is_read_and_the_rest_is_named_and_counted(
         assert not [key for key in said if "*" in key or "//" in key]
 
 
-@pytest.mark.parametrize("command", ["repair", "replay"])
+@pytest.mark.parametrize("command", ["repair", "replay", "view", "localize"])
 def test_a_sample_that_cannot_be_decoded_is_told(
     tmp_path: Path, giraff: Giraff, drive: tuple[Path, list[Recorded]], command: str
 ) -> None:
