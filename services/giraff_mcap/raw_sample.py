@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import msgspec
+
+from giraff_schemas.topics import topic_of
 
 
 class RawSample(NamedTuple):
@@ -16,6 +19,12 @@ class RawSample(NamedTuple):
     key: str
     payload: bytes
     encoding: str
+
+
+@lru_cache(maxsize=1000)
+def is_own_key(key: str) -> bool:
+    """Return whether a whole key is in the topics table."""
+    return topic_of(key.split("/", 2)[-1]) is not None
 
 
 class Start(NamedTuple):

@@ -18,7 +18,7 @@ from typing import Any, Final
 
 import zenoh
 
-from giraff_mcap.raw_sample import RawSample
+from giraff_mcap.raw_sample import RawSample, is_own_key
 
 _MOST_WAITING: Final = 40_000
 """Samples, a minute and a half of a whole robot: the queue while a disk hangs."""
@@ -51,9 +51,9 @@ class RawSubscriber:
     def __init__(self, session: zenoh.Session, keys: Iterable[str]) -> None:
         """`session`: of the recorder alone."""
         self._session = session
-        self._waiting: deque[tuple[int, zenoh.KeyExpr, bytes]] = deque(maxlen=_MOST_WAITING)
+        self._waiting: deque[tuple[int, zenoh.KeyExpr, bytes, str]] = deque(maxlen=_MOST_WAITING)
         self._encodings: dict[zenoh.KeyExpr, str] = {}
-        """By key: it is the same for all samples of one, and costs as much as the payload."""
+        """By key of the topics table, whose encoding never changes. To read it costs as much as the payload."""
         self._numbers = itertools.count(1)
         self._came = self._taken = 0
         self._declared: list[Any] = []
@@ -71,10 +71,13 @@ class RawSubscriber:
         """What has come since the last call."""
         came = [self._waiting.popleft() for _ in range(len(self._waiting))]
         self._taken += len(came)
-        for key in list(self._encodings)[len(self._declared) : _MOST_DECLARED]:
-            # Of a key that it knows Zenoh keeps to whom it goes, and looks for that no more with each sample.
-            self._declared.append(self._session.declare_keyexpr(key))
-        return [RawSample(at_ns, str(key), payload, self._encodings[key]) for at_ns, key, payload in came]
+        samples = [RawSample(at_ns, str(key), payload, encoding) for at_ns, key, payload, encoding in came]
+        for (_, key, _, encoding), sample in zip(came, samples, strict=True):
+            if key not in self._encodings and len(self._declared) < _MOST_DECLARED and is_own_key(sample.key):
+                self._encodings[key] = encoding
+                # Of a key that it knows Zenoh keeps to whom it goes, and looks for that no more with each sample.
+                self._declared.append(self._session.declare_keyexpr(key))
+        return samples
 
     def close(self) -> None:
         """Listen no longer."""
@@ -87,9 +90,7 @@ class RawSubscriber:
         at_ns, key, payload = time.monotonic_ns(), sample.key_expr, sample.payload.to_bytes()
         if not payload and sample.kind == zenoh.SampleKind.DELETE:
             return  # no message, which may be empty as well
-        if key not in self._encodings:
-            self._encodings[key] = str(sample.encoding)
-        self._waiting.append((at_ns, key, payload))
+        self._waiting.append((at_ns, key, payload, self._encodings.get(key) or str(sample.encoding)))
         self._came = next(self._numbers)
         if (thread := threading.get_ident()) not in self._attached and len(self._attached) < _MOST_ATTACHED:
             # Python makes what it keeps of a foreign thread anew for each callback, and throws it away, at as much as

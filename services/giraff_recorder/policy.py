@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Sequence
-from functools import lru_cache
 from typing import Final, NamedTuple
 
-from giraff_mcap.raw_sample import RawSample
+from giraff_mcap.raw_sample import RawSample, is_own_key
 from giraff_recorder.config import RecorderConfig
 from giraff_schemas.health import Health
 from giraff_schemas.messages import BaseState, EStop
 from giraff_schemas.services import WATCHED
-from giraff_schemas.topics import topic_of
 
 _OVERHEAD: Final = 300
 """bytes that a sample in memory takes beside its payload."""
@@ -40,7 +38,7 @@ class Memory:
         """Remember these, and forget what is too old or too much."""
         newest_ns = 0
         for sample in samples:
-            own = len(sample.payload) <= _MOST_OWN and _is_own_key(sample.key)
+            own = len(sample.payload) <= _MOST_OWN and is_own_key(sample.key)
             (self._own if own else self._foreign).add(sample)
             newest_ns = sample.at_ns
         for part in (self._own, self._foreign):
@@ -176,12 +174,6 @@ def surplus(files: Sequence[IncidentFile], config: RecorderConfig) -> list[str]:
         left.remove(goes)
         gone.append(goes.name)
     return gone
-
-
-@lru_cache(maxsize=1000)
-def _is_own_key(key: str) -> bool:
-    """Return whether a whole key is in the topics table."""
-    return topic_of(key.split("/", 2)[-1]) is not None
 
 
 def _size(sample: RawSample) -> int:

@@ -38,7 +38,11 @@ def test_each_sample_comes_with_its_key_its_bytes_and_its_encoding(session: zeno
     assert len(taken) == 7, "what is empty is a sample as well, and a deletion is none"
     assert [one.at_ns for one in taken] == sorted(one.at_ns for one in taken)
     session.put("giraff/anna/odom", b"later", encoding="application/msgpack")
-    assert [(one.payload, one.encoding) for one in hears.take()] == [(b"later", "application/msgpack")]
+    session.put("giraff/anna/own", b"{}", encoding="application/json")
+    assert [(one.payload, one.encoding) for one in hears.take()] == [
+        (b"later", "application/msgpack"),
+        (b"{}", "application/json"),
+    ]
     hears.close()
     session.put("giraff/anna/odom", b"to nobody")
     assert (hears.take(), hears.overrun) == ([], 0)
