@@ -36,6 +36,8 @@ ABOUT: Final = "giraff"
 SUMMARY: Final = "giraff.summary"
 """Name of the metadata that tells how it ended, and what was lost; only in a file that was closed."""
 
+_MOST_CHANNELS: Final = 10_000
+"""Number of keys in a file. MCAP counts them with 16 bits, and anybody may invent some."""
 _INDEX_OF_A_CHUNK: Final = 100  # bytes of the summary, and a few for each channel
 _INDEX_OF_A_KEY: Final = 10
 _SUMMARY: Final = 20_000  # bytes that end a file, besides: schemas, channels, counts
@@ -128,7 +130,11 @@ class RecordingWriter:
         return {key: Count(tally.count, tally.lost) for key, tally in sorted(self.counts.items())}
 
     def _add(self, sample: RawSample) -> None:
-        channel, tally, is_raw = self._channels.get((sample.key, sample.encoding)) or self._channel(sample)
+        known = self._channels.get((sample.key, sample.encoding))
+        if known is None and len(self._channels) >= _MOST_CHANNELS:
+            self.unreadable.setdefault("?", LeftOut(0, f"the file has {_MOST_CHANNELS} keys")).samples += 1
+            return
+        channel, tally, is_raw = known or self._channel(sample)
         content: Any = None
         data = sample.payload
         try:

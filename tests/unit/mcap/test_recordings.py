@@ -12,6 +12,7 @@ import msgspec
 import pytest
 from mcap.reader import make_reader
 
+from giraff_mcap import writing
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording, RecordingError
 from giraff_mcap.schemas import schema_of
@@ -119,6 +120,24 @@ def test_a_file_that_was_cut_off_anywhere_is_read_up_to_the_last_whole_chunk(tmp
     assert counts == {10, 20}
 
 
+def test_more_keys_than_a_file_can_hold_end_no_recording(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(writing, "_MOST_CHANNELS", 3)
+    path, [sample, *_] = tmp_path / "a.mcap", ten()
+    writer = record(path, [sample, *(sample._replace(key=f"giraff/{ROBOT}/new/{number}") for number in range(5))])
+    assert {key: left.samples for key, left in writer.unreadable.items()} == {"?": 3}
+    assert len(list(Recording(path).samples())) == 3
+
+
+def test_one_key_may_come_in_several_encodings(tmp_path: Path) -> None:
+    path, [sample, *_] = tmp_path / "a.mcap", ten()
+    said = [
+        sample._replace(key=f"giraff/{ROBOT}/new", encoding=encoding, at_ns=sample.at_ns + number)
+        for number, encoding in enumerate(("text/plain", "application/json", "text/plain"))
+    ]
+    record(path, said)
+    assert [recorded.encoding for recorded in Recording(path).samples()] == [one.encoding for one in said]
+
+
 def test_a_file_that_is_there_is_not_written_over(tmp_path: Path) -> None:
     (tmp_path / "a.mcap").write_text("precious")
     with pytest.raises(FileExistsError):
@@ -191,4 +210,6 @@ def test_the_size_that_is_told_is_never_less_than_the_closed_files(tmp_path: Pat
 def test_samples_come_in_the_order_in_which_they_were_heard(tmp_path: Path) -> None:
     samples: list[RawSample] = ten()
     record(tmp_path / "a.mcap", samples[::-1])
-    assert [sample.seq for sample in Recording(tmp_path / "a.mcap").samples()] == list(range(10))
+    record(tmp_path / "b.mcap", samples[1::2], samples[::2])
+    for name in ("a.mcap", "b.mcap"):
+        assert [sample.seq for sample in Recording(tmp_path / name).samples()] == list(range(10))
