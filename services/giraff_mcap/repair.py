@@ -7,27 +7,26 @@ from typing import Final
 
 from giraff_mcap.raw_sample import RawSample
 from giraff_mcap.reading import Recording
-from giraff_mcap.unread import Unread
 from giraff_mcap.writing import RecordingWriter
 
 _BATCH: Final = 500
 
 
-def repair(path: Path, into: Path) -> tuple[RecordingWriter, Unread]:
-    """Write the new file, which says what is missing; return its writer, closed, and that.
+def repair(path: Path, into: Path) -> RecordingWriter:
+    """Write the new file, which says what is missing; return its writer, closed.
 
     Raises RecordingError where nothing can be saved, OSError where it cannot be written.
     """
-    recording, unread = Recording(path), Unread()
+    recording = Recording(path)
     with RecordingWriter(into, recording.about, to_wall_ns=0) as writer:
         batch: list[RawSample] = []
-        for sample in recording.samples(unread=unread):
+        for sample in recording.samples(unread=writer.unread):
             batch.append(RawSample(sample.heard_ns, sample.topic, sample.payload, sample.encoding))
             if len(batch) == _BATCH:
                 writer.add(batch)
                 writer.sync()
                 batch.clear()
         writer.add(batch)
-        missing = "".join(f"; {line}" for line in unread.texts())
-        writer.close(f"a repair of {path.name}{missing}", unread)
-    return writer, unread
+        missing = "".join(f"; {line}" for line in writer.unread.texts())
+        writer.close(f"a repair of {path.name}{missing}")
+    return writer

@@ -23,7 +23,7 @@ from mcap.writer import CompressionType, Writer
 from giraff_mcap.durable import DurableFile
 from giraff_mcap.raw_sample import Count, LossCounter, RawSample, start_of
 from giraff_mcap.schemas import ENCODING, name_of, schema_of
-from giraff_mcap.unread import LeftOut, Unread
+from giraff_mcap.unread import Unread
 from giraff_schemas.params import ParamAnswer
 from giraff_schemas.text import plain
 from giraff_schemas.topics import PARAM_DESCRIBE, ROOT, topic_of
@@ -61,8 +61,8 @@ class RecordingWriter:
         self.path = path
         self.counts: dict[str, LossCounter] = {}
         """By key below the robot's name."""
-        self.unreadable: dict[str, LeftOut] = {}
-        """By key: payloads that are not in the file, because they cannot be read."""
+        self.unread = Unread()
+        """What is not in the file: payloads that have no JSON, and what a repair could not read."""
         self._file = DurableFile(path)
         self._writer = Writer(cast(IO[bytes], self._file), compression=CompressionType.ZSTD, chunk_size=1 << 22)
         self._schemas: dict[str, int] = {}
@@ -113,11 +113,11 @@ class RecordingWriter:
         self._file.write(self._copies.end())
         self._file.sync()
 
-    def close(self, ended_by: str, unread: Unread | None = None) -> None:
-        """End the file with its index and what was counted. `unread`: what a repair could not read."""
+    def close(self, ended_by: str) -> None:
+        """End the file with its index, what was counted, and what is missing."""
         summary = {"ended_by": ended_by, "counts": msgspec.json.encode(self.totals).decode()}
-        if unread:
-            summary["unread"] = msgspec.json.encode(unread).decode()
+        if self.unread:
+            summary["unread"] = msgspec.json.encode(self.unread).decode()
         self._writer.flush()
         self._writer.add_metadata(SUMMARY, summary)
         self._writer.finish()
@@ -132,7 +132,7 @@ class RecordingWriter:
     def _add(self, sample: RawSample) -> None:
         known = self._channels.get((sample.key, sample.encoding))
         if known is None and len(self._channels) >= _MOST_CHANNELS:
-            self.unreadable.setdefault("?", LeftOut(0, f"the file has {_MOST_CHANNELS} keys")).samples += 1
+            self.unread.leave_out("?", f"the file has {_MOST_CHANNELS} keys")
             return
         channel, tally, is_raw = known or self._channel(sample)
         content: Any = None
@@ -144,7 +144,7 @@ class RecordingWriter:
         except (msgspec.MsgspecError, UnicodeError, RecursionError, TypeError, ValueError, OverflowError) as error:
             if not is_raw:
                 why = f"not MessagePack that has a JSON ({len(sample.payload)} bytes): {plain(error)}"
-                self.unreadable.setdefault(below_robot(sample.key), LeftOut(0, why)).samples += 1
+                self.unread.leave_out(sample.key, why)
                 return
         start = start_of(content)
         at_ns = sample.at_ns + self._to_wall_ns

@@ -137,12 +137,12 @@ def _record(
         report = Report.of(writer, ended_by or trouble, subscriber.overrun)
     if not report.samples and not trouble:
         path.unlink()
-        why = "; ".join(report.missing) or not_found_text(robot, monitor.names)
+        why = "; ".join(report.unread.texts()) or not_found_text(robot, monitor.names)
         return print_error(f"{why}; nothing was recorded ({ended_by})")
     sys.stdout.write(told(report, as_json=as_json))
     if trouble:
         print_error(trouble)
-    return _INCOMPLETE if trouble or report.missing else _DONE
+    return _INCOMPLETE if trouble or report.unread else _DONE
 
 
 def tell(text: str) -> None:

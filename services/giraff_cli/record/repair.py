@@ -18,13 +18,12 @@ def repair(path: Path, output: Path | None, *, as_json: bool) -> int:
     """Return the exit code, 1 where anything is missing. The file itself is left as it is."""
     into = output or path.with_name(f"{path.stem}-repaired.mcap")
     try:
-        writer, unread = repair_into(path, into)
+        writer = repair_into(path, into)
     except RecordingError as error:
         return print_error(str(error))
     except FileExistsError:
         return print_error(f"{into} is there already: name another with -o; nothing is ever written over")
     except OSError as error:
         return print_error(f"{into}: cannot be written: {error.strerror}")
-    report = Report.of(writer, f"the repair of {path}", 0, unread)
-    sys.stdout.write(told(report, as_json=as_json))
-    return _IS_MISSING if report.missing else 0
+    sys.stdout.write(told(Report.of(writer, f"the repair of {path}", 0), as_json=as_json))
+    return _IS_MISSING if writer.unread else 0

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from giraff_cli.terminal.text import json_page
 from giraff_mcap.raw_sample import Count
-from giraff_mcap.unread import LeftOut, Unread
+from giraff_mcap.unread import Unread
 from giraff_mcap.writing import RecordingWriter
 from giraff_telemetry.console import CleanConsole
 
@@ -29,18 +29,11 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
     """Of the lost: heard, but the disk was too slow for too long."""
     ended_by: str
     keys: dict[str, Count]
-    unreadable: dict[str, LeftOut]
-    """By key: payloads that were heard, and are not in the file."""
     unread: Unread
-    """What a repair could not read."""
-
-    @property
-    def missing(self) -> list[str]:
-        """Return a line for each loss but of samples that never came."""
-        return Unread(self.unread.gaps, self.unread.left_out | self.unreadable).texts()
+    """What was there, and is not in the file."""
 
     @classmethod
-    def of(cls, writer: RecordingWriter, ended_by: str, overrun: int, unread: Unread | None = None) -> Self:
+    def of(cls, writer: RecordingWriter, ended_by: str, overrun: int) -> Self:
         totals = writer.totals
         return cls(
             file=str(writer.path),
@@ -51,8 +44,7 @@ class Report(msgspec.Struct, frozen=True, kw_only=True):
             overrun=overrun,
             ended_by=ended_by,
             keys=totals,
-            unreadable=writer.unreadable,
-            unread=unread or Unread(),
+            unread=writer.unread,
         )
 
 
@@ -69,7 +61,7 @@ def told(report: Report, *, as_json: bool) -> str:
     text = StringIO()
     console = CleanConsole(file=text, width=120, highlight=False)
     console.print(table)
-    for line in report.missing:
+    for line in report.unread.texts():
         console.print(Text(line), soft_wrap=True)
     slow = f", {report.overrun} of them because the disk was too slow" if report.overrun else ""
     missing = f", {report.unread.samples or 'some'} cannot be read" if report.unread else ""

@@ -157,7 +157,7 @@ def test_a_sample_that_cannot_be_decoded_is_told(
     code, out, complaint = giraff(*(word.format(path) for word in COMMANDS[command]))
     assert code == 1, (out, complaint)
     if command == "repair":
-        assert json.loads(out)["unreadable"]["odom"]["samples"] == 1
+        assert json.loads(out)["unread"]["left_out"][TOPIC]["samples"] == 1
     else:
         assert "samples could not be read" in complaint or "not of this version: " in complaint
 

@@ -107,8 +107,8 @@ def test_all_that_can_be_read_is_and_the_rest_is_told(
     assert len(samples) == readable
     assert [sample.seq for sample in samples] == sorted(sample.seq for sample in samples)
     assert [rounded(each) for each in unread.gaps] == gaps
-    writer, missing = repair(path, tmp_path / "repaired.mcap")
-    assert missing == unread
+    writer = repair(path, tmp_path / "repaired.mcap")
+    assert writer.unread == unread
     assert sum(count.samples for count in writer.totals.values()) == readable
     repaired = Recording(tmp_path / "repaired.mcap")
     assert [each.text in repaired.ended_by for each in unread.gaps] == [True] * len(gaps)
@@ -134,11 +134,11 @@ def test_without_an_end_all_that_can_be_read_is_too(
 def test_a_repair_of_a_repair_tells_the_same(tmp_path: Path) -> None:
     first, second = tmp_path / "first.mcap", tmp_path / "second.mcap"
     repair(damaged(tmp_path, flip(in_data(3))), first)
-    writer, missing = repair(first, second)
-    assert [rounded(each) for each in missing.gaps] == [gap(3)]
+    writer = repair(first, second)
+    assert [rounded(each) for each in writer.unread.gaps] == [gap(3)]
     assert sum(count.samples for count in writer.totals.values()) == 90
     list(Recording(second).samples(unread=(unread := Unread())))
-    assert unread == missing
+    assert unread == writer.unread
 
 
 def test_recordings_that_were_joined_are_read_whole(tmp_path: Path) -> None:

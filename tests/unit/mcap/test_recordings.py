@@ -94,7 +94,7 @@ def test_what_is_no_sample_of_ours_is_kept_byte_for_byte_or_named(tmp_path: Path
     path = tmp_path / "a.mcap"
     strangers = [sample._replace(key=f"giraff/{ROBOT}/{key}", payload=payload) for key, payload in ANYTHING.items()]
     writer = record(path, [sample, *strangers, *2 * [sample._replace(payload=b"\xc1")]])
-    assert {key: left.samples for key, left in writer.unreadable.items()} == {"odom": 2}
+    assert {key: left.samples for key, left in writer.unread.left_out.items()} == {f"giraff/{ROBOT}/odom": 2}
     read = {recorded.key: recorded for recorded in Recording(path).samples(["new/*"])}
     assert {key: recorded.payload for key, recorded in read.items()} == ANYTHING
     assert {recorded.encoding for recorded in read.values()} == {sample.encoding}
@@ -124,7 +124,7 @@ def test_more_keys_than_a_file_can_hold_end_no_recording(tmp_path: Path, monkeyp
     monkeypatch.setattr(writing, "_MOST_CHANNELS", 3)
     path, [sample, *_] = tmp_path / "a.mcap", ten()
     writer = record(path, [sample, *(sample._replace(key=f"giraff/{ROBOT}/new/{number}") for number in range(5))])
-    assert {key: left.samples for key, left in writer.unreadable.items()} == {"?": 3}
+    assert {key: left.samples for key, left in writer.unread.left_out.items()} == {"?": 3}
     assert len(list(Recording(path).samples())) == 3
 
 
