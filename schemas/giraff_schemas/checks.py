@@ -1,4 +1,4 @@
-"""Numbers that a message cannot hold, in one that is made or has come and in what somebody has written; and no files.
+"""Numbers that no message can hold, and paths that nobody must read.
 
 The checks of `__post_init__` run for every sample on both sides: text comes only of a fault.
 """

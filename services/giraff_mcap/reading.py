@@ -87,7 +87,7 @@ class Recorded:
 
 
 class Recording:
-    """One file, as long as it was at the first look, read anew with each other."""
+    """One file. Each pass reads it anew, up to the length that it had at first."""
 
     def __init__(self, path: Path) -> None:
         """Raises RecordingError."""
@@ -110,7 +110,7 @@ class Recording:
         summary = self._layout.metadata.get(SUMMARY, {})
         self.ended_by = summary.get("ended_by", "")
         self._before = Unread()
-        """What was missing when it was repaired."""
+        """What the file says is missing in it."""
         with suppress(msgspec.MsgspecError):
             self._before = msgspec.json.decode(summary.get("unread", "{}"), type=Unread)
         channels = list(self._channels())
@@ -184,7 +184,7 @@ class Recording:
         return {key for key in self.keys if not patterns or any(fnmatchcase(key, pattern) for pattern in patterns)}
 
     def _channels(self) -> Iterator[Channel]:
-        """Find all channels. Where no index names them, they stand in the chunks, and so does when each begins."""
+        """Find all channels. Without an index, read them from the chunks, with the time at which each chunk begins."""
         layout = self._layout
         if layout.names_all:
             yield from layout.channels.values()

@@ -28,7 +28,7 @@ class Gap(msgspec.Struct, frozen=True):
         """What is missing, for people."""
         what = "an unknown number of samples" if self.samples is None else _samples(self.samples)
         if self.since is None:
-            where = "before all others"
+            where = "at the beginning"
         else:
             where = f"after {self.since:.1f} s" + ("" if self.until is None else f" and before {self.until:.1f} s")
         return f"damaged: {what} {where} cannot be read"
@@ -62,7 +62,7 @@ class Unread(msgspec.Struct):
         self.left_out.setdefault(topic, LeftOut(0, why)).samples += samples
 
     def texts(self) -> list[str]:
-        """Return a line for each, at most 21."""
+        """Return a line for each, at most 22."""
         lines = [gap.text for gap in self.gaps[:_MOST_NAMED]]
         if (more := len(self.gaps) - _MOST_NAMED) > 0:
             lines.append(f"damaged at {more} more places")

@@ -45,7 +45,7 @@ class Played(msgspec.Struct, kw_only=True):
     """s by which the latest sample came too late."""
     ended_by: str = "the end of the recording"
     unread: Unread = msgspec.field(default_factory=Unread)
-    """What the recording could not give."""
+    """What is missing in the recording."""
 
 
 def play(
@@ -146,6 +146,7 @@ def _play(
             if trouble := _refusal(keys, presence.services):
                 break
     played.seconds = (time.monotonic_ns() - began_ns) * 1e-9
+    trouble = trouble or reader.trouble
     played.ended_by = trouble or played.ended_by
     played.unread = reader.unread
     sys.stdout.write(_told(played, as_json=as_json))

@@ -12,7 +12,7 @@ from typing import Any, Final, NamedTuple
 
 import msgspec
 
-from giraff_mcap.reading import Recorded, Recording, params_in
+from giraff_mcap.reading import Recorded, Recording, RecordingError, params_in
 from giraff_mcap.unread import Unread
 from giraff_schemas.codec import DecodeError
 from giraff_schemas.topics import topic_of
@@ -21,8 +21,8 @@ _AHEAD: Final = 4000  # samples that are read before their time: ten seconds of 
 _READ_AGAIN: Final = 0.02  # s
 _SWITCH: Final = 1e-4  # s for which the reading thread may keep the interpreter; by default 5 ms
 _BETWEEN_ROUNDS_NS: Final = 20_000_000
-LONG_GAP_NS: Final = 2_000_000_000
-"""ns without any sample after which a person is told, or what `--skip-gaps` makes of it."""
+_LONGEST_GAP_NS: Final = 2_000_000_000
+"""ns. Longest time between two samples with `--skip-gaps`."""
 
 
 class RecordedSample(NamedTuple):
@@ -46,6 +46,8 @@ class Reader:
         self._read: deque[RecordedSample] = deque()
         self._ended = False
         self._error: Exception | None = None
+        self.trouble = ""
+        """Why the rest cannot be read."""
         self.unread = Unread()
         """What the first round could not read."""
         self._thread = threading.Thread(target=self._run, name="reading", daemon=True)
@@ -55,7 +57,7 @@ class Reader:
         self._thread.start()
 
     def next(self) -> RecordedSample | None:
-        """Return the next sample; None: that was all. Raises what ended the reading."""
+        """Return the next sample; None: that was all. Raises the fault of this program that ended the reading."""
         while not self._read:
             if self._ended and not self._read:
                 if self._error is not None:
@@ -70,6 +72,8 @@ class Reader:
                 self._read.append(said)
                 while len(self._read) >= _AHEAD:
                     time.sleep(_READ_AGAIN)
+        except RecordingError as error:
+            self.trouble = str(error)
         except Exception as error:  # noqa: BLE001  whoever takes the samples raises it
             self._error = error
         finally:
@@ -83,7 +87,7 @@ class Reader:
             for sample in self._recording.samples(self._topics, self.unread if number == 1 else None):
                 passed_ns = 0 if before_ns is None else sample.heard_ns - before_ns
                 before_ns = sample.heard_ns
-                ends_ns += min(passed_ns, LONG_GAP_NS) if self._skip_gaps else passed_ns
+                ends_ns += min(passed_ns, _LONGEST_GAP_NS) if self._skip_gaps else passed_ns
                 yield RecordedSample(ends_ns, sample.key, _payload(sample, number), sample.encoding)
             if not self._loop or before_ns is None:
                 return
@@ -91,7 +95,7 @@ class Reader:
 
 
 def _payload(sample: Recorded, number: int) -> bytes:
-    """Return it as it was; in a later round Giraff's own have a maker of their own, whose numbers begin anew."""
+    """Return a payload as it was. In later rounds, samples of Giraff get another instance: their numbers begin anew."""
     if number == 1 or (topic_of(sample.key) is None and params_in(sample) is None):
         return sample.payload
     with suppress(DecodeError):  # of another version

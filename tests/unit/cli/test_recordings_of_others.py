@@ -14,7 +14,7 @@ from mcap.writer import Writer
 
 import giraff_cli.play.reader as reading
 from giraff_mcap.layout import look_through
-from giraff_mcap.reading import Recorded, Recording
+from giraff_mcap.reading import Recorded, Recording, RecordingError
 from giraff_mcap.unread import Unread
 from giraff_mcap.writing import RAW
 from giraff_schemas.params import ParamAnswer
@@ -219,3 +219,14 @@ def test_what_ends_the_reading_ends_the_command(
     monkeypatch.setattr(reading, "_payload", fail)
     with pytest.raises(RuntimeError, match="out of order"):
         giraff("play", str(drive[0]))
+
+
+def test_a_file_that_is_gone_meanwhile_is_told(
+    monkeypatch: pytest.MonkeyPatch, giraff: Giraff, drive: tuple[Path, list[Recorded]]
+) -> None:
+    def gone(*_: Any) -> bytes:
+        raise RecordingError("it is gone")
+
+    monkeypatch.setattr(reading, "_payload", gone)
+    code, _, complaint = giraff("play", str(drive[0]))
+    assert (code, complaint) == (1, "giraff: it is gone\n")

@@ -70,7 +70,10 @@ def _times(factor: float, *columns: int) -> Callable[[Floats], Floats]:
 
 
 def _in_metres(table: Floats) -> Floats:
-    """A marker beside the middle circles on a spin. By a thousandth it would stand, as the middle does."""
+    """Take x and y as millimetres if the robot went farther than a marker circles on a spin.
+
+    A thousandth of that circle would look like a robot that spins in place.
+    """
     is_beyond_marker = float(np.ptp(table[:, (X, Y)], axis=0).max()) > 2.0 * _MARKER_FARTHEST
     return _times(0.001, X, Y)(table) if is_beyond_marker else table
 
