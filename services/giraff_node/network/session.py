@@ -62,11 +62,18 @@ one as well. So no peer may be linked in both ways: those inside meet each other
 
 INSIDE_ID_ENDS: Final = "ffffffff"
 """Zenoh compares ids from their last digits on, and of two peers the greater dials: nobody can dial who is inside."""
+_VISIT: Final = b"visit".hex()
+"""Before the last eight digits of an id: whoever is gone in a moment is not to be missed."""
 _RETRIED: Final = "#exit_on_failure=false;retry_period_init_ms=500;retry_period_max_ms=1000"
 # Bound before any link is made: a peer that hears of one with no address never dials it, not even when it has one.
 _FIRST: Final = "#exit_on_failure=true"
 _IS_TAKEN: Final = 50
 """ms until a port counts as taken. Zenoh would wait for it for good, and at 0 it never tries the rendezvous again."""
+
+
+def is_visit(peer: str) -> bool:
+    """Return whether the id is that of a session with `visits`."""
+    return peer[:-8].endswith(_VISIT)
 
 
 class NobodyError(Exception):
@@ -99,8 +106,9 @@ def session_config(
         config["listen"]["timeout_ms"] = _IS_TAKEN
     if role not in {"inside", "client"}:
         config["transport"]["link"]["protocols"].remove(PROTOCOL)
-    if role == "inside":
-        config["id"] = f"{os.urandom(12).hex()}{INSIDE_ID_ENDS}".lstrip("0")
+    if role == "inside" or visits:
+        ends = INSIDE_ID_ENDS if role == "inside" else os.urandom(4).hex()
+        config["id"] = f"{os.urandom(7).hex()}{_VISIT if visits else os.urandom(5).hex()}{ends}".lstrip("0")
     if network.local or role in {"inside", "client"}:
         config["scouting"]["multicast"]["enabled"] = False
     if network.site:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from giraff_core.network import NetworkConfig
 from giraff_node.network.link_repair import OWN_HOST, Link, LostPeers, delay_of, hosts_of, impostors
-from giraff_node.network.session import INSIDE_ID_ENDS
+from giraff_node.network.session import INSIDE_ID_ENDS, Role, session_config
 
 ROBOT, LAPTOP = "10.0.0.2", "10.0.0.3"
 DELAY = 0.3
@@ -55,6 +58,17 @@ def test_a_host_of_which_one_is_back_is_visited(partings: LostPeers) -> None:
 def test_a_visitor_may_leave(partings: LostPeers) -> None:
     assert visits(partings, BOTH | {"why": LAPTOP, "watch": LAPTOP}, 10.0, 11.5) == []
     assert visits(partings, BOTH | {"watch": LAPTOP}, 11.5, 20.0) == []
+
+
+@pytest.mark.parametrize("role", ["inside", "outside"])
+def test_a_visit_is_never_missed(tmp_path: Path, role: Role) -> None:
+    """However long it took on a busy machine. Else one visit is the next one's reason."""
+    network = NetworkConfig(sockets=str(tmp_path))
+    for is_visit in (True, False):
+        peer = session_config(network, "alpha", role, visits=is_visit).get("id", "c0ffee")
+        met = LostPeers(DELAY)
+        assert visits(met, BOTH | {peer: ROBOT}, 0.0, 10.0) == []
+        assert bool(visits(met, BOTH, 10.0, 20.0)) is not is_visit
 
 
 SOCKET = "unixsock-stream/here"
