@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import msgspec
 
 from giraff_core.bounds import require_not_negative, require_positive
 from giraff_sim.truth import TruthRanges
+
+_STEEPEST = 20.0  # deg: no robot on two wheels climbs it
 
 
 class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -15,6 +19,8 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """s."""
     wheel_friction: float = 0.6
     """m/s^2 at the wheel's rim, against its motion."""
+    slope_deg: float = 0.0
+    """deg by which the floor rises along +x of the room, under a robot on two wheels. 3: a wheelchair ramp."""
     dead_zone_counts: float = 4.0
     """PWM counts of 255 below which a motor only hums."""
     battery_volts: float = 24.5
@@ -36,5 +42,7 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         require_not_negative(
             self, "wheel_friction", "dead_zone_counts", "battery_sag_volts", "tilt_noise", "hand_tremor"
         )
+        if not math.fabs(self.slope_deg) <= _STEEPEST:
+            raise ValueError(f"slope_deg is {self.slope_deg}: it must be in -{_STEEPEST:g}..{_STEEPEST:g}")
         if not 0.0 <= self.sonar_crosstalk <= 1.0:
             raise ValueError(f"sonar_crosstalk is {self.sonar_crosstalk}: it must be in 0..1")

@@ -54,6 +54,18 @@ def test_stop_from_full_speed_takes_0_29_seconds() -> None:
     assert 0.6**2 / 2 / (plant.pose.x - before) == pytest.approx(2.9, abs=0.05)
 
 
+@pytest.mark.parametrize(
+    ("slope_deg", "yaw", "rolls"), [(8.0, 0.0, -0.69), (8.0, math.pi, 0.69), (8.0, math.pi / 2, 0.0), (3.0, 0.0, 0.0)]
+)
+def test_a_robot_without_power_rolls_down_a_slope_that_friction_does_not_hold(
+    slope_deg: float, yaw: float, rolls: float
+) -> None:
+    sloping = msgspec.structs.replace(EXACT, slope_deg=slope_deg)
+    plant = plant_at_rest(Pose(0.0, 0.0, yaw), sloping)
+    drive(plant, 6.0, 0.0, 0.0)
+    assert plant.left.travel == plant.right.travel == pytest.approx(rolls, abs=0.02)
+
+
 def test_a_wheel_comes_to_rest_and_does_not_swing_back() -> None:
     plant = plant_at_rest()
     drive(plant, 1.0, 70, 70)

@@ -13,6 +13,7 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_core.robot import RobotConfig
 from giraff_sim.config import SimConfig
 from giraff_sim.truth import EXACT, TrueWheel, Truth
+from giraff_sim.world.bno055 import GRAVITY
 from giraff_sim.world.disc import Disc
 from giraff_sim.world.room import Pose, Room
 
@@ -60,8 +61,10 @@ class Wheel:
         self._slip_left -= lost
         return self.speed - math.copysign(lost / duration, self.speed)
 
-    def step(self, duration: float, duty: float, voltage_ratio: float) -> None:
+    def step(self, duration: float, duty: float, voltage_ratio: float, push: float = 0.0) -> None:
         """Turn for `duration` s with a signed duty of 255, the battery at `voltage_ratio` of nominal.
+
+        `push`: m/s² by which the slope speeds its rim up, forward positive.
 
         The drive that holds a speed is measured with friction in it: level 70 stands for 0.6 m/s of a turning
         wheel, not of a free shaft. So the friction shows where the drive ends.
@@ -74,7 +77,7 @@ class Wheel:
             aim = 0.0
         else:
             aim = effective * self._speed_per_count + math.copysign(self._friction * self._lag, effective)
-        pull = (aim - self.speed) / self._lag
+        pull = (aim - self.speed) / self._lag + push
         slide = self.speed or pull
         held = self._friction + self._drag + self.brake
         if self.speed == 0.0 and abs(pull) <= held:
@@ -107,14 +110,16 @@ class Plant(Disc):
         self._turn_grip = 1.0 - truth.turn_slip
         self._nominal_volts = drive.battery_nominal
         self._sag_volts = sim.battery_sag_volts
+        self._downhill = GRAVITY * math.sin(math.radians(sim.slope_deg))  # m/s² along -x
 
     def step(self, duration: float, left_duty: float, right_duty: float) -> None:
         """Move for `duration` s with each motor's signed duty, of 255."""
         load = (abs(left_duty) + abs(right_duty)) / (2.0 * _FULL_DUTY)
         self.volts = max(0.0, self.open_volts - load * self._sag_volts)
         ratio = self.volts / self._nominal_volts
-        self.left.step(duration, left_duty, ratio)
-        self.right.step(duration, right_duty, ratio)
+        push = -self._downhill * math.cos(self.pose.yaw) if self._downhill else 0.0
+        self.left.step(duration, left_duty, ratio, push)
+        self.right.step(duration, right_duty, ratio, push)
         left, right = self.left.grip(duration), self.right.grip(duration)
         self.speed = (left + right) / 2.0
         self.turn = (right - left) / self._track_width * self._turn_grip
