@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from giraff_sim.bodies.kinds import world_of
+from giraff_sim.bodies.wheels.plant import STATES_PER_TICK
 from giraff_sim.control import messages
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.control.control import Control
@@ -18,7 +19,7 @@ from giraff_sim.truth import TruthRanges, draw_truth
 from giraff_sim.world.hand import Hand, StillHand
 from giraff_sim.world.sonar import SonarFault
 from tests.sim.robots import EXACT, room_with_wall, world_in
-from tests.support.robots import BUMPED, DRIVE
+from tests.support.robots import BUMPED, DRIVE, ROBOT
 from tests.support.wheels import wheels_of
 
 
@@ -46,6 +47,20 @@ def test_a_wheel_is_held_back_and_let_go(control: Control, simulation: Simulatio
     assert ask(control, op="brake", wheel="right", brake=0.0).ok
     assert plant.right.brake == 0.0
     assert ask(control, op="brake", wheel="left", brake=-1.0).error
+
+
+def test_an_encoder_loses_counts_and_is_mended(control: Control, simulation: Simulation) -> None:
+    left = wheels_of(simulation.world).plant.left
+    assert ask(control, op="encoder_slip", wheel="left", lost_share=0.5).ok
+    left.speed = 0.4
+    simulation.run(0.1)
+    assert 0.0 < left.counted_speed == pytest.approx(left.speed / 2.0)
+    assert left.states == pytest.approx(left.travel / 2.0 * ROBOT.ticks_per_metre * STATES_PER_TICK)
+    counted, travel = left.states, left.travel
+    assert ask(control, op="encoder_slip", wheel="left", lost_share=0.0).ok
+    simulation.run(0.02)
+    assert left.states - counted == pytest.approx((left.travel - travel) * ROBOT.ticks_per_metre * STATES_PER_TICK)
+    assert "below 1" in ask(control, op="encoder_slip", wheel="left", lost_share=1.0).error
 
 
 def ask(control: Control, **request: Any) -> messages.Reply:

@@ -136,6 +136,10 @@ class SimulatorClient:
         """Cut a wheel encoder's wires, or mend them."""
         return self._ask(messages.CutEncoder(wheel=wheel, cut=cut)).now_us
 
+    def slip_encoder(self, wheel: Wheel, lost_share: float) -> int:
+        """Let a wheel's encoder lose this share of its counts; 0 mends it."""
+        return self._ask(messages.SlipEncoder(wheel=wheel, lost_share=lost_share)).now_us
+
     def cut_signal(self, wheel: Wheel, *, cut: bool) -> int:
         """Pull off the wire from a wheel's servo output to the motor driver, or put it back."""
         return self._ask(messages.CutSignal(wheel=wheel, cut=cut)).now_us

@@ -59,6 +59,7 @@ class Control:
             messages.FailSonar: self._fail_sonar,
             messages.CutBumper: self._cut_bumper,
             messages.CutEncoder: self._cut_encoder,
+            messages.SlipEncoder: self._slip_encoder,
             messages.CutSignal: self._cut_signal,
             messages.BlockWheel: self._block_wheel,
             messages.BrakeWheel: self._brake_wheel,
@@ -179,6 +180,9 @@ class Control:
 
     def _cut_encoder(self, request: messages.CutEncoder) -> None:
         self._wired_wheels.cut_encoder(_WHEELS[request.wheel], is_cut=request.cut)
+
+    def _slip_encoder(self, request: messages.SlipEncoder) -> None:
+        self._wheels.slip_encoder(_WHEELS[request.wheel], request.lost_share)
 
     def _cut_signal(self, request: messages.CutSignal) -> None:
         self._wired_wheels.cut_signal(_WHEELS[request.wheel], is_cut=request.cut)

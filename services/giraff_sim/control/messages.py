@@ -117,6 +117,14 @@ class CutEncoder(Request, frozen=True, kw_only=True, tag="encoder"):
     cut: bool
 
 
+class SlipEncoder(Request, frozen=True, kw_only=True, tag="encoder_slip"):
+    """Let a wheel's encoder lose counts, or mend it."""
+
+    wheel: Wheel
+    lost_share: float
+    """Share of the wheel's turning that is not counted; 0 mends it."""
+
+
 class CutSignal(Request, frozen=True, kw_only=True, tag="signal"):
     """Pull off the wire from a wheel's servo output to the motor driver, or put it back."""
 
@@ -200,6 +208,7 @@ AnyRequest = (
     | FailSonar
     | CutBumper
     | CutEncoder
+    | SlipEncoder
     | CutSignal
     | BlockWheel
     | BrakeWheel

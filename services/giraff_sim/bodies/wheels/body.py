@@ -66,6 +66,12 @@ class WheelsBody:
         """Cut (or mend) the wires of a wheel's encoder: `soldering.LEFT` or `RIGHT`."""
         self._cut[self._soldering.encoder_of(wheel)] = int(is_cut)
 
+    def slip_encoder(self, wheel: int, lost_share: float) -> None:
+        """Let a wheel's encoder lose this share of its counts; 0 mends it. ValueError for what is no share."""
+        if not 0.0 <= lost_share < 1.0:
+            raise ValueError(f"lost_share is {lost_share}: it must be 0 at least, and below 1")
+        self._wheel(wheel).lost_share = lost_share
+
     def cut_signal(self, wheel: int, *, is_cut: bool) -> None:
         """Pull off (or put back) the wire from a wheel's servo output to the motor driver. ValueError without one."""
         if not self.board.output_delay_us:

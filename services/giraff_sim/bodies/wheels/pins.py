@@ -57,7 +57,7 @@ class Pins:
             self._resets, self._judged_from_us = self._body.resets, now_us + self._body.settles_us
         if self._by_speed:
             plant = self._body.plant
-            self._rises_wrongly = self._rises.look(plant.left.speed, plant.right.speed, now_us)
+            self._rises_wrongly = self._rises.look(plant.left.counted_speed, plant.right.counted_speed, now_us)
 
     def look(self, now_us: int) -> str:
         """What is wrong with the drive of this step, in which a motor has power; empty when nothing is."""

@@ -34,6 +34,9 @@ class Wheel:
         """It does not turn, whatever the motor gets."""
         self.brake = 0.0
         """m/s² by which something holds it back, as a hand does."""
+        self.lost_share = 0.0
+        """Share of its turning that the encoder does not count, as on a shaft that slips."""
+        self._lost = 0.0  # m of travel that were not counted
         self._lag = sim.motor_time_constant
         self._friction = sim.wheel_friction
         self._drag = true.drag
@@ -47,7 +50,12 @@ class Wheel:
     @property
     def states(self) -> float:
         """Position of the encoder, in quadrature states."""
-        return self._first_state + self.travel * self._states_per_metre
+        return self._first_state + (self.travel - self._lost) * self._states_per_metre
+
+    @property
+    def counted_speed(self) -> float:
+        """m/s of the rim, as far as the encoder counts it."""
+        return self.speed * (1.0 - self.lost_share)
 
     def meet_threshold(self) -> None:
         """It comes upon one, and slips."""
@@ -85,7 +93,10 @@ class Wheel:
         speed = self.speed + (pull - math.copysign(held, slide)) * duration
         if self.speed * speed < 0.0:
             speed = 0.0  # friction stops a wheel, it does not turn it back
-        self.travel += (self.speed + speed) / 2.0 * duration
+        step = (self.speed + speed) / 2.0 * duration
+        self.travel += step
+        if self.lost_share:
+            self._lost += self.lost_share * step
         self.speed = speed
 
 
