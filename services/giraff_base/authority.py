@@ -47,7 +47,13 @@ class Authority:
     @property
     def faults(self) -> dict[str, Trouble]:
         """What is wrong, by what has it."""
-        return {"guard": self.binding.intruder, "battery": self.battery.warning, "wiring": self._unchecked}
+        wheels = self._drive.limit.reason if self._drive.limit.is_fault else WELL
+        return {
+            "guard": self.binding.intruder,
+            "battery": self.battery.warning,
+            "wiring": self._unchecked,
+            "wheels": wheels,
+        }
 
     def on_command(self, command: GuardedCommand, now: RobotTime, at_rest: bool) -> bool:
         """Take a command of a guard; whether it counts. `at_rest`: the wheels stand still."""

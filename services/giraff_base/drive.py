@@ -6,6 +6,7 @@ permits. `giraff_base.policy` decides whether the robot may move at all, once fo
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple, Protocol
 
 import msgspec
@@ -13,7 +14,7 @@ import msgspec
 from giraff_schemas.messages import BoardState, RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import Topic
-from giraff_schemas.trouble import Trouble
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import Frame
 
 
@@ -38,6 +39,17 @@ class Answer(NamedTuple):
     """Why the robot does less than it may; None: the reason stays as it is."""
     moves: bool = False
     """Whether the frame asks for motion."""
+
+
+class SpeedLimit(NamedTuple):
+    """The fastest that a wheel may turn now."""
+
+    speed: float = math.inf
+    """m/s."""
+    reason: Trouble = WELL
+    """Why it is less than the robot file allows."""
+    is_fault: bool = False
+    """Whether something is broken, also while the robot stands."""
 
 
 class Drive(Protocol):
@@ -69,6 +81,11 @@ class Drive(Protocol):
     @property
     def forbids(self) -> Trouble:
         """Why nobody can arm the robot now: a person must put it right first. WELL: nothing does."""
+        ...
+
+    @property
+    def limit(self) -> SpeedLimit:
+        """The fastest that a wheel may turn now."""
         ...
 
     @property

@@ -184,7 +184,13 @@ class BasePolicy:
     def _drive_frame(self, now: RobotTime) -> Frame | None:
         linear, angular, self._reason = self._authority.wanted(now)
         # Within the wheels first: a ramp up to what is scaled down later would leap where the other part ends.
-        self._ramp.follow(*self._kinematics.within_limits(linear, angular), now.robot_ns)
+        allowed = self._kinematics.within_limits(linear, angular)
+        limit = self._drive.limit
+        if limit.speed < self._kinematics.max_wheel_speed:
+            slowed = self._kinematics._replace(max_wheel_speed=limit.speed).within_limits(*allowed)
+            if slowed != allowed:
+                allowed, self._reason = slowed, limit.reason.of("slowed")
+        self._ramp.follow(*allowed, now.robot_ns)
         if waits := self._drive.waits:
             # The board's latch opens for a zero frame only; the ramp starts over once it has.
             self._stand_still(self._reason or waits)

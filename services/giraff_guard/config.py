@@ -8,6 +8,7 @@ from typing import Annotated, Final
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.kinematics.differential_drive import CREEP
 from giraff_core.tuning import Tuning
 from giraff_schemas.services import DEMONSTRATION, HANDS, MOTION, SCRIPT
 
@@ -48,7 +49,7 @@ class GuardConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     priorities: Annotated[dict[str, int], Tuning.READ_ONLY] = msgspec.field(default_factory=PRIORITIES.copy)
     """By operator name: who may take the lease from whom. A larger one may. Where this table does not name them,
     `joystick`, `keyboard` and `web` have 0, `motion`, `script` and any other name -1, and `demo` -2."""
-    creep_linear: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = 0.10
+    creep_linear: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.005, 0.5, "m/s")] = CREEP
     """m/s where no sensor looks."""
     creep_angular: Annotated[float, Tuning.LOWER_ONLY, Bounds(0.01, 5.0, "rad/s")] = 0.35
     """rad/s while the way ahead is blocked."""

@@ -8,7 +8,7 @@ from typing import Final, Generic, Protocol, TypeVar
 
 import msgspec
 
-from giraff_base.drive import Answer, Report
+from giraff_base.drive import Answer, Report, SpeedLimit
 from giraff_schemas.messages import BoardState, RobotTime, Sample
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
@@ -62,6 +62,10 @@ class Dialogue(ABC, Generic[ReportT]):
     @property
     def forbids(self) -> Trouble:
         return WELL
+
+    @property
+    def limit(self) -> SpeedLimit:
+        return SpeedLimit()
 
     @property
     def waits(self) -> Trouble:

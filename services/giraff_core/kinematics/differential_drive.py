@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
+
+CREEP: Final = 0.10
+"""m/s at most of a robot that cannot trust what it senses."""
 
 
 class DifferentialDrive(NamedTuple):

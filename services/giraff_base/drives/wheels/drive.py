@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from giraff_base.drive import Answer
+from giraff_base.drive import Answer, SpeedLimit
 from giraff_base.drives.dialogue import Dialogue
 from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
+from giraff_base.drives.wheels.doubt import WheelDoubt
 from giraff_base.drives.wheels.reports import WheelReports
 from giraff_base.drives.wheels.words import engaged_by, held, limit
+from giraff_core.kinematics.differential_drive import CREEP
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
@@ -34,6 +36,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         self._settings = config.board_settings(robot, acceleration)
         self._board = config.board_type
         self._reports = WheelReports()
+        self._doubt = WheelDoubt(config.speed_control.motor_time)
 
     @property
     def at_rest(self) -> bool:
@@ -45,8 +48,15 @@ class WheelsDrive(Dialogue[WheelsFrame]):
             return None
         return self._report.battery_adc_counts * self._config.battery_volts_per_count
 
+    @property
+    def limit(self) -> SpeedLimit:
+        if doubt := self._doubt.trouble:
+            return SpeedLimit(CREEP, doubt, is_fault=True)
+        return SpeedLimit()
+
     def open(self, session: int) -> None:
         self._reports.forget()
+        self._doubt.forget()
         super().open(session)
 
     def ask(self, linear: float, angular: float, *, armed: bool, free_side: Side) -> Answer:  # noqa: ARG002  it stands by itself
@@ -61,6 +71,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         return engaged_by(report.latch)
 
     def _samples(self, report: WheelsFrame, now: RobotTime) -> tuple[Sample, ...]:
+        self._doubt.take(report)
         return (self._reports.take(report, now),)
 
     def _configure(self, report: WheelsFrame) -> Frame:
