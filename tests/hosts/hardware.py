@@ -21,7 +21,7 @@ PORTS: Final = Path("/dev/giraff-hosts")
 """As udev's rules have it for real boards: of the host's folders, containers see /dev alone."""
 BOARDS: Final[tuple[BoardName, ...]] = ("base", "joystick", "ranger")
 DIALOUT: Final = 20
-ROBOT: Final = {**KNOWN, "GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT": "0.03"}
+ROBOT: Final = KNOWN
 """What a technician has found out about this robot."""
 
 _START: Final = (-3.0, 0.0)

@@ -42,10 +42,7 @@ _RELEASE_US: Final = 500_000
 _DRIVES: Final = 0.2  # m of path that count as driving
 
 SIM: Final = SimConfig()
-_STOCK: Final = {
-    "GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml"),
-    "GIRAFF_BASE_DRIVE__BATTERY_VOLTS_PER_COUNT": "0.03",
-}
+_STOCK: Final = {"GIRAFF_CONFIG": str(ROOT / "deploy" / "robot.toml")}
 
 
 class Outcome(msgspec.Struct, frozen=True, kw_only=True):

@@ -102,8 +102,9 @@ class WheelsConfig(Soldered, frozen=True, kw_only=True, forbid_unknown_fields=Tr
     pulses. Nothing on the wire tells one from the other."""
     max_level: Annotated[int, Bounds(1, 255)]
     """Largest PWM level asked of a motor, of 255: the one that stands for `max_wheel_speed`."""
-    battery_volts_per_count: Annotated[float, Bounds(0.0, 0.5, "V")]
-    """V per ADC count of the base board; 0 = not calibrated, no battery is published."""
+    battery_volts_per_count: Annotated[float, Bounds(0.0, 0.5, "V")] = 0.0
+    """V per ADC count of the base board. 0: not measured. Then no battery is published, and a robot whose board holds
+    speeds drives at max_wheel_speed / 1.5 at most: if both encoders lost counts, nothing would bound it sooner."""
     battery_nominal: Annotated[float, Bounds(1.0, 100.0, "V")] = 24.0
     """V at which `max_level` stands for `max_wheel_speed`."""
     wheel_control: WheelControl = "level"

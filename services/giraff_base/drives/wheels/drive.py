@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from giraff_base.drive import Answer, SpeedLimit
 from giraff_base.drives.dialogue import Dialogue
 from giraff_base.drives.wheels.commands import WheelsCommands
@@ -9,15 +11,17 @@ from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
 from giraff_base.drives.wheels.doubt import WheelDoubt
 from giraff_base.drives.wheels.reports import WheelReports
-from giraff_base.drives.wheels.words import engaged_by, held, limit
+from giraff_base.drives.wheels.words import BLIND, engaged_by, held, limit
 from giraff_core.kinematics.differential_drive import CREEP
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import WHEELS
-from giraff_schemas.wire import Frame, Latch, WheelsFrame
+from giraff_schemas.wire import PWM_OVER_BLIND_PERCENT, Frame, Latch, WheelsFrame
 
 _ZERO = (0, 0)
+_BLIND_OVER: Final = 1.0 + PWM_OVER_BLIND_PERCENT / 100.0
+"""Factor by which a board that does not know its volts may drive faster than asked, where both encoders lose counts."""
 
 
 class WheelsDrive(Dialogue[WheelsFrame]):
@@ -37,6 +41,8 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         self._board = config.board_type
         self._reports = WheelReports()
         self._doubt = WheelDoubt(config.speed_control.motor_time)
+        is_blind = config.asks_for_speeds and not config.battery_volts_per_count
+        self._blind_limit = SpeedLimit(robot.max_wheel_speed / _BLIND_OVER, BLIND) if is_blind else SpeedLimit()
 
     @property
     def at_rest(self) -> bool:
@@ -52,7 +58,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
     def limit(self) -> SpeedLimit:
         if doubt := self._doubt.trouble:
             return SpeedLimit(CREEP, doubt, is_fault=True)
-        return SpeedLimit()
+        return self._blind_limit
 
     def open(self, session: int) -> None:
         self._reports.forget()

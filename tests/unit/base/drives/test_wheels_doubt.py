@@ -82,6 +82,21 @@ def test_no_sound_robot_is_doubted(left: float, right: float, slope: float, carp
     assert not doubt.trouble
 
 
+@pytest.mark.parametrize(("drive", "most"), [(DRIVE, 0.6), (BY_SPEED, 0.4)], ids=["level", "speed"])
+def test_a_board_that_holds_speeds_without_its_volts_is_asked_for_two_thirds(drive: WheelsConfig, most: float) -> None:
+    """Both encoders may lose counts alike: only the power bounds the speed then."""
+    for volts in (0.0, 0.03):
+        rig = Rig(drive=msgspec.structs.replace(drive, battery_volts_per_count=volts))
+        rig.arm()
+        rig.tilt(0.6)
+        rig.run(1.5)
+        fastest = demand(rig.sent[-1].frame)[0] / (1e6 if drive.asks_for_speeds else PER_SPEED)
+        slowed = not volts and drive.asks_for_speeds
+        assert fastest == pytest.approx(most if slowed else 0.6)
+        assert ("slowed: battery_volts_per_count is not known; measure" in rig.base.state().reason) == slowed
+        assert not rig.base.faults["wheels"]
+
+
 class Slipping(Board):
     """Its left encoder loses half of its counts."""
 
