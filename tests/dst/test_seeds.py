@@ -93,7 +93,7 @@ DRAWN: Final[dict[int, tuple[str, ...]]] = {
         "stop: the base board is in state command_timeout",
         "stop: not armed since a command or a range was stale for too long",
     ),
-    64: ("answer: the disk hangs",),
+    64: ("answer: the disk hangs", "fault: flicker"),
     163: ("stop: a second ranger",),
     177: ("stop: another ranger",),
     375: ("stop: emergency stop by keyboard",),

@@ -1,6 +1,7 @@
 """The body: speeds, stopping, contact, and motion that agrees with exact arcs."""
 
 import math
+from itertools import pairwise
 
 import msgspec
 import pytest
@@ -37,6 +38,22 @@ def test_a_motor_below_its_dead_zone_does_not_move() -> None:
     plant = plant_at_rest()
     drive(plant, 1.0, 3.9, -3.9)
     assert plant.left.travel == plant.right.travel == 0.0
+
+
+def test_an_encoder_that_flickers_counts_to_and_fro_at_rest_alone() -> None:
+    wheel = (plant := plant_at_rest()).left
+    wheel.flickers = True
+    states = []
+    for duty in (70.0, 0.0):
+        drive(plant, 1.0, duty, duty)
+        moment = []
+        for _ in range(100):
+            plant.step(STEP, duty, duty)
+            moment.append(math.floor(wheel.states))
+        states.append(moment)
+    assert states[0] == sorted(states[0])
+    assert {state // 2 for state in states[1]} == {states[1][0] // 2}, "the edge of A is between the two"
+    assert sum(one != other for one, other in pairwise(states[1])) in (4, 5)
 
 
 def test_stop_from_full_speed_takes_0_29_seconds() -> None:

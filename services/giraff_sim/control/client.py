@@ -140,6 +140,10 @@ class SimulatorClient:
         """Let a wheel's encoder lose this share of its counts; 0 mends it."""
         return self._ask(messages.SlipEncoder(wheel=wheel, lost_share=lost_share)).now_us
 
+    def flicker_encoder(self, wheel: Wheel, *, flickers: bool) -> int:
+        """Let a wheel's encoder count to and fro while the wheel rests, or mend it."""
+        return self._ask(messages.FlickerEncoder(wheel=wheel, flickers=flickers)).now_us
+
     def cut_signal(self, wheel: Wheel, *, cut: bool) -> int:
         """Pull off the wire from a wheel's servo output to the motor driver, or put it back."""
         return self._ask(messages.CutSignal(wheel=wheel, cut=cut)).now_us

@@ -60,6 +60,7 @@ class Control:
             messages.CutBumper: self._cut_bumper,
             messages.CutEncoder: self._cut_encoder,
             messages.SlipEncoder: self._slip_encoder,
+            messages.FlickerEncoder: self._flicker_encoder,
             messages.CutSignal: self._cut_signal,
             messages.BlockWheel: self._block_wheel,
             messages.BrakeWheel: self._brake_wheel,
@@ -183,6 +184,9 @@ class Control:
 
     def _slip_encoder(self, request: messages.SlipEncoder) -> None:
         self._wheels.slip_encoder(_WHEELS[request.wheel], request.lost_share)
+
+    def _flicker_encoder(self, request: messages.FlickerEncoder) -> None:
+        self._wired_wheels.flicker_encoder(_WHEELS[request.wheel], flickers=request.flickers)
 
     def _cut_signal(self, request: messages.CutSignal) -> None:
         self._wired_wheels.cut_signal(_WHEELS[request.wheel], is_cut=request.cut)

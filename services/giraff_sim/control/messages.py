@@ -125,6 +125,13 @@ class SlipEncoder(Request, frozen=True, kw_only=True, tag="encoder_slip"):
     """Share of the wheel's turning that is not counted; 0 mends it."""
 
 
+class FlickerEncoder(Request, frozen=True, kw_only=True, tag="flicker"):
+    """Let a wheel's encoder count to and fro while the wheel rests, or mend it."""
+
+    wheel: Wheel
+    flickers: bool
+
+
 class CutSignal(Request, frozen=True, kw_only=True, tag="signal"):
     """Pull off the wire from a wheel's servo output to the motor driver, or put it back."""
 
@@ -209,6 +216,7 @@ AnyRequest = (
     | CutBumper
     | CutEncoder
     | SlipEncoder
+    | FlickerEncoder
     | CutSignal
     | BlockWheel
     | BrakeWheel

@@ -72,6 +72,10 @@ class WheelsBody:
             raise ValueError(f"lost_share is {lost_share}: it must be 0 at least, and below 1")
         self._wheel(wheel).lost_share = lost_share
 
+    def flicker_encoder(self, wheel: int, *, flickers: bool) -> None:
+        """Let a wheel's encoder stand on the edge of a count whenever the wheel rests, or not."""
+        self._wheel(wheel).flickers = flickers
+
     def cut_signal(self, wheel: int, *, is_cut: bool) -> None:
         """Pull off (or put back) the wire from a wheel's servo output to the motor driver. ValueError without one."""
         if not self.board.output_delay_us:

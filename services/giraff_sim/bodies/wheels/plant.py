@@ -19,6 +19,7 @@ from giraff_sim.world.room import Pose, Room
 
 STATES_PER_TICK: Final = 2  # of the encoder's quadrature states: the base board counts both edges of A
 _FULL_DUTY: Final = 255.0
+_FLICKER_S: Final = 0.02  # from one edge to the next of an encoder that stands on it
 _SLIPPING: Final = 0.5  # share of its turning that a wheel loses while it slips
 
 
@@ -37,6 +38,9 @@ class Wheel:
         self.lost_share = 0.0
         """Share of its turning that the encoder does not count, as on a shaft that slips."""
         self._lost = 0.0  # m of travel that were not counted
+        self.flickers = False
+        """Its encoder stands on the edge of a count whenever the wheel rests, and counts to and fro."""
+        self._clock = 0.0  # s
         self._lag = sim.motor_time_constant
         self._friction = sim.wheel_friction
         self._drag = true.drag
@@ -50,7 +54,10 @@ class Wheel:
     @property
     def states(self) -> float:
         """Position of the encoder, in quadrature states."""
-        return self._first_state + (self.travel - self._lost) * self._states_per_metre
+        states = self._first_state + (self.travel - self._lost) * self._states_per_metre
+        if not self.flickers or self.speed != 0.0 or int(self._clock / _FLICKER_S) % 2:
+            return states
+        return (math.floor(states) ^ 1) + 0.5  # beyond the edge of A that is next to it
 
     @property
     def counted_speed(self) -> float:
@@ -77,6 +84,7 @@ class Wheel:
         The drive that holds a speed is measured with friction in it: level 70 stands for 0.6 m/s of a turning
         wheel, not of a free shaft. So the friction shows where the drive ends.
         """
+        self._clock += duration
         if self.is_blocked:
             self.speed = 0.0
             return

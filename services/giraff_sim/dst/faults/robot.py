@@ -148,6 +148,20 @@ def encoder(drill: Drill, chance: Random) -> Course:
     drill.release_later()
 
 
+@fault(KINDS, weight=0.0, lasts=(1.0, 15.0))
+def flicker(drill: Drill, chance: Random) -> Course:
+    """Not drawn among the others, but beside them."""
+    wheels = chance.choice(((0,), (1,), (0, 1)))
+    body = drill.loop.simulation.world.body
+    if not isinstance(body, WheelsBody):
+        return
+    for wheel in wheels:
+        body.flicker_encoder(wheel, flickers=True)
+    yield f"the encoder of {' and '.join(('left', 'right')[wheel] for wheel in wheels)} flickers at rest"
+    for wheel in wheels:
+        body.flicker_encoder(wheel, flickers=False)
+
+
 @fault(KINDS, weight=3.0, lasts=(0.2, 4.0))
 def emergency_stop(drill: Drill, chance: Random) -> Course:
     del chance
