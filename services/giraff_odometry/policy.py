@@ -17,6 +17,7 @@ from giraff_core.counters import SLACK_TICKS, elapsed_us, restart, signed32
 from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.dead_reckoning import Estimate, advance, less_sure, wrapped
 from giraff_core.kinematics.pose import Pose
+from giraff_core.kinematics.standstill import Standstill
 from giraff_core.kinematics.systematic_error import SystematicError
 from giraff_core.live import Live
 from giraff_core.robot import RobotConfig
@@ -57,6 +58,7 @@ class OdometryPolicy:
         self._live = live
         self._robot, self._drive = robot, robot.kinematics
         self._last: Wheels | None = None
+        self._standstill = Standstill()
         self._systematic = SystematicError(robot.calibration, self._drive)
         self._granted: deque[int] = deque(maxlen=_REMEMBERED)
         self.estimate = Estimate()
@@ -79,6 +81,7 @@ class OdometryPolicy:
 
     def on_wheels(self, wheels: Wheels) -> Odometry | None:
         """Where the robot is at this sample; None when it repeats one already taken, or is older."""
+        self._standstill.hear(wheels)
         self.notice = WELL
         last = self._last
         if last is None:
@@ -95,10 +98,14 @@ class OdometryPolicy:
         if farther > fastest * elapsed + SLACK_TICKS / self._robot.ticks_per_metre:
             return self._rebase(wheels, _LEAP)
         self._last = wheels
-        self.estimate = advance(self.estimate, left, right, self._drive, self._robot.wheel_noise)
+        rests = self._standstill.is_rest
+        noise = 0.0 if rests else self._robot.wheel_noise  # an encoder that flickers at rest makes no doubt
+        self.estimate = advance(self.estimate, left, right, self._drive, noise)
         self._systematic.advance(left, right)
         if elapsed > self._live.config.max_gap:
             self._lose_certainty(farther / 2.0, 0.0, _GAP)
+        if rests:
+            return self._odometry(wheels, 0.0, 0.0)
         if max(abs(wheels.left_velocity), abs(wheels.right_velocity)) > fastest:
             self.notice = self.notice or _TOO_FAST
             return self._odometry(wheels, *self._drive.twist(left / elapsed, right / elapsed))

@@ -205,6 +205,18 @@ def encoder_cut(wheel: Wheel) -> Fault:
     )
 
 
+def _flicker(robot: ProcessRobot, *, flickers: bool) -> None:
+    robot.simulator.flicker_encoder("left", flickers=flickers)
+    robot.simulator.flicker_encoder("right", flickers=flickers)
+
+
+ENCODERS_FLICKER: Final = Fault(
+    "both encoders on the edge of a count at rest",
+    lambda robot: _flicker(robot, flickers=True),
+    lambda robot: _flicker(robot, flickers=False),
+)
+
+
 def wheel_blocked(wheel: Wheel) -> Fault:
     return Fault(
         f"{wheel} wheel blocked",

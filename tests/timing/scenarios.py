@@ -8,6 +8,7 @@ from giraff_sim.world.bno055 import Bno055Fault
 from giraff_sim.world.sonar import SonarFault
 from tests.timing.faults import (
     BACKWARD,
+    ENCODERS_FLICKER,
     ESTOP_ENGAGED,
     FORWARD,
     LEFT,
@@ -176,6 +177,7 @@ _MOTORS: Final = (
     *(Scenario(faults=(wheel_blocked(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
     *(Scenario(faults=(wheel_held_back(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
     Scenario(faults=(encoder_cut("left"),), bound=ROBOT_SIDE, tilt=LEFT),
+    Scenario(faults=(ENCODERS_FLICKER,), does="drives on"),
     Scenario(faults=(wheel_blocked("right"),), bound=ROBOT_SIDE, tilt=BACKWARD),
     Scenario(faults=(battery(18.0),), bound=_CUTOFF, lasts=7.0, tilt=LEFT),
 )

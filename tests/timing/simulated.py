@@ -14,6 +14,7 @@ _MISHAPS: Final = "tests/loop/test_mishaps.py::test_a_mishap_stops_the_robot_wit
 _RESTARTED: Final = "tests/dst/test_doubles.py::test_a_restarted_board"
 _SECOND: Final = "tests/dst/test_doubles.py::test_a_second_process"
 _DEAF: Final = "tests/loop/test_deaf.py::test_what_a_deaf_sensor_has_heard_or_would_have_is_touched_slowly"
+_FLICKER: Final = "tests/loop/test_flicker.py::test_a_motion_arrives_although_both_encoders_flicker_at_rest"
 
 _BY_STOPS: Final = (
     *(f"{service} {does}" for service in ("base", "guard", "joystick", "ranger") for does in ("ended", "suspended")),
@@ -70,6 +71,7 @@ SIMULATED: Final = {
     "joystick dropped": f"{_MISHAPS}[dropped]",
     "joystick shaken": f"{_MISHAPS}[shaken]",
     "joystick laid down": f"{_MISHAPS}[laid down]",
+    "both encoders on the edge of a count at rest": _FLICKER,
     "front bumper's wire cut": "tests/loop/test_bumper.py::test_a_cut_wire_stops_its_way_and_no_other",
     "sonar 0 deaf": f"{_DEAF}[132]",
     "sonar 2 deaf": f"{_DEAF}[338]",

@@ -9,12 +9,11 @@ import numpy as np
 from giraff_cli.calibrate.plan import POSITION_SD, YAW_SD
 from giraff_cli.calibrate.runs import Run
 from giraff_core.counters import SLACK_TICKS, elapsed_us, restart, signed32
+from giraff_core.kinematics.standstill import Standstill
 from giraff_schemas.messages import Wheels
 
 _REST: Final = 0.5
 """s without motion that count as standing."""
-_REST_TICKS: Final = 1
-"""By which a counter may differ meanwhile: a wheel that stands on the edge of a count flickers."""
 _LONGEST_GAP: Final = 0.5
 """s between two samples over which the way is taken for one arc; more is a guess."""
 _FASTEST: Final = 3.0
@@ -32,15 +31,14 @@ class WheelListener:
         self._last: Wheels | None = None
         self._left: list[int] = []
         self._right: list[int] = []
-        self._rested = 0.0  # s
-        self._drift = (0, 0)  # counts since it began to rest
+        self._standstill = Standstill()
         self.fault = ""
         """What has spoilt this run, and the way out; empty: nothing."""
 
     @property
     def is_at_rest(self) -> bool:
         """For half a second, by the board's clock."""
-        return self._rested >= _REST
+        return self._standstill.seconds >= _REST
 
     def begin(self) -> None:
         """A run begins here."""
@@ -53,6 +51,7 @@ class WheelListener:
 
     def hear(self, wheels: Wheels) -> None:
         """The next sample."""
+        self._standstill.hear(wheels)
         last = self._last
         if last is None:
             self._last = wheels
@@ -69,22 +68,14 @@ class WheelListener:
         if farther > self._fastest * elapsed + SLACK_TICKS:
             self._spoil(wheels, _LEAP)
             return
-        if elapsed > _LONGEST_GAP and farther > _REST_TICKS:
+        if elapsed > _LONGEST_GAP and farther > 1:
             self._spoil(wheels, _GAP)
             return
         self._last = wheels
         if left or right:
             self._left.append(left)
             self._right.append(right)
-        self._rest(left, right, elapsed)
-
-    def _rest(self, left: int, right: int, elapsed: float) -> None:
-        self._drift = self._drift[0] + left, self._drift[1] + right
-        self._rested += elapsed
-        if max(map(abs, self._drift)) > _REST_TICKS:
-            self._drift, self._rested = (0, 0), 0.0
 
     def _spoil(self, wheels: Wheels, fault: str) -> None:
         self._last = wheels
-        self._drift, self._rested = (0, 0), 0.0
         self.fault = self.fault or fault

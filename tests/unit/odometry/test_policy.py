@@ -185,6 +185,19 @@ def test_a_gap_at_rest_costs_nothing() -> None:
     assert (pose(after), after.covariance) == (pose(before), before.covariance)
 
 
+def test_an_encoder_that_flickers_at_rest_is_no_speed_and_no_doubt() -> None:
+    flicker = [
+        wheels(COUNTS[0] + period // 2 % 2, COUNTS[1], NEXT_US + period * PERIOD_US, speeds=(0.008, 0.0))
+        for period in range(100)
+    ]
+    odometry = policy()
+    before = followed(odometry, *DRIVING, *flicker[:25])
+    after = followed(odometry, *flicker[25:])
+    assert (after.linear_x, after.angular_z) == (0.0, 0.0)
+    assert after.covariance == pytest.approx(before.covariance, rel=0.01)
+    assert pose(after) == pytest.approx(pose(before), abs=0.002)
+
+
 def test_a_few_lost_samples_are_no_gap() -> None:
     odometry = policy()
     whole = followed(policy(), *DRIVING)

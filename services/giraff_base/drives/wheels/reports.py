@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from giraff_base.drives.wheels.config import UM_PER_M
+from giraff_core.kinematics.standstill import Standstill
 from giraff_schemas.messages import RobotTime, Wheels
 from giraff_schemas.wire import WheelsFrame
 
@@ -11,24 +12,21 @@ class WheelReports:
     """What the wheels do, as the board measures it."""
 
     def __init__(self) -> None:
-        self._newest: WheelsFrame | None = None
+        self._standstill: Standstill | None = None  # None: there is no report
+        self._is_powered = False
 
     @property
     def at_rest(self) -> bool:
         """Whether both wheels stand still, with no power on them. So it is where there is no report."""
-        report = self._newest
-        if report is None:
-            return True
-        powered = report.left_pwm_counts or report.right_pwm_counts
-        return not powered and report.left_um_s == 0 and report.right_um_s == 0
+        return self._standstill is None or (self._standstill.is_rest and not self._is_powered)
 
     def forget(self) -> None:
-        self._newest = None
+        self._standstill = None
 
     def take(self, report: WheelsFrame, tick: RobotTime) -> Wheels:
         """The sample of one report that was read at `tick`."""
-        self._newest = report
-        return Wheels(
+        self._is_powered = bool(report.left_pwm_counts or report.right_pwm_counts)
+        sample = Wheels(
             left_ticks=report.left_ticks,
             right_ticks=report.right_ticks,
             left_velocity=report.left_um_s / UM_PER_M,
@@ -39,3 +37,7 @@ class WheelReports:
             boot_id=report.boot_id,
             tick=tick,
         )
+        if self._standstill is None:
+            self._standstill = Standstill()
+        self._standstill.hear(sample)
+        return sample

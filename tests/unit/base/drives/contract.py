@@ -286,7 +286,9 @@ class AnyDrive:
 
     def test_it_is_at_rest_only_where_it_stands_in_its_safe_state(self) -> None:
         assert self.bench().drive.at_rest, "before any report"
-        assert self.settled().drive.at_rest
+        bench = self.settled()
+        bench.run()
+        assert bench.drive.at_rest
         bench = self.moving()
         assert not bench.drive.at_rest
         bench.step()

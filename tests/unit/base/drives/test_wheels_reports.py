@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import msgspec
 import pytest
 
@@ -47,26 +49,55 @@ def test_the_boards_speeds_are_told_in_metres_a_second() -> None:
     assert sample.right_velocity == pytest.approx(-1e-6)
 
 
-def test_at_rest_is_no_speed_and_no_power() -> None:
-    reports = WheelReports()
-    assert reports.at_rest
-    reports.take(STILL, TICK)
-    assert reports.at_rest
+class Reported:
+    """Reports of a board, 10 ms apart."""
+
+    def __init__(self) -> None:
+        self.reports, self._board_us = WheelReports(), STILL.board_us
+
+    def rests(self, ways: Iterable[tuple[int, int]], *, pwm: tuple[int, int] = (0, 0)) -> list[bool]:
+        """Take a report for each pair of counters. Return whether the robot rested at each."""
+        found = []
+        for left, right in ways:
+            self._board_us += 10_000
+            seen: dict[str, int] = {"left_ticks": left, "right_ticks": right, "board_us": self._board_us}
+            seen |= {"left_pwm_counts": pwm[0], "right_pwm_counts": pwm[1]}
+            self.reports.take(msgspec.structs.replace(STILL, **seen), TICK)
+            found.append(self.reports.at_rest)
+        return found
 
 
-@pytest.mark.parametrize("field", ["left_pwm_counts", "right_pwm_counts", "left_um_s", "right_um_s"])
-@pytest.mark.parametrize("value", [1, -1])
-def test_a_wheel_that_turns_or_has_power_is_not_at_rest(field: str, value: int) -> None:
-    reports = WheelReports()
-    reports.take(STILL, TICK)
-    reports.take(msgspec.structs.replace(STILL, **{field: value}), TICK)
-    assert not reports.at_rest
-    reports.take(STILL, TICK)
-    assert reports.at_rest
+def test_it_rests_once_the_wheels_have_stood_for_a_fifth_of_a_second() -> None:
+    board = Reported()
+    assert board.reports.at_rest, "before any report"
+    assert board.rests([(0, 0)] * 22) == [False] * 20 + [True] * 2
+
+
+@pytest.mark.parametrize(("way", "pwm"), [((2, 0), (0, 0)), ((0, -2), (0, 0)), ((0, 0), (1, 0)), ((0, 0), (0, -1))])
+def test_a_wheel_that_turns_or_has_power_is_not_at_rest(way: tuple[int, int], pwm: tuple[int, int]) -> None:
+    board = Reported()
+    assert board.rests([(0, 0)] * 22)[-1]
+    assert board.rests([way], pwm=pwm) == [False]
+    assert board.rests([way] * 22)[-1]
+
+
+@pytest.mark.parametrize("away", [(1, 0), (0, 1), (-1, 1)])
+def test_an_encoder_that_flickers_on_the_edge_of_a_count_rests(away: tuple[int, int]) -> None:
+    """An edge each 20 ms, to and fro, after the wheels have rolled."""
+    rolled = [(10 * step, 10 * step) for step in range(-50, 1)]
+    flicker = [(0, 0) if period // 2 % 2 else away for period in range(200)]
+    assert all(Reported().rests(rolled + flicker)[len(rolled) + 25 :])
+
+
+def test_a_wheel_that_creeps_rests_no_longer_than_its_board_calls_it_still() -> None:
+    """A count each 0.3 s: it rests for 0.1 s of them. The board tells no speed of it for 0.2 s of them."""
+    rests = Reported().rests((period // 30, 0) for period in range(3060))
+    assert sum(rests[60:]) == 1000
+    assert not any(Reported().rests((0, period // 20) for period in range(3000))[60:])
 
 
 def test_after_forgetting_nothing_is_known() -> None:
-    reports = WheelReports()
-    reports.take(msgspec.structs.replace(STILL, left_um_s=5), TICK)
-    reports.forget()
-    assert reports.at_rest
+    board = Reported()
+    assert not board.rests([(0, 0)])[0]
+    board.reports.forget()
+    assert board.reports.at_rest
