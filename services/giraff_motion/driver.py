@@ -70,6 +70,11 @@ class Driver:
         """That it drives in now, for the guard."""
         return self._leg.direction(self._sign)
 
+    @property
+    def is_stuck(self) -> bool:
+        """Whether the robot stands although it is asked to move."""
+        return self._stuck_since is not None
+
     def twist(self, pose: Pose, odometry: Odometry, now: float) -> tuple[float, float]:
         """m/s and rad/s to ask for now."""
         speed = abs(odometry.angular_z if self._leg.turns else odometry.linear_x)

@@ -19,6 +19,7 @@ _RESTS_WITHIN: Final = 1.5
 _LONGEST_NAME: Final = 100
 _LONGEST_TEXT: Final = 300
 """Letters that others may put into what all are told, ten times a second."""
+_LONGER: Final = "give it a longer time limit"
 _ARMS: Final = Trouble("holds still until the robot is armed")
 
 
@@ -59,6 +60,8 @@ class Goal:
         self._level_since: float | None = None
         self._blocked_since: float | None = None
         self._blocked: Verdict | None = None
+        self._stopping_since: float | None = None
+        self._is_slowed = False  # by the guard, at some time
 
     @property
     def goes_on(self) -> bool:
@@ -127,7 +130,12 @@ class Goal:
             self._next()
         if self._driver is None or self.has_arrived:
             return STANDS
+        if not self._driver.is_stopping:
+            self._stopping_since = None
+        elif self._stopping_since is None:
+            self._stopping_since = now
         verdict = _verdict_of(guard, self._driver.direction)
+        self._is_slowed = self._is_slowed or verdict.freedom != "free"
         if not self._driver.is_stopping and verdict.freedom == "blocked":
             self._wait(verdict, now)
             return STANDS
@@ -137,6 +145,16 @@ class Goal:
     def is_blocked(self, now: float) -> bool:
         """Whether its way has been blocked for longer than its patience."""
         return self._blocked_since is not None and now - self._blocked_since > self._patience
+
+    def delay(self, now: float) -> Trouble:
+        """Return why it takes longer than it may."""
+        if self._stopping_since is not None and now - self._stopping_since > _RESTS_WITHIN:
+            return Trouble("the robot does not come to rest", "see what moves it, and check the encoders")
+        if self._driver is not None and self._driver.is_stuck:
+            return Trouble("the robot stands although it is asked to move", "check its motors and what holds it")
+        if self._is_slowed:
+            return Trouble("the guard slowed it where its sensors see little", _LONGER)
+        return Trouble("it was still on its way", _LONGER)
 
     def end(self, outcome: Outcome, reason: Trouble, now: float) -> None:
         """For good."""

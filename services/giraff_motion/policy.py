@@ -49,7 +49,6 @@ _LAST_WORDS: Final = 0.3
 _REMEMBERED: Final = 64
 """Requests that are met once."""
 
-_SLOW: Final = "give it a longer time limit; the guard slows it where its sensors see little"
 _NO_GUARD: Final = Trouble("the guard is not heard", "check that giraff_guard runs on base's machine")
 _NO_BASE: Final = Trouble("base is not heard", "check that giraff_base runs")
 _NO_ODOMETRY: Final = Trouble("odometry is not heard", "check that giraff_odometry runs")
@@ -220,9 +219,10 @@ class MotionPolicy(Hand):
         if why is not None:
             motion.end(*why, now)
         elif now - motion.began > motion.time_limit:
-            late, base = f"not there after {motion.time_limit:.1f} s", self._base[0]
+            base = self._base[0]
             said = WELL if base is None else trouble_of(base)
-            motion.end("time_limit", said.of(late) if said else Trouble(late, _SLOW), now)
+            late = said or motion.delay(now)
+            motion.end("time_limit", late.of(f"not there after {motion.time_limit:.1f} s"), now)
         elif motion.stage == "arming":
             self._arm(motion, now)
 

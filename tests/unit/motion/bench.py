@@ -203,7 +203,7 @@ class Bench:
         return BaseState(
             armed=self.armed,
             driving=False,
-            reason=self.disarmed or "hold level to arm",
+            reason=self.disarmed or ("" if self.armed else "hold level to arm"),
             guard="guard-1",
             round_trip=None,
             budget_left=None,

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+import msgspec
 import pytest
 
 from giraff_core.lease import ASK
@@ -22,7 +24,7 @@ from giraff_schemas.motion import (
 )
 from giraff_schemas.requests import OdomReset
 from giraff_schemas.trouble import Trouble, trouble_of
-from tests.unit.motion.bench import BLOCKED, PERIOD, REQUESTER, Bench
+from tests.unit.motion.bench import BLOCKED, FREE, PERIOD, REQUESTER, Bench
 
 
 def moving(bench: Bench, seconds: float = 1.0) -> None:
@@ -326,14 +328,38 @@ def test_a_cancel_stops_it_at_once(kind: type[MotionRequest], values: dict[str, 
     assert not bench.cancel().accepted
 
 
-def test_a_motion_that_takes_too_long_ends() -> None:
+def rolls_on(bench: Bench) -> None:
+    drive = bench.floor.drive
+    bench.floor.drive = lambda linear_x, angular_z, seconds: drive(linear_x or 0.08, angular_z, seconds)  # type: ignore[method-assign]
+
+
+def is_slowed(bench: Bench) -> None:
+    bench.ways["forward"] = msgspec.structs.replace(FREE, freedom="slow")
+
+
+def sticks(bench: Bench) -> None:
+    bench.stiction = 1.0
+
+
+@pytest.mark.parametrize(
+    ("breaks", "distance", "why"),
+    [
+        (lambda _: None, 2.0, "not there after 3.0 s: it was still on its way; give it a longer time limit"),
+        (is_slowed, 2.0, "not there after 3.0 s: the guard slowed it where its sensors see little; give it a longer"),
+        (rolls_on, 0.1, "not there after 3.0 s: the robot does not come to rest; see what moves it, and check the enc"),
+        (sticks, 2.0, "not there after 3.0 s: the robot stands although it is asked to move; check its motors and"),
+    ],
+)
+def test_a_motion_that_takes_too_long_ends(breaks: Callable[[Bench], None], distance: float, why: str) -> None:
     bench = Bench()
-    state = bench.do(MotionMove, distance=2.0, time_limit=3.0)
+    breaks(bench)
+    state = bench.do(MotionMove, distance=distance, time_limit=3.0)
     assert state.outcome == "time_limit"
     assert state.time_limit == 3.0
     assert state.elapsed == pytest.approx(3.0, abs=2 * PERIOD)
-    assert "not there after 3.0 s" in state.reason
-    assert 0.1 < bench.floor.pose.x < 1.5
+    assert state.reason.startswith(why)
+    assert (bench.floor.pose.x > 0.1) == (breaks is not sticks)
+    assert bench.floor.pose.x < 1.5
 
 
 def test_a_pose_that_is_set_meanwhile_ends_it() -> None:
