@@ -93,6 +93,11 @@ class Drive(Protocol):
         """Why the board would not move now, whatever base asks for."""
         ...
 
+    @property
+    def notice(self) -> Trouble:
+        """What a person should know of the wheels. It stops nothing. WELL: nothing."""
+        ...
+
     def state(self) -> BoardState:
         """Return the board's state as its newest report tells it."""
         ...

@@ -58,7 +58,7 @@ class BasePolicy:
     @property
     def faults(self) -> dict[str, Trouble]:
         """What is wrong, by what has it."""
-        return self._authority.faults
+        return {**self._authority.faults, "rolling": self._drive.notice}
 
     def on_reconfigured(self, config: BaseConfig) -> None:
         """Put another configuration in force, between two turns."""

@@ -72,6 +72,10 @@ class Dialogue(ABC, Generic[ReportT]):
         state = self._newest.drive_state
         return WELL if state == DriveState.ACTIVE else Trouble(f"the base board is in state {word(DriveState, state)}")
 
+    @property
+    def notice(self) -> Trouble:
+        return WELL
+
     def state(self) -> BoardState:
         return board_state(self._report, self._latches)
 

@@ -337,6 +337,14 @@ def test_what_a_drive_forbids_disarms_until_it_is_put_right(monkeypatch: pytest.
     rig.arm()
 
 
+def test_what_a_drive_notices_is_told_and_stops_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig, rolls = Rig(), Trouble("the wheels turn without power")
+    monkeypatch.setattr(WheelsDrive, "notice", rolls)
+    rig.drive(0.3)
+    assert moving(rig.run(0.5)) != []
+    assert rig.base.faults["rolling"] == rolls
+
+
 def test_the_side_to_sit_down_to_is_as_old_as_its_guard(monkeypatch: pytest.MonkeyPatch) -> None:
     rig, told, ask = Rig(), [], WheelsDrive.ask
 

@@ -17,6 +17,7 @@ from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
 from giraff_schemas.topics import WHEELS
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import PWM_OVER_BLIND_PERCENT, Frame, Latch, WheelsFrame
 
 _ZERO = (0, 0)
@@ -39,7 +40,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
         config.require_countable(robot)
         self._settings = config.board_settings(robot, acceleration)
         self._board = config.board_type
-        self._reports = WheelReports()
+        self._reports = WheelReports(robot.ticks_per_metre)
         self._doubt = WheelDoubt(config.speed_control.motor_time)
         is_blind = config.asks_for_speeds and not config.battery_volts_per_count
         self._blind_limit = SpeedLimit(robot.max_wheel_speed / _BLIND_OVER, BLIND) if is_blind else SpeedLimit()
@@ -47,6 +48,10 @@ class WheelsDrive(Dialogue[WheelsFrame]):
     @property
     def at_rest(self) -> bool:
         return self._reports.at_rest
+
+    @property
+    def notice(self) -> Trouble:
+        return self._reports.notice
 
     @property
     def voltage(self) -> float | None:
