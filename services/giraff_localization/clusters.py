@@ -12,9 +12,9 @@ from giraff_core.kinematics.calibration import Covariance
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.cloud import Cloud
 
-APART: Final = 1.0
+_APART: Final = 1.0
 """m between two places that are not the same."""
-APART_YAW: Final = 0.7
+_APART_YAW: Final = 0.7
 """rad; the same of two headings."""
 _CELL: Final = 0.5
 _HEADINGS: Final = 12
@@ -43,7 +43,7 @@ class Cluster(NamedTuple):
 
 def are_near(one: Pose, other: Pose) -> bool:
     """Whether two poses are the same place."""
-    return math.dist(one[:2], other[:2]) < APART and abs(math.remainder(one.yaw - other.yaw, math.tau)) < APART_YAW
+    return math.dist(one[:2], other[:2]) < _APART and abs(math.remainder(one.yaw - other.yaw, math.tau)) < _APART_YAW
 
 
 def clusters(cloud: Cloud) -> list[Cluster]:
@@ -70,7 +70,7 @@ def clusters(cloud: Cloud) -> list[Cluster]:
         mass = 0.0
         for radius in _NARROWING:
             aside = (yaw - middle_yaw + math.pi) % math.tau - math.pi
-            near = (np.hypot(x - middle_x, y - middle_y) < radius) & (np.abs(aside) < APART_YAW)
+            near = (np.hypot(x - middle_x, y - middle_y) < radius) & (np.abs(aside) < _APART_YAW)
             mass = float(left_over[near].sum())
             if mass <= _LEAST_MASS:
                 return found

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from giraff_core.kinematics.pose import Pose
-from giraff_localization.clusters import APART, Cluster
+from giraff_localization.clusters import Cluster, are_near
 from giraff_localization.way import Stride
 from giraff_schemas.localization import Candidate, LocalizationState
 from giraff_schemas.trouble import WELL, Trouble
@@ -170,7 +170,7 @@ class Judgement:
         for rival in rivals:
             if _is_candidate(rival) and _is_new(rival.pose, places):
                 places.append((rival.pose, rival.mass))
-        self.others = [pose for pose, _ in places if found and math.dist(pose[:2], found[0].pose[:2]) > APART]
+        self.others = [pose for pose, _ in places if found and not found[0].is_near(pose)]
         for twin in twins:
             if _is_new(twin, places):
                 places.append((twin, 0.0))
@@ -194,4 +194,4 @@ def _is_candidate(cluster: Cluster) -> bool:
 
 
 def _is_new(pose: Pose, places: Sequence[tuple[Pose, float]]) -> bool:
-    return all(math.dist(pose[:2], place[:2]) > APART for place, _ in places)
+    return not any(are_near(pose, place) for place, _ in places)

@@ -12,7 +12,7 @@ from typing import Final
 
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.cloud import Beam
-from giraff_localization.clusters import APART
+from giraff_localization.clusters import are_near
 from giraff_localization.fit import Fit, compare
 from giraff_localization.floor import Floor
 from giraff_localization.way import Stride
@@ -68,9 +68,8 @@ class Twins:
         self._twins = [
             twin
             for twin in self._twins
-            if math.dist(twin.pose[:2], here[:2]) > APART
-            and (twin.age < _YOUNG or twin.fit.share > self._fit.share - _WORSE)
+            if not are_near(twin.pose, here) and (twin.age < _YOUNG or twin.fit.share > self._fit.share - _WORSE)
         ][-_MOST:]
         for pose in candidates:
-            if all(math.dist(pose[:2], other[:2]) > APART for other in (here, *self.poses)):
+            if not any(are_near(pose, other) for other in (here, *self.poses)):
                 self._twins.append(_Twin(pose, self._fit.copy()))

@@ -20,7 +20,7 @@ AGAIN_WITHIN: Final = 40.0  # m
 DOUBTS_WITHIN: Final = 45.0  # m: it looks for 40 m first
 _JUDGED: Final = (
     *("track", "track_room", "global", "furniture", "person", "deaf", "kidnapped", "twin"),
-    *("wrong", "wrong_room"),
+    *("twin_long", "turned", "wrong", "wrong_room"),
 )
 
 
@@ -70,8 +70,9 @@ def test_it_never_says_that_it_knows_and_does_not(found: Callable[[str], Verdict
     assert found(kind).wrong_runs == ()
 
 
-def test_it_says_that_one_of_two_equal_rooms_may_be_the_other(found: Callable[[str], Verdict]) -> None:
-    verdict = found("twin")
+@pytest.mark.parametrize("kind", ["twin", "twin_long", "turned"])
+def test_it_says_that_one_of_two_equal_places_may_be_the_other(found: Callable[[str], Verdict], kind: str) -> None:
+    verdict = found(kind)
     assert verdict.localized == 0.0
     assert verdict.ambiguous >= 0.5
     assert verdict.near_while_ambiguous >= 0.95

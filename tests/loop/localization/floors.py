@@ -27,6 +27,7 @@ FILES: Final = {
     "living_room": _ROOT / "deploy/worlds/living_room.toml",
     "flat": _ROOT / "deploy/worlds/flat.toml",
     "twins": _ROOT / "tests/data/worlds/twins.toml",
+    "turned": _ROOT / "tests/data/worlds/turned.toml",
 }
 
 Cell = tuple[int, int]

@@ -46,6 +46,8 @@ KINDS: Final = {
     "deaf": Kind(_FLAT._replace(deaf=True)),
     "kidnapped": Kind(_FLAT._replace(kidnapped_after=20.0, metres=66.0)),
     "twin": Kind(Variation("twins", metres=15.0, parts=_EQUAL_ROOMS)),
+    "twin_long": Kind(Variation("twins", metres=60.0, parts=_EQUAL_ROOMS)),
+    "turned": Kind(Variation("turned", metres=60.0, differences=Differences())),
     "wrong": Kind(_FLAT._replace(metres=48.0), map="living_room"),
     "wrong_room": Kind(_ROOM._replace(metres=48.0), map="flat"),
 }

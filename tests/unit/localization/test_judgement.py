@@ -184,11 +184,13 @@ def test_another_cloud_begins_anew() -> None:
     assert judgement.state == "lost"
 
 
-def test_several_places_are_ambiguous_best_first() -> None:
+@pytest.mark.parametrize("there", [THERE, Pose(1.4, 1.0, 3.1)], ids=["elsewhere", "turned round nearby"])
+def test_several_places_are_ambiguous_best_first(there: Pose) -> None:
     judgement = Judgement(was_told=False)
-    drive(judgement, 1.0, found=[cluster(mass=0.6), cluster(THERE, mass=0.3)])
+    drive(judgement, 1.0, found=[cluster(mass=0.6), cluster(there, mass=0.3)])
     assert judgement.state == "ambiguous"
-    assert [(place.x, place.belief) for place in judgement.candidates] == [(1.0, 0.6), (4.0, 0.3)]
+    assert [(place.x, place.belief) for place in judgement.candidates] == [(1.0, 0.6), (there.x, 0.3)]
+    assert judgement.others == [there]
     assert "2 places fit" in str(judgement.reason)
 
 

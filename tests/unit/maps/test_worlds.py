@@ -62,6 +62,13 @@ def test_the_twins_are_the_same_from_inside() -> None:
     assert seen > 2900
 
 
+def test_the_turned_home_is_the_same_after_half_a_turn() -> None:
+    room, chance = read_room(TWINS.with_name("turned.toml")), random.Random(1)
+    for _ in range(1000):
+        x, y, direction = chance.uniform(-4.9, 4.9), chance.uniform(-2.1, 2.1), chance.uniform(-math.pi, math.pi)
+        assert _first(room, x, y, direction) == pytest.approx(_first(room, -x, -y, direction + math.pi), abs=1e-9)
+
+
 def test_the_third_room_is_another() -> None:
     room, chance = read_room(TWINS), random.Random(1)
     differing = 0
