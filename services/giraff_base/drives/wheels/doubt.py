@@ -8,11 +8,14 @@ from __future__ import annotations
 
 from typing import Final
 
+from giraff_core.kinematics.differential_drive import CREEP
 from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import WheelsFrame
 
 _FACTOR: Final = 1.5
 """Between the gains of two sound wheels: 1.31 at most, of a motor 15 % weak, wheels 2 % off and carpet under one."""
+DOUBTED_SPEED: Final = CREEP / _FACTOR
+"""m/s at most while a wheel is doubted: an encoder that loses counts makes its wheel faster than it tells."""
 _OFFSET: Final = 0.08  # m/s either way: a slope of 3 degrees; friction is less
 _FROM: Final = 0.15  # m/s of the faster wheel, as its encoder tells it: at 0.2 m/s one that slips tells less
 _LEAST_PWM: Final = 8  # counts of 255: fewer are mostly rounding and dead zone

@@ -9,10 +9,9 @@ from giraff_base.drives.dialogue import Dialogue
 from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_base.drives.wheels.demand import WheelDemand
-from giraff_base.drives.wheels.doubt import WheelDoubt
+from giraff_base.drives.wheels.doubt import DOUBTED_SPEED, WheelDoubt
 from giraff_base.drives.wheels.reports import WheelReports
 from giraff_base.drives.wheels.words import BLIND, engaged_by, held, limit
-from giraff_core.kinematics.differential_drive import CREEP
 from giraff_core.robot import RobotConfig
 from giraff_schemas.messages import RobotTime, Sample, Side
 from giraff_schemas.requests import EStopEngage
@@ -62,7 +61,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
     @property
     def limit(self) -> SpeedLimit:
         if doubt := self._doubt.trouble:
-            return SpeedLimit(CREEP, doubt, is_fault=True)
+            return SpeedLimit(DOUBTED_SPEED, doubt, is_fault=True)
         return self._blind_limit
 
     def open(self, session: int) -> None:
