@@ -217,6 +217,19 @@ ENCODERS_FLICKER: Final = Fault(
 )
 
 
+def encoder_slips(wheel: Wheel) -> Fault:
+    """Lose half of the counts. Base trusts the wheel again only once it is started anew."""
+
+    def end(robot: ProcessRobot) -> None:
+        robot.simulator.slip_encoder(wheel, 0.0)
+        robot.kill("base")
+        robot.start("base")
+
+    return Fault(
+        f"{wheel} encoder loses half of its counts", lambda robot: robot.simulator.slip_encoder(wheel, 0.5), end
+    )
+
+
 def wheel_blocked(wheel: Wheel) -> Fault:
     return Fault(
         f"{wheel} wheel blocked",

@@ -26,6 +26,7 @@ from tests.timing.faults import (
     deaf,
     disk_full,
     encoder_cut,
+    encoder_slips,
     ended,
     hogged,
     joystick_is,
@@ -172,8 +173,11 @@ _SENSORS: Final = (
     Scenario(faults=(joystick_is("laid_down"),), bound=_LAID_DOWN, lasts=2.5),
 )
 
+_DOUBTED: Final = 2.3
+"""s: a whole second of driving within 2 s, and slowing down."""
 _MOTORS: Final = (
     *(Scenario(faults=(encoder_cut(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
+    Scenario(faults=(encoder_slips("left"),), does="slows", bound=_DOUBTED, lasts=5.0),
     *(Scenario(faults=(wheel_blocked(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
     *(Scenario(faults=(wheel_held_back(wheel),), bound=ROBOT_SIDE) for wheel in ("left", "right")),
     Scenario(faults=(encoder_cut("left"),), bound=ROBOT_SIDE, tilt=LEFT),

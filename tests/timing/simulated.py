@@ -59,6 +59,9 @@ SIMULATED: Final = {
     **{name: f"{STOPS}[{name}]" for name in _BY_STOPS},
     **{f"{name}{MOVING}": f"{MOTION_STOPS}[{name}]" for name in _BY_MOTION_STOPS},
     f"e-stop engaged{MOVING}": _ESTOP,
+    "left encoder loses half of its counts": (
+        "tests/loop/test_slip.py::test_a_slipping_encoder_slows_to_creep_within_2_s_of_driving"
+    ),
     "odometry killed": "tests/loop/test_kills.py::test_without_odometry_driving_goes_on",
     "base board unplugged": "tests/dst/test_doubles.py::test_a_replugged_board",
     "ranger board unplugged": "tests/dst/test_doubles.py::test_a_ranger_that_was_missed_for_over_a_second",
