@@ -95,6 +95,8 @@ class Bench:
         """Why base does not drive; empty: nothing is against it."""
         self.stiction = 0.0
         """m/s; a speed that is asked for, and is less, moves nothing."""
+        self.pushed = 0.0
+        """m/s at which somebody pushes it while no motor drives it ahead."""
         self.ways: dict[str, Any] = dict.fromkeys(("forward", "backward", "turn_left", "turn_right"), FREE)
         self.held: list[RobotTime] = []
         """What the requester has sent."""
@@ -161,7 +163,8 @@ class Bench:
 
     def step(self) -> None:
         """One period: what drives now was asked for in the one before."""
-        self.floor.drive(*self._drives, PERIOD)
+        linear, angular = self._drives
+        self.floor.drive(linear or self.pushed, angular, PERIOD)
         self.now += PERIOD
         self._seq += 1
         self._tell()
