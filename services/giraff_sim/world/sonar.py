@@ -34,6 +34,7 @@ _DOUBTFUL: Final = math.cos(math.radians(30.0))  # beyond: mostly not heard
 _HEARD_SLANTED: Final = 0.2  # share of pings heard beyond that; sweeps recorded 0 to 0.42
 _LOST_SLANTED: Final = 0.5  # share of the unheard ones that end in no echo; the others come by a detour
 _DETOUR: Final = (1.3, 3.0)  # times the true range
+_FOREIGN_PERIOD: Final = 10.3  # m, there and back in the 60 ms between two pings of the other robot
 _FLOOR: Final = -1  # no surface of a room has this number
 
 
@@ -59,6 +60,8 @@ class SonarFault(StrEnum):
     """The echo line rises and stays."""
     DEAF = "deaf"
     """It pings and nothing answers, as in the open: a membrane that is covered, or has come off."""
+    OVERHEARS = "overhears"
+    """It is deaf to its own pings, and takes those of another robot beside it for echoes."""
     FROZEN = "frozen"
     """Every ping measures what the last one before the fault did."""
     WILD = "wild"
@@ -90,6 +93,11 @@ class Sonar:
         self.told: float | None = None
         """m that the newest ping tells, sound or not; None where it tells of no echo."""
         self._last_us = NO_ECHO_US
+        overheard = random.Random(f"{seed}/overheard")
+        self.overheard = overheard.uniform(0.0, _FOREIGN_PERIOD)
+        """m at which it hears the other robot's ping next; nothing where that is beyond its range."""
+        self.overheard_step = overheard.uniform(-0.5, 0.5) * overheard.choice((0.1, 1.0, _FOREIGN_PERIOD))
+        """m from one of its pings to the next: the boards' clocks differ, or their cycles."""
 
     def echo_us(self, robot: Pose, lean: Lean = UPRIGHT) -> float:
         """Ping with the robot at `robot`: the echo pulse's length, or SILENT_US, or STUCK_US."""
@@ -107,6 +115,9 @@ class Sonar:
                 return STUCK_US
             case SonarFault.DEAF:
                 return NO_ECHO_US
+            case SonarFault.OVERHEARS:
+                self.overheard = (self.overheard + self.overheard_step) % _FOREIGN_PERIOD
+                return self._pulse_us(self.overheard if self.overheard <= RANGE else None)
             case SonarFault.WILD:
                 return self._random.uniform(SHORTEST, RANGE) * ECHO_US_PER_M
             case SonarFault.WILD_SOME if self._wild.random() < self.wild_share:
