@@ -30,7 +30,7 @@ _TWIST: Final = 0.02
 """m, m and rad after a metre: what keeps particles apart, by which a map may be wrong here and right there."""
 _SLIP: Final = 0.05
 """rad after a radian, of turns: what a tyre scrubs is another thing each time."""
-_OUTSIDE: Final = -1.5
+OUTSIDE: Final = -1.5
 """Log-likelihood of a robot whose middle is where it cannot be."""
 _BIN: Final = 0.25
 _BIN_YAW: Final = math.radians(15.0)
@@ -126,7 +126,7 @@ class Cloud:
         """Take what was heard. `model`: as `beam_model` makes it."""
         x, y, yaw = self.poses
         cos, sin = np.cos(yaw), np.sin(yaw)
-        likelihood = np.where(self._space.holds(x, y), np.float32(0.0), np.float32(_OUTSIDE))
+        likelihood = np.where(self._space.holds(x, y), np.float32(0.0), np.float32(OUTSIDE))
         for beam in beams:
             expected = table.expected(x + cos * beam.x - sin * beam.y, y + sin * beam.x + cos * beam.y, yaw + beam.yaw)
             likelihood += beam.share * model[beam.reading][expected]

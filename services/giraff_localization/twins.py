@@ -1,7 +1,8 @@
 """Places that were candidates once, and explain what is heard as well as the best one does.
 
-Particles forget them: of two rooms that are equal, one has none left after some metres. So they are carried along by
-the best one's motion, and dropped only when they explain less.
+Particles forget them: of two rooms that are equal, one has none left after some metres. So each is carried along with
+the best one, and is dropped only when it explains less. It has a few particles of its own. A place that is only carried
+on by odometry drifts off and then explains less for that reason alone.
 """
 
 from __future__ import annotations
@@ -10,36 +11,62 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Final
 
+import numpy as np
+
 from giraff_core.kinematics.pose import Pose
-from giraff_localization.cloud import Beam
+from giraff_localization.cloud import OUTSIDE, Beam, Weights
 from giraff_localization.clusters import are_near
 from giraff_localization.fit import Fit, compare
 from giraff_localization.floor import Floor
+from giraff_localization.free_space import Floats
 from giraff_localization.way import Stride
 
 _WORSE: Final = 0.08
-"""Of the readings, that a twin explains less than the best: it is none."""
+"""Share of the readings. A place that explains so much less than the best is no twin."""
 _YOUNG: Final = 1.0
-"""m, in which nothing is said of a twin yet."""
+"""m of way, turns counted, on which a new twin finds its place. It counts as the best one does until then."""
 _MOST: Final = 8
 _LEAP: Final = 0.5
-"""m or rad beside odometry's: the best place is another one now."""
+"""m or rad beside odometry. The best place is another one after such a step."""
+_PARTICLES: Final = 64
+_BEGINS: Final = np.array([0.15, 0.15, 0.1])[:, None]
+_WANDERS: Final = np.array([0.04, 0.04, 0.03])[:, None, None]
+"""m, m and rad, standard deviations of a twin's particles: as it begins, and added in each metre."""
+_EFFECTIVE: Final = 0.5
+"""Share of the particles that may count for nothing before they are drawn anew."""
 
 
 class _Twin:
-    def __init__(self, pose: Pose, fit: Fit) -> None:
+    """One place."""
+
+    def __init__(self, pose: Pose, fit: Fit, random: np.random.Generator) -> None:
+        spread = _BEGINS * random.standard_normal((3, _PARTICLES))
+        self.poses: Floats = (np.array(pose)[:, None] + spread).astype(np.float32)
+        self.log_weights: Weights = np.zeros(_PARTICLES)
         self.pose, self.fit, self.age = pose, fit, 0.0
+
+    def settle(self, random: np.random.Generator) -> None:
+        """Take the middle of the particles as the place. Draw them anew where too few of them count."""
+        weights = np.exp(self.log_weights - self.log_weights.max())
+        weights /= weights.sum()
+        x, y, yaw = (float(each) for each in self.poses @ weights)
+        self.pose = Pose(x, y, math.remainder(yaw, math.tau))
+        if 1.0 / (weights @ weights) <= _EFFECTIVE * _PARTICLES:
+            edges = (np.arange(_PARTICLES) + random.random()) / _PARTICLES
+            self.poses = self.poses[:, np.searchsorted(weights.cumsum(), edges).clip(0, _PARTICLES - 1)]
+            self.log_weights = np.zeros(_PARTICLES)
 
 
 class Twins:
-    """Of one search."""
+    """The twins of one search."""
 
     def __init__(self, floor: Floor) -> None:
         self._floor = floor
+        self._random = np.random.default_rng(0)
         self._twins: list[_Twin] = []
         self._best: Pose | None = None
         self._fit = Fit()
-        """Of the best place, whichever it is."""
+        """How much the best place explains, whichever place that is."""
 
     @property
     def poses(self) -> list[Pose]:
@@ -48,28 +75,62 @@ class Twins:
     def follow(
         self, best: Pose | None, stride: Stride, beams: Sequence[Beam], candidates: Iterable[Pose], *, known: bool
     ) -> None:
-        """Go along with the robot. `candidates`: other places that particles have; `known`: of the best place before,
-        something was known already."""
-        before, self._best = self._best, best if best is not None else self._best
-        if before is None or self._best is None or not beams:
+        """Go along with the robot.
+
+        `candidates`: other places that particles have. `known`: the best place before was a candidate or localized.
+        """
+        step = Pose(stride.x, stride.y, stride.turn)
+        before = self._best
+        self._best = here = best if best is not None or before is None else step.placed_in(before)
+        if before is None or here is None:
             return
-        step = self._best.seen_from(before)
-        raw = Pose(stride.x, stride.y, stride.turn)
-        if math.dist(step[:2], raw[:2]) > _LEAP or abs(math.remainder(step.yaw - raw.yaw, math.tau)) > _LEAP:
-            if known:
-                self._twins.append(_Twin(before, self._fit.copy()))
-            step = raw
-        self._fit.add(compare(self._floor, self._best, beams), stride.effort)
+        shift = here.seen_from(before)
+        if math.dist(shift[:2], step[:2]) <= _LEAP and abs(math.remainder(shift.yaw - step.yaw, math.tau)) <= _LEAP:
+            step = shift
+        elif known:
+            self._twins.append(_Twin(before, self._fit.copy(), self._random))
+        self._fit.add(compare(self._floor, here, beams), stride.effort)
+        if self._twins:
+            self._move(step, stride.effort)
+            self._weigh(beams)
         for twin in self._twins:
-            twin.pose = step.placed_in(twin.pose)
-            twin.fit.add(compare(self._floor, twin.pose, beams), stride.effort)
+            twin.settle(self._random)
             twin.age += stride.effort
-        here = self._best
-        self._twins = [
-            twin
-            for twin in self._twins
-            if not are_near(twin.pose, here) and (twin.age < _YOUNG or twin.fit.share > self._fit.share - _WORSE)
-        ][-_MOST:]
+            if twin.age < _YOUNG:
+                twin.fit = self._fit.copy()
+            else:
+                twin.fit.add(compare(self._floor, twin.pose, beams), stride.effort)
+        left = (twin for twin in self._twins if twin.fit.share > self._fit.share - _WORSE)
+        self._twins = []
+        for twin in sorted(left, key=lambda twin: twin.fit.share, reverse=True):
+            self._take(twin, here)
         for pose in candidates:
-            if not any(are_near(pose, other) for other in (here, *self.poses)):
-                self._twins.append(_Twin(pose, self._fit.copy()))
+            self._take(_Twin(pose, self._fit.copy(), self._random), here)
+
+    def _take(self, twin: _Twin, here: Pose) -> None:
+        """Keep it where it is a place of its own."""
+        if len(self._twins) < _MOST and not any(are_near(twin.pose, other) for other in (here, *self.poses)):
+            self._twins.append(twin)
+
+    def _move(self, step: Pose, effort: float) -> None:
+        """Move the particles of all twins as the robot moves, and let them wander a little."""
+        poses = np.stack([twin.poses for twin in self._twins], 1)
+        cos, sin = np.cos(poses[2]), np.sin(poses[2])
+        poses += np.array([cos * step.x - sin * step.y, sin * step.x + cos * step.y, np.full_like(cos, step.yaw)])
+        poses += math.sqrt(effort) * _WANDERS * self._random.standard_normal(poses.shape)
+        for number, twin in enumerate(self._twins):
+            twin.poses = poses[:, number]
+
+    def _weigh(self, beams: Sequence[Beam]) -> None:
+        """Weigh the particles of all twins by what was heard."""
+        x, y, yaw = np.stack([twin.poses for twin in self._twins], 1)
+        log = np.where(self._floor.space.holds(x, y), 0.0, OUTSIDE)
+        if beams:
+            ahead, aside, turn, heard, share = np.array(beams, np.float32).T[:, :, None, None]
+            cos, sin = np.cos(yaw), np.sin(yaw)
+            expected = self._floor.table.expected(
+                x + cos * ahead - sin * aside, y + sin * ahead + cos * aside, yaw + turn
+            )
+            log += (share * self._floor.model[heard.astype(np.intp), expected]).sum(0)
+        for twin, more in zip(self._twins, log, strict=True):
+            twin.log_weights = twin.log_weights + more

@@ -10,6 +10,7 @@ import pytest
 
 from giraff_core.kinematics.pose import Pose
 from giraff_localization.cloud import Beam
+from giraff_localization.clusters import are_near
 from giraff_localization.range_table import CLEAR
 from giraff_localization.twins import Twins
 from giraff_localization.way import Stride
@@ -24,6 +25,7 @@ HALL: Final = FloorPlan(
 )
 """8 m by 2.6 m, with two boxes. Half a turn about its middle changes nothing."""
 AHEAD: Final = Stride(x=0.1, y=0.0, turn=0.0, forward=0.1, way=0.1, turned=0.0, missed=(0.0, 0.0))
+BACK: Final = AHEAD._replace(x=-0.1, forward=-0.1)
 
 
 def turned(pose: Pose) -> Pose:
@@ -53,6 +55,18 @@ def test_a_place_turned_round_beside_the_best_is_a_twin() -> None:
     twins, here = Twins(floor(HALL)), Pose(3.75, 1.3, 0.0)
     drive(twins, drive(twins, here, AHEAD, 0.2), AHEAD, 0.5, turned(here))
     assert len(twins.poses) == 1
+
+
+def test_a_twin_is_left_after_a_long_way_although_it_was_not_known_exactly() -> None:
+    twins, here = Twins(floor(HALL)), Pose(1.0, 1.3, 0.0)
+    here = drive(twins, here, AHEAD, 0.2)
+    there = turned(here)
+    here = drive(twins, here, AHEAD, 5.8, there._replace(x=there.x + 0.1, yaw=there.yaw + 0.12))
+    for stride in (BACK, AHEAD, BACK, AHEAD):
+        here = drive(twins, here, stride, 6.0)
+    [pose] = twins.poses
+    assert math.dist(pose[:2], turned(here)[:2]) < 0.3
+    assert are_near(pose, turned(here))
 
 
 @pytest.mark.parametrize("place", [Pose(4.0, 1.3, math.pi / 2.0), Pose(4.5, 1.0, 0.0)], ids=str)
