@@ -71,6 +71,7 @@ DRAWN: Final[dict[int, tuple[str, ...]]] = {
         "stop: not armed since the left wheel was held",
     ),
     326: (
+        "fault: slipping encoder",
         "fault: cut",
         "fault: loss",
         "stop: backward slowed",

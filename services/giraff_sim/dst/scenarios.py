@@ -23,6 +23,7 @@ _RESTLESS: Final = 0.5  # share of the hands that follow no room
 _CLUTCHES: Final = 0.3  # share of the runs in which the joystick's button is pressed
 _DEAF: Final = 0.15  # share of the runs in which a sensor is deaf for a time
 _FLICKERS: Final = 0.1  # share of the runs in which an encoder flickers at rest for a time
+_SLIPS: Final = 0.1  # share of the runs in which an encoder slips for a time
 _CUT_BUMPER: Final = 0.15  # share of the runs in which a bumper's wire is cut for a time, where the robot has one
 _FIRST_FAULT: Final = 3.5  # s: the robot is armed and drives by then
 _LAST_FAULT: Final = 1.5  # s before the end
@@ -47,6 +48,7 @@ def draw(seed: int, seconds: float = SECONDS) -> Scenario:
     befalls += _beside(robot_faults.deaf, _DEAF, Random(f"{seed}/deaf"), seconds)
     befalls += _beside(robot_faults.bumper, _CUT_BUMPER, Random(f"{seed}/bumper"), seconds)
     befalls += _beside(robot_faults.flicker, _FLICKERS, Random(f"{seed}/flicker"), seconds)
+    befalls += _beside(robot_faults.slipping_encoder, _SLIPS, Random(f"{seed}/slip"), seconds)
     presses: tuple[tuple[float, float], ...] = ()
     clutch = Random(f"{seed}/clutch")  # a chance of its own: all others stay what they were without it
     if clutch.random() < _CLUTCHES:

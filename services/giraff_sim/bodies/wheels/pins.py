@@ -41,6 +41,7 @@ class Pins:
             most = config.linear_acceleration * per_speed, turn * per_speed
             self._rises = Rises(*most, _ROUNDING + rounds_up, late_us=body.settles_us)
         self._rises_wrongly = ""
+        self._lost = 0.0, 0.0  # share of counts that each encoder loses
         self._resets, self._judged_from_us = body.resets, 0
         lasts_us = outlives_us + body.settles_us
         self._asked = (_Extremes(lasts_us), _Extremes(lasts_us))  # of the left and the right wheel, m/s
@@ -57,6 +58,9 @@ class Pins:
             self._resets, self._judged_from_us = self._body.resets, now_us + self._body.settles_us
         if self._by_speed:
             plant = self._body.plant
+            lost = plant.left.lost_share, plant.right.lost_share
+            if lost != self._lost:  # counted speeds leap, wheels do not
+                self._lost, self._judged_from_us = lost, now_us + _WINDOW_US + _STEPS_US
             self._rises_wrongly = self._rises.look(plant.left.counted_speed, plant.right.counted_speed, now_us)
 
     def look(self, now_us: int) -> str:

@@ -162,6 +162,21 @@ def flicker(drill: Drill, chance: Random) -> Course:
         body.flicker_encoder(wheel, flickers=False)
 
 
+@fault(KINDS, weight=0.0, lasts=(2.0, 15.0))
+def slipping_encoder(drill: Drill, chance: Random) -> Course:
+    """Not drawn among the others, but beside them: one encoder loses counts, or both."""
+    wheels, share = chance.choice(((0,), (1,), (0, 1))), chance.uniform(0.2, 0.6)
+    body = drill.loop.simulation.world.body
+    if not isinstance(body, WheelsBody) or not drill.claims(*(f"encoder {wheel}" for wheel in wheels)):
+        return
+    for wheel in wheels:
+        body.slip_encoder(wheel, share)
+    sides = " and ".join(("left", "right")[wheel] for wheel in wheels)
+    yield f"{share:.0%} of the counts of the {sides} encoder are lost"
+    for wheel in wheels:
+        body.slip_encoder(wheel, 0.0)
+
+
 @fault(KINDS, weight=3.0, lasts=(0.2, 4.0))
 def emergency_stop(drill: Drill, chance: Random) -> Course:
     del chance
