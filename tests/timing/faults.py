@@ -147,6 +147,7 @@ def deaf(
     then: Sequence[tuple[tuple[float, float], float]] = (),
     on: tuple[float, float] = FORWARD,
     told: str = "",
+    fault: SonarFault = SonarFault.DEAF,
 ) -> Fault:
     """Nothing answers these sonars, from `after` s on.
 
@@ -156,7 +157,7 @@ def deaf(
 
     def begin(robot: ProcessRobot) -> int:
         robot.run(after)
-        begun_us = max(robot.simulator.fail_sonar(number, SonarFault.DEAF) for number in numbers)
+        begun_us = max(robot.simulator.fail_sonar(number, fault) for number in numbers)
         for tilt, seconds in then:
             robot.hold(*tilt)
             robot.run(seconds)

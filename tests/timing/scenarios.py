@@ -137,6 +137,12 @@ _SENSORS: Final = (
         for numbers, tilt in (((0,), FORWARD), ((1,), FORWARD), ((0, 1), FORWARD), ((2,), BACKWARD))
     ),
     Scenario(
+        faults=(deaf(0, 1, told="beside another robot", fault=SonarFault.OVERHEARS),),
+        does="slows",
+        bound=_FADED,
+        lasts=7.0,
+    ),
+    Scenario(
         faults=(deaf(0, 1, after=_NEAR, told="1.6 m before a wall"),),
         does="slows",
         bound=_HELD,

@@ -9,7 +9,8 @@ from giraff_core.kinematics.pose import Pose
 from giraff_guard.geometry import Point, View, until_touch
 from giraff_guard.limits import SIGN, Limits, Way
 from giraff_guard.motion import Motion
-from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_schemas.messages import RobotTime, Verdict
 
 _MOST: Final = 128

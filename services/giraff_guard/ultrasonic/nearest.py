@@ -8,7 +8,8 @@ from typing import Final
 from giraff_core.freshness import age
 from giraff_guard.limits import SIGN, Limits, Way
 from giraff_guard.motion import Motion
-from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_schemas.messages import RobotTime, Verdict
 
 _ROLLS: Final = "the robot would first roll back towards it"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Final, NamedTuple
+from typing import Final
 
 from giraff_core.freshness import age
 from giraff_core.kinematics.pose import Pose
@@ -15,22 +15,12 @@ from giraff_guard.config import GuardConfig
 from giraff_guard.motion import LEVEL, Lean, Motion
 from giraff_guard.ultrasonic.level import floor_from, level_distance
 from giraff_guard.ultrasonic.self_test import SelfTest
-from giraff_guard.ultrasonic.silence_trust import SilenceTrust
+from giraff_guard.ultrasonic.silence_trust import OwnEchoes, Ping, SilenceTrust
 from giraff_schemas.messages import Range, RobotTime
 from giraff_schemas.trouble import WELL, Trouble, trouble_of
 
 _KEPT: Final = 4
 """Readings: what was heard the time before last is not alone when it is heard again."""
-
-
-class Ping(NamedTuple):
-    """A good reading, and where the robot was when it was taken."""
-
-    robot_ns: int
-    distance: float
-    """m from the sensor; its reach where nothing answered."""
-    echo: bool
-    place: Pose
 
 
 class Sensor:
@@ -48,6 +38,7 @@ class Sensor:
         self._pings: deque[Ping] = deque(maxlen=_KEPT)
         self._reading: Range | None = None
         self._trust = SilenceTrust(live)
+        self._own = OwnEchoes(pose.yaw)
         self.heard: Ping | None = None
         """The last echo that follows from one of those kept before it: both are of one surface."""
         self.surest: Ping | None = None
@@ -112,9 +103,12 @@ class Sensor:
         if motion.heard:
             pulse = reading.echo_us if ping.echo else None
             self._self_test.on_reading(pulse, ping.place, self.pose.yaw, both_echoes and not follows)
+        own = self._own.take(ping) and motion.heard
         *earlier, _ = self._pings
-        if ping.echo and any(each.echo and self._follows(each, ping) for each in earlier):
-            self._trust.prove(ping.robot_ns, motion)
+        twice = ping.echo and any(each.echo and self._follows(each, ping) for each in earlier)
+        if twice or own:
+            self._trust.prove(ping.robot_ns, motion, own=own)
+        if twice:
             self.heard = ping
         if both_echoes and follows:
             self.surest = ping

@@ -8,7 +8,7 @@ import msgspec
 import pytest
 
 from giraff_guard.motion import LEVEL, Lean, Motion
-from giraff_guard.ultrasonic.sensor import Ping
+from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_guard.ultrasonic.source import UltrasonicSource
 from tests.unit.guard.rig import Rig
 from tests.unit.guard.senses import CONFIG, HEIGHT, PIVOT, ROBOT, SIDES, Senses, attitude, raised

@@ -17,7 +17,8 @@ from giraff_guard.config import GuardConfig
 from giraff_guard.geometry import until_touch
 from giraff_guard.motion import Motion
 from giraff_guard.ultrasonic.memory import Echoes, Obstruction
-from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_guard.ultrasonic.way import UltrasonicWay
 from giraff_schemas.messages import RobotTime
 from tests.unit.guard.senses import CONFIG, CYCLE, EPOCH, FAR, ROBOT, Senses, echoes_of, limits, opened

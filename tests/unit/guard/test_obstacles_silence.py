@@ -15,7 +15,8 @@ from giraff_guard.config import GuardConfig
 from giraff_guard.limits import Way
 from giraff_guard.stopping import stopping_distance
 from giraff_guard.ultrasonic.held import RecentObstacles
-from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.ultrasonic.silence_trust import Ping
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, FRONT, NEAR, ROBOT, SIDES, Senses, limits, opened
 
 FULL = ROBOT.max_wheel_speed

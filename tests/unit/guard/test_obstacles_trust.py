@@ -12,7 +12,8 @@ from giraff_core.kinematics.pose import Pose
 from giraff_core.live import Live
 from giraff_core.robot import SensorPose
 from giraff_core.sensors import UltrasonicModel
-from giraff_guard.ultrasonic.sensor import Ping, Sensor
+from giraff_guard.ultrasonic.sensor import Sensor
+from giraff_guard.ultrasonic.silence_trust import Ping
 from giraff_schemas.trouble import WELL
 from tests.unit.guard.senses import CONFIG, CYCLE, FAR, ROBOT, Senses, echoes_of, opened
 
@@ -164,7 +165,7 @@ def test_a_wall_so_slanted_that_it_is_heard_now_and_then_is_not_held_against_a_s
 def test_where_the_wheels_are_not_heard_no_sensor_is_called_frozen() -> None:
     senses = opened()
     senses.asked = (0.5, 0.0)
-    for _ in range(20):
+    for _ in range(10):
         senses.wait(CYCLE, wheels=False)
         senses.hear(FAR)
     assert senses.judge().sensors["front_left"] == WELL
