@@ -17,9 +17,9 @@ _FACTOR: Final = 1.5
 DOUBTED_SPEED: Final = CREEP / _FACTOR
 """m/s at most while a wheel is doubted: an encoder that loses counts makes its wheel faster than it tells."""
 _OFFSET: Final = 0.08  # m/s either way: a slope of 3 degrees; friction is less
-_FROM: Final = 0.15  # m/s of the faster wheel, as its encoder tells it: at 0.2 m/s one that slips tells less
+_FROM: Final = 0.18  # m/s of the faster wheel, as its encoder tells it: from 0.2 m/s on it is always judged
 _LEAST_PWM: Final = 8  # counts of 255: fewer are mostly rounding and dead zone
-_WINDOW: Final = 1.0  # s of driving without a break: so 2 s of it hold a whole one
+_WINDOW: Final = 1.0  # s of driving: so 2 s of it hold a whole one
 _LONGEST_GAP_US: Final = 50_000
 
 
@@ -43,9 +43,11 @@ class WheelDoubt:
         """Judge the wheels by one more report."""
         last, self._last = self._last, report
         gap_us = (report.board_us - last.board_us) & 0xFFFFFFFF if last is not None else 0
-        if last is None or last.boot_id != report.boot_id or gap_us > _LONGEST_GAP_US or not _drives(report):
+        if last is None or last.boot_id != report.boot_id:
             self._restart()
             return
+        if gap_us > _LONGEST_GAP_US or not _drives(report):
+            return  # what lies between two reports far apart, or is no such driving, is left out and ends nothing
         seconds = gap_us * 1e-6
         self._seconds += seconds
         for wheel, (speed, before, pwm) in enumerate(
@@ -91,5 +93,5 @@ def _drives(report: WheelsFrame) -> bool:
 def _doubted(name: str) -> Trouble:
     return Trouble(
         f"encoder or motor of the {name} wheel: it turns much less for its power than the other one",
-        "check both and their cables, then restart giraff_base",
+        "check both, their cables and what rubs on the wheel, then restart giraff_base",
     )
