@@ -26,6 +26,9 @@ _SHARE: Final = 4
 """One in so many of the readings since the older echo has to agree."""
 _TOLERANCE: Final = 0.03
 """m between a distance and what the robot's motion explains."""
+_CLEARLY: Final = 3.0
+"""Times the way is at least what is left unexplained. A deaf robot that comes towards another one hears its pings come
+nearer by half of its own way, since their way is one-way."""
 _SLANTED: Final = 0.1
 """Share of the way by which a slanted wall may come nearer more slowly than the robot moves."""
 _TURNED: Final = 0.5
@@ -104,6 +107,6 @@ class OwnEchoes:
             turned = abs(math.remainder(ping.place.yaw - each.place.yaw, math.tau))
             if each.echo and off <= _TOLERANCE + _SLANTED * abs(came) + _TURNED * each.distance * turned:
                 agreeing += 1
-                if agreeing >= _AGREE and _SHARE * agreeing >= readings and abs(came) >= max(_CAME, 2.0 * off):
+                if agreeing >= _AGREE and _SHARE * agreeing >= readings and abs(came) >= max(_CAME, _CLEARLY * off):
                     return True
         return False

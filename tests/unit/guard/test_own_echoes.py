@@ -22,6 +22,7 @@ from tests.unit.guard.senses import CONFIG, CYCLE, SIDES, opened
         (0.4, 0.0, False),  # a ping that comes at the same time after each of its own
         (0.4, 0.3, False),  # one that drifts
         (-0.4, 0.0, False),
+        (0.14, 0.5, False),  # the pings of another robot ahead, which go one way alone
         (0.05, 0.0, False),  # too little way between two pings to tell
     ],
 )
