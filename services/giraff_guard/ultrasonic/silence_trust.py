@@ -18,17 +18,15 @@ from giraff_schemas.messages import RobotTime
 
 _KEPT: Final = 16
 """Readings that are compared with the newest, 2.9 s of a sensor that is pinged 5.6 times a second."""
-_CAME: Final = 0.06
-"""m of way along the sensor's axis between the older echo and the newest."""
+_CAME: Final = 0.20
+"""m of way along the sensor's axis between the older echo and the newest. The ping of a robot ahead goes one way: a deaf
+sensor hears it come nearer by half of its own way, which 0.06 m cannot tell from the whole of it."""
 _AGREE: Final = 2
 """Echoes that have to agree with the newest."""
 _SHARE: Final = 4
 """One in so many of the readings since the older echo has to agree."""
 _TOLERANCE: Final = 0.03
 """m between a distance and what the robot's motion explains."""
-_CLEARLY: Final = 3.0
-"""Times the way is at least what is left unexplained. A deaf robot that comes towards another one hears its pings come
-nearer by half of its own way, since their way is one-way."""
 _SLANTED: Final = 0.1
 """Share of the way by which a slanted wall may come nearer more slowly than the robot moves."""
 _TURNED: Final = 0.5
@@ -107,6 +105,6 @@ class OwnEchoes:
             turned = abs(math.remainder(ping.place.yaw - each.place.yaw, math.tau))
             if each.echo and off <= _TOLERANCE + _SLANTED * abs(came) + _TURNED * each.distance * turned:
                 agreeing += 1
-                if agreeing >= _AGREE and _SHARE * agreeing >= readings and abs(came) >= max(_CAME, _CLEARLY * off):
+                if agreeing >= _AGREE and _SHARE * agreeing >= readings and abs(came) >= max(_CAME, 2.0 * off):
                     return True
         return False

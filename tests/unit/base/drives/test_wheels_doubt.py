@@ -23,10 +23,17 @@ SOUND = tuple(itertools.product((0.82, 1.0), (0.82, 1.0), (-0.077, 0.0, 0.077), 
 Pair = tuple[float, float]
 
 
-def watched(powers: Callable[[float], Pair], speeds: Callable[[float], Pair], seconds: float) -> WheelDoubt:
-    """Return the doubt after so many seconds of reports, each with the power and the speed told at its time."""
+def watched(
+    powers: Callable[[float], Pair], speeds: Callable[[float], Pair], seconds: float, *, lost: int = 0
+) -> WheelDoubt:
+    """Return the doubt after so many seconds of reports, each with the power and the speed told at its time.
+
+    `lost`: the first reports of each 0.9 s, which do not come.
+    """
     doubt, report = WheelDoubt(0.15), Board().report()
     for step in range(round(seconds * 100)):
+        if step % 90 < lost:
+            continue
         (left_pwm, right_pwm), (left, right) = powers(step / 100), speeds(step / 100)
         doubt.take(
             msgspec.structs.replace(
@@ -52,6 +59,15 @@ def test_a_wheel_that_half_slips_is_named_within_2_s(speed: float, slope: float,
     assert f" {name} wheel" in held.trouble.what
     held.forget()
     assert not held.trouble
+
+
+@pytest.mark.parametrize("stops", [False, True])
+def test_lost_reports_and_stops_hide_no_slip(*, stops: bool) -> None:
+    def when_driving(pair: Pair) -> Callable[[float], Pair]:
+        return lambda t: (0.0, 0.0) if stops and t % 0.9 < 0.2 else pair
+
+    powers = when_driving((0.8 * PER_SPEED, 0.4 * PER_SPEED))
+    assert "left wheel" in watched(powers, when_driving((0.4, 0.4)), 2.5, lost=7).trouble.what
 
 
 @pytest.mark.parametrize("speed", [0.2, 0.4, 0.6])
