@@ -86,7 +86,7 @@ class ChainState:
 
     def silent(self, link: str, service: str) -> Link:
         """Of a service that is there and says nothing."""
-        why = self.observation.faults(service) or "is on the network and says nothing; it hangs: restart it"
+        why = "; ".join(self.observation.faults(service)) or "is on the network and says nothing; it hangs: restart it"
         return Link(name=link, standing="STOPS", text=f"giraff_{service}: {why}")
 
     def _tilt(self) -> Latest[Tilt] | None:

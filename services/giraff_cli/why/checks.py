@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
+import msgspec
+
 from giraff_cli.why.chain import ChainState, Link, link_from, several
 from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.latest import Latest
@@ -153,7 +155,7 @@ def board(chain: ChainState) -> Link:
         return Link(name="board", standing="waits", text="base, which talks to it, is not heard")
     state, reason = heard.sample.board, heard.sample.reason
     if not state.connected:
-        return link_from("board", "STOPS", heard, chain.observation.faults("base") or reason)
+        return link_from("board", "STOPS", heard, "; ".join(chain.observation.faults("base")) or reason)
     if state.latch != "none":
         if chain.broken("e-stop"):
             return link_from("board", "waits", heard, f"latched: {state.latch}; see e-stop")
@@ -164,7 +166,16 @@ def board(chain: ChainState) -> Link:
 
 
 def base(chain: ChainState) -> Link:
-    """Base, and whether a level hand has armed it."""
+    """Base, whether a level hand has armed it, and what it notices."""
+    link = _armed(chain)
+    untold = [each for each in chain.observation.faults("base") if each not in link.text]
+    if not (untold := [each for each in untold if chain.told_once(each) == each]):
+        return link
+    standing = "limits" if link.standing == "ok" else link.standing
+    return msgspec.structs.replace(link, standing=standing, text="; ".join((link.text, *untold)))
+
+
+def _armed(chain: ChainState) -> Link:
     heard = chain.base
     trouble = chain.process("base", BASE, "start it on the machine that the base board is plugged into")
     if heard is None or trouble is not None:

@@ -46,7 +46,7 @@ class Observation(LatestSamples):
         then_ns = tick.sample.robot_ns + (tick.age - heard.age) * 1e9
         return max(0.0, (then_ns - moment.robot_ns) * 1e-9)
 
-    def faults(self, service: str) -> str:
-        """What the processes of a service say is wrong, with them or elsewhere; empty: nothing, or no answer."""
+    def faults(self, service: str) -> tuple[str, ...]:
+        """Return what the processes of a service say is wrong, with them or elsewhere; nothing without an answer."""
         told = [health for health in self.health if health.service == service]
-        return "; ".join(fault for health in told for fault in (*health.faults, *health.notices))
+        return tuple(fault for health in told for fault in (*health.faults, *health.notices))

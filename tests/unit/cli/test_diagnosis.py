@@ -121,6 +121,16 @@ def test_a_robot_that_drives_does() -> None:
     assert chain.diagnosis().conclusion == "the robot drives, but base: slowed: the operator's commands come late"
 
 
+def test_what_base_notices_is_told_once_on_its_row_also_while_the_robot_stands() -> None:
+    doubt = "the left wheel turns less than its motor drives it; check its encoder"
+    chain = Scene().complain("base", doubt)
+    assert chain.diagnosis().conclusion == f"nothing stops the robot, but base: armed; {doubt}"
+    chain.put(topics.BASE, base(reason=f"slowed: {doubt}"), "b")
+    assert chain.diagnosis().conclusion == f"the robot drives, but base: slowed: {doubt}"
+    chain = idle(Scene()).complain("base", doubt)
+    assert [each.text for each in chain.diagnosis().links if each.name == "base"] == [f"see lease; {doubt}"]
+
+
 def test_what_is_in_the_way_of_a_level_hand_only_limits() -> None:
     chain = Scene()
     chain.put(topics.GUARD, state(forward=blocked()), "g")
