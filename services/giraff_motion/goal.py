@@ -20,7 +20,23 @@ _LONGEST_NAME: Final = 100
 _LONGEST_TEXT: Final = 300
 """Letters that others may put into what all are told, ten times a second."""
 _LONGER: Final = "give it a longer time limit"
+_GUARD_SLOWED: Final = Trouble("the guard slowed it where its sensors see little", _LONGER)
+_SLOWED_SHARE: Final = 0.2
+"""Share of a motion's turns in which it must have been slowed for that to be why it is late."""
 _ARMS: Final = Trouble("holds still until the robot is armed")
+
+
+class _Delay:
+    """How long one service slowed the motion, and its newest reason."""
+
+    def __init__(self) -> None:
+        self.turns = 0
+        self.trouble = WELL
+
+    def note(self, trouble: Trouble) -> None:
+        """Take its reason in this turn. WELL: it does not slow the motion."""
+        if trouble:
+            self.turns, self.trouble = self.turns + 1, trouble
 
 
 class Goal:
@@ -61,7 +77,9 @@ class Goal:
         self._blocked_since: float | None = None
         self._blocked: Verdict | None = None
         self._stopping_since: float | None = None
-        self._is_slowed = False  # by the guard, at some time
+        self._turns = 0  # in which it moved
+        self._base = _Delay()
+        self._guard = _Delay()
 
     @property
     def goes_on(self) -> bool:
@@ -124,8 +142,10 @@ class Goal:
         """It is armed."""
         self.stage, self.reason = "moving", WELL
 
-    def twist(self, odometry: Odometry, guard: GuardState, now: float) -> tuple[float, float]:
-        """m/s and rad/s to ask for now."""
+    def twist(self, odometry: Odometry, guard: GuardState, base: Trouble, now: float) -> tuple[float, float]:
+        """Return m/s and rad/s to ask for now. `base`: why it does less than the guard let through."""
+        self._turns += 1
+        self._base.note(base)
         while not self.has_arrived and (self._driver is None or self._driver.is_done):
             self._next()
         if self._driver is None or self.has_arrived:
@@ -135,7 +155,7 @@ class Goal:
         elif self._stopping_since is None:
             self._stopping_since = now
         verdict = _verdict_of(guard, self._driver.direction)
-        self._is_slowed = self._is_slowed or verdict.freedom != "free"
+        self._guard.note(WELL if verdict.freedom == "free" else _GUARD_SLOWED)
         if not self._driver.is_stopping and verdict.freedom == "blocked":
             self._wait(verdict, now)
             return STANDS
@@ -147,14 +167,16 @@ class Goal:
         return self._blocked_since is not None and now - self._blocked_since > self._patience
 
     def delay(self, now: float) -> Trouble:
-        """Return why it takes longer than it may."""
+        """Return why it takes longer than it may: what slowed it longest counts, not what does at the end."""
+        longest = max((self._base, self._guard), key=lambda each: each.turns)
+        slowed = longest.trouble if longest.turns >= _SLOWED_SHARE * self._turns else WELL
+        if slowed and longest is self._base:
+            return slowed
         if self._stopping_since is not None and now - self._stopping_since > _RESTS_WITHIN:
             return Trouble("the robot does not come to rest", "see what moves it, and check the encoders")
         if self._driver is not None and self._driver.is_stuck:
             return Trouble("the robot stands although it is asked to move", "check its motors and what holds it")
-        if self._is_slowed:
-            return Trouble("the guard slowed it where its sensors see little", _LONGER)
-        return Trouble("it was still on its way", _LONGER)
+        return slowed or Trouble("it was still on its way", _LONGER)
 
     def end(self, outcome: Outcome, reason: Trouble, now: float) -> None:
         """For good."""

@@ -219,12 +219,15 @@ class MotionPolicy(Hand):
         if why is not None:
             motion.end(*why, now)
         elif now - motion.began > motion.time_limit:
-            base = self._base[0]
-            said = WELL if base is None else trouble_of(base)
-            late = said or motion.delay(now)
+            late = motion.delay(now) if motion.stage == "moving" else self._base_trouble
             motion.end("time_limit", late.of(f"not there after {motion.time_limit:.1f} s"), now)
         elif motion.stage == "arming":
             self._arm(motion, now)
+
+    @property
+    def _base_trouble(self) -> Trouble:
+        base, _ = self._base
+        return WELL if base is None else trouble_of(base)
 
     def _robot_fault(self, motion: Goal, now: float) -> tuple[Outcome, Trouble] | None:
         if reason := self._unfit(now):
@@ -274,7 +277,7 @@ class MotionPolicy(Hand):
         guard, _ = self._guard
         if motion.stage != "moving" or guard is None or self._odometry is None:
             return STANDS
-        twist = motion.twist(self._odometry, guard, now)
+        twist = motion.twist(self._odometry, guard, self._base_trouble, now)
         if motion.is_blocked(now):
             motion.end("blocked", motion.reason, now)
         elif motion.has_arrived:

@@ -92,6 +92,8 @@ class Bench:
         """The emergency stop is engaged."""
         self.board_is_there = True
         self.disarmed = ""
+        self.slowed = ""
+        """Base's reason while it is armed."""
         """Why base does not drive; empty: nothing is against it."""
         self.stiction = 0.0
         """m/s; a speed that is asked for, and is less, moves nothing."""
@@ -206,7 +208,7 @@ class Bench:
         return BaseState(
             armed=self.armed,
             driving=False,
-            reason=self.disarmed or ("" if self.armed else "hold level to arm"),
+            reason=self.disarmed or (self.slowed if self.armed else "hold level to arm"),
             guard="guard-1",
             round_trip=None,
             budget_left=None,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import msgspec
 import pytest
 
 from giraff_core.kinematics.pose import Pose
@@ -129,3 +130,21 @@ def test_what_is_less_than_the_tolerance_moves_nothing(kind: type[MotionRequest]
     state = bench.do(kind, **values)
     assert (state.outcome, state.achieved.path, state.achieved.yaw) == ("arrived", 0.0, 0.0)
     assert all(command.neutral for command in bench.said)
+
+
+@pytest.mark.parametrize(
+    ("base", "guard", "why"),
+    [((0.5, 1.9), (), "a wheel"), ((0.5, 1.9), (1.9, 2.1), "a wheel"), ((2.9, 3.1), (), "it was still on its way")],
+)
+def test_a_late_motion_tells_what_slowed_it_for_long(
+    base: tuple[float, ...], guard: tuple[float, ...], why: str
+) -> None:
+    """Seconds from and to which base and the guard slow it."""
+    bench = Bench()
+    bench.begin(MotionMove, distance=2.0, time_limit=3.0)
+    while not (state := bench.state()).outcome:
+        bench.slowed = "a wheel is doubted" if base[0] < state.elapsed < base[1] else ""
+        slows = guard and guard[0] < state.elapsed < guard[1]
+        bench.ways["forward"] = msgspec.structs.replace(FREE, freedom="slow") if slows else FREE
+        bench.step()
+    assert state.reason.startswith(f"not there after 3.0 s: {why}")
