@@ -36,7 +36,7 @@ def read_drive(environment: Mapping[str, str] = os.environ) -> DriveConfig:
 def with_known(environment: Mapping[str, str]) -> dict[str, str]:
     """Add the variables that a simulated robot of this kind brings, where neither file nor environment set the field.
 
-    Raises ConfigError.
+    A divider of 0 is one that was not measured, so it is not set either. Raises ConfigError.
     """
     known, given = _known_of(read_drive(environment)), read_tables(environment)
     return {**environment, **{name: value for name, value in known.items() if not _has(given, name)}}
@@ -58,7 +58,7 @@ def _has(tables: Any, variable: str) -> bool:
         if not isinstance(tables, Mapping) or name not in tables:
             return False
         tables = tables[name]
-    return True
+    return bool(tables) or not variable.endswith("__BATTERY_VOLTS_PER_COUNT")
 
 
 def world_of(

@@ -138,6 +138,10 @@ def test_a_simulated_robot_brings_what_neither_file_nor_environment_say(
         WELL,
     )
     assert load("guard", GuardConfig, environment).deceleration == 1.5
+    file.write_text(file.read_text().replace("battery_volts_per_count = 0.01426", "battery_volts_per_count = 0.0"))
+    drive = read_drive(with_known({"GIRAFF_CONFIG": str(file)}))
+    assert isinstance(drive, WheelsConfig)
+    assert drive.battery_volts_per_count == 0.03
 
 
 def test_a_whole_table_of_the_environment_is_not_overruled(tmp_path: Path) -> None:
