@@ -47,12 +47,11 @@ class Authority:
     @property
     def faults(self) -> dict[str, Trouble]:
         """What is wrong, by what has it."""
-        wheels = self._drive.limit.reason if self._drive.limit.is_fault else WELL
         return {
             "guard": self.binding.intruder,
             "battery": self.battery.warning,
             "wiring": self._unchecked,
-            "wheels": wheels,
+            "wheels": self._drive.limit.reason,
         }
 
     def on_command(self, command: GuardedCommand, now: RobotTime, at_rest: bool) -> bool:

@@ -48,8 +48,6 @@ class SpeedLimit(NamedTuple):
     """m/s."""
     reason: Trouble = WELL
     """Why it is less than the robot file allows."""
-    is_fault: bool = False
-    """Whether something is broken, also while the robot stands."""
 
 
 class Drive(Protocol):

@@ -61,7 +61,7 @@ class WheelsDrive(Dialogue[WheelsFrame]):
     @property
     def limit(self) -> SpeedLimit:
         if doubt := self._doubt.trouble:
-            return SpeedLimit(DOUBTED_SPEED, doubt, is_fault=True)
+            return SpeedLimit(DOUBTED_SPEED, doubt)
         return self._blind_limit
 
     def open(self, session: int) -> None:

@@ -20,7 +20,10 @@ _LATCHED_BY: Final[dict[int, str]] = {
     Latch.RIGHT_OPPOSITE: f"right {_OPPOSITE}",
 }
 _AT_LIMIT: Final = "at its limit: the wheels cannot do what is asked; the battery may be low"
-BLIND: Final = Trouble("battery_volts_per_count is not known", "measure it, and set it in [base.drive]")
+BLIND: Final = Trouble(
+    "the wheels turn at two thirds of max_wheel_speed at most, because battery_volts_per_count is not known",
+    "measure it as docs/commissioning.md says, and set it in [base.drive]",
+)
 _OR_LOWERED: Final = ", or the potentiometer turned down"
 
 
