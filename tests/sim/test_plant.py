@@ -72,13 +72,22 @@ def test_stop_from_full_speed_takes_0_29_seconds() -> None:
 
 
 @pytest.mark.parametrize(
-    ("slope_deg", "yaw", "rolls"), [(8.0, 0.0, -0.69), (8.0, math.pi, 0.69), (8.0, math.pi / 2, 0.0), (3.0, 0.0, 0.0)]
+    ("slope_deg", "yaw", "wall", "rolls"),
+    [
+        (8.0, 0.0, -9.0, -0.69),
+        (8.0, math.pi, -9.0, 0.69),
+        (8.0, math.pi / 2, -9.0, 0.0),
+        (3.0, 0.0, -9.0, 0.0),
+        (8.0, 0.0, -0.5, -0.2),
+        (8.0, 0.0, 0.299, -0.69),
+    ],
 )
 def test_a_robot_without_power_rolls_down_a_slope_that_friction_does_not_hold(
-    slope_deg: float, yaw: float, rolls: float
+    slope_deg: float, yaw: float, wall: float, rolls: float
 ) -> None:
+    """A wall below holds it, and one above does not."""
     sloping = msgspec.structs.replace(EXACT, slope_deg=slope_deg)
-    plant = plant_at_rest(Pose(0.0, 0.0, yaw), sloping)
+    plant = Plant(ROBOT, DRIVE, sloping, room_with_wall(wall, Pose(0.0, 0.0, yaw)))
     drive(plant, 6.0, 0.0, 0.0)
     assert plant.left.travel == plant.right.travel == pytest.approx(rolls, abs=0.02)
 

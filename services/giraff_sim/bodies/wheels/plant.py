@@ -137,6 +137,8 @@ class Plant(Disc):
         self.volts = max(0.0, self.open_volts - load * self._sag_volts)
         ratio = self.volts / self._nominal_volts
         push = -self._downhill * math.cos(self.pose.yaw) if self._downhill else 0.0
+        if push and self._touching and self._room.nearest(self.pose.x, self.pose.y)[1] > 0.0:
+            push = 0.0  # a surface below holds the robot
         self.left.step(duration, left_duty, ratio, push)
         self.right.step(duration, right_duty, ratio, push)
         left, right = self.left.grip(duration), self.right.grip(duration)
