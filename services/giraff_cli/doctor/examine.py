@@ -175,10 +175,15 @@ def _page(look: Inspection, found: list[Finding]) -> str:
     lines = []
     for each in found:
         lines += [f"{each.severity.upper():7}  {each.about}: {each.what}", f"         -> {each.fix}"]
-    faults = sum(each.severity == "fault" for each in found)
-    word = counted(faults, "fault") if faults else "no fault"
-    lines.append(f"{_subject(look)}: {word} found")
+    lines.append(f"{_subject(look)}: {sum_up(found)} found")
     return "\n".join(printable(line) for line in lines)
+
+
+def sum_up(found: list[Finding]) -> str:
+    """Return how many faults there are, and how many warnings where there are any."""
+    faults, warnings = (sum(each.severity == kind for each in found) for kind in ("fault", "warning"))
+    told = counted(faults, "fault") if faults else "no fault"
+    return f"{told}, {counted(warnings, 'warning')}" if warnings else told
 
 
 def _subject(look: Inspection) -> str:

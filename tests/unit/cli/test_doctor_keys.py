@@ -1,4 +1,4 @@
-"""`giraff doctor` where this host's own keys are of no use any more."""
+"""What `giraff doctor` prints: where this host's own keys are of no use any more, and its last line."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 
 import giraff_cli.doctor.examine
+from giraff_cli.doctor.examine import sum_up
+from giraff_cli.doctor.findings import Finding, Severity
 from giraff_cli.keys.manage import make_authority, make_bundle
 from tests.rules.repository import ROOT
 from tests.unit.cli.quiet_network import meet
@@ -33,3 +35,16 @@ def test_a_certificate_that_has_expired(
     fault = " ".join(out.splitlines()[number : number + 2])
     assert "keys of old: expired" in fault
     assert "giraff keys host old" in fault
+
+
+@pytest.mark.parametrize(
+    ("kinds", "told"),
+    [
+        ((), "no fault"),
+        (("note",), "no fault"),
+        (("warning",), "no fault, 1 warning"),
+        (("fault", "warning", "warning"), "1 fault, 2 warnings"),
+    ],
+)
+def test_the_last_line_counts_warnings_too(kinds: tuple[Severity, ...], told: str) -> None:
+    assert sum_up([Finding(severity=kind, about="base", what="", fix="") for kind in kinds]) == told
