@@ -92,9 +92,9 @@ class Bench:
         """The emergency stop is engaged."""
         self.board_is_there = True
         self.disarmed = ""
+        """Why base does not drive; empty: nothing is against it."""
         self.slowed = ""
         """Base's reason while it is armed."""
-        """Why base does not drive; empty: nothing is against it."""
         self.stiction = 0.0
         """m/s; a speed that is asked for, and is less, moves nothing."""
         self.pushed = 0.0
