@@ -82,6 +82,11 @@ class Obstacles:
                 source.lose_place()
         self._motion.look(now)
 
+    @property
+    def travel(self) -> float:
+        """m the robot has made since the epoch began, backwards counted too."""
+        return self._motion.travel
+
     def on_attitude(self, attitude: Attitude) -> None:
         """A report newer than the last."""
         self._motion.on_attitude(attitude)

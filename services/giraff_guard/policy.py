@@ -54,6 +54,11 @@ class GuardPolicy:
         """Operators that have asked to drive, and whose names no table ranks."""
         return self._authority.unranked
 
+    @property
+    def travel(self) -> float:
+        """m the robot has made since the epoch began, backwards counted too."""
+        return self._obstacles.travel
+
     def on_tick(self, tick: Tick, robot_ns: int) -> None:
         """Take base's clock."""
         if self._identity.on_tick(tick, robot_ns):

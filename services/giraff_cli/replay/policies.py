@@ -323,8 +323,10 @@ class _Guard:
         self._settles_ns = round((min(age, config.memory_time) + _SETTLES) * 1e9)
         # One that has just begun has nothing to forget.
         self._forgets_ns = 0 if age < _SETTLES else round(max(config.fade_time, config.held_time) * 1e9)
+        self._forgets_travel = 0.0 if age < _SETTLES else config.fade_travel
         self._is_known = False
         self._linked_ns: int | None = None
+        self._linked_travel = 0.0
         self._faults_before: int | None = None
 
     def turn(self, inputs: Iterable[Sample], now_ns: int) -> tuple[GuardedCommand, GuardState, Lease]:
@@ -358,16 +360,19 @@ class _Guard:
     def doubt(self, now_ns: int) -> None:
         """Begin anew to learn what it remembers: it had heard something that was not recorded."""
         self._is_known, self._linked_ns, self._faults_before = False, now_ns, None
+        self._linked_travel = self._policy.travel
 
     def known(self, now_ns: int, *, agrees: bool) -> bool:
         """Whether what it remembers is what the recorded one remembers.
 
         Of one that was running before, that is so when it `agrees` on all verdicts for the first time, and at the
-        latest when the recorded one, too, has forgotten what was before.
+        latest when the recorded one, too, has forgotten what was before. How far a sensor was trusted by way is forgotten
+        by way alone.
         """
         self._linked_ns = now_ns if self._linked_ns is None else self._linked_ns
         since_ns = now_ns - self._linked_ns
-        self._is_known |= since_ns >= self._settles_ns and (agrees or since_ns >= self._forgets_ns)
+        has_come = self._policy.travel - self._linked_travel >= self._forgets_travel
+        self._is_known |= has_come and since_ns >= self._settles_ns and (agrees or since_ns >= self._forgets_ns)
         return self._is_known
 
 

@@ -53,7 +53,7 @@ class SilenceTrust:
     """The trust in the silence of one sensor. It ends by time, by turns and by way after what the sensor heard last.
 
     Any surface that is heard twice proves that a sensor hears something. Only echoes that follow the robot's own motion
-    show that it hears itself: without them the same way ends the trust, whatever is heard. The first surface begins it.
+    show that it hears itself: without them the same way ends the trust, whatever is heard. An epoch begins with that way.
     """
 
     def __init__(self, live: Live[GuardConfig]) -> None:
@@ -64,7 +64,7 @@ class SilenceTrust:
 
     def prove(self, robot_ns: int, motion: Motion, *, own: bool) -> None:
         """It heard one surface twice, the last time at `robot_ns`. `own`: by its own pings, as far as can be told."""
-        if own or self._proof is None:
+        if own:
             self._own_travel = motion.travel
         self._proof = _Proof(robot_ns, motion.travel, motion.turned)
 
