@@ -17,7 +17,7 @@ _STANDS: Final = 1.0  # s that end a roll
 _ROLLS: Final = 0.05  # m
 _TELLS_NS: Final = 10_000_000_000
 """The notice stays for so long after the last moment of a roll, so that it does not flap."""
-_ROLLING: Final = Trouble("the wheels turn without power: a slope, or somebody pushes", "park it on a level floor")
+_ROLLING: Final = Trouble("the wheels turn without power: a slope, or somebody pushes", "park it on a flat floor")
 
 
 class WheelReports:
