@@ -19,8 +19,8 @@ from giraff_schemas.messages import RobotTime
 _KEPT: Final = 16
 """Readings that are compared with the newest, 2.9 s of a sensor that is pinged 5.6 times a second."""
 _CAME: Final = 0.20
-"""m of way along the sensor's axis between the older echo and the newest. The ping of a robot ahead goes one way: a deaf
-sensor hears it come nearer by half of its own way, which 0.06 m cannot tell from the whole of it."""
+"""m of way along the sensor's axis between the older echo and the newest. The ping of a robot ahead goes one way:
+a deaf sensor hears it come nearer by half of its own way, which 0.06 m cannot tell from the whole of it."""
 _AGREE: Final = 2
 """Echoes that have to agree with the newest."""
 _SHARE: Final = 4
@@ -53,7 +53,7 @@ class SilenceTrust:
     """The trust in the silence of one sensor. It ends by time, by turns and by way after what the sensor heard last.
 
     Any surface that is heard twice proves that a sensor hears something. Only echoes that follow the robot's own motion
-    show that it hears itself: without them the same way ends the trust, whatever is heard. An epoch begins with that way.
+    show that it hears itself. Without them the same way ends the trust, whatever is heard. Each epoch begins with it.
     """
 
     def __init__(self, live: Live[GuardConfig]) -> None:
