@@ -366,8 +366,8 @@ class _Guard:
         """Whether what it remembers is what the recorded one remembers.
 
         Of one that was running before, that is so when it `agrees` on all verdicts for the first time, and at the
-        latest when the recorded one, too, has forgotten what was before. A sensor is trusted for some way, which only way
-        ends.
+        latest when the recorded one, too, has forgotten what was before. A sensor is trusted for some way,
+        which only way ends.
         """
         self._linked_ns = now_ns if self._linked_ns is None else self._linked_ns
         since_ns = now_ns - self._linked_ns
