@@ -1,7 +1,8 @@
 """One wheel against the other: both need about alike much power for their speed, or an encoder or a motor is at fault.
 
 A wheel is taken to turn at gain * PWM counts - offset. Friction and a slope make the offset, alike for both wheels that
-turn the same way. A wheel is doubted where no offset that a floor makes explains how unlike the gains seem.
+turn the same way. A wheel is doubted where no such offset explains how unlike the gains seem. A slope across is left
+out: it slows one wheel and helps the other.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class WheelDoubt:
             self._restart()
             return
         if gap_us > _LONGEST_GAP_US or not _drives(report):
-            return  # what lies between two reports far apart, or is no such driving, is left out and ends nothing
+            return  # only this report is left out: lost reports and stops must not hide a wheel that slips
         seconds = gap_us * 1e-6
         self._seconds += seconds
         for wheel, (speed, before, pwm) in enumerate(
