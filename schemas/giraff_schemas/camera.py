@@ -30,10 +30,11 @@ class Picture(Sample, frozen=True, kw_only=True):
     """Newest moment the camera's computer held when the exposure began. None: it has not heard base yet."""
     exposure: float | None = None
     """s that the light was taken; None: the camera does not tell."""
+    since_tick: float = 0.0
+    """s from the tick's arrival at the camera's computer until the exposure began."""
 
     def __post_init__(self) -> None:
-        if self.exposure is not None:
-            require_finite(self, self.exposure)
+        require_finite(self, self.since_tick, self.exposure or 0.0)
 
 
 class CameraHold(Sample, frozen=True, kw_only=True):
@@ -93,3 +94,61 @@ class CameraState(Sample, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         require_finite(self, self.rate)
+
+
+Step = tuple[float, float, float]
+"""x and y in m, yaw in rad: a pose in an earlier `base_link`, which is the motion since then."""
+Pixel = tuple[int, int]
+"""Column and row of a picture, from its left upper corner."""
+
+
+class VisualOdometry(Sample, frozen=True, kw_only=True):
+    """How a camera sees the robot move over the floor, said of each picture, or why it cannot tell.
+
+    Motion is told since a key picture. Each key picture but the first is the last one that was told since the key
+    picture before it.
+    """
+
+    camera: str
+    picture: int
+    """`seq` of the picture."""
+    tick: RobotTime | None
+    """As of the picture."""
+    key: int
+    """Number of the key picture, from 0."""
+    reason: str
+    """Why this is no measurement; empty: it is one."""
+    remedy: str = ""
+    """Tail of `reason`: what to do about it."""
+    motion: Step | None
+    """Motion since the key picture, as the picture has it. Where there is a reason it is no measurement: what was seen
+    and is not believed. None: nothing was seen."""
+    covariance: tuple[float, float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    """Of a measurement's (x, y, yaw): xx, xy, xyaw, yy, yyaw, yawyaw; m², m·rad, rad². It counts what is random. A
+    height of the camera that is wrong by 1 % makes each way wrong by 1 %."""
+    wheels: Step | None = None
+    """Motion since the key picture, by the wheels; None: they were not heard all the time."""
+    path: Step
+    """Pose in the `base_link` of the first picture: what was measured, and what the wheels say where nothing was."""
+    seen_m: float = 0.0
+    """m of the path that were measured."""
+    blind_m: float = 0.0
+    """m of the path that are the wheels' word."""
+    width: int = 0
+    """px; size of the picture, which the pixels below are of."""
+    height: int = 0
+    tracked: tuple[Pixel, ...] = ()
+    """Corners on the floor that move as the motion has it."""
+    rejected: tuple[Pixel, ...] = ()
+    """Corners that were followed and do not."""
+    ground: tuple[Pixel, ...] = ()
+    """Outline of the floor that corners are looked for on."""
+
+    def __post_init__(self) -> None:
+        steps = (self.path, self.motion or (), self.wheels or (), self.covariance, (self.seen_m, self.blind_m))
+        require_finite(self, *(number for step in steps for number in step))
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether the motion is a measurement."""
+        return not self.reason

@@ -153,6 +153,15 @@ CAMERA: Final = Service(
     optional=True,
 )
 """Shows who has asked for it what a camera sees. No part of what keeps the robot from obstacles."""
+VISION: Final = Service(
+    name="vision",
+    host="robot",
+    entry="main",
+    publishes=(t.VISUAL_ODOM, t.CAMERA_ON),
+    subscribes=(t.ODOM, t.CAMERA_STATE, t.CAMERA, t.CAMERA_SMALL),
+    optional=True,
+)
+"""Tells how a camera sees the robot move over the floor. It looks at the camera as long as it runs."""
 RECORDER: Final = Service(name="recorder", host="any", entry="main", optional=True)
 """Hears all that there is."""
 DOOR: Final = Service(

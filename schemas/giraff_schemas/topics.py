@@ -92,6 +92,7 @@ CAMERA_STATE = Topic("camera/*/state", c.CameraState, 5, "state", "camera")
 CAMERA_PICTURES = (CAMERA, CAMERA_SMALL)
 """What a camera sees. A chunk that begins with `@` is matched by no wildcard: who listens to all that a robot says does
 not see through its camera, nor does his link carry pictures."""
+VISUAL_ODOM = Topic("visual_odom", c.VisualOdometry, 15, "state")
 TRUE_POSE = Topic("true_pose", m.TruePose, 5, "state")
 SERIAL = Topic("serial/*", m.SerialLine, 0, "state", "name")
 SERIAL_WRITE = Topic("serial_write/*", m.SerialWrite, 0, "state", "name")
@@ -120,6 +121,7 @@ TOPICS: tuple[Topic[Any], ...] = (
     CAMERA_SMALL,
     CAMERA_ON,
     CAMERA_STATE,
+    VISUAL_ODOM,
     TRUE_POSE,
     SERIAL,
     SERIAL_WRITE,

@@ -37,14 +37,4 @@ class CameraConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
 def camera_of(config: CameraConfig, robot: RobotConfig) -> tuple[str, CameraModel]:
     """Return the name and the table of the camera that the robot file means. Raises ValueError."""
-    there = robot.cameras
-    if config.name in there:
-        return config.name, there[config.name]
-    if not config.name and len(there) == 1:
-        return next(iter(there.items()))
-    for sensor, kind in robot.unknown_sensors.items() if not there else ():
-        raise ValueError(f'[robot.sensors.{sensor}] is of the type {kind!r}; write type = "camera" where it is one')
-    if not there:
-        raise ValueError('the robot file has no camera; write [robot.sensors.head] with type = "camera" and its place')
-    whom = f"[camera] name is {config.name!r}" if config.name else "[camera] name is empty"
-    raise ValueError(f"{whom}, and the robot file's cameras are {', '.join(there)}: name one of them")
+    return robot.camera(config.name, "[camera] name")

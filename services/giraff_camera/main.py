@@ -7,8 +7,8 @@ from contextlib import closing
 from typing import Final
 
 from giraff_camera.config import CameraConfig, camera_of
-from giraff_camera.libraries import missing_library
 from giraff_node import Node
+from giraff_node.process.libraries import missing_library
 
 _REFUSED: Final = 2
 

@@ -133,13 +133,15 @@ class Camera:
         encoder = self._encoders[size]
         jpeg = encoder.encode(pixels, limit)
         width, height = encoder.size
+        at, tick = self._tick_at(image.taken)
         picture = Picture(
             camera=self.name,
             jpeg=jpeg,
             width=width,
             height=height,
-            tick=self._tick_at(image.taken),
+            tick=tick,
             exposure=image.exposure,
+            since_tick=max(0.0, image.taken - at),
         )
         self._pictures[size].put(picture)
         self._policy.sent(size, self._sent[size], len(jpeg), now)
@@ -147,9 +149,9 @@ class Camera:
         if size == "full":
             self._policy.full_bytes = len(jpeg)
 
-    def _tick_at(self, taken: float) -> RobotTime | None:
-        """The newest tick that this host held when the exposure began."""
-        return next((tick for at, tick in reversed(self._ticks) if at <= taken), None)
+    def _tick_at(self, taken: float) -> tuple[float, RobotTime | None]:
+        """The newest tick that this host held when the exposure began, and when it had come."""
+        return next(((at, tick) for at, tick in reversed(self._ticks) if at <= taken), (taken, None))
 
     def _state(self, now: float) -> None:
         trouble = self._capture.fault if self._policy.is_on else WELL

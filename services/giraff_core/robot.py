@@ -121,6 +121,24 @@ class RobotConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
         """All that the guard listens to."""
         return *self.sensors, *self.bumpers
 
+    def camera(self, name: str, field: str) -> tuple[str, Camera]:
+        """Return the name and the table of the camera that a name means; an empty one means the only one.
+
+        `field`: where the name is written. Raises ValueError.
+        """
+        if name in self.cameras:
+            return name, self.cameras[name]
+        if not name and len(self.cameras) == 1:
+            return next(iter(self.cameras.items()))
+        for sensor, kind in self.unknown_sensors.items() if not self.cameras else ():
+            raise ValueError(f'[robot.sensors.{sensor}] is of the type {kind!r}; write type = "camera" where it is one')
+        if not self.cameras:
+            raise ValueError(
+                'the robot file has no camera; write [robot.sensors.head] with type = "camera" and its place'
+            )
+        whom = f"{field} is {name!r}" if name else f"{field} is empty"
+        raise ValueError(f"{whom}, and the robot file's cameras are {', '.join(self.cameras)}: name one of them")
+
     def model(self, sensor: str) -> UltrasonicModel:
         """What is expected of an ultrasonic sensor."""
         return self.models.get(sensor, HC_SR04)

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from giraff_camera import libraries
+from giraff_node.process import libraries
 from giraff_camera.device import opening, v4l2
 from giraff_camera.device.image import DeviceError
 from giraff_camera.device.opencv import cv2

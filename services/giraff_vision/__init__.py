@@ -1,0 +1,1 @@
+"""Motion of the robot over the floor, as its camera sees it."""

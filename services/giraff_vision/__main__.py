@@ -1,0 +1,3 @@
+from giraff_vision.main import main
+
+main()

@@ -1,0 +1,145 @@
+"""From pictures and the wheels' odometry to what a camera sees of the robot's motion. No I/O and no clock.
+
+The picture's motion is found without the wheels. They have a veto: over the way since the key picture both must agree.
+Where they do not, nobody can tell here which of the two is wrong: a dirty lens, something large that moves with the
+robot, and wheels that slip look alike. So both are told, and neither is a measurement.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from giraff_core.kinematics.pose import Pose
+from giraff_core.sensors import Camera
+from giraff_schemas.camera import Picture, VisualOdometry
+from giraff_schemas.messages import Odometry
+from giraff_schemas.trouble import WELL, Trouble
+from giraff_vision import reasons
+from giraff_vision.ground import Ground, PictureError
+from giraff_vision.odometer import Seen, VisualOdometer
+from giraff_vision.wheel_path import WheelPath, Whereabouts
+
+_OFF_SHARE: Final = 0.08
+"""m and rad for each of the wheels' way or turn by which both may differ: more than calibrations leave."""
+_OFF_WAY: Final = 0.003
+"""m by which they may differ besides: what a picture tells of a robot that stands."""
+_OFF_TURN: Final = 0.01
+"""rad, likewise."""
+_ASIDE: Final = 0.05
+"""m for each rad of turn: the floor that is seen lies ahead, so an error of the turn is one of the way to the side."""
+_LATE: Final = 0.07
+"""s. A camera may tell the moment of its exposure up to a picture's time too early: both differ while speed changes."""
+_TRUSTED_AGAIN: Final = 0.05
+"""m and rad by the wheels, over which both must agree after they did not."""
+_DOUBTED_WAY: Final = 0.3
+"""m and rad by the wheels after which the next key picture is taken while both disagree."""
+_HERE: Final = Pose(0.0, 0.0, 0.0)
+_NOTHING: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def grey_of(jpeg: bytes) -> NDArray[np.uint8]:
+    """Return a picture in grey: (rows, columns). Raises PictureError where it is none."""
+    pixels = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_GRAYSCALE) if jpeg else None
+    if pixels is None:
+        raise PictureError(Trouble("a picture is no JPEG", "look at the camera's host: its pictures arrive damaged"))
+    return np.asarray(pixels, np.uint8)
+
+
+class VisionPolicy:
+    """Follows one camera of one robot."""
+
+    def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+        self._odometer: VisualOdometer | None = None
+        self._keys_before = 0
+        """Key pictures of odometers before this one, for pictures of another size."""
+        self._wheels = WheelPath()
+        self._key_wheels: Whereabouts | None = None
+        self._key_path = self._path = _HERE
+        self._seen_m = self._blind_m = 0.0
+        """m up to the key picture."""
+        self._is_doubted = False
+        """Picture and wheels have disagreed, and not agreed over some way since then."""
+
+    def on_odometry(self, odometry: Odometry) -> None:
+        """Take the wheels' next word."""
+        self._wheels.add(odometry)
+
+    def on_picture(self, picture: Picture, grey: NDArray[np.uint8]) -> VisualOdometry:
+        """Return what the next picture tells.
+
+        `grey`: (rows, columns), of the camera's size or another of the same shape. Raises PictureError for another
+        shape.
+        """
+        odometer = self._odometer_for(grey)
+        here = self._wheels.at(picture.tick, picture.since_tick + (picture.exposure or 0.0) / 2.0)
+        key_before = odometer.key
+        seen = odometer.look(odometer.ground.straightened(grey))
+        wheels = _between(self._key_wheels, here)
+        reason = seen.reason or self._veto(seen, wheels, here)
+        step = seen.motion if not reason else wheels
+        if step is not None:
+            self._path = step.placed_in(self._key_path)
+        way = 0.0 if step is None else math.hypot(step.x, step.y)
+        seen_m, blind_m = (way, 0.0) if not reason else (0.0, way)
+        ground = odometer.ground
+        told = VisualOdometry(
+            camera=picture.camera,
+            picture=picture.seq,
+            tick=picture.tick,
+            key=self._keys_before + seen.key,
+            reason=str(reason),
+            remedy=reason.remedy,
+            motion=seen.motion,
+            covariance=_NOTHING if reason else seen.covariance,
+            wheels=wheels,
+            path=self._path,
+            seen_m=self._seen_m + seen_m,
+            blind_m=self._blind_m + blind_m,
+            width=ground.width,
+            height=ground.height,
+            tracked=ground.bent(seen.tracked),
+            rejected=ground.bent(seen.rejected),
+            ground=ground.outline,
+        )
+        if odometer.key != key_before:
+            self._key_wheels, self._key_path = here, self._path
+            self._seen_m, self._blind_m = told.seen_m, told.blind_m
+        return told
+
+    def _odometer_for(self, grey: NDArray[np.uint8]) -> VisualOdometer:
+        height, width = grey.shape
+        odometer = self._odometer
+        if odometer is None or (odometer.ground.width, odometer.ground.height) != (width, height):
+            ground = Ground(self._camera, width, height)
+            if odometer is not None:
+                self._keys_before += odometer.key + 1
+            odometer = self._odometer = VisualOdometer(ground)
+        return odometer
+
+    def _veto(self, seen: Seen, wheels: Pose | None, here: Whereabouts | None) -> Trouble:
+        """Why a motion that was seen is no measurement; WELL: it is one, or the wheels are silent."""
+        if seen.motion is None or wheels is None or here is None or self._key_wheels is None:
+            return WELL
+        begin, off = self._key_wheels, seen.motion.seen_from(wheels)
+        way, turn = math.hypot(wheels.x, wheels.y), abs(wheels.yaw)
+        limit = _OFF_WAY + _OFF_SHARE * way + _ASIDE * turn + _LATE * abs(here.speed - begin.speed)
+        turn_limit = _OFF_TURN + _OFF_SHARE * turn + _LATE * abs(here.turn - begin.turn)
+        if math.hypot(off.x, off.y) > limit or abs(off.yaw) > turn_limit:
+            self._is_doubted = True
+            if max(way, turn) > _DOUBTED_WAY and self._odometer is not None:
+                self._odometer.renew()
+        elif max(way, turn) > _TRUSTED_AGAIN:
+            self._is_doubted = False
+        return reasons.DISAGREE if self._is_doubted else WELL
+
+
+def _between(begin: Whereabouts | None, end: Whereabouts | None) -> Pose | None:
+    if begin is None or end is None or begin.origin != end.origin:
+        return None
+    return end.pose.seen_from(begin.pose)

@@ -1,0 +1,134 @@
+"""Vision: pictures and `odom` to `visual_odom`. Not in the chain that drives: losing it changes no motion.
+
+It is one who looks at the camera, as long as its process runs: who starts it wants that. The camera says so to all.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import cv2
+
+from giraff_core.inbox import Inbox
+from giraff_core.io import IO
+from giraff_core.picture_asker import PictureAsker
+from giraff_core.robot import RobotConfig
+from giraff_core.timer import Timer
+from giraff_schemas.camera import HOLD_ENDS, CameraHold, Picture, PictureSize, VisualOdometry
+from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE, ODOM, VISUAL_ODOM
+from giraff_schemas.trouble import WELL, Trouble
+from giraff_vision import reasons
+from giraff_vision.config import VisionConfig
+from giraff_vision.ground import PictureError
+from giraff_vision.policy import VisionPolicy, grey_of
+
+SETTLED: Final = 1.0
+"""s without a disagreement after which it is over."""
+_LOOK_HZ: Final = 2.0
+"""Hz of a look at what is silent."""
+SILENCE: Final = 1.0
+"""s without a sample that is worth a word."""
+_NO_ODOM: Final = Trouble("no odom is heard", "check that giraff_odometry runs: nothing else tells of a dirty lens")
+_WORTH_A_WORD: Final = 0.1
+"""m and rad that one of the two has moved, from which a disagreement is told with its numbers."""
+
+
+class Vision:
+    """Reads `camera/<name>/…` and `odom`; writes `visual_odom`."""
+
+    link = None
+
+    def __init__(self, io: IO, config: VisionConfig, robot: RobotConfig) -> None:
+        """Raises ValueError where the robot file has no such camera."""
+        cv2.setNumThreads(1)  # what drives the robot gets the other cores
+        self._io = io
+        self.camera, model = robot.camera(config.camera, "[vision] camera")
+        self._policy = VisionPolicy(model)
+        self._by = f"visual odometry ({io.hostname})"
+        self._asker = PictureAsker(self.camera, self._by)
+        self._odometry = io.inbox(ODOM, wakes=False)
+        self._states = io.inbox(CAMERA_STATE.at(self.camera))
+        self._pictures: dict[PictureSize, Inbox[Picture]] = {
+            "full": io.inbox(CAMERA.at(self.camera), 4),
+            "small": io.inbox(CAMERA_SMALL.at(self.camera), 4),
+        }
+        self._holds, self._out = io.publisher(CAMERA_ON.at(self.camera)), io.publisher(VISUAL_ODOM)
+        self._listens: PictureSize = "small"
+        self._timer = Timer(_LOOK_HZ)
+        self.timers = (self._timer,)
+        self._turned = -math.inf
+        self._heard = self._disagreed = io.monotonic()
+        self._notice = WELL
+
+    def turn(self, now: float) -> None:
+        if now - self._turned > HOLD_ENDS:  # the machine slept: that wish is over
+            self._ask()
+        self._turned = now
+        self._asker.want("full", now)
+        for odometry in self._odometry.take():
+            self._heard = now
+            self._policy.on_odometry(odometry)
+        for state in self._states.take():
+            if self._asker.state is not None and self._asker.state.instance != state.instance:
+                self._ask()  # the camera has started again
+            self._say(self._asker.on_state(state, self._io.instance, now))
+        for size, inbox in self._pictures.items():
+            for picture in inbox.take():
+                if self._asker.takes(picture, size):
+                    self._say(self._asker.on_picture(picture, size, now))
+                    self._look(picture, now)
+        if self._asker.size != self._listens:
+            self._listens = self._asker.size
+            self._asker.listen(self._listens)
+        if self._timer.due(now):
+            self._tell(now)
+
+    def end(self) -> None:
+        """Nothing is left to say: it looks no longer once its words are missing."""
+
+    def _ask(self) -> None:
+        self._asker, self._listens = PictureAsker(self.camera, self._by), "small"
+
+    def _say(self, hold: CameraHold | None) -> None:
+        if hold is not None:
+            self._holds.put(hold)
+
+    def _look(self, picture: Picture, now: float) -> None:
+        try:
+            told = self._policy.on_picture(picture, grey_of(picture.jpeg))
+        except PictureError as error:
+            self._io.set_fault("pictures", error.trouble)
+            return
+        self._io.set_fault("pictures", WELL)
+        self._out.put(told)
+        if told.reason == str(reasons.DISAGREE):
+            self._disagreed = now
+            self._notice = self._notice or disagreement(told)
+
+    def _tell(self, now: float) -> None:
+        self._io.set_notice("camera", self._asker.trouble(now))
+        if now - self._disagreed > SETTLED:
+            self._notice = WELL
+        self._io.set_notice("wheels", self._notice)
+        self._io.set_notice("odom", _NO_ODOM if now - self._heard > SILENCE else WELL)
+
+
+def disagreement(told: VisualOdometry) -> Trouble:
+    """Return both values of a picture that is no measurement because the wheels disagree; WELL: neither is large."""
+    if told.motion is None or told.wheels is None:
+        return WELL
+    (x, y, yaw), (wheel_x, wheel_y, wheel_yaw) = told.motion, told.wheels
+    seen, rolled = math.hypot(x, y), math.hypot(wheel_x, wheel_y)
+    if max(seen, rolled) > _WORTH_A_WORD:
+        return Trouble(
+            f"picture and wheels disagree: the picture saw {seen:.2f} m and the wheels {rolled:.2f} m",
+            reasons.DISAGREE.remedy,
+        )
+    if max(abs(yaw), abs(wheel_yaw)) > _WORTH_A_WORD:
+        seen, rolled = math.degrees(yaw), math.degrees(wheel_yaw)
+        return Trouble(
+            f"picture and wheels disagree: the picture saw a turn of {seen:.0f}° and the wheels one of {rolled:.0f}°",
+            reasons.DISAGREE.remedy,
+        )
+    return WELL
