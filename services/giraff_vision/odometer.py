@@ -211,15 +211,15 @@ class VisualOdometer:
             return self._none(reasons.MOVING)
         if reason := _doubt(fit, best.rival, floor[fit.agrees]):
             return self._none(reason)
-        motion = Pose(*fit.motion[:3])
-        self._step = motion.seen_from(Pose(*self._motion[:3]))
+        motion = _pose_of(fit.motion)
+        self._step = motion.seen_from(_pose_of(self._motion))
         self._motion, self._corners = fit.motion, floor[fit.agrees]
         covariance = tuple(fit.covariance[np.triu_indices(3)].tolist())
         return Seen(WELL, self.key, motion, covariance, places[fit.agrees], places[~fit.agrees])
 
     def _expected(self) -> Array:
         """Return the motion since the key picture, if the robot goes on as between the last two pictures."""
-        return np.array([*self._step.placed_in(Pose(*self._motion[:3])), *self._motion[3:]])
+        return np.array([*self._step.placed_in(_pose_of(self._motion)), *self._motion[3:]])
 
     def _warped(self, key: Grey, motion: Array) -> Grey:
         """Return the floor of the key picture as it looks after a motion: what is left to be found is small.
@@ -246,6 +246,11 @@ class VisualOdometer:
             or abs(self._motion[2]) > _KEY_TURN
             or len(self._corners) < max(_FEWEST, _WORN * self._found)
         )
+
+
+def _pose_of(motion: Array) -> Pose:
+    x, y, yaw = motion[:3].tolist()
+    return Pose(x, y, yaw)
 
 
 def _evened(grey: Grey) -> Grey:
