@@ -27,7 +27,7 @@ _CORNERS: Final = 90
 _SPACING: Final = 9
 """px between corners."""
 _QUALITY: Final = 0.02
-_LEAST_CORNER: Final = 3e-5
+_LEAST_CORNER: Final = 2.7e-4
 """Smallest eigenvalue of a corner's gradients. Below it noise makes the corners."""
 _BLOCK: Final = 5
 _WINDOW: Final = (15, 15)
@@ -57,10 +57,13 @@ _KEY_TURN: Final = 0.2
 """rad from a key picture to the next."""
 _WORN: Final = 0.4
 """Share of its corners that is left when a key picture is replaced by the next."""
-_EVEN_OVER: Final = (31, 31)
+_EVEN_OVER: Final = (21, 21)
 """px."""
+_GAIN: Final = 3.0
 _MIDDLE: Final = 128.0
 """Grey that stands for neither darker nor lighter."""
+_MOST: Final = 30.0
+"""Grey levels, with the gain, by which the pattern counts."""
 _DARK: Final = 18.0
 """Mean grey of the floor's rows."""
 _BRIGHT: Final = 250
@@ -254,12 +257,13 @@ def _pose_of(motion: Array) -> Pose:
 
 
 def _evened(grey: Grey) -> Grey:
-    """Return the picture without what is darker or lighter over large parts of it.
+    """Return the picture's fine pattern alone, without what is darker or lighter over larger parts of it.
 
     A lens gives less light at its rim, and that part of the picture does not move: corners would seem to move too
-    little, on a faint floor by 1 % of the way.
+    little, on a faint floor by 1 % of the way. And the edge of a shadow is no more than the grain of a plank then.
     """
-    return np.asarray(cv2.addWeighted(grey, 1.0, cv2.blur(grey, _EVEN_OVER), -1.0, _MIDDLE), np.uint8)
+    strong = cv2.addWeighted(grey, _GAIN, cv2.blur(grey, _EVEN_OVER), -_GAIN, _MIDDLE)
+    return np.asarray(np.clip(strong, _MIDDLE - _MOST, _MIDDLE + _MOST), np.uint8)
 
 
 def _doubt(fit: Refined, rival: int, floor: Array) -> Trouble:

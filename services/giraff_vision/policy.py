@@ -8,7 +8,7 @@ robot, and wheels that slip look alike. So both are told, and neither is a measu
 from __future__ import annotations
 
 import math
-from typing import Final
+from typing import Final, NamedTuple
 
 import cv2
 import numpy as np
@@ -38,7 +38,6 @@ _TRUSTED_AGAIN: Final = 0.05
 """m and rad by the wheels, over which both must agree after they did not."""
 _DOUBTED_WAY: Final = 0.3
 """m and rad by the wheels after which the next key picture is taken while both disagree."""
-_HERE: Final = Pose(0.0, 0.0, 0.0)
 _NOTHING: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
@@ -48,6 +47,17 @@ def grey_of(jpeg: bytes) -> NDArray[np.uint8]:
     if pixels is None:
         raise PictureError(Trouble("a picture is no JPEG", "look at the camera's host: its pictures arrive damaged"))
     return np.asarray(pixels, np.uint8)
+
+
+class _Way(NamedTuple):
+    """What was gone up to a picture."""
+
+    path: Pose
+    """In `base_link` of the first picture."""
+    seen: float
+    """m that were measured."""
+    blind: float
+    """m by the wheels."""
 
 
 class VisionPolicy:
@@ -60,9 +70,8 @@ class VisionPolicy:
         """Key pictures of odometers before this one, for pictures of another size."""
         self._wheels = WheelPath()
         self._key_wheels: Whereabouts | None = None
-        self._key_path = self._path = _HERE
-        self._seen_m = self._blind_m = 0.0
-        """m up to the key picture."""
+        self._last_wheels: Whereabouts | None = None
+        self._key_at = self._at = _Way(Pose(0.0, 0.0, 0.0), 0.0, 0.0)
         self._is_doubted = False
         """Picture and wheels have disagreed, and not agreed over some way since then."""
 
@@ -82,11 +91,14 @@ class VisionPolicy:
         seen = odometer.look(odometer.ground.straightened(grey))
         wheels = _between(self._key_wheels, here)
         reason = seen.reason or self._veto(seen, wheels, here)
-        step = seen.motion if not reason else wheels
-        if step is not None:
-            self._path = step.placed_in(self._key_path)
-        way = 0.0 if step is None else math.hypot(step.x, step.y)
-        seen_m, blind_m = (way, 0.0) if not reason else (0.0, way)
+        if seen.motion is not None and not reason:
+            way = math.hypot(seen.motion.x, seen.motion.y)
+            begin = self._key_at
+            self._at = _Way(seen.motion.placed_in(begin.path), begin.seen + way, begin.blind)
+        elif (rolled := _between(self._last_wheels, here)) is not None:
+            way = math.hypot(rolled.x, rolled.y)
+            self._at = _Way(rolled.placed_in(self._at.path), self._at.seen, self._at.blind + way)
+        self._last_wheels = here
         ground = odometer.ground
         told = VisualOdometry(
             camera=picture.camera,
@@ -98,9 +110,9 @@ class VisionPolicy:
             motion=seen.motion,
             covariance=_NOTHING if reason else seen.covariance,
             wheels=wheels,
-            path=self._path,
-            seen_m=self._seen_m + seen_m,
-            blind_m=self._blind_m + blind_m,
+            path=self._at.path,
+            seen_m=self._at.seen,
+            blind_m=self._at.blind,
             width=ground.width,
             height=ground.height,
             tracked=ground.bent(seen.tracked),
@@ -108,8 +120,7 @@ class VisionPolicy:
             ground=ground.outline,
         )
         if odometer.key != key_before:
-            self._key_wheels, self._key_path = here, self._path
-            self._seen_m, self._blind_m = told.seen_m, told.blind_m
+            self._key_wheels, self._key_at = here, self._at
         return told
 
     def _odometer_for(self, grey: NDArray[np.uint8]) -> VisualOdometer:
