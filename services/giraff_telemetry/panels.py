@@ -13,7 +13,18 @@ from rich.text import Text
 from giraff_core.latest import Latest
 from giraff_schemas.messages import Range
 from giraff_schemas.text import printable
-from giraff_schemas.topics import ATTITUDE, CAMERA_ON, CAMERA_STATE, MAP, MOTION, MOTION_HOLD, PARTICLES, POSE, covers
+from giraff_schemas.topics import (
+    ATTITUDE,
+    CAMERA_ON,
+    CAMERA_STATE,
+    MAP,
+    MOTION,
+    MOTION_HOLD,
+    PARTICLES,
+    POSE,
+    VISUAL_ODOM,
+    covers,
+)
 from giraff_telemetry.collector import KeyRate, Snapshot, range_key
 from giraff_telemetry.describe import (
     DIRECTIONS,
@@ -30,7 +41,7 @@ from giraff_telemetry.layout import HEADING, NONE, block, left, right, text_or_d
 _BAR: Final = 12  # characters
 _BAR_REACH: Final = 3.0  # m that fill it
 _LONGEST_SENSOR: Final = 14  # characters
-_LEFT_OUT: Final = (MOTION, MOTION_HOLD, POSE, PARTICLES, MAP, ATTITUDE, CAMERA_ON, CAMERA_STATE)
+_LEFT_OUT: Final = (MOTION, MOTION_HOLD, POSE, PARTICLES, MAP, ATTITUDE, CAMERA_ON, CAMERA_STATE, VISUAL_ODOM)
 FREEDOM_STYLE: Final = {"free": "green", "slow": "yellow", "creep": "dark_orange", "blocked": "red"}
 _STATES: Final = {"localized": "green", "told": "yellow", "ambiguous": "yellow", "lost": "yellow", "no_map": "red"}
 _BASE: Final = {"driving": "green", "silent": "red", "EMERGENCY STOP": "bold red"}

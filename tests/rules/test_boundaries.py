@@ -141,6 +141,7 @@ OF_ONE_SERVICE = {
     },
     "giraff_localization": {"numpy"},
     "giraff_camera": {"numpy", "cv2"},
+    "giraff_vision": {"numpy", "cv2"},
     "giraff_keyboard": {"rich"},
 }
 """What only requirements/recorder.lock, web.lock, localization.lock, camera.lock and laptop.lock install."""

@@ -52,11 +52,12 @@ KEYS: Final = {
     "camera/*/@small",
     "camera/*/on",
     "camera/*/state",
+    "visual_odom",
     "true_pose",
     "serial/*",
     "serial_write/*",
 }
-"""All that a list has. Nothing leans. No bumper, motion, localization, camera, gateway nor `giraff run` is there."""
+"""All that a list has. Nothing leans. No bumper, motion, localization, camera, vision, gateway nor run is there."""
 
 
 def is_whole_list(rows: Any) -> bool:

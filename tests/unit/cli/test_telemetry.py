@@ -134,6 +134,7 @@ def test_keys_are_in_the_order_of_the_table() -> None:
         topics.ATTITUDE,
         topics.BUMPER,
         *(topics.CAMERA, topics.CAMERA_SMALL, topics.CAMERA_ON, topics.CAMERA_STATE),
+        topics.VISUAL_ODOM,
         topics.TRUE_POSE,
         topics.MOTION_HOLD,
         topics.POSE,

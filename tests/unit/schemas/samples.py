@@ -101,7 +101,8 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
     | _TWIST
     | {"operator": "joystick", "lease_counter": 9, "source": "hand", "reason": "", "remedy": "", "tick": _TIME},
     c.Picture: _START
-    | {"camera": "head", "jpeg": b"\xff\xd8", "width": 320, "height": 240, "tick": _TIME, "exposure": 0.016},
+    | {"camera": "head", "jpeg": b"\xff\xd8", "width": 320, "height": 240, "tick": _TIME, "exposure": 0.016}
+    | {"since_tick": 0.01},
     c.CameraHold: _START
     | {"camera": "head", "to": "c3", "state": 4, "by": "web", "size": "small", "seen": 2, "largest": "full"},
     c.CameraState: _START
@@ -111,6 +112,25 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "width": 320,
         "height": 240,
         "rate": 15.0,
+    }
+    | _SAYS,
+    c.VisualOdometry: _START
+    | {
+        "camera": "head",
+        "picture": 9,
+        "tick": _TIME,
+        "key": 2,
+        "motion": [0.02, 0.0, 0.01],
+        "covariance": [1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6],
+        "wheels": None,
+        "path": [1.2, 0.1, 0.3],
+        "seen_m": 1.1,
+        "blind_m": 0.1,
+        "width": 320,
+        "height": 240,
+        "tracked": [[160, 200]],
+        "rejected": [],
+        "ground": [[0, 239], [319, 239]],
     }
     | _SAYS,
     m.SerialLine: _START | {"name": "arduino", "text": "23.5 °C", "goes_on": False, "replaced": 0},
