@@ -114,6 +114,8 @@ class VisualOdometry(Sample, frozen=True, kw_only=True):
     """`seq` of the picture."""
     tick: RobotTime | None
     """As of the picture."""
+    since_tick: float = 0.0
+    """s from that tick's arrival at the camera's computer until the middle of the exposure."""
     key: int
     """Number of the key picture, from 0."""
     reason: str
@@ -145,8 +147,8 @@ class VisualOdometry(Sample, frozen=True, kw_only=True):
     """Outline of the floor that corners are looked for on."""
 
     def __post_init__(self) -> None:
-        steps = (self.path, self.motion or (), self.wheels or (), self.covariance, (self.seen_m, self.blind_m))
-        require_finite(self, *(number for step in steps for number in step))
+        steps = (self.path, self.motion or (), self.wheels or (), self.covariance)
+        require_finite(self, self.since_tick, self.seen_m, self.blind_m, *(number for step in steps for number in step))
 
     @property
     def is_measured(self) -> bool:

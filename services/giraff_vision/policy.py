@@ -86,7 +86,8 @@ class VisionPolicy:
         shape.
         """
         odometer = self._odometer_for(grey)
-        here = self._wheels.at(picture.tick, picture.since_tick + (picture.exposure or 0.0) / 2.0)
+        since_tick = picture.since_tick + (picture.exposure or 0.0) / 2.0
+        here = self._wheels.at(picture.tick, since_tick)
         key_before = odometer.key
         seen = odometer.look(odometer.ground.straightened(grey))
         wheels = _between(self._key_wheels, here)
@@ -104,6 +105,7 @@ class VisionPolicy:
             camera=picture.camera,
             picture=picture.seq,
             tick=picture.tick,
+            since_tick=since_tick,
             key=self._keys_before + seen.key,
             reason=str(reason),
             remedy=reason.remedy,

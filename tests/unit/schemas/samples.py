@@ -119,6 +119,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "camera": "head",
         "picture": 9,
         "tick": _TIME,
+        "since_tick": 0.01,
         "key": 2,
         "motion": [0.02, 0.0, 0.01],
         "covariance": [1e-6, 0.0, 0.0, 1e-6, 0.0, 1e-6],
