@@ -60,7 +60,8 @@ class LocalizationErrors:
                 return
             self._poses.popleft()
             if before is not None and pose.tick is not None and before[0] <= pose.tick.robot_ns:
-                self._compare(pose, _between(*before, robot_ns, truth, pose.tick.robot_ns))
+                passed, took = pose.tick.robot_ns - before[0], robot_ns - before[0]
+                self._compare(pose, before[1].towards(truth, passed / took if took else 1.0))
 
     @property
     def distances(self) -> Spread | None:
@@ -88,13 +89,3 @@ def _spread(errors: array[float]) -> Spread | None:
     ordered = sorted(errors)
     last = len(ordered) - 1
     return Spread(ordered[round(0.5 * last)], ordered[math.ceil(0.95 * last)], ordered[-1])
-
-
-def _between(begin_ns: int, begin: Pose, end_ns: int, end: Pose, at_ns: int) -> Pose:
-    share = (at_ns - begin_ns) / (end_ns - begin_ns) if end_ns > begin_ns else 1.0
-    turn = math.remainder(end.yaw - begin.yaw, math.tau)
-    return Pose(
-        begin.x + share * (end.x - begin.x),
-        begin.y + share * (end.y - begin.y),
-        math.remainder(begin.yaw + share * turn, math.tau),
-    )

@@ -110,9 +110,4 @@ class Comparison:
 
 def _between(before: Odometry, after: Odometry, robot_ns: int) -> Pose:
     share = (robot_ns - before.tick.robot_ns) / (after.tick.robot_ns - before.tick.robot_ns)
-    turn = math.remainder(after.yaw - before.yaw, math.tau)
-    return Pose(
-        before.x + share * (after.x - before.x),
-        before.y + share * (after.y - before.y),
-        math.remainder(before.yaw + share * turn, math.tau),
-    )
+    return Pose(before.x, before.y, before.yaw).towards(Pose(after.x, after.y, after.yaw), share)

@@ -23,6 +23,15 @@ class Pose(NamedTuple):
         direction = self.yaw + axis
         return (other.x - self.x) * math.cos(direction) + (other.y - self.y) * math.sin(direction)
 
+    def towards(self, other: Pose, share: float) -> Pose:
+        """Return the pose at this share of the way to `other`, 0..1, the shorter turn there."""
+        turn = math.remainder(other.yaw - self.yaw, math.tau)
+        return Pose(
+            self.x + share * (other.x - self.x),
+            self.y + share * (other.y - self.y),
+            math.remainder(self.yaw + share * turn, math.tau),
+        )
+
     def sees(self, x: float, y: float) -> tuple[float, float]:
         """A point of the frame, as m ahead of here and m to the left."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
