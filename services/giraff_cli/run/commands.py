@@ -49,7 +49,7 @@ def run(  # noqa: PLR0913, PLR0917  one argument an option
         typer.Option("--localize", help="Also look for it on the room's map; tell how far off that is."),
     ] = False,
     camera: Annotated[
-        bool, typer.Option("--camera", help="Also give it the simulated camera; nobody sees by it unasked.")
+        bool, typer.Option("--camera", help="Also give it a simulated camera; tell how that sees it move.")
     ] = False,
     local: Annotated[bool, typer.Option("--local", help="Keep off the network.")] = False,
 ) -> None:

@@ -7,6 +7,7 @@ import math
 from giraff_cli.run.telemetry import RunSnapshot
 from giraff_core.kinematics.pose import Pose
 from giraff_telemetry.describe import base_text, forward_text, localization_text, range_text
+from giraff_telemetry.visual_odometry import visual_text
 
 
 def line(snapshot: RunSnapshot, elapsed: float) -> str:
@@ -26,4 +27,6 @@ def line(snapshot: RunSnapshot, elapsed: float) -> str:
         parts.append(f"map {localization_text(snapshot)}")
     if (off := snapshot.off_map) is not None:
         parts.append(f"off {off.distance:.2f} m, {math.degrees(off.angle):.1f}°")
+    if snapshot.seen is not None:
+        parts.append(f"camera {visual_text(snapshot.seen)}")
     return " | ".join(parts)

@@ -34,6 +34,7 @@ from giraff_sim.settings import Settings
 from giraff_sim.truth import Level, draw_truth
 from giraff_sim.world.hand import ScriptError
 from giraff_sim.world.room import RoomError, read_room
+from giraff_vision.config import VisionConfig
 from giraff_web.config import WebConfig
 
 Boards = Literal["avr", "host"]
@@ -209,6 +210,7 @@ def _camera(robot: RobotConfig, environment: Mapping[str, str]) -> str:
     """Return the name of the camera that the robot file means. Raises PlanError."""
     try:
         name, _ = camera_of(load("camera", CameraConfig, environment), robot)
+        load("vision", VisionConfig, environment)
     except ValueError as error:
         raise PlanError(f"--camera: {error}") from error
     return name

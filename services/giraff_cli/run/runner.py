@@ -28,7 +28,7 @@ from giraff_node import robot_now_ns
 from giraff_node.network.query_client import EStopClient, request_estop
 from giraff_node.process.state import write_file_durably
 from giraff_schemas.messages import Sample
-from giraff_schemas.services import CAMERA, DEMONSTRATION, LOCALIZATION, SIMULATED, WEB
+from giraff_schemas.services import CAMERA, DEMONSTRATION, LOCALIZATION, SIMULATED, VISION, WEB
 from giraff_schemas.text import printable_lines
 from giraff_schemas.topics import LEASE, TOPICS, TRUE_POSE, Topic
 from giraff_sim.control.client import SimulatorError
@@ -86,7 +86,8 @@ class Run:
         self._driver: Driver | None = None
         self._page = robot.page
         self._services = (*SIMULATED, *([WEB.name] if plan.web else []), *([CAMERA.name] if plan.camera else []))
-        self._awaited = {*self._services, *([LOCALIZATION.name] if plan.localize else [])} - {WEB.name}
+        beside = (*([LOCALIZATION.name] if plan.localize else []), *([VISION.name] if plan.camera else []))
+        self._awaited = {*self._services, *beside} - {WEB.name}
         self._screen: Screen = NullScreen()
         self._failures: list[str] = []
         self._began_ns: int | None = None
@@ -238,6 +239,7 @@ class Run:
             address=addresses.of_others(told),
             services={service: self._standing(service, telemetry) for service in self._services},
             look=self._look_hint,
+            vision=self._standing(VISION.name, telemetry) if self._plan.camera else None,
             localization=self._standing(LOCALIZATION.name, telemetry) if self._plan.localize else None,
             notices=tuple(failure.partition("\n")[0] for failure in self._failures[-_NOTICES:]),
         )

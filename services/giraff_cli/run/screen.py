@@ -17,8 +17,9 @@ from giraff_cli.terminal.addresses import BesideCode, Code
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.text import printable
 from giraff_telemetry import panels as blocks
-from giraff_telemetry.layout import NONE, Standing, beside, block, clock, header, notice, right, services
+from giraff_telemetry.layout import HEADING, NONE, Standing, beside, block, clock, header, notice, right, services
 from giraff_telemetry.panels import dim
+from giraff_telemetry.visual_odometry import visual_text
 
 _COLUMNS: Final = 80
 _TOPIC_COLUMNS: Final = 3
@@ -44,6 +45,8 @@ class Frame:
     services: dict[str, Standing]
     localization: Standing | None
     """Of the service that looks for it on the map; None: there is none."""
+    vision: Standing | None = None
+    """Of the service that tells motion by the camera. None: there is none."""
     look: str = ""
     """How to see by its camera; empty: it has none."""
     notices: tuple[str, ...]
@@ -100,10 +103,19 @@ def _last_row(snapshot: RunSnapshot, frame: Frame) -> list[RenderableType]:
     if frame.localization is None:
         if snapshot.attitude is not None:
             return [blocks.balance(snapshot)]
-        return [Text(printable(frame.look), style="green", no_wrap=True, overflow="ellipsis")] if frame.look else []
+        return [_camera(snapshot, frame)] if frame.look else []
     off = snapshot.off_map
     told = "" if off is None else f"off {off.distance:.2f} m, {math.degrees(off.angle):.1f}°"
     return [blocks.localization(snapshot, told if frame.localization == "alive" else frame.localization)]
+
+
+def _camera(snapshot: RunSnapshot, frame: Frame) -> Text:
+    """Whether the motion is seen, and how a person sees by it."""
+    text = Text(no_wrap=True, overflow="ellipsis")
+    if frame.vision is not None:
+        told = visual_text(snapshot.seen) if frame.vision == "alive" and snapshot.seen is not None else frame.vision
+        text.append("VISION  ", HEADING).append(f"{printable(told)}  ")
+    return text.append(printable(frame.look), "green")
 
 
 def _header(frame: Frame) -> RenderableType:

@@ -21,7 +21,7 @@ from giraff_core.estop.latch import RELEASED
 from giraff_core.kinematics.pose import Pose
 from giraff_node import robot_now_ns
 from giraff_node.process.state import write_latch
-from giraff_schemas.services import CAMERA, LOCALIZATION, SERVICES, SIMULATED, WEB
+from giraff_schemas.services import CAMERA, LOCALIZATION, SERVICES, SIMULATED, VISION, WEB
 from giraff_schemas.text import plain
 from giraff_sim.control.client import SimulatorClient, SimulatorError
 from giraff_sim.truth import Truth as Drawn
@@ -128,12 +128,13 @@ class SimulatedRobot:
         self._start(WEB.name, own | given | {"GIRAFF_WEB_ROOM": str(room)})
 
     def _start_camera(self, environment: dict[str, str]) -> None:
-        """Start what takes pictures of the room, and the service that reads them."""
+        """Start what takes pictures of the room, the service that reads them, and the one that sees motion in them."""
         socket = self._directory / "camera.sock"
         arguments = {"--control": self._control, "--at": socket, "--seed": self._plan.seed}
         flat = [str(part) for pair in arguments.items() for part in pair]
         self._processes.start(_CAMERA, "giraff_sim.camera", flat, environment)
         self._start(CAMERA.name, environment | {"GIRAFF_CAMERA_DEVICE": str(socket)})
+        self._start(VISION.name, environment | {"GIRAFF_VISION_CAMERA": self._plan.camera})
 
     def truth(self) -> Truth:
         """The robot as the world has it now. Raises SimulatorError."""
@@ -183,7 +184,7 @@ class SimulatedRobot:
 
     def stop(self) -> list[str]:
         """End the services, then the simulator. Bounded. Returns what went wrong."""
-        services = (*SIMULATED, LOCALIZATION.name, WEB.name, CAMERA.name, _CAMERA)
+        services = (*SIMULATED, LOCALIZATION.name, WEB.name, VISION.name, CAMERA.name, _CAMERA)
         troubles = self._processes.stop(services, _GRACE)
         if self._client is not None:
             self._client.close()

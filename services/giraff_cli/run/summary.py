@@ -18,6 +18,7 @@ from giraff_sim.bodies.balancer.drawn import Drawn as BalancerDrawn
 from giraff_sim.truth import Level, TrueCamera
 from giraff_sim.truth import Truth as Drawn
 from giraff_telemetry.localization_summary import LocalizationSummary, localization_rows
+from giraff_telemetry.visual_odometry import VisualSummary, visual_rows
 
 _LABEL: Final = 15  # characters
 _INDENT: Final = " " * (_LABEL + 2)
@@ -79,6 +80,8 @@ class Summary(msgspec.Struct, frozen=True, kw_only=True):
     """Of the operator's measurement, when the guard's command that goes back to it reached base's host."""
     localization: LocalizationSummary | None
     """Where it was taken to be on the map, and how far off that was; None: nothing was heard of that."""
+    visual: VisualSummary | None
+    """How the camera saw the motion, beside wheels and truth. None: nothing was heard of giraff_vision."""
     skew_percent: float
     """By which simulated time went slower than the wall's."""
     failures: list[str]
@@ -125,6 +128,7 @@ def summarize(
         rates_hz={key: round(rate, 3) for key, rate in telemetry.rates_hz.items()},
         age_ms=telemetry.age_ms,
         localization=telemetry.localization,
+        visual=telemetry.visual,
         skew_percent=round(telemetry.skew * 100, 3),
         failures=failures,
     )
@@ -144,6 +148,7 @@ def to_text(summary: Summary) -> str:
         ("distance", f"{summary.distance_m:.2f} m"),
         ("odometry off by", "unknown" if error is None else f"{error:.3f} m, {summary.odom_error_deg:.2f}°{per_cent}"),
         ("its own sigma", _claim(summary)),
+        *(visual_rows(summary.visual) if summary.visual is not None else ()),
         *(localization_rows(summary.localization) if summary.localization is not None else ()),
         ("true robot", _difference(summary)),
         ("closest", f"{summary.closest_m:.3f} m, {counted(summary.contacts, 'contact')}"),

@@ -9,14 +9,17 @@ from typing import Any, Final
 from giraff_cli.network.age_histogram import AgeHistogram
 from giraff_cli.run.odometry_error import Comparison, OdometryError, Truth
 from giraff_core.kinematics.pose import Pose
+from giraff_core.latest import Latest
+from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import GuardedCommand, Odometry, RobotTime, Sample, TruePose
-from giraff_schemas.topics import ODOM, POSE, RANGE, TICK, TILT, WHEELS, Topic
+from giraff_schemas.topics import ODOM, POSE, RANGE, TICK, TILT, VISUAL_ODOM, WHEELS, Topic
 from giraff_sim.control.messages import Balance
 from giraff_telemetry.collector import Snapshot, Telemetry
 from giraff_telemetry.localization import WayByState
 from giraff_telemetry.localization_error import LocalizationError, LocalizationErrors
 from giraff_telemetry.localization_summary import LocalizationSummary, summarize_localization
+from giraff_telemetry.visual_odometry import VisualErrors, VisualSummary
 
 _BY_BOARD: Final = {topic.key for topic in (TILT, RANGE, WHEELS, ODOM)}
 """What the boards' clocks pace: judged in simulated time, in which all three agree. The rest goes by the wall's."""
@@ -42,6 +45,8 @@ class RunSnapshot(Snapshot):
     age_ms: AgeSummary | None
     off_map: LocalizationError | None
     """Localization's error at its newest pose that the truth reaches up to."""
+    seen: Latest[VisualOdometry] | None
+    """What giraff_vision said last."""
 
 
 class RunTelemetry(Telemetry):
@@ -59,11 +64,15 @@ class RunTelemetry(Telemetry):
         """m. The farthest that a robot that balances came from where it had settled, before it drove or was pushed."""
         self._ages = AgeHistogram()
         self._map_errors, self._map_way = LocalizationErrors(), WayByState()
+        self._visual = VisualErrors()
 
     def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
         super().on_sample(topic, key, sample, at_ns)
         if isinstance(sample, Odometry):
             self._comparison.on_sample(sample)
+            self._visual.on_odometry(sample)
+        elif isinstance(sample, VisualOdometry):
+            self._visual.on_sample(sample)
         elif isinstance(sample, MapPose):
             self._map_errors.on_pose(sample)
         elif isinstance(sample, GuardedCommand):
@@ -80,6 +89,7 @@ class RunTelemetry(Telemetry):
         self._comparison.see(truth)
         self._see_drift(truth)
         self._map_errors.see(truth.robot_ns, truth.pose)  # the room's frame is the map's
+        self._visual.see(truth.robot_ns, truth.pose, truth.path)
         said = self.latest(POSE, truth.robot_ns)
         self._map_way.come(truth.path, said.sample.state if said is not None and said.fresh else None)
 
@@ -120,6 +130,11 @@ class RunTelemetry(Telemetry):
         return None if said is None else summarize_localization(said.sample, self._map_way, self._map_errors)
 
     @property
+    def visual(self) -> VisualSummary | None:
+        """Return how well the camera saw the robot's motion. None: nothing was heard of giraff_vision."""
+        return self._visual.summary
+
+    @property
     def true_pose(self) -> TruePose | None:
         """As it is told to whoever looks on; None: before odometry has begun."""
         tick, pose = self.latest(TICK, self.truth.robot_ns), self._comparison.in_odom(self.truth.pose)
@@ -147,6 +162,7 @@ class RunTelemetry(Telemetry):
             apart=self.apart,
             age_ms=self.age_ms,
             off_map=self._map_errors.newest,
+            seen=self.latest(VISUAL_ODOM, now_ns),
         )
 
     def _clock(self, topic: Topic[Any], at_ns: int) -> float:

@@ -16,13 +16,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from giraff_node.process import libraries
 from giraff_camera.device import opening, v4l2
 from giraff_camera.device.image import DeviceError
 from giraff_camera.device.opencv import cv2
 from giraff_camera.device.opening import open_camera
 from giraff_camera.device.simulated import SimulatedCamera
 from giraff_camera.device.v4l2 import V4l2Camera
+from giraff_node.process import libraries
 from giraff_schemas.trouble import Trouble
 
 WIDTH, HEIGHT = 32, 24

@@ -9,7 +9,7 @@ from giraff_cli.run.odometry_error import Truth
 from giraff_cli.run.telemetry import RunTelemetry
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
-from giraff_schemas.camera import Asker, CameraState
+from giraff_schemas.camera import Asker, CameraState, VisualOdometry
 from giraff_schemas.codec import stamped
 from giraff_schemas.messages import (
     Attitude,
@@ -177,6 +177,22 @@ def camera(*askers: str, reason: str = "") -> CameraState:
         height=240,
         rate=14.9 if askers else 0.0,
         reason=reason,
+    )
+
+
+def seen(robot_ns: int, x: float, reason: str = "", blind_m: float = 0.0) -> VisualOdometry:
+    """A picture that was taken then, by which the robot went `x` m since the first."""
+    return VisualOdometry(
+        camera="head",
+        picture=robot_ns // MS,
+        tick=at(robot_ns - 10 * MS),
+        since_tick=0.01,
+        key=0,
+        reason=reason,
+        motion=None,
+        path=(x, 0.0, math.radians(0.5) if x else 0.0),
+        seen_m=x - blind_m,
+        blind_m=blind_m,
     )
 
 
