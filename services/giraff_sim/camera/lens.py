@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 import msgspec
@@ -12,11 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from giraff_core.sensors import Camera
+from giraff_sim.camera.scene import Lens
 
 Array = NDArray[np.float64]
 
 _ITERATIONS: Final = 30
 _EXACT: Final = 1e-9
+_GRAIN: Final = 0.3  # share of the light that a grain leaves
+_THUMB: Final = 0.17  # radius of its print, in heights of the picture
+_RIDGES: Final = 0.04  # from one to the next, in heights of the picture
 
 
 def resized(camera: Camera, width: int, height: int) -> Camera:
@@ -66,3 +71,18 @@ def turned(camera: Camera) -> Array:
     optical = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
     matrix: Array = yaw @ pitch @ roll @ optical
     return matrix
+
+
+def dirt(lens: Lens, camera: Camera, seed: int) -> Array:
+    """Return the share of the light that the dirt on a lens leaves to each pixel: (height, width)."""
+    width, height = camera.width, camera.height
+    chance, clear = np.random.default_rng(seed), np.ones((height, width))
+    row, column = np.mgrid[0:height, 0:width]
+    for _ in range(lens.specks):
+        at, radius = chance.uniform(0.0, (height, width)), chance.uniform(1.0, 4.0) * width / 320
+        inside = np.clip(radius + 0.5 - np.hypot(row - at[0], column - at[1]), 0.0, 1.0)
+        clear = np.minimum(clear, 1.0 - (1.0 - _GRAIN) * inside)
+    if lens.print:
+        off = np.hypot(row / height - 0.68, (column - 0.45 * width) / height)
+        clear *= 1.0 - lens.print * np.cos(math.pi * off / _RIDGES) ** 2 * np.exp(-((off / _THUMB) ** 2))
+    return clear

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from giraff_core.sensors import Camera
 from giraff_sim.camera.eye import FARTHEST, Eye, View, at, look
-from giraff_sim.camera.lens import rays, turned
+from giraff_sim.camera.lens import dirt, rays, turned
 from giraff_sim.camera.paper import WHITE, board_seen, lay, sheet_seen
 from giraff_sim.camera.scene import Scene, Shadow
 from giraff_sim.camera.solids import KINDS, WALL, Color, Layer, Layers, Seen, Solids
@@ -29,6 +29,9 @@ _SPARE: Final = 16  # pixels by which a field of noise is larger than the pictur
 _SKIRTING: Final = 0.07  # m
 _VIGNETTE: Final = 0.13  # share of the light that is missing at the middle of an edge
 _RIM: Final = 1.0 / 0.06  # m, of a shadow
+_GREYS: Final = 768
+"""Greys of the brightest light: the darker colours are white only beyond 255."""
+_HAND: Final = 45.0  # grey level; little light comes through it
 _FLOORS: Final[dict[Floor, Color]] = {
     "brick": (84, 108, 152),
     "planks": (78, 118, 166),
@@ -36,8 +39,9 @@ _FLOORS: Final[dict[Floor, Color]] = {
     "carpet": (112, 96, 88),
     "gravel": (118, 126, 130),
     "lino": (136, 158, 150),
+    "bare": (136, 158, 150),
 }
-_CEILING, _FLOOR, _SKIRT = range(len(KINDS), len(KINDS) + 3)
+_CEILING, _FLOOR, _SKIRT, _SKIN = range(len(KINDS), len(KINDS) + 4)
 """Materials beyond the kinds of solids. After them comes paper."""
 _TOPS: Final = np.array([kind.top for kind in KINDS], np.float32)
 _BOTTOMS: Final = np.array([kind.bottom for kind in KINDS], np.float32)
@@ -68,6 +72,7 @@ class Renderer:
             ("plaster", (206, 210, 212)),
             (scene.floor, _FLOORS[scene.floor]),
             ("plaster", (92, 104, 112)),
+            ("plaster", (92, 112, 168)),
             ("plaster", (128, 128, 128)),
         ]
         self._textures = Textures(list(dict.fromkeys(texture for texture, _ in looks)), seed)
@@ -77,7 +82,11 @@ class Renderer:
         self._rays = (turned(camera) @ rays(camera).reshape(-1, 3).T).astype(np.float32)
         self._views: dict[tuple[float, float], View] = {}
         down, across = np.mgrid[-1.0 : 1.0 : camera.height * 1j, -1.0 : 1.0 : camera.width * 1j]
-        self._vignette = (scene.light * (1.0 - _VIGNETTE * (down**2 + across**2))).astype(np.float32).reshape(-1)
+        clear = scene.light * (1.0 - _VIGNETTE * (down**2 + across**2)) * dirt(scene.lens, camera, seed)
+        self._clear = clear.astype(np.float32).reshape(-1)
+        """Share of the light that comes through the lens."""
+        covered = np.arange(camera.width) < scene.lens.covered * camera.width
+        self._covered = np.flatnonzero(np.tile(covered, camera.height))
         self._chance = np.random.default_rng(seed)
         shape = (_BANKS, camera.height + _SPARE, camera.width + _SPARE)
         self._noise = self._chance.standard_normal(shape, np.float32) * np.float32(scene.noise)
@@ -108,13 +117,16 @@ class Renderer:
             moved = Pose(pose.x + speed * dt * math.cos(yaw), pose.y + speed * dt * math.sin(yaw), yaw)
             once, material = self._once(at(view, moved), t + dt)
             grey = grey + once
-        grey *= self._vignette / np.float32(len(moments))
+        grey *= self._clear / np.float32(len(moments))
+        if self._scene.switching and t // (self._scene.switching / 2) % 2:
+            grey *= np.float32(0.5)
+        grey[self._covered], material[self._covered] = _HAND, _SKIN
         right, down = self._chance.integers(0, _SPARE, 2)
         noise = self._noise[self._chance.integers(0, _BANKS)]
         grey += noise[down : down + camera.height, right : right + camera.width].reshape(-1)
-        np.minimum(np.maximum(grey, np.float32(0.0), out=grey), np.float32(255.0), out=grey)
+        np.minimum(np.maximum(grey, np.float32(0.0), out=grey), np.float32(_GREYS - 1), out=grey)
         shown = grey.astype(np.intp)
-        shown += material * 256
+        shown += material * _GREYS
         colors = self._palette.take(shown, mode="clip").view(np.uint8)
         return np.ascontiguousarray(colors.reshape(camera.height, camera.width, 4)[:, :, :3])
 
@@ -209,7 +221,7 @@ def _shadow(shadow: Shadow, x: Single, y: Single, t: float) -> Single:
 
 def _palette(colors: list[Color]) -> NDArray[np.uint32]:
     """Return blue, green and red of each material at each grey."""
-    table = np.zeros((len(colors), 256, 4), np.uint8)
+    table = np.zeros((len(colors), _GREYS, 4), np.uint8)
     shares = np.array(colors)[:, None, :] / 128.0
-    table[:, :, :3] = np.clip(np.rint(np.arange(256)[None, :, None] * shares), 0, 255)
+    table[:, :, :3] = np.clip(np.rint(np.arange(_GREYS)[None, :, None] * shares), 0, 255)
     return table.reshape(-1).view(np.uint32)

@@ -76,12 +76,25 @@ class Sheet(NamedTuple):
     width: float = 0.210
 
 
+class Lens(NamedTuple):
+    """Dirt and hands on the lens. They stay in the picture wherever the robot goes."""
+
+    specks: int = 0
+    """Number of grains, of a radius up to 4 px in a picture of 320 px."""
+    print: float = 0.0
+    """Share of the light that the ridges of a thumb's print take."""
+    covered: float = 0.0
+    """Share of the picture, from its left side, that a hand covers."""
+
+
 class Scene(NamedTuple):
     """All of it. The same scene, seed and calls give the same pictures."""
 
     floor: Floor = "planks"
     light: float = 1.0
     """1: as the colours are meant; less: darker."""
+    switching: float = 0.0
+    """s. Period in which half of the lamps go off and on again; 0: they stay on."""
     gradient: float = 0.12
     """Share by which one side of the room is lighter or darker than its middle."""
     noise: float = 2.5
@@ -92,3 +105,4 @@ class Scene(NamedTuple):
     people: tuple[Walker, ...] = ()
     board: Board | None = None
     sheet: Sheet | None = None
+    lens: Lens = Lens()

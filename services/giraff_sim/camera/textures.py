@@ -15,7 +15,7 @@ Grey = NDArray[np.float64]
 Index = NDArray[np.intp]
 Single = NDArray[np.float32]
 
-Floor = Literal["brick", "planks", "tiles", "carpet", "gravel", "lino"]
+Floor = Literal["brick", "planks", "tiles", "carpet", "gravel", "lino", "bare"]
 Cover = Literal["plaster", "wood", "cloth"]
 """Textures of walls and furniture."""
 Texture = Literal[Floor, Cover]
@@ -102,6 +102,8 @@ def _floor(name: Floor, chance: np.random.Generator) -> Grey:
             return _stones(chance)
         case "lino":
             return 128 + 2.0 * _noise(chance, 1.0) + 1.5 * _noise(chance, 6)
+        case "bare":
+            return np.full((SIZE, SIZE), 128.0)
 
 
 def _stones(chance: np.random.Generator, cell: int = 8) -> Grey:
