@@ -29,6 +29,7 @@ from giraff_cli.top.commands import top
 from giraff_cli.topic.commands import topic
 from giraff_cli.tune.commands import tune
 from giraff_cli.view.commands import view
+from giraff_cli.vision.commands import vision
 from giraff_cli.watch.commands import watch
 from giraff_cli.web.commands import web
 from giraff_cli.why.commands import why
@@ -40,8 +41,9 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, web, localize, dst):
+for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, web, localize, vision):
     app.command()(verb)
+app.command()(dst)
 for motion in (move, turn, arc):
     app.command(context_settings=NEGATIVE)(motion)
 app.command(context_settings=NEGATIVE)(go)

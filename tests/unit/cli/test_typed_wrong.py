@@ -12,6 +12,8 @@ from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
 
 DRIVE = str(ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap")
+ROBOT = str(ROOT / "deploy" / "robot.toml")
+ARDROS = str(ROOT / "deploy" / "robots" / "ardros.toml")
 BATTERY = ("topic", "pub", "battery")
 
 ANGLES: tuple[tuple[tuple[str, ...], str], ...] = (
@@ -167,11 +169,21 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("view", DRIVE), "no screen here"),
     (("view", "none.mcap", "--save", "out.rrd"), "No such file"),
     (("view", "/etc/hostname", "--save", "out.rrd"), "not an MCAP file"),
+    (("vision",), "name a recording or a video with --from FILE; a live robot is seen with giraff view --camera, or"),
+    (("vision", "--from", "none.mcap"), "none.mcap: No such file or directory"),
+    (("vision", "--from", "none.mp4"), "none.mp4: No such file or directory"),
+    (("vision", "--from", "/etc"), "/etc: it is no file, but a folder"),
+    (("vision", "--from", "/etc/hostname"), "no robot file at "),
+    (("vision", "--from", "/etc/hostname", "--file", "no.toml"), "--file no.toml: there is no such file"),
+    (("vision", "--from", "/etc/hostname", "--file", ROBOT), "hostname: OpenCV cannot read it as a video; give"),
+    (("vision", "--from", DRIVE), "no pictures of head in it; record them with giraff record --camera"),
+    (("vision", "--from", DRIVE, "--camera", "ear"), "--camera is 'ear', and the robot file's cameras are head: name"),
+    (("vision", "--from", DRIVE, "--file", ARDROS), "the robot file has no camera; write [robot.sensors.head] with"),
     *ANGLES,
 )
 
 
-@pytest.mark.parametrize(("words", "said"), ROWS, ids=[" ".join(words).replace(DRIVE, "FILE") for words, _ in ROWS])
+@pytest.mark.parametrize(("words", "said"), ROWS, ids=[" ".join(words).replace(str(ROOT), "") for words, _ in ROWS])
 def test_it_is_told_in_a_line(
     words: tuple[str, ...],
     said: str,

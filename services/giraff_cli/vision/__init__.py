@@ -1,0 +1,1 @@
+"""`giraff vision`: visual odometry of pictures that were taken before."""
