@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
 from io import StringIO
 from pathlib import Path
 
@@ -21,9 +22,11 @@ from giraff_mcap.reading import Recording, RecordingError, params_in
 from giraff_mcap.tables import table_of
 from giraff_mcap.unread import Unread
 from giraff_node.config.robot_file import ConfigError
+from giraff_node.process.libraries import missing_library
 from giraff_odometry.config import OdometryConfig
+from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.codec import DecodeError
-from giraff_schemas.topics import topic_of
+from giraff_schemas.topics import CAMERA_PICTURES, VISUAL_ODOM, topic_of
 from giraff_telemetry.console import CleanConsole
 
 _AGREES = 0
@@ -67,14 +70,14 @@ def agreements(recording: Recording, strange: dict[str, str], unread: Unread | N
     `strange` takes, by key, why a sample of it cannot be decoded by this version, and so is not compared.
     `unread` takes what is missing in the file.
     """
-    said = RecordedSamples()
+    said, unread = RecordedSamples(), Unread() if unread is None else unread
     for sample in recording.samples(unread=unread):
         if (answer := params_in(sample)) is not None:
             try:
                 said.add_params(answer)
             except ValueError as error:
                 strange.setdefault(sample.key, str(error))
-        if topic_of(sample.key) is None:
+        if (topic := topic_of(sample.key)) is None or topic in CAMERA_PICTURES:  # pictures are too large to keep
             continue
         try:
             said.add(sample.decode())
@@ -84,7 +87,35 @@ def agreements(recording: Recording, strange: dict[str, str], unread: Unread | N
     return [
         replay_odometry(said, table_of(recording, "odometry", OdometryConfig), robot),
         *replay_guard(said, table_of(recording, "guard", GuardConfig), robot),
+        *_vision(recording, said, robot, strange, unread),
     ]
+
+
+def _vision(
+    recording: Recording, said: RecordedSamples, robot: RobotConfig, strange: dict[str, str], unread: Unread
+) -> list[Agreement]:
+    """Replay visual odometry, where the recording has pictures."""
+    told, keys = len(said.of(VisualOdometry)), recording.matching([topic.key for topic in CAMERA_PICTURES])
+    if not (told and keys):
+        return []
+
+    def pictures() -> Iterator[Picture]:
+        for sample in recording.samples(sorted(keys)):
+            try:
+                if isinstance(picture := sample.decode(), Picture):
+                    yield picture
+            except DecodeError as error:
+                strange.setdefault(sample.key, str(error))
+
+    if not (why := missing_library()):
+        from giraff_cli.replay.vision import replay_vision  # noqa: PLC0415  needs that library
+
+        try:
+            return [replay_vision(said, pictures(), robot)]
+        except ValueError as error:  # no JPEG, or of another camera
+            why = str(error)
+    unread.leave_out(VISUAL_ODOM.key, why, told)
+    return []
 
 
 def _told(found: list[Agreement], *, as_json: bool) -> str:
