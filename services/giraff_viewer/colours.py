@@ -22,6 +22,9 @@ PINK: Final[Colour] = (255, 110, 180)
 
 ROBOT: Final = WHITE
 PATH: Final = BLUE
+VISUAL: Final[Colour] = (255, 225, 80)
+BLIND: Final[Colour] = (150, 130, 50)
+"""Where the path of the camera is the wheels' word."""
 ELLIPSE: Final = CYAN
 TRUTH: Final = PINK
 TILT: Final = PINK

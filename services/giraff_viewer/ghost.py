@@ -6,7 +6,7 @@ from collections import deque
 from typing import Final
 
 from giraff_core.kinematics.pose import Pose
-from giraff_schemas.messages import Odometry, TruePose
+from giraff_schemas.messages import Odometry, RobotTime, TruePose
 
 _KEPT: Final = 100  # odometry samples: a second, more than a true pose is late
 
@@ -23,10 +23,15 @@ class Ghost:
             self._samples.clear()
         self._samples.append(odometry)
 
+    def at(self, tick: RobotTime | None) -> Odometry | None:
+        """Return odometry of a moment of the last second; None: it says nothing of that time."""
+        of_its_time = [sample for sample in self._samples if tick is not None and sample.tick.epoch == tick.epoch]
+        if tick is None or not of_its_time or tick.robot_ns < of_its_time[0].tick.robot_ns:
+            return None
+        return min(of_its_time, key=lambda sample: abs(sample.tick.robot_ns - tick.robot_ns))
+
     def apart(self, truth: TruePose) -> Pose | None:
         """The true robot in the `base_link` of odometry; None: odometry says nothing of that time."""
-        of_its_time = [sample for sample in self._samples if sample.tick.epoch == truth.tick.epoch]
-        if not of_its_time or truth.tick.robot_ns < of_its_time[0].tick.robot_ns:
+        if (then := self.at(truth.tick)) is None:
             return None
-        then = min(of_its_time, key=lambda sample: abs(sample.tick.robot_ns - truth.tick.robot_ns))
         return Pose(truth.x, truth.y, truth.yaw).seen_from(Pose(then.x, then.y, then.yaw))

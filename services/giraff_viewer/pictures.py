@@ -35,6 +35,11 @@ class Pictures:
         """Those that a picture was heard of."""
         return tuple(self._newest)
 
+    def size(self, camera: str) -> tuple[float, float] | None:
+        """Return width and height of the newest picture of a camera, px; None: there is none."""
+        picture = self._newest.get(camera)
+        return None if picture is None else (picture.width, picture.height)
+
     def on_sample(self, sample: Tick | Picture, at_ns: int) -> list[Row]:
         """Return what a picture draws. A tick is the robot's clock, by which a picture's age is told."""
         if isinstance(sample, Tick):

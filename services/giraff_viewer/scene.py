@@ -14,7 +14,7 @@ import rerun as rr
 from rerun.components import AggregationPolicy
 
 from giraff_core.robot import RobotConfig
-from giraff_schemas.camera import Picture
+from giraff_schemas.camera import Picture, VisualOdometry
 from giraff_schemas.localization import MapPose, MapWalls, Particles
 from giraff_schemas.messages import GuardState, Odometry, Range, Sample, Tick, Tilt, TruePose
 from giraff_schemas.topics import Topic
@@ -27,6 +27,7 @@ from giraff_viewer.rows import FLOOR, Row, planar, turned
 from giraff_viewer.shapes import arc, cone, ellipse, grid, headings, outline, placed
 from giraff_viewer.story import Line, Story
 from giraff_viewer.trail import Point, Trail
+from giraff_viewer.vision import Vision
 from giraff_viewer.whereabouts import Whereabouts
 
 LOG: Final = "log"
@@ -54,6 +55,7 @@ class Scene:
         self._whereabouts = Whereabouts(self._outline, _HEADING * robot.footprint_radius)
         self._ghost = Ghost()
         self._pictures = Pictures()
+        self._vision = Vision()
         self._trail = Trail()
         self._spread: tuple[int, int, int, int] | None = None
         self._moved = False
@@ -69,6 +71,7 @@ class Scene:
             (FLOOR, rr.CoordinateFrame("floor")),
             ("frames/map", rr.Transform3D(**upside_up, parent_frame="floor", child_frame="map")),
             *self._whereabouts.begin(),
+            *self._vision.begin(),
             *((path, rr.CoordinateFrame("map")) for path in (GRID, NUMBERS)),
             (f"{FLOOR}/path", rr.CoordinateFrame("odom")),
             (f"{FLOOR}/ellipse", rr.CoordinateFrame("odom")),
@@ -117,12 +120,13 @@ class Scene:
                 rows += self._draw_grid([point for wall in walls for point in (wall[:2], wall[2:])])
             case Tick() | Picture():
                 rows += self._pictures.on_sample(sample, at_ns)
+            case VisualOdometry():
+                then, shown = self._ghost.at(sample.tick), self._pictures.size(sample.camera)
+                rows += self._vision.on_sample(sample, then, shown, at_ns)
             case Tilt() if self._due(HAND, _PLOT_EVERY, at_ns):
                 rows.append((f"{HAND}/tilt", _tilt(sample)))
             case GuardState():
-                for each in self._cones.values():
-                    each.judge(sample)
-                rows += self._draw_cones(at_ns)
+                rows += self._judge(sample, at_ns)
         lines = self._story.on_sample(sample)
         if isinstance(sample, Range):
             level = "INFO" if sample.state != "fault" else "WARN"
@@ -136,7 +140,13 @@ class Scene:
 
     def look(self, now_ns: int) -> list[Row]:
         """What the time that passes changes: a sensor that is silent, a way that is longer than its line."""
-        return self._draw_cones(now_ns) + self._draw_trail(now_ns) + self._pictures.look(now_ns)
+        rows = self._draw_cones(now_ns) + self._draw_trail(now_ns)
+        return rows + self._pictures.look(now_ns) + self._vision.look(now_ns)
+
+    def _judge(self, guard: GuardState, at_ns: int) -> list[Row]:
+        for each in self._cones.values():
+            each.judge(guard)
+        return self._draw_cones(at_ns)
 
     def _move(self, odometry: Odometry, at_ns: int) -> list[Row]:
         rows: list[Row] = []
@@ -183,10 +193,11 @@ class Scene:
         return [(GRID, rr.LineStrips2D(lines, colors=[LINES], radii=[0.004], draw_order=1.0)), (NUMBERS, at)]
 
     def _draw_trail(self, at_ns: int) -> list[Row]:
-        if not (self._moved and self._due("trail", _TRAIL_EVERY, at_ns)):
-            return []
-        self._moved = False
-        return [(f"{FLOOR}/path", rr.LineStrips2D([self._trail.points], colors=[PATH], radii=[0.02]))]
+        rows = self._vision.draw_path() if self._due("visual", _TRAIL_EVERY, at_ns) else []
+        if self._moved and self._due("trail", _TRAIL_EVERY, at_ns):
+            self._moved = False
+            rows.append((f"{FLOOR}/path", rr.LineStrips2D([self._trail.points], colors=[PATH], radii=[0.02])))
+        return rows
 
     def _draw_cones(self, now_ns: int) -> list[Row]:
         rows: list[Row] = []

@@ -16,19 +16,22 @@ class Trail:
 
     def __init__(self) -> None:
         self.points: list[Point] = []
+        self.unseen: list[bool] = []
+        """For each point, whether no camera has seen the step to it."""
         self._step = _STEP
-        self._origin: tuple[str, int] | None = None
+        self._origin: object = None
 
-    def go_on(self, x: float, y: float, origin: tuple[str, int]) -> bool:
+    def go_on(self, x: float, y: float, origin: object, *, unseen: bool = False) -> bool:
         """Whether the trail has changed. `origin`: `Odometry.origin`; where it is another, no robot has gone that way,
         and a new trail begins."""
         if self._origin != origin:
-            self.points, self._step, self._origin = [(x, y)], _STEP, origin
+            self.points, self.unseen, self._step, self._origin = [(x, y)], [unseen], _STEP, origin
             return True
         if math.dist(self.points[-1], (x, y)) < self._step:
             return False
         self.points.append((x, y))
+        self.unseen.append(unseen)
         if len(self.points) > _MOST:
-            self.points = self.points[::2]
+            self.points, self.unseen = self.points[::2], self.unseen[::2]
             self._step *= 2.0
         return True
