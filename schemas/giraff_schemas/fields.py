@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import copy
 import sys
 from pathlib import Path
 
@@ -33,11 +34,15 @@ def _declared(struct: type[msgspec.Struct]) -> dict[str, Field]:
     name = ""
     # Not by `inspect.getsource`, which reads a module several times: each service waits for this when it starts.
     module = ast.parse(Path(str(sys.modules[struct.__module__].__file__)).read_bytes())
+    aliases: dict[str, ast.expr] = {}
     for class_ in module.body:
+        match class_:
+            case ast.Assign(targets=[ast.Name(id=alias)], value=ast.Subscript(value=ast.Name(id="tuple")) as tuple_):
+                aliases[alias] = tuple_
         for statement in class_.body if isinstance(class_, ast.ClassDef) and class_.name == struct.__name__ else ():
             match statement:
                 case ast.AnnAssign(target=ast.Name(id=name), annotation=annotation):
-                    found[name] = Field(name, ast.unparse(_Plain().visit(annotation)), "")
+                    found[name] = Field(name, ast.unparse(_Plain(aliases).visit(annotation)), "")
                 case ast.Expr(value=ast.Constant(value=str(text))) if name in found:
                     found[name] = msgspec.structs.replace(found[name], doc=" ".join(text.split()))
                 case _:
@@ -46,7 +51,16 @@ def _declared(struct: type[msgspec.Struct]) -> dict[str, Field]:
 
 
 class _Plain(ast.NodeTransformer):
-    """Shortens a type: `Annotated[float, Tuning.RAISE_ONLY]` to `float`, `tuple[float, float]` to `float[2]`."""
+    """Shortens a type: `Annotated[float, Tuning.RAISE_ONLY]` to `float`, `tuple[float, float]` to `float[2]`.
+
+    It does so with a tuple that has a name of its own, too.
+    """
+
+    def __init__(self, aliases: dict[str, ast.expr]) -> None:
+        self._aliases = aliases
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        return self.visit(copy.deepcopy(self._aliases[node.id])) if node.id in self._aliases else node
 
     def visit_Subscript(self, node: ast.Subscript) -> ast.expr:
         self.generic_visit(node)
