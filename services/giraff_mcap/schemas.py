@@ -1,8 +1,9 @@
 """The messages' JSON Schemas, in the plain form that Foxglove takes.
 
 Its parser wants a `type` at each field: it knows neither `$ref` nor `anyOf`, an `enum` only beside a type, and an array
-by one type of its items. So what is referred to stands where it is used, and a field that may be null has the type that
-it has when it is not.
+by one type of its items, which is no array. So what is referred to stands where it is used, and a field that may be
+null has the type that it has when it is not. A field that is an array of arrays is left out of the schema: with it,
+Foxglove would refuse the whole key. The data have it all the same.
 """
 
 from __future__ import annotations
@@ -50,5 +51,7 @@ def _plain(schema: dict[str, Any], components: dict[str, Any]) -> dict[str, Any]
     if "prefixItems" in schema or schema.get("type") == "array":
         return {**plain, "items": _plain((schema.get("prefixItems") or [schema["items"]])[0], components)}
     if schema.get("type") == "object":
-        return {**plain, "properties": {k: _plain(v, components) for k, v in schema.get("properties", {}).items()}}
+        fields = {name: _plain(field, components) for name, field in schema.get("properties", {}).items()}
+        flat = {k: field for k, field in fields.items() if field.get("items", {}).get("type") != "array"}
+        return {**plain, "properties": flat}
     return plain

@@ -70,6 +70,7 @@ def test_each_field_of_a_schema_has_a_type_as_foxglove_wants_it(topic: Any) -> N
         assert field["type"] in {"object", "array", "string", "number", "integer", "boolean"}
         assert not {"$ref", "anyOf", "prefixItems"} & set(field)
         assert field["type"] != "object" or "properties" in field
+        assert field.get("items", {}).get("type") != "array"
 
 
 def test_a_lost_sample_is_counted_by_its_maker(tmp_path: Path) -> None:
