@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from textwrap import wrap
 from typing import Final
@@ -95,7 +96,8 @@ class Vision:
             return [((column + 0.5) * scale, (row + 0.5) * scale) for column, row in pixels]
 
         where = _marks(sample.camera)
-        why = "\n".join(map(drawable, wrap(f"no visual odometry: {sample.reason}", _COLUMNS))) if sample.reason else ""
+        lines = wrap(f"no visual odometry: {sample.reason}{_both(sample)}", _COLUMNS) if sample.reason else []
+        why = "\n".join(map(drawable, lines))
         ground = [placed(sample.ground + sample.ground[:1])] if sample.ground else []
         return [
             (f"{where}/ground", rr.LineStrips2D(ground, colors=[GREY], radii=[_LINE])),
@@ -106,6 +108,15 @@ class Vision:
                 rr.Points2D([(width / 2.0, height * 0.1)] if why else [], labels=[why], colors=[AMBER], radii=[1.0]),
             ),
         ]
+
+
+def _both(sample: VisualOdometry) -> str:
+    """Return the motions of picture and wheels, of a picture that was seen and is not believed."""
+    if sample.motion is None or sample.wheels is None:
+        return ""
+    steps = sample.motion, sample.wheels
+    seen, rolled = (f"{math.hypot(x, y):.2f} m and {math.degrees(yaw):z.0f}°" for x, y, yaw in steps)
+    return f" (picture: {seen}, wheels: {rolled})"
 
 
 def _marks(camera: str) -> str:

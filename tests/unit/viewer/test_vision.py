@@ -73,6 +73,9 @@ def test_its_marks_fit_the_picture_that_is_shown_and_go_when_no_more_come() -> N
     dark = look_at(scene, SECOND, reason="dark", width=0, height=0, tracked=(), rejected=(), ground=())
     assert dict(dark)["camera/head/vision/reason"].labels.as_arrow_array().to_pylist() == ["no visual odometry: dark"]
     assert dict(dark)["log"].text.as_arrow_array().to_pylist() == ["visual odometry: dark"]
+    apart = dict(look_at(scene, SECOND, reason="they disagree", motion=(0.0, 0.0, 0.0), wheels=(0.3, 0.4, 0.1)))
+    [label] = apart["camera/head/vision/reason"].labels.as_arrow_array().to_pylist()
+    assert "(picture: 0.00 m and 0°, wheels: 0.50 m and 6°)" in label.replace("\n", " ")
     assert "camera/head/vision" not in dict(scene.look(SECOND + 400 * MS))
     assert isinstance(dict(scene.look(SECOND + 600 * MS))["camera/head/vision"], rr.Clear)
     assert "camera/head/vision" not in dict(scene.look(SECOND + 700 * MS))
