@@ -34,6 +34,8 @@ _ASIDE: Final = 0.05
 """m for each rad of turn: the floor that is seen lies ahead, so an error of the turn is one of the way to the side."""
 _LATE: Final = 0.07
 """s. A camera may tell the moment of its exposure up to a picture's time too early: both differ while speed changes."""
+_JITTER: Final = 0.01
+"""s by which the moment of a picture is uncertain."""
 _TRUSTED_AGAIN: Final = 0.05
 """m and rad by the wheels, over which both must agree after they did not."""
 _DOUBTED_WAY: Final = 0.3
@@ -141,8 +143,8 @@ class VisionPolicy:
             return WELL
         begin, off = self._key_wheels, seen.motion.seen_from(wheels)
         way, turn = math.hypot(wheels.x, wheels.y), abs(wheels.yaw)
-        limit = _OFF_WAY + _OFF_SHARE * way + _ASIDE * turn + _LATE * abs(here.speed - begin.speed)
-        turn_limit = _OFF_TURN + _OFF_SHARE * turn + _LATE * abs(here.turn - begin.turn)
+        limit = _OFF_WAY + _OFF_SHARE * way + _ASIDE * turn + _late(begin.speed, here.speed)
+        turn_limit = _OFF_TURN + _OFF_SHARE * turn + _late(begin.turn, here.turn)
         if math.hypot(off.x, off.y) > limit or abs(off.yaw) > turn_limit:
             self._is_doubted = True
             if max(way, turn) > _DOUBTED_WAY and self._odometer is not None:
@@ -150,6 +152,11 @@ class VisionPolicy:
         elif max(way, turn) > _TRUSTED_AGAIN:
             self._is_doubted = False
         return reasons.DISAGREE if self._is_doubted else WELL
+
+
+def _late(begin: float, end: float) -> float:
+    """Return m or rad that moments which are told wrongly make of a speed."""
+    return _LATE * abs(end - begin) + _JITTER * max(abs(begin), abs(end))
 
 
 def _between(begin: Whereabouts | None, end: Whereabouts | None) -> Pose | None:

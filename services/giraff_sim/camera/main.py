@@ -70,8 +70,9 @@ class SimulatedCamera:
     def take(self) -> tuple[Header, Picture]:
         """Return a picture whose exposure ends now. Raises SimulatorError."""
         exposure = self._scene.exposure
-        now_ns = time.monotonic_ns()
+        asked_ns = time.monotonic_ns()
         state = self._client.state()
+        now_ns = (asked_ns + time.monotonic_ns()) // 2
         if state.room_version != self._room_version:
             room = self._client.room()
             self._renderer.solids, self._room_version = Solids(room.walls, room.posts), room.version
