@@ -26,7 +26,7 @@ from giraff_vision.wheel_path import WheelPath, Whereabouts
 
 _OFF_SHARE: Final = 0.08
 """m and rad for each of the wheels' way or turn by which both may differ: more than calibrations leave."""
-_OFF_WAY: Final = 0.003
+_OFF_WAY: Final = 0.002
 """m by which they may differ besides: what a picture tells of a robot that stands."""
 _OFF_TURN: Final = 0.01
 """rad, likewise."""
@@ -34,7 +34,7 @@ _ASIDE: Final = 0.05
 """m for each rad of turn: the floor that is seen lies ahead, so an error of the turn is one of the way to the side."""
 _LATE: Final = 0.07
 """s. A camera may tell the moment of its exposure up to a picture's time too early: both differ while speed changes."""
-_JITTER: Final = 0.01
+_JITTER: Final = 0.003
 """s by which the moment of a picture is uncertain."""
 _TRUSTED_AGAIN: Final = 0.05
 """m and rad by the wheels, over which both must agree after they did not."""

@@ -63,7 +63,7 @@ class Vision:
 
     def turn(self, now: float) -> None:
         if now - self._turned > HOLD_ENDS:  # the machine slept: that wish is over
-            self._ask()
+            self._ask(now)
         self._turned = now
         self._asker.want("full", now)
         for odometry in self._odometry.take():
@@ -71,7 +71,7 @@ class Vision:
             self._policy.on_odometry(odometry)
         for state in self._states.take():
             if self._asker.state is not None and self._asker.state.instance != state.instance:
-                self._ask()  # the camera has started again
+                self._ask(now)  # the camera has started again
             self._say(self._asker.on_state(state, self._io.instance, now))
         for size, inbox in self._pictures.items():
             for picture in inbox.take():
@@ -87,8 +87,9 @@ class Vision:
     def end(self) -> None:
         """Nothing is left to say: it looks no longer once its words are missing."""
 
-    def _ask(self) -> None:
+    def _ask(self, now: float) -> None:
         self._asker, self._listens = PictureAsker(self.camera, self._by), "small"
+        self._asker.want("full", now)
 
     def _say(self, hold: CameraHold | None) -> None:
         if hold is not None:
