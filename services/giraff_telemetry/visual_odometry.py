@@ -32,6 +32,8 @@ class VisualSummary(msgspec.Struct, frozen=True, kw_only=True):
     """Share of them that are measurements, 0..1."""
     reasons: dict[str, int]
     """Pictures that are none, by the reason; the most frequent first."""
+    without_wheels: int
+    """Pictures at which the wheels were not heard. Nothing contradicts these, and the path may lack their motion."""
     path_m: float
     """m of the way by the picture and, where that is no measurement, by the wheels."""
     blind_m: float
@@ -73,7 +75,7 @@ class VisualErrors:
         self._waiting: deque[VisualOdometry] = deque(maxlen=_KEPT)
         self._first: _Moment | None = None
         self._last: _Moment | None = None
-        self._pictures = 0
+        self._pictures = self._without_wheels = 0
         self._reasons: Counter[str] = Counter()
 
     def on_odometry(self, sample: Odometry) -> None:
@@ -86,6 +88,7 @@ class VisualErrors:
             self._begin()
         else:
             self._pictures += 1
+            self._without_wheels += sample.wheels is None
             if sample.reason:
                 self._reasons[trouble_of(sample).what] += 1
         self._newest = sample
@@ -135,6 +138,7 @@ class VisualErrors:
             pictures=self._pictures,
             measured=round(1.0 - self._reasons.total() / self._pictures, 4) if self._pictures else 0.0,
             reasons=dict(self._reasons.most_common()),
+            without_wheels=self._without_wheels,
             path_m=round(newest.seen_m + newest.blind_m, 4),
             blind_m=round(newest.blind_m, 4),
             true_m=true_m,
@@ -158,12 +162,13 @@ def visual_rows(summary: VisualSummary) -> list[tuple[str, str]]:
     ways = f"truth {_way(summary.true_m)}, wheels {_way(summary.wheels_m)}, camera {summary.path_m:.2f} m"
     blind = f", all but {summary.blind_m:.2f} m of the way" if summary.blind_m else ""
     why = [f"\n{count} {printable(what)}" for what, count in [*summary.reasons.items()][:_TOLD]]
+    alone = f"\n{summary.without_wheels} without the wheels" if summary.without_wheels else ""
     share = f"{summary.measured:.1%} of {summary.pictures} pictures{blind}"
     return [
         ("since a picture", ways),
         ("wheels off by", _off(summary.wheels_error_m, summary.wheels_error_deg, summary.true_m)),
         ("camera off by", _off(summary.error_m, summary.error_deg, summary.true_m)),
-        ("camera measures", "".join([share, "; else" if why else "", *why])),
+        ("camera measures", "".join([share, "; else" if why else "", *why, alone])),
     ]
 
 

@@ -39,6 +39,7 @@ def test_the_summary_has_wheels_camera_and_truth_beside_each_other() -> None:
         pictures=99,
         measured=0.9091,
         reasons={"covered": 5, "dark": 4},
+        without_wheels=99,
         path_m=1.9998,
         blind_m=0.1,
         true_m=1.98,
@@ -56,6 +57,7 @@ since a picture  truth 1.98 m, wheels 2.02 m, camera 2.00 m
 camera measures  90.9% of 99 pictures, all but 0.10 m of the way; else
                  5 covered
                  4 dark
+                 99 without the wheels
 """ in to_text(told)
     assert max(map(len, to_text(told).splitlines())) <= 80
     assert summary(ten_seconds()).visual is None
