@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -194,7 +195,8 @@ def drive_and_see(phone: Phone, observer: Observer) -> TruePose:
 def grows_old(phone: Phone, watcher: Device, camera: int) -> None:
     """A picture of a camera's process that stands still is shown as old. Who watches is told of it, and sees none."""
     phone.wait(lambda: picture(phone, "#shown:not(.old)"), "a new picture")
-    watcher.wait(lambda: "camera is on, for web@" in watcher.told(), "who looks")
+    watcher.wait(lambda: re.search(r"camera is on, for .*\bweb@", watcher.told()), "who looks")
+    assert "visual odometry (" in watcher.told()
     assert not watcher.page.locator("#look").is_visible()
     assert not watcher.page.locator("#shown").is_visible()
     os.kill(camera, signal.SIGSTOP)
