@@ -12,7 +12,7 @@ import rerun as rr
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.camera import Pixel, VisualOdometry
 from giraff_schemas.messages import Odometry
-from giraff_viewer.colours import AMBER, BLIND, GREEN, GREY, RED, VISUAL, Colour
+from giraff_viewer.colours import AMBER, BLIND, GREEN, GREY, RED, VISUAL
 from giraff_viewer.glyphs import drawable
 from giraff_viewer.pictures import OLD, picture_path
 from giraff_viewer.rows import FLOOR, Row, planar
@@ -69,15 +69,13 @@ class Vision:
             return []
         self._moved = False
         strips: list[list[Point]] = []
-        colours: list[Colour] = []
-        radii: list[float] = []
+        blind: list[bool] = []
         for (before, _), (after, unseen) in pairwise(zip(self._trail.points, self._trail.unseen, strict=True)):
-            style = (BLIND, 0.008) if unseen else (VISUAL, 0.014)
-            if not strips or colours[-1] != style[0]:
+            if not strips or blind[-1] != unseen:
                 strips.append([before])
-                colours.append(style[0])
-                radii.append(style[1])
+                blind.append(unseen)
             strips[-1].append(after)
+        colours, radii = [BLIND if each else VISUAL for each in blind], [0.008 if each else 0.014 for each in blind]
         return [(PATH, rr.LineStrips2D(strips, colors=colours, radii=radii, draw_order=25.0))]
 
     def look(self, now_ns: int) -> list[Row]:
@@ -95,19 +93,16 @@ class Vision:
         def placed(pixels: tuple[Pixel, ...]) -> list[Point]:
             return [((column + 0.5) * scale, (row + 0.5) * scale) for column, row in pixels]
 
-        where = _marks(sample.camera)
         lines = wrap(f"no visual odometry: {sample.reason}{_both(sample)}", _COLUMNS) if sample.reason else []
-        why = "\n".join(map(drawable, lines))
         ground = [placed(sample.ground + sample.ground[:1])] if sample.ground else []
-        return [
-            (f"{where}/ground", rr.LineStrips2D(ground, colors=[GREY], radii=[_LINE])),
-            (f"{where}/rejected", rr.Points2D(placed(sample.rejected), colors=[RED], radii=[_DOT])),
-            (f"{where}/tracked", rr.Points2D(placed(sample.tracked), colors=[GREEN], radii=[_DOT])),
-            (
-                f"{where}/reason",
-                rr.Points2D([(width / 2.0, height * 0.1)] if why else [], labels=[why], colors=[AMBER], radii=[1.0]),
-            ),
-        ]
+        top, why = [(width / 2.0, height * 0.1)] if lines else [], ["\n".join(map(drawable, lines))]
+        marks = {
+            "ground": rr.LineStrips2D(ground, colors=[GREY], radii=[_LINE]),
+            "rejected": rr.Points2D(placed(sample.rejected), colors=[RED], radii=[_DOT]),
+            "tracked": rr.Points2D(placed(sample.tracked), colors=[GREEN], radii=[_DOT]),
+            "reason": rr.Points2D(top, labels=why, colors=[AMBER], radii=[1.0]),
+        }
+        return [(f"{_marks(sample.camera)}/{name}", mark) for name, mark in marks.items()]
 
 
 def _both(sample: VisualOdometry) -> str:
