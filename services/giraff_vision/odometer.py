@@ -49,8 +49,8 @@ _RIVAL: Final = 0.6
 """Share of these, of corners that move alike in another way, from which two motions are seen."""
 _SPREAD: Final = 0.08
 """m. Standard deviation of the corners' places, on either axis of the floor."""
-_SURE: Final = 0.006
-"""m. Standard deviation of a motion."""
+_SURE: Final = 0.002
+"""m. Standard deviation of a motion, on either axis, from which it is no measurement. The key picture stays then."""
 _KEY_WAY: Final = 0.25
 """m from a key picture to the next."""
 _KEY_TURN: Final = 0.2
@@ -86,6 +86,7 @@ class Seen(NamedTuple):
     key: int
     """Number of the key picture that the motion is since."""
     motion: Pose | None = None
+    """None: none was found. With a reason it is one that is not sure."""
     covariance: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     tracked: Array = np.zeros((0, 2))
     """Pixels of the corners that move so, (n, 2)."""
@@ -124,10 +125,11 @@ class VisualOdometer:
         seen = (
             self._none(reasons.FIRST) if self._key_picture is None else self._follow(self._key_picture, grey, sharpness)
         )
-        if seen.reason or self._renews or self._is_worn():
+        is_lost = bool(seen.reason) and seen.motion is None
+        if is_lost or self._renews or self._is_worn():
             self._begin(grey, sharpness)
-            if seen.reason:
-                self._step = _HERE
+        if is_lost:
+            self._step = _HERE
         return seen
 
     def renew(self) -> None:
@@ -211,14 +213,16 @@ class VisualOdometer:
         best = consensus(ground, floor, places, sway, self._chance)
         fit = None if best is None else refined(ground, floor, places, best, sway)
         if best is None or fit is None:
-            return self._none(reasons.MOVING)
+            return Seen(reasons.MOVING, self.key, rejected=places)
+        tracked, rejected = places[fit.agrees], places[~fit.agrees]
         if reason := _doubt(fit, best.rival, floor[fit.agrees]):
-            return self._none(reason)
+            return Seen(reason, self.key, tracked=tracked, rejected=rejected)
         motion = _pose_of(fit.motion)
         self._step = motion.seen_from(_pose_of(self._motion))
         self._motion, self._corners = fit.motion, floor[fit.agrees]
         covariance = tuple(fit.covariance[np.triu_indices(3)].tolist())
-        return Seen(WELL, self.key, motion, covariance, places[fit.agrees], places[~fit.agrees])
+        is_sure = max(fit.covariance[0, 0], fit.covariance[1, 1]) < _SURE**2
+        return Seen(WELL if is_sure else reasons.UNSURE, self.key, motion, covariance, tracked, rejected)
 
     def _expected(self) -> Array:
         """Return the motion since the key picture, if the robot goes on as between the last two pictures."""
@@ -275,6 +279,4 @@ def _doubt(fit: Refined, rival: int, floor: Array) -> Trouble:
         return reasons.MOVING
     if floor.std(axis=0).min() < _SPREAD:
         return reasons.BUNCHED
-    if max(fit.covariance[0, 0], fit.covariance[1, 1]) > _SURE**2:
-        return reasons.UNSURE
     return WELL
