@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
+from itertools import pairwise
 from typing import Final, NamedTuple
 
 import msgspec
@@ -17,6 +18,8 @@ from giraff_schemas.trouble import trouble_of
 
 _KEPT: Final = 500
 """Samples of each kind: 5 s of odometry, longer than a picture and a look at the truth take to come."""
+_TRUTHS: Final = 50
+"""Looks at the truth: 10 s. On a busy machine a picture comes long after the next look."""
 _TOLD: Final = 2
 """Reasons."""
 _NOWHERE: Final = Pose(0.0, 0.0, 0.0)
@@ -68,7 +71,7 @@ class VisualErrors:
     def __init__(self) -> None:
         self._begin()
         self._odometry: deque[Odometry] = deque(maxlen=_KEPT)
-        self._before: tuple[int, Pose, float] | None = None
+        self._truths: deque[tuple[int, Pose, float]] = deque(maxlen=_TRUTHS)
 
     def _begin(self) -> None:
         self._newest: VisualOdometry | None = None
@@ -96,19 +99,23 @@ class VisualErrors:
 
     def see(self, robot_ns: int, truth: Pose, path: float) -> None:
         """Take where the robot truly is and how far it came, at a later moment of the robot's clock than before."""
-        before, self._before = self._before, (robot_ns, truth, path)
+        self._truths.append((robot_ns, truth, path))
         while self._waiting:
             sample = self._waiting[0]
             at_ns = None if sample.tick is None else sample.tick.robot_ns + round(sample.since_tick * 1e9)
             if at_ns is not None and at_ns > robot_ns:
                 return
             self._waiting.popleft()
-            if at_ns is None or before is None or at_ns < before[0]:
-                continue
-            share = (at_ns - before[0]) / (robot_ns - before[0]) if robot_ns > before[0] else 1.0
-            true_path = before[2] + share * (path - before[2])
-            self._last = _Moment(sample, before[1].towards(truth, share), true_path, *self._wheels_at(at_ns))
-            self._first = self._first or self._last
+            if at_ns is not None and (true := self._true_at(at_ns)) is not None:
+                self._last = _Moment(sample, *true, *self._wheels_at(at_ns))
+                self._first = self._first or self._last
+
+    def _true_at(self, robot_ns: int) -> tuple[Pose, float] | None:
+        for (begin_ns, begin, path), (end_ns, end, end_path) in pairwise(self._truths):
+            if begin_ns <= robot_ns <= end_ns and begin_ns < end_ns:
+                share = (robot_ns - begin_ns) / (end_ns - begin_ns)
+                return begin.towards(end, share), path + share * (end_path - path)
+        return None
 
     def _wheels_at(self, robot_ns: int) -> tuple[Odometry | None, Pose]:
         odometry = next((each for each in reversed(self._odometry) if each.tick.robot_ns <= robot_ns), None)
