@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final, NamedTuple, Protocol
+from typing import Final
 
 # FFmpeg prints by itself what is wrong with a video. It reads this when the first one is opened.
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
@@ -32,154 +32,110 @@ from giraff_schemas.topics import CAMERA_PICTURES, ODOM
 from giraff_vision.config import VisionConfig
 from giraff_vision.policy import VisionPolicy, grey_of
 
+Frame = tuple[Picture, NDArray[np.uint8], int]
+"""A picture, and when it was heard or taken: ns of any one clock."""
+
 _INCOMPLETE: Final = 1
-_USUAL_RATE: Final = 15.0  # Hz
-_MOST_RATE: Final = 1000.0  # Hz
+_USUAL_RATE, _MOST_RATE = 15.0, 1000.0  # Hz
 _MOST_READ: Final = 0.98
 """Share of a video's pictures from which it counts as whole. Some files tell their number by their length only."""
 
 
-class Frame(NamedTuple):
-    """One picture."""
-
-    picture: Picture
-    grey: NDArray[np.uint8]
-    at_ns: int
-    """ns of any one clock."""
-
-
-class Source(Protocol):
-    """A file of pictures."""
-
-    camera: Camera
-    faults: list[str]
-    """Lines about what could not be read, once all frames were taken."""
-
-    def frames(self) -> Iterator[Odometry | Frame]:
-        """Read them in their order."""
-        ...
-
-
 def look(path: Path, camera: str | None, file: Path | None, *, as_json: bool) -> int:
     """Return the exit code. `camera`, `file`: as they were typed."""
+    faults: list[str] = []
+    tally = Tally()
     try:
-        source: Source = (_Recorded if path.suffix == ".mcap" else _Video)(path, camera, file)
-        tally = Tally()
+        if path.suffix == ".mcap":
+            recording = Recording(path)
+            name, model = _camera(camera, file, recording)
+            frames = _recorded(recording, name, faults)
+        else:
+            video = _opened(path)
+            name, model = _camera(camera, file)
+            frames = _filmed(video, name, model, faults)
+        policy = VisionPolicy(model)
         with StopSignal() as stopping:
-            _watch(source, tally, stopping)
+            for each in frames:
+                if stopping.asked:
+                    faults.append("ended early; this is of what came before")
+                    break
+                if isinstance(each, Odometry):
+                    policy.on_odometry(each)
+                else:
+                    picture, grey, at_ns = each
+                    tally.take(policy.on_picture(picture, grey), at_ns)
     except (ConfigError, RecordingError, ValueError) as error:
         return print_error(str(error))
-    if stopping.asked:
-        print_error(f"{path}: ended early; this is of what came before")
-    for fault in source.faults:
+    for fault in faults:
         print_error(f"{path}: {fault}")
-    if not tally.pictures:
-        return print_error(f"{path}: none of its pictures can be read")
-    summary = tally.summary()
+    summary = tally.summary
+    if not summary.pictures:
+        return print_error(f"{path}: no picture of {name} in it; record them with giraff record --camera")
     say(json_page(summary) if as_json else to_text(summary))
-    return _INCOMPLETE if source.faults else 0
+    return _INCOMPLETE if faults else 0
 
 
-def _watch(source: Source, tally: Tally, stopping: StopSignal) -> None:
-    policy = VisionPolicy(source.camera)
-    for each in source.frames():
-        if stopping.asked:
-            return
-        if isinstance(each, Odometry):
-            policy.on_odometry(each)
-        else:
-            tally.take(policy.on_picture(each.picture, each.grey), each.at_ns)
-
-
-def _camera(robot: RobotConfig, vision: VisionConfig, typed: str | None) -> tuple[str, Camera]:
-    """Return name and table of the camera that is meant. Raises ValueError."""
+def _camera(typed: str | None, file: Path | None, recording: Recording | None = None) -> tuple[str, Camera]:
+    """Return name and table of the camera that is meant. Raises RecordingError, ConfigError and ValueError."""
+    if recording is not None and file is None:
+        robot, vision = table_of(recording, "robot", RobotConfig), table_of(recording, "vision", VisionConfig)
+    else:
+        if file is not None and not file.is_file():
+            raise ConfigError(f"--file {file}: there is no such file")
+        environment = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
+        robot, vision = load("robot", RobotConfig, environment), load("vision", VisionConfig, environment)
     if typed is None and vision.camera:
         return robot.camera(vision.camera, "[vision] camera")
     return robot.camera(typed or "", "--camera")
 
 
-def _filed(file: Path | None) -> tuple[RobotConfig, VisionConfig]:
-    """Read the robot file. Raises ConfigError."""
-    if file is not None and not file.is_file():
-        raise ConfigError(f"--file {file}: there is no such file")
-    environment = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
-    return load("robot", RobotConfig, environment), load("vision", VisionConfig, environment)
+def _recorded(recording: Recording, camera: str, faults: list[str]) -> Iterator[Odometry | Frame]:
+    """Read a recording. `faults` takes what cannot be read."""
+    unread, strange = Unread(), 0
+    for recorded in recording.samples((ODOM.key, *(topic.at(camera).key for topic in CAMERA_PICTURES)), unread):
+        try:
+            sample = recorded.decode()
+            grey = grey_of(sample.jpeg) if isinstance(sample, Picture) else None
+        except ValueError:
+            strange += 1
+            continue
+        if isinstance(sample, Odometry):
+            yield sample
+        elif isinstance(sample, Picture) and grey is not None:
+            yield sample, grey, recorded.heard_ns
+    faults += [f"{strange} samples could not be read, and are left out"] if strange else []
+    faults += [] if recording.whole else ["cut off; this is of what is there"]
+    faults += unread.texts()
 
 
-class _Recorded:
-    """A recording. Its robot file counts, and where it has none, the one at hand."""
-
-    def __init__(self, path: Path, camera: str | None, file: Path | None) -> None:
-        """Raises RecordingError, ConfigError and ValueError."""
-        self._recording = recording = Recording(path)
-        self.faults: list[str] = []
-        if file is not None:
-            robot, vision = _filed(file)
-        else:
-            try:
-                robot, vision = table_of(recording, "robot", RobotConfig), table_of(recording, "vision", VisionConfig)
-            except ConfigError as error:
-                raise ConfigError(f"{error}; name the robot's file: --file FILE") from error
-        self.name, self.camera = _camera(robot, vision, camera)
-        self._pictures = {topic.at(self.name).key for topic in CAMERA_PICTURES}
-        if not self._pictures & set(recording.keys):
-            raise ValueError(f"{path}: no pictures of {self.name} in it; record them with giraff record --camera")
-
-    def frames(self) -> Iterator[Odometry | Frame]:
-        unread, strange = Unread(), 0
-        for recorded in self._recording.samples((ODOM.key, *self._pictures), unread):
-            try:
-                sample = recorded.decode()
-                heard = (
-                    Frame(sample, grey_of(sample.jpeg), recorded.heard_ns) if isinstance(sample, Picture) else sample
-                )
-            except ValueError:
-                strange += 1
-                continue
-            if isinstance(heard, Odometry | Frame):
-                yield heard
-        if strange:
-            self.faults.append(f"{strange} samples could not be read, and are left out")
-        if not self._recording.whole:
-            self.faults.append("cut off; this is of what is there")
-        self.faults += unread.texts()
-
-
-class _Video:
-    """A video file. It has no wheels, and its camera is the robot file's."""
-
-    def __init__(self, path: Path, camera: str | None, file: Path | None) -> None:
-        """Raises ConfigError and ValueError."""
+def _opened(path: Path) -> cv2.VideoCapture:
+    """Open a video. Raises ValueError."""
+    try:
         if why := refuse_to_read(path):
             raise ValueError(why)
-        try:
-            path.open("rb").close()
-        except OSError as error:
-            raise ValueError(f"{path}: {error.strerror}") from error
-        self.faults: list[str] = []
-        self.name, self.camera = _camera(*_filed(file), camera)
-        self._video = cv2.VideoCapture(str(path))
-        if not self._video.isOpened():
-            raise ValueError(
-                f"{path}: OpenCV cannot read it as a video; give an .avi or .mp4 that is whole, or a recording, whose "
-                "name ends in .mcap"
-            )
+        path.open("rb").close()
+    except OSError as error:
+        raise ValueError(f"{path}: {error.strerror}") from error
+    if not (video := cv2.VideoCapture(str(path))).isOpened():
+        what = "OpenCV cannot read it as a video; give an .avi or .mp4 that is whole, or a recording"
+        raise ValueError(f"{path}: {what}, whose name ends in .mcap")
+    return video
 
-    def frames(self) -> Iterator[Frame]:
-        video, camera, number = self._video, self.camera, 0
-        rate = video.get(cv2.CAP_PROP_FPS)
-        period_ns = round(1e9 / (rate if 0.0 < rate <= _MOST_RATE else _USUAL_RATE))
-        while (read := video.read())[0]:
-            grey = np.asarray(cv2.cvtColor(read[1], cv2.COLOR_BGR2GRAY), np.uint8)
-            height, width = grey.shape
-            if width > camera.width and abs(width * camera.height - height * camera.width) <= width / 2:
-                # As giraff_camera does with a camera that gives larger pictures.
-                size = camera.width, camera.height
-                grey = np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_AREA), np.uint8)
-            moment = RobotTime(epoch=1, robot_ns=number * period_ns)
-            picture = Picture(seq=number, camera=self.name, jpeg=b"", width=width, height=height, tick=moment)
-            yield Frame(picture, grey, moment.robot_ns)
-            number += 1
-        told = video.get(cv2.CAP_PROP_FRAME_COUNT)
-        if number < _MOST_READ * told:
-            self.faults.append(f"only {number} of its {told:.0f} pictures can be read; this is of what came before")
+
+def _filmed(video: cv2.VideoCapture, name: str, camera: Camera, faults: list[str]) -> Iterator[Frame]:
+    """Read a video. `faults` takes what cannot be read."""
+    rate, number = video.get(cv2.CAP_PROP_FPS), 0
+    period_ns = round(1e9 / (rate if 0.0 < rate <= _MOST_RATE else _USUAL_RATE))
+    while (read := video.read())[0]:
+        grey = np.asarray(cv2.cvtColor(read[1], cv2.COLOR_BGR2GRAY), np.uint8)
+        height, width = grey.shape
+        if width > camera.width and abs(width * camera.height - height * camera.width) <= width / 2:
+            # As giraff_camera does with a device that gives larger pictures.
+            grey = np.asarray(cv2.resize(grey, (camera.width, camera.height), interpolation=cv2.INTER_AREA), np.uint8)
+        at_ns = number * period_ns
+        tick = RobotTime(epoch=1, robot_ns=at_ns)
+        yield Picture(seq=number, camera=name, jpeg=b"", width=width, height=height, tick=tick), grey, at_ns
+        number += 1
+    if number < _MOST_READ * (told := video.get(cv2.CAP_PROP_FRAME_COUNT)):
+        faults.append(f"only {number} of its {told:.0f} pictures can be read; this is of what came before")
