@@ -93,17 +93,20 @@ class Tally:
 def to_text(summary: Summary) -> str:
     """For people."""
     of, wheels = summary.pictures, summary.by_wheels
+    lacks = (
+        f"; without {summary.without_wheels} pictures at which they were not heard" if summary.without_wheels else ""
+    )
     reasons = sorted(summary.reasons.items(), key=lambda each: -each[1])
     rows = [
         ("camera", f"{summary.camera}, {of} pictures of {summary.width} x {summary.height} in {summary.seconds:.1f} s"),
         ("measured", f"{summary.measured} of {of} pictures, {summary.measured / of:.1%}"),
         *(("not", f"{number} of {of}: {reason}") for reason, number in reasons),
         ("by the camera", f"{_path_text(summary.by_camera)}; {summary.blind_m:.2f} m of it by the wheels"),
-        ("by the wheels", "not heard" if wheels is None else _path_text(wheels)),
+        ("by the wheels", "not heard" if wheels is None else _path_text(wheels) + lacks),
     ]
     if summary.worst is not None:
         at_s, *steps = summary.worst
-        camera, by = (f"{math.hypot(*step[:2]):.2f} m, {math.degrees(step[2]):z.1f}°" for step in steps)
+        camera, by = (f"{math.hypot(*step[:2]):.3f} m, {math.degrees(step[2]):z.1f}°" for step in steps)
         rows.append(("disagreed most", f"at {at_s:.1f} s: {camera} by the camera, {by} by the wheels"))
     return "\n".join(f"{label:>{_LABEL}}  {printable(value)}" for label, value in rows)
 
