@@ -12,7 +12,6 @@ from tests.unit.cli.quiet_network import meet
 from tests.unit.cli.typed import typed
 
 DRIVE = str(ROOT / "tests" / "unit" / "replay" / "data" / "drive.mcap")
-ROBOT = str(ROOT / "deploy" / "robot.toml")
 ARDROS = str(ROOT / "deploy" / "robots" / "ardros.toml")
 BATTERY = ("topic", "pub", "battery")
 
@@ -173,10 +172,9 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("vision", "--from", "none.mcap"), "none.mcap: No such file or directory"),
     (("vision", "--from", "none.mp4"), "none.mp4: No such file or directory"),
     (("vision", "--from", "/etc"), "/etc: it is no file, but a folder"),
-    (("vision", "--from", "/etc/hostname"), "no robot file at "),
-    (("vision", "--from", "/etc/hostname", "--file", "no.toml"), "--file no.toml: there is no such file"),
-    (("vision", "--from", "/etc/hostname", "--file", ROBOT), "hostname: OpenCV cannot read it as a video; give"),
-    (("vision", "--from", DRIVE), "no pictures of head in it; record them with giraff record --camera"),
+    (("vision", "--from", "/etc/hostname"), "hostname: OpenCV cannot read it as a video; give"),
+    (("vision", "--from", DRIVE, "--file", "no.toml"), "--file no.toml: there is no such file"),
+    (("vision", "--from", DRIVE), "no picture of head in it; record them with giraff record --camera"),
     (("vision", "--from", DRIVE, "--camera", "ear"), "--camera is 'ear', and the robot file's cameras are head: name"),
     (("vision", "--from", DRIVE, "--file", ARDROS), "the robot file has no camera; write [robot.sensors.head] with"),
     *ANGLES,
