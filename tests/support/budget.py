@@ -19,6 +19,7 @@ import pytest
 from hypothesis.internal.conjecture.engine import ConjectureRunner
 from PIL import Image
 
+from giraff_sim.camera.renderer import Renderer
 from giraff_sim.simulation import Simulation
 from tests.support.balancer import Balancer
 from tests.support.counting import count, counted
@@ -102,6 +103,7 @@ class _Counts:
         _count_calls(ConjectureRunner, "test_function", lambda _: count("examples"))
         _count_calls(BaseProcess, "start", lambda _: count("processes"))
         _count_calls(Image.Image, "save", lambda _: count("pictures"))
+        _count_calls(Renderer, "frame", lambda _: count("pictures"))
         _count_calls(subprocess.Popen, "__init__", lambda process: count(_kind(process.args)))
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)

@@ -31,7 +31,7 @@ _VIGNETTE: Final = 0.13  # share of the light that is missing at the middle of a
 _RIM: Final = 1.0 / 0.06  # m, of a shadow
 _GREYS: Final = 768
 """Greys of the brightest light: the darker colours are white only beyond 255."""
-_HAND: Final = 45.0  # grey level; little light comes through it
+_HAND: Final = 20.0  # grey level; hardly any light comes through it
 _FLOORS: Final[dict[Floor, Color]] = {
     "brick": (84, 108, 152),
     "planks": (78, 118, 166),

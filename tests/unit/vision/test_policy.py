@@ -1,0 +1,117 @@
+"""What the policy tells of filmed drives, judged by the true motion."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from functools import lru_cache
+from itertools import islice
+
+import cv2
+import msgspec
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from giraff_core.kinematics.pose import Pose
+from giraff_core.sensors import Camera
+from giraff_schemas.camera import VisualOdometry
+from giraff_schemas.trouble import Trouble
+from giraff_sim.camera.scene import Lens, Scene, Shadow
+from giraff_sim.camera.textures import Floor
+from giraff_vision import reasons
+from giraff_vision.policy import VisionPolicy
+from tests.support.filmed_drive import CAMERA, Filmed, film
+
+Grey = NDArray[np.uint8]
+Told = list[tuple[Filmed, VisualOdometry, Pose]]
+"""Each picture, what is told of it, and the true motion since its key picture."""
+
+
+def told_of(shots: Iterable[Filmed], camera: Camera = CAMERA) -> Told:
+    policy, found, key = VisionPolicy(camera), Told(), (-1, Pose(0.0, 0.0, 0.0))
+    last = key[1]
+    for shot in shots:
+        for odometry in shot.odometry:
+            policy.on_odometry(odometry)
+        told = policy.on_picture(shot.picture, shot.grey)
+        key = key if told.key == key[0] else (told.key, last)
+        found.append((shot, told, shot.pose.seen_from(key[1])))
+        last = shot.pose
+    return found
+
+
+def is_right(told: VisualOdometry, true: Pose) -> bool:
+    """Whether the motion since the key picture is within a fifth, or within a centimetre."""
+    assert told.motion is not None
+    off = math.dist(told.motion[:2], true[:2])
+    return off < max(0.2 * math.hypot(*true[:2]), 0.01) and abs(told.motion[2] - true.yaw) < 0.01
+
+
+@lru_cache
+def clear(seed: int = 1) -> tuple[Filmed, ...]:
+    """Return 24 pictures that end on the move."""
+    return tuple(islice(film("straight", Scene("carpet"), seed=seed), 24))
+
+
+@pytest.mark.parametrize(("floor", "path"), [("planks", "weave"), ("brick", "square")])
+def test_a_path_is_measured(floor: Floor, path: str) -> None:
+    (first, *_), *_, (last, end, _) = found = told_of(islice(film(path, Scene(floor), 2.0), 90))
+    assert [told.reason for _, told, _ in found[1:] if told.reason] == []
+    off = Pose(*end.path).seen_from(last.pose.seen_from(first.pose))
+    assert math.hypot(off.x, off.y) < 0.01 * end.seen_m
+    assert abs(off.yaw) < math.radians(2.0)
+    assert end.blind_m == 0.0
+
+
+@pytest.mark.parametrize(
+    ("scene", "grip"),
+    [
+        (Scene("carpet"), 0.0),
+        (Scene("carpet"), 0.7),
+        (Scene("bare", lens=Lens(specks=100)), 1.0),
+        (Scene("bare", shadow=Shadow(0.0, middle=1.7, swing=4.5, period=60.0, half_width=0.35)), 1.0),
+    ],
+    ids=["wheels spin", "wheels slip", "dirty lens", "moving shadow"],
+)
+def test_a_disagreement_tells_both_motions_and_is_no_measurement(scene: Scene, grip: float) -> None:
+    found = told_of(film("straight", scene, 1.0, grip=lambda time: grip if 1.2 < time < 2.0 else 1.0))
+    assert all(is_right(told, true) for _, told, true in found if told.is_measured)
+    apart = [(told.motion, told.wheels, true) for _, told, true in found if told.reason == str(reasons.DISAGREE)]
+    assert apart
+    for motion, wheels, true in apart:
+        assert motion is not None
+        assert wheels is not None
+        assert min(abs(motion[0] - true.x), abs(wheels[0] / 1.02 - true.x)) < 0.01  # one of the two is right
+
+
+def half_still(grey: Grey) -> Grey:
+    return np.hstack([clear()[20].grey[:, :160], grey[:, 160:]])
+
+
+UNUSABLE: dict[str, tuple[Trouble, Callable[[], Iterable[Filmed]]]] = {
+    "dark": (reasons.DARK, lambda: film("straight", Scene("carpet", light=0.04))),
+    "over-exposed": (reasons.OVEREXPOSED, lambda: film("straight", Scene("carpet", light=3.0))),
+    "covered": (reasons.COVERED, lambda: film("straight", Scene("carpet", lens=Lens(covered=0.6)))),
+    "featureless": (reasons.FEATURELESS, lambda: film("straight", Scene("bare"))),
+    "blurred": (reasons.BLURRED, lambda: changed(lambda grey: cv2.GaussianBlur(grey, (0, 0), 8.0))),
+    "another picture": (reasons.LOST, lambda: (*clear()[:23], clear(seed=5)[23])),
+    "moving": (reasons.MOVING, lambda: changed(half_still)),
+}
+
+
+def changed(change: Callable[[Grey], object]) -> Iterable[Filmed]:
+    """Return the clear pictures with a change of the last."""
+    return (*clear()[:23], clear()[23]._replace(grey=np.asarray(change(clear()[23].grey), np.uint8)))
+
+
+@pytest.mark.parametrize("case", UNUSABLE)
+def test_a_picture_that_tells_nothing_says_why(case: str) -> None:
+    reason, shots = UNUSABLE[case]
+    *_, (_, told, _) = told_of(islice(shots(), 24))
+    assert (told.reason, told.remedy, told.motion) == (str(reason), reason.remedy, None)
+
+
+def test_a_camera_that_looks_up_sees_no_floor() -> None:
+    (_, told, _), *_ = told_of(clear()[:1], msgspec.structs.replace(CAMERA, pitch=-0.6))
+    assert told.reason == str(reasons.NO_FLOOR)
