@@ -1,0 +1,116 @@
+"""`giraff vision --from` and `giraff replay`: a short drive before the simulated camera, recorded and as a video."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, Final
+
+import cv2
+import pytest
+
+from giraff_mcap.raw_sample import RawSample
+from giraff_mcap.writing import RecordingWriter
+from giraff_schemas.codec import encode, encoding_of, stamped
+from giraff_schemas.messages import Sample
+from giraff_schemas.topics import CAMERA, ODOM, VISUAL_ODOM, Topic, key_of
+from giraff_sim.camera.scene import Scene
+from giraff_vision.policy import VisionPolicy
+from tests.rules.repository import ROOT
+from tests.support.filmed_drive import CAMERA as HEAD
+from tests.support.filmed_drive import Filmed, film
+from tests.unit.cli.typed import typed
+
+ROBOT: Final = ROOT / "deploy" / "robot.toml"
+WAY: Final = 1.1
+MS: Final = 1_000_000
+
+Giraff = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(scope="module")
+def shots() -> list[Filmed]:
+    return [*film("straight", Scene(floor="planks"), WAY)][3:]  # the first are before the first word of the wheels
+
+
+@pytest.fixture
+def giraff(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Giraff:
+    monkeypatch.setenv("GIRAFF_CONFIG", str(ROBOT))
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: typed(monkeypatch, capsys, *words)
+
+
+def recorded(shots: list[Filmed], path: Path, missing: int = -1) -> str:
+    """Write a recording that lacks the picture of this number."""
+    policy = VisionPolicy(HEAD)
+
+    def samples() -> Iterator[tuple[int, Topic[Any], Sample]]:
+        for number, shot in enumerate(shots):
+            at_ns = (number + 1) * 67 * MS
+            for each in shot.odometry:
+                policy.on_odometry(odometry := stamped(each, each.seq, at_ns - 1, "odometry"))
+                yield at_ns - 1, ODOM, odometry
+            said = policy.on_picture(shot.picture, shot.grey)
+            if number != missing:
+                yield at_ns, CAMERA.at("head"), shot.picture
+            yield at_ns + 1, VISUAL_ODOM, stamped(said, number, at_ns, "vision")
+
+    with RecordingWriter(path, {"robot": "anne"}) as writer:
+        writer.add(
+            [RawSample(at, key_of("anne", topic), encode(s), encoding_of(type(s))) for at, topic, s in samples()]
+        )
+        writer.close("test")
+    return path.name
+
+
+def test_a_recording_is_looked_through_with_its_wheels(shots: list[Filmed], giraff: Giraff, tmp_path: Path) -> None:
+    code, out, complaint = giraff("vision", "--from", recorded(shots, tmp_path / "a.mcap"), "--json")
+    assert (code, complaint) == (0, "")
+    told = json.loads(out)
+    assert (told["camera"], told["pictures"], told["without_wheels"]) == ("head", len(shots), 0)
+    assert told["measured"] >= 0.95 * len(shots)
+    assert told["measured"] + sum(told["reasons"].values()) == len(shots)
+    assert told["by_camera"]["x"] == pytest.approx(WAY, rel=0.02)
+    assert told["by_wheels"]["way_m"] == pytest.approx(1.02 * WAY, rel=0.005)
+
+
+@pytest.mark.parametrize(("kept", "code"), [(1.0, 0), (0.5, 1)])
+def test_a_video_has_no_wheels_and_one_that_is_cut_off_is_told(
+    kept: float, code: int, shots: list[Filmed], giraff: Giraff, tmp_path: Path
+) -> None:
+    """Its pictures are larger than the robot file says, as a camera's may be."""
+    path = tmp_path / "a.avi"
+    video = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 15.0, (640, 480))
+    for shot in shots:
+        video.write(cv2.cvtColor(cv2.resize(shot.grey, (640, 480)), cv2.COLOR_GRAY2BGR))
+    video.release()
+    path.write_bytes(path.read_bytes()[: round(kept * path.stat().st_size)])
+    done, out, complaint = giraff("vision", "--from", "a.avi")
+    assert done == code
+    assert ("pictures can be read; this is of what came before" in complaint) == (kept < 1.0)
+    assert "by the wheels  not heard" in out
+    if kept == 1.0:
+        assert f"to x {WAY:.1f}" in out
+
+
+def test_a_replay_goes_on_at_a_key_picture_behind_a_missing_one_and_sees_what_is_otherwise(
+    shots: list[Filmed], giraff: Giraff, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def replay(name: str) -> dict[str, Any]:
+        found: list[dict[str, Any]] = json.loads(giraff("replay", name, "--json")[1])
+        return next(each for each in found if each["service"] == "vision")
+
+    whole = replay(recorded(shots, tmp_path / "whole.mcap"))
+    assert (whole["equal"], whole["compared"], whole["left_out"]) == (len(shots) - 1, len(shots) - 1, 1)
+    part = replay(recorded(shots, tmp_path / "part.mcap", missing=3))
+    assert (part["first"], part["equal"] + part["left_out"]) == ("", len(shots))
+    assert 20 < part["equal"] < len(shots) - 20
+    monkeypatch.setenv("GIRAFF_ROBOT_SENSORS__HEAD__Z", "1.05")
+    assert "motion" in replay("whole.mcap")["first"]
+
+
+def test_opencv_that_is_missing_is_told(giraff: Giraff, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("giraff_cli.options.find_spec", lambda name: None if name == "cv2" else object())
+    told = "giraff vision: the library cv2 is missing; in the clone: pip install '.[camera,cli,record]'\n"
+    assert giraff("vision", "--from", "a.avi") == (2, "", told)
