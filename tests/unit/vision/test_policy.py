@@ -56,7 +56,7 @@ def clear(seed: int = 1) -> tuple[Filmed, ...]:
 
 @pytest.mark.parametrize(("floor", "path"), [("planks", "weave"), ("brick", "square")])
 def test_a_path_is_measured(floor: Floor, path: str) -> None:
-    (first, *_), *_, (last, end, _) = found = told_of(islice(film(path, Scene(floor), 2.0), 90))
+    (first, *_), *_, (last, end, _) = found = told_of(islice(film(path, Scene(floor), 2.0), 80))
     assert [told.reason for _, told, _ in found[1:] if told.reason] == []
     off = Pose(*end.path).seen_from(last.pose.seen_from(first.pose))
     assert math.hypot(off.x, off.y) < 0.01 * end.seen_m
