@@ -54,6 +54,7 @@ SESSIONLESS = {
     "map convert",
     "map show",
     "replay",
+    "vision",
     "tune balance",
 }
 """Those that open no session."""
