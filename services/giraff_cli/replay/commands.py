@@ -17,7 +17,7 @@ def replay(
     ] = 0.98,
     as_json: AsJson = False,
 ) -> None:
-    """A recording through the policies of today's odometry and guard: do they say what was said then?
+    """A recording through the policies of today's odometry, guard and vision: do they say what was said then?
 
     Exit code: 0 they do, but for the share that timing leaves open; 1 they do not, or a part of
     it cannot be read; 2 nothing could be compared.

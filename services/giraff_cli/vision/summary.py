@@ -10,6 +10,7 @@ import msgspec
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.camera import Step, VisualOdometry
 from giraff_schemas.text import printable
+from giraff_schemas.trouble import trouble_of
 from giraff_telemetry.localization import place_text
 
 _LABEL: Final = 15  # characters
@@ -38,7 +39,7 @@ class Summary(msgspec.Struct, kw_only=True):
     measured: int = 0
     """Pictures that are a measurement."""
     reasons: dict[str, int] = {}
-    """Pictures that are none, by their reason."""
+    """Pictures that are none, by what is wrong."""
     by_camera: Path = Path()
     """What was measured, and what the wheels say where nothing was."""
     blind_m: float = 0.0
@@ -73,8 +74,8 @@ class Tally:
         summary.seconds = (at_ns - self._first_ns) * 1e-9
         summary.pictures += 1
         summary.measured += said.is_measured
-        if said.reason:
-            summary.reasons[said.reason] = summary.reasons.get(said.reason, 0) + 1
+        if why := trouble_of(said).what:
+            summary.reasons[why] = summary.reasons.get(why, 0) + 1
         x, y, yaw = said.path
         summary.by_camera = Path(way_m=said.seen_m + said.blind_m, x=x, y=y, yaw=yaw)
         summary.blind_m = said.blind_m
