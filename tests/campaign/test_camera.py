@@ -1,4 +1,7 @@
-"""Drawn cameras that are calibrated, and how far off: lenses by the board, heights also on each simulated floor."""
+"""Drawn cameras that are calibrated, and how far off: lenses by the board, heights also on each simulated floor.
+
+And visual odometry by the simulated camera: ten metres on three floors, and scenes that may deceive it.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,17 @@ from giraff_sim.camera.textures import FLOORS, Floor
 from giraff_sim.truth import TruthRanges, draw_truth
 from giraff_sim.world.room import Pose
 from tests.support.camera_pictures import Studio, board_views, drawn, sheets
+from tests.support.filmed_drive import CAMERA, PATHS, film
 from tests.support.report import report
+from tests.support.vision_figures import (
+    BAD,
+    TEXTURED,
+    calibrated,
+    follow,
+    top_view_length,
+    with_wheels,
+    without_wheels,
+)
 
 FILED: Final = Camera(x=0.05, z=1.0, pitch=0.35)
 LENS: Final = lens_of(FILED)
@@ -36,6 +49,14 @@ def figures() -> Iterator[dict[str, float]]:
     found: dict[str, float] = {}
     yield found
     report("campaign/camera", found)
+
+
+@pytest.fixture(scope="module")
+def seen() -> Iterator[dict[str, dict[str, float]]]:
+    """Figures of visual odometry, by drive and odometer."""
+    found: dict[str, dict[str, float]] = {}
+    yield found
+    report("campaign/vision", found)
 
 
 def note(figures: dict[str, float], kind: str, error: float) -> float:
@@ -85,3 +106,34 @@ def _poses(true: Camera, floor: Floor, seed: int) -> Iterator[FloorPose]:
         for number in range(3):
             _, jpeg = cv2.imencode(".jpg", renderer.frame(Pose(0.0, 0.0, 0.0), 0.1 * number), _JPEG)
             yield find_sheet(read(jpeg.tobytes(), lens_of(true)), lens_of(true))
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize("floor", TEXTURED)
+def test_ten_metres_are_followed(seen: dict[str, dict[str, float]], floor: Floor, path: str) -> None:
+    cv2.setNumThreads(1)
+    odometers = {"exact, with wheels": with_wheels(CAMERA), "exact": without_wheels(CAMERA)}
+    odometers |= {name: without_wheels(camera) for name, camera in calibrated().items()}
+    for name, tally in follow(odometers, film(path, Scene(floor))).items():
+        found = seen[f"{floor}, {path}, {name}"] = tally.figures()
+        assert found["error"] <= (1.0 if name.startswith("exact") else 2.5), name
+        assert abs(found["degrees"]) <= 2.0, name
+        assert found["measured"] >= 0.95 * found["frames"], name
+        assert path != "square" or found["measured turning"] >= 0.85 * found["turning"], name
+        assert found["ms"] <= 15.0, name
+    if path != "square":  # OpenCV's similarity of top views is rough while it turns
+        checked = top_view_length(film(path, Scene(floor)))
+        seen[f"{floor}, {path}, top view"] = {"length": checked / 10.0}
+        assert seen[f"{floor}, {path}, exact"]["length"] == pytest.approx(checked / 10.0, abs=0.005)
+
+
+@pytest.mark.parametrize("name", [*BAD, "wheels that spin", "wheels that slip"])
+def test_a_scene_does_not_deceive(seen: dict[str, dict[str, float]], name: str) -> None:
+    """Of the pictures that would tell a motion that is wrong by a fifth, nineteen of twenty are no measurement."""
+    share = {"wheels that spin": 0.0, "wheels that slip": 0.7}.get(name, 1.0)
+    filmed = film("weave", BAD.get(name, Scene("carpet")), 4.0, grip=lambda at: share if 3.0 < at < 6.0 else 1.0)
+    found = follow({"with wheels": with_wheels(CAMERA), "without": without_wheels(CAMERA)}, filmed)
+    for odometer, tally in found.items():
+        seen[f"{name}, {odometer}"] = tally.figures()
+    counts = found["with wheels"].counts
+    assert counts["silent"] <= max(1, 0.05 * counts["wrong"])
