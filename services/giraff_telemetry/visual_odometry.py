@@ -20,8 +20,8 @@ _KEPT: Final = 500
 """Samples of each kind: 5 s of odometry, longer than a picture and a look at the truth take to come."""
 _TRUTHS: Final = 50
 """Looks at the truth: 10 s. On a busy machine a picture comes long after the next look."""
-_TOLD: Final = 2
-"""Reasons."""
+_TOLD: Final = 3
+"""Reasons; the others are counted together."""
 _NOWHERE: Final = Pose(0.0, 0.0, 0.0)
 
 
@@ -169,7 +169,9 @@ def visual_rows(summary: VisualSummary) -> list[tuple[str, str]]:
     ways = f"truth {_way(summary.true_m)}, wheels {_way(summary.wheels_m)}, camera {summary.path_m:.2f} m"
     blind = f", all but {summary.blind_m:.2f} m of the way" if summary.blind_m else ""
     why = [f"\n{count} {printable(what)}" for what, count in [*summary.reasons.items()][:_TOLD]]
-    alone = f"\n{summary.without_wheels} without the wheels" if summary.without_wheels else ""
+    rest = sum([*summary.reasons.values()][_TOLD:])
+    why += [f"\n{rest} for other reasons"] if rest else []
+    alone = f"\nnothing heard of the wheels at {summary.without_wheels}" if summary.without_wheels else ""
     share = f"{summary.measured:.1%} of {summary.pictures} pictures{blind}"
     return [
         ("since a picture", ways),

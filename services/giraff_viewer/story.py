@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from giraff_schemas.camera import VisualOdometry
 from giraff_schemas.localization import MapPose
 from giraff_schemas.messages import BaseState, EStop, Freedom, GuardState, Lease, Sample, Verdict
 from giraff_viewer.glyphs import drawable
@@ -46,9 +45,6 @@ class Story:
             case MapPose():
                 level, self._place = _of_place(sample)
                 return self._changes({"map": (level, self._place)})
-            case VisualOdometry():
-                line = ("WARN", sample.reason) if sample.reason else ("INFO", "well")
-                return self._changes({"visual odometry": line})
             case _:
                 return []
 

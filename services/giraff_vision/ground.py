@@ -51,7 +51,7 @@ class Ground:
                 Trouble(
                     f"pictures have {width} by {height} px, and the camera of the robot file "
                     f"{camera.width} by {camera.height}",
-                    "write their size there, and calibrate the camera anew",
+                    "write the size of its full pictures there, and calibrate the camera anew",
                 )
             )
         self.width, self.height = width, height

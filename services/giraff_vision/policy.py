@@ -26,7 +26,7 @@ from giraff_vision.wheel_path import WheelPath, Whereabouts
 
 _OFF_SHARE: Final = 0.08
 """m and rad for each of the wheels' way or turn by which both may differ: more than calibrations leave."""
-_OFF_WAY: Final = 0.002
+_OFF_WAY: Final = 0.003
 """m by which they may differ besides: what a picture tells of a robot that stands."""
 _OFF_TURN: Final = 0.01
 """rad, likewise."""
@@ -36,6 +36,8 @@ _LATE: Final = 0.07
 """s. A camera may tell the moment of its exposure up to a picture's time too early: both differ while speed changes."""
 _JITTER: Final = 0.003
 """s by which the moment of a picture is uncertain."""
+DOUBT: Final = 0.02
+"""m and rad by which they differ, from which later pictures are doubted, too, and people are told."""
 _TRUSTED_AGAIN: Final = 0.05
 """m and rad by the wheels, over which both must agree after they did not."""
 _DOUBTED_WAY: Final = 0.3
@@ -123,7 +125,7 @@ class VisionPolicy:
             rejected=ground.bent(seen.rejected),
             ground=ground.outline,
         )
-        if odometer.key != key_before:
+        if odometer.key != key_before or odometer.key < 0:
             self._key_wheels, self._key_at = here, self._at
         return told
 
@@ -134,6 +136,7 @@ class VisionPolicy:
             ground = Ground(self._camera, width, height)
             if odometer is not None:
                 self._keys_before += odometer.key + 1
+                self._key_wheels = None
             odometer = self._odometer = VisualOdometer(ground)
         return odometer
 
@@ -146,12 +149,23 @@ class VisionPolicy:
         limit = _OFF_WAY + _OFF_SHARE * way + _ASIDE * turn + _late(begin.speed, here.speed)
         turn_limit = _OFF_TURN + _OFF_SHARE * turn + _late(begin.turn, here.turn)
         if math.hypot(off.x, off.y) > limit or abs(off.yaw) > turn_limit:
-            self._is_doubted = True
+            self._is_doubted = self._is_doubted or is_large(off)
             if max(way, turn) > _DOUBTED_WAY and self._odometer is not None:
                 self._odometer.renew()
-        elif max(way, turn) > _TRUSTED_AGAIN:
+            return reasons.DISAGREE
+        if max(way, turn) > _TRUSTED_AGAIN:
             self._is_doubted = False
-        return reasons.DISAGREE if self._is_doubted else WELL
+        return reasons.DOUBTED if self._is_doubted else WELL
+
+
+def disagrees(told: VisualOdometry) -> bool:
+    """Whether this is no measurement because the wheels disagree."""
+    return told.reason == str(reasons.DISAGREE)
+
+
+def is_large(off: Pose) -> bool:
+    """Whether picture and wheels differ by more than what a shadow or a late sample makes."""
+    return max(math.hypot(off.x, off.y), abs(off.yaw)) > DOUBT
 
 
 def _late(begin: float, end: float) -> float:

@@ -99,7 +99,10 @@ def refined(ground: Ground, floor: Array, pixels: Array, begin: Consensus, sway:
         slope = ((places[1:] - places[0]) / _STEP).reshape(5, -1).T
         weight = 1.0 / np.maximum(1.0, np.abs(error) / _LARGE)
         information = (slope.T * weight) @ slope + prior
-        motion = motion + np.linalg.solve(information, slope.T @ (weight * error) - prior @ (motion - expected))
+        try:
+            motion = motion + np.linalg.solve(information, slope.T @ (weight * error) - prior @ (motion - expected))
+        except np.linalg.LinAlgError:  # what was followed tells no motion
+            return None
         off = ((ground.seen(floor, motion[None])[0] - pixels) ** 2).sum(axis=1)
         agrees = off < _REFINED_GATE**2
         if agrees.sum() < _LEAST:

@@ -12,6 +12,7 @@ import cv2
 
 from giraff_core.inbox import Inbox
 from giraff_core.io import IO
+from giraff_core.kinematics.pose import Pose
 from giraff_core.picture_asker import PictureAsker
 from giraff_core.robot import RobotConfig
 from giraff_core.timer import Timer
@@ -21,7 +22,7 @@ from giraff_schemas.trouble import WELL, Trouble
 from giraff_vision import reasons
 from giraff_vision.config import VisionConfig
 from giraff_vision.ground import PictureError
-from giraff_vision.policy import VisionPolicy, grey_of
+from giraff_vision.policy import VisionPolicy, disagrees, grey_of, is_large
 
 SETTLED: Final = 1.0
 """s without a disagreement after which it is over."""
@@ -30,8 +31,6 @@ _LOOK_HZ: Final = 2.0
 SILENCE: Final = 1.0
 """s without a sample that is worth a word."""
 _NO_ODOM: Final = Trouble("no odom is heard", "check that giraff_odometry runs: nothing else tells of a dirty lens")
-_WORTH_A_WORD: Final = 0.1
-"""m and rad that one of the two has moved, from which a disagreement is told with its numbers."""
 
 
 class Vision:
@@ -103,9 +102,9 @@ class Vision:
             return
         self._io.set_fault("pictures", WELL)
         self._out.put(told)
-        if told.reason == str(reasons.DISAGREE):
+        if disagrees(told):
             self._disagreed = now
-            self._notice = self._notice or disagreement(told)
+            self._notice = self._notice or _disagreement(told)
 
     def _tell(self, now: float) -> None:
         self._io.set_notice("camera", self._asker.trouble(now))
@@ -115,21 +114,9 @@ class Vision:
         self._io.set_notice("odom", _NO_ODOM if now - self._heard > SILENCE else WELL)
 
 
-def disagreement(told: VisualOdometry) -> Trouble:
-    """Return both values of a picture that is no measurement because the wheels disagree; WELL: neither is large."""
+def _disagreement(told: VisualOdometry) -> Trouble:
+    """Return what people are told of a disagreement; WELL: it is small."""
     if told.motion is None or told.wheels is None:
         return WELL
-    (x, y, yaw), (wheel_x, wheel_y, wheel_yaw) = told.motion, told.wheels
-    seen, rolled = math.hypot(x, y), math.hypot(wheel_x, wheel_y)
-    if max(seen, rolled) > _WORTH_A_WORD:
-        return Trouble(
-            f"picture and wheels disagree: the picture saw {seen:.2f} m and the wheels {rolled:.2f} m",
-            reasons.DISAGREE.remedy,
-        )
-    if max(abs(yaw), abs(wheel_yaw)) > _WORTH_A_WORD:
-        seen, rolled = math.degrees(yaw), math.degrees(wheel_yaw)
-        return Trouble(
-            f"picture and wheels disagree: the picture saw a turn of {seen:.0f}° and the wheels one of {rolled:.0f}°",
-            reasons.DISAGREE.remedy,
-        )
-    return WELL
+    seen, wheels = Pose(*told.motion), Pose(*told.wheels)
+    return reasons.disagreement(seen, wheels) if is_large(seen.seen_from(wheels)) else WELL

@@ -23,7 +23,9 @@ def vision(
     camera: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="In [robot.sensors]; else the only one, or that of [vision].", show_default=False
+            metavar="NAME",
+            help="Its table in the robot file; else that of the table vision, or the only one.",
+            show_default=False,
         ),
     ] = None,
     file: Annotated[

@@ -12,6 +12,7 @@ from giraff_schemas.camera import Step, VisualOdometry
 from giraff_schemas.text import printable
 from giraff_schemas.trouble import trouble_of
 from giraff_telemetry.localization import place_text
+from giraff_vision.policy import disagrees
 
 _LABEL: Final = 15  # characters
 
@@ -85,7 +86,7 @@ class Tally:
             way += math.dist(wheels[:2], self._wheels[:2])
             summary.by_wheels = Path(way_m=way, x=wheels.x, y=wheels.y, yaw=wheels.yaw)
             self._wheels = wheels
-        if said.reason and said.motion and said.wheels:
+        if disagrees(said) and said.motion and said.wheels:
             off = math.dist(said.motion, said.wheels)  # a metre counts as a radian
             if off > self._most_off:
                 self._most_off, summary.worst = off, (summary.seconds, said.motion, said.wheels)

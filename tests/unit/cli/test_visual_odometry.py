@@ -62,7 +62,7 @@ since a picture  truth 1.98 m, wheels 2.02 m, camera 2.00 m
 camera measures  90.9% of 99 pictures, all but 0.10 m of the way; else
                  5 covered
                  4 dark
-                 99 without the wheels
+                 nothing heard of the wheels at 99
 """ in to_text(told)
     assert max(map(len, to_text(told).splitlines())) <= 80
     assert summary(ten_seconds()).visual is None

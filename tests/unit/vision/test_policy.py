@@ -93,6 +93,21 @@ def test_a_shadow_that_moves_is_no_motion(floor: Floor) -> None:
     assert {str(reasons.UNSURE), str(reasons.MOVING)} <= reasons_told
 
 
+@pytest.mark.parametrize(("off", "then"), [(0.005, ""), (0.03, str(reasons.DOUBTED))])
+def test_a_large_difference_is_remembered_until_both_have_agreed_over_some_way(off: float, then: str) -> None:
+    shots = [*clear()]
+    shoved = [msgspec.structs.replace(each, x=each.x + off) for each in shots[2].odometry]
+    shots[2] = shots[2]._replace(odometry=tuple(shoved))
+    told = [each.reason for _, each, _ in told_of(shots)]
+    assert told[1:4] == ["", str(reasons.DISAGREE), then]
+    assert told[-1] == ""
+
+
+@pytest.mark.parametrize("change", [{"width": 160, "height": 120}, {"focal_x": 700.0, "focal_y": 700.0}, {"z": 0.05}])
+def test_a_robot_file_of_another_camera_ends_nothing(change: dict[str, float]) -> None:
+    assert len(told_of(clear(), msgspec.structs.replace(CAMERA, **change))) == len(clear())
+
+
 def half_still(grey: Grey) -> Grey:
     return np.hstack([clear()[20].grey[:, :160], grey[:, 160:]])
 

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from giraff_core.sensors import Camera
-from giraff_schemas.camera import Asker, CameraHold, CameraState, Picture, VisualOdometry
+from giraff_schemas.camera import Asker, CameraHold, CameraState, Picture, Step, VisualOdometry
 from giraff_schemas.topics import CAMERA, CAMERA_ON, CAMERA_SMALL, CAMERA_STATE, ODOM, VISUAL_ODOM
 from giraff_schemas.trouble import WELL, Trouble
+from giraff_vision import reasons
 from giraff_vision.config import VisionConfig
-from giraff_vision.service import SILENCE, Vision, disagreement
+from giraff_vision.service import SILENCE, Vision
 from tests.support.robots import ROBOT
 
 _ME: Final = "vision"
@@ -129,22 +130,30 @@ def test_what_is_silent_is_told() -> None:
 
 
 def test_both_values_of_a_disagreement_are_told_and_neither_is_called_wrong() -> None:
-    def told(motion: tuple[float, float, float], wheels: tuple[float, float, float]) -> str:
-        return str(
-            disagreement(
-                VisualOdometry(
-                    camera="head",
-                    picture=1,
-                    tick=None,
-                    key=1,
-                    reason="picture and wheels disagree",
-                    motion=motion,
-                    wheels=wheels,
-                    path=(0.0, 0.0, 0.0),
-                )
-            )
+    def told(motion: Step, wheels: Step) -> str:
+        desk = Desk()
+        desk.it._policy = MagicMock()
+        desk.it._policy.on_picture.return_value = VisualOdometry(
+            camera="head",
+            picture=1,
+            tick=None,
+            key=1,
+            reason=str(reasons.DISAGREE),
+            motion=motion,
+            wheels=wheels,
+            path=(0.0, 0.0, 0.0),
         )
+        desk.state("camera")
+        desk.turn()
+        desk.picture("camera", _jpeg(120, 160), small=True)
+        desk.turn()
+        desk.turn(0.5)
+        return str(desk.troubles["wheels"])
 
-    assert "the picture saw 0.02 m and the wheels 0.15 m" in told((0.02, 0.0, 0.0), (0.15, 0.0, 0.0))
-    assert "the picture saw a turn of 0° and the wheels one of 9°" in told((0.0, 0.0, 0.0), (0.0, 0.0, 0.157))
-    assert told((0.0, 0.0, 0.0), (0.03, 0.0, 0.0)) == ""
+    assert "the picture saw x 0.02 m, y 0.00 m, 0°, the wheels x 0.15 m, y 0.00 m, 0°; one" in told(
+        (0.02, 0.0, 0.0), (0.15, 0.0, 0.0)
+    )
+    assert "saw x 0.00 m, y 0.00 m, 0°, the wheels x 0.00 m, y 0.00 m, 9°; one" in told(
+        (0.0, 0.0, -0.001), (0.0, 0.0, 0.157)
+    )
+    assert told((0.0, 0.0, 0.0), (0.01, 0.0, 0.0)) == ""
