@@ -31,7 +31,7 @@ class VisualSummary(msgspec.Struct, frozen=True, kw_only=True):
     camera: str
     pictures: int
     """Pictures after the first."""
-    measured: float
+    measured_share: float
     """Share of them that are measurements, 0..1."""
     reasons: dict[str, int]
     """Pictures that are none, by the reason; the most frequent first."""
@@ -143,7 +143,7 @@ class VisualErrors:
         return VisualSummary(
             camera=newest.camera,
             pictures=self._pictures,
-            measured=round(1.0 - self._reasons.total() / self._pictures, 4) if self._pictures else 0.0,
+            measured_share=round(1.0 - self._reasons.total() / self._pictures, 4) if self._pictures else 0.0,
             reasons=dict(self._reasons.most_common()),
             without_wheels=self._without_wheels,
             path_m=round(newest.seen_m + newest.blind_m, 4),
@@ -172,7 +172,7 @@ def visual_rows(summary: VisualSummary) -> list[tuple[str, str]]:
     rest = sum([*summary.reasons.values()][_TOLD:])
     why += [f"\n{rest} for other reasons"] if rest else []
     alone = f"\nnothing heard of the wheels at {summary.without_wheels}" if summary.without_wheels else ""
-    share = f"{summary.measured:.1%} of {summary.pictures} pictures{blind}"
+    share = f"{summary.measured_share:.1%} of {summary.pictures} pictures{blind}"
     return [
         ("since a picture", ways),
         ("wheels off by", _off(summary.wheels_error_m, summary.wheels_error_deg, summary.true_m)),

@@ -71,7 +71,8 @@ def look(path: Path, camera: str | None, file: Path | None, *, as_json: bool) ->
         print_error(f"{path}: {fault}")
     summary = tally.summary
     if not summary.pictures:
-        return print_error(f"{path}: no picture of {name} in it; record them with giraff record --camera")
+        remedy = "record them with giraff record --camera" if path.suffix == ".mcap" else "give a video that plays"
+        return print_error(f"{path}: no picture of {name} in it; {remedy}")
     say(json_page(summary) if as_json else to_text(summary))
     return _INCOMPLETE if faults else 0
 

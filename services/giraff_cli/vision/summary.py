@@ -7,6 +7,7 @@ from typing import Final
 
 import msgspec
 
+from giraff_cli.terminal.text import counted
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas.camera import Step, VisualOdometry
 from giraff_schemas.text import printable
@@ -98,10 +99,11 @@ def to_text(summary: Summary) -> str:
     lacks = (
         f"; without {summary.without_wheels} pictures at which they were not heard" if summary.without_wheels else ""
     )
+    size = f"{summary.width} x {summary.height} px"
     reasons = sorted(summary.reasons.items(), key=lambda each: -each[1])
     rows = [
-        ("camera", f"{summary.camera}, {of} pictures of {summary.width} x {summary.height} in {summary.seconds:.1f} s"),
-        ("measured", f"{summary.measured} of {of} pictures, {summary.measured / of:.1%}"),
+        ("camera", f"{summary.camera}, {counted(of, 'picture')} in {summary.seconds:.1f} s, {size}"),
+        ("measured", f"{summary.measured} of {counted(of, 'picture')}, {summary.measured / of:.1%}"),
         *(("not", f"{number} of {of}: {reason}") for reason, number in reasons),
         ("by the camera", f"{_path_text(summary.by_camera)}; {summary.blind_m:.2f} m of it by the wheels"),
         ("by the wheels", "not heard" if wheels is None else _path_text(wheels) + lacks),

@@ -42,7 +42,7 @@ def test_the_summary_has_wheels_camera_and_truth_beside_each_other() -> None:
     assert told.visual == VisualSummary(
         camera="head",
         pictures=99,
-        measured=0.9091,
+        measured_share=0.9091,
         reasons={"covered": 5, "dark": 4},
         without_wheels=99,
         path_m=1.9998,
