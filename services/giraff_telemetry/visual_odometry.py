@@ -160,7 +160,7 @@ class VisualErrors:
 def visual_text(seen: Latest[VisualOdometry]) -> str:
     """Return whether the camera measures the motion now, or why it does not."""
     if not seen.fresh:
-        return f"not heard for {seen.age:.0f} s"
+        return f"unknown, vision was not heard for {seen.age:.0f} s"
     return trouble_of(seen.sample).what or "measures"
 
 

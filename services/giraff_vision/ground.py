@@ -46,7 +46,7 @@ class Ground:
     def __init__(self, camera: Camera, width: int, height: int) -> None:
         """`width`, `height`: of its pictures, px. Raises PictureError where they have not the camera's shape."""
         across, down = width / camera.width, height / camera.height
-        if abs(across * camera.height - height) > 1.0:
+        if width > camera.width or abs(across * camera.height - height) > 1.0:
             raise PictureError(
                 Trouble(
                     f"pictures have {width} by {height} px, and the camera of the robot file "
@@ -94,10 +94,12 @@ class Ground:
             columns, rows = (np.rint(each[at]).astype(np.intp) for each in self._maps)
         return tuple(zip(columns.tolist(), rows.tolist(), strict=True))
 
-    def floor(self, pixels: Array) -> Array:
-        """Return the floor at pixels; what looks up is far away."""
+    def floor(self, pixels: Array, roll: float = 0.0, pitch: float = 0.0) -> Array:
+        """Return the floor at pixels of a body that leans by roll and pitch (rad, small). What looks up is far away."""
         ray = np.column_stack([pixels, np.ones(len(pixels))]) @ self._to_body.T
-        return np.asarray(self._lens_at[:2] + ray[:, :2] * (self._lens_at[2] / np.maximum(-ray[:, 2:], _LEAST_DOWN)))
+        lean = np.array([pitch, -roll, -1.0])
+        down, high = ray @ lean, -float(self._lens_at @ lean)
+        return np.asarray(self._lens_at[:2] + ray[:, :2] * (high / np.maximum(down, _LEAST_DOWN))[:, None])
 
     def seen(self, floor: Array, motions: Array) -> Array:
         """Return the pixels of the floor after each of some motions, as of `projections`: (k, n, 2)."""

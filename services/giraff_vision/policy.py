@@ -36,6 +36,8 @@ _LATE: Final = 0.07
 """s. A camera may tell the moment of its exposure up to a picture's time too early: both differ while speed changes."""
 _JITTER: Final = 0.003
 """s by which the moment of a picture is uncertain."""
+_MOST_LATE: Final = 10.0
+"""s."""
 DOUBT: Final = 0.02
 """m and rad by which they differ, from which later pictures are doubted, too, and people are told."""
 _TRUSTED_AGAIN: Final = 0.05
@@ -47,7 +49,10 @@ _NOTHING: Final = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 def grey_of(jpeg: bytes) -> NDArray[np.uint8]:
     """Return a picture in grey: (rows, columns). Raises PictureError where it is none."""
-    pixels = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_GRAYSCALE) if jpeg else None
+    try:
+        pixels = cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_GRAYSCALE) if jpeg else None
+    except cv2.error:  # it says that it is larger than any picture
+        pixels = None
     if pixels is None:
         raise PictureError(Trouble("a picture is no JPEG", "look at the camera's host: its pictures arrive damaged"))
     return np.asarray(pixels, np.uint8)
@@ -89,9 +94,14 @@ class VisionPolicy:
         `grey`: (rows, columns), of the camera's size or another of the same shape. Raises PictureError for another
         shape.
         """
-        odometer = self._odometer_for(grey)
         since_tick = picture.since_tick + (picture.exposure or 0.0) / 2.0
+        if not 0.0 <= since_tick <= _MOST_LATE:
+            what = f"a picture was exposed {since_tick:g} s after its tick, which no camera does"
+            raise PictureError(Trouble(what, "look who sends it: giraff camera list"))
+        odometer = self._odometer_for(grey)
         here = self._wheels.at(picture.tick, since_tick)
+        if here is not None and _between(self._key_wheels, here) is None:
+            odometer.renew()  # the wheels have no word on the way since the key picture
         key_before = odometer.key
         seen = odometer.look(odometer.ground.straightened(grey))
         wheels = _between(self._key_wheels, here)
@@ -142,8 +152,10 @@ class VisionPolicy:
 
     def _veto(self, seen: Seen, wheels: Pose | None, here: Whereabouts | None) -> Trouble:
         """Why a motion that was seen is no measurement; WELL: it is one, or the wheels are silent."""
-        if seen.motion is None or wheels is None or here is None or self._key_wheels is None:
+        if seen.motion is None:
             return WELL
+        if wheels is None or here is None or self._key_wheels is None:
+            return reasons.DOUBTED if self._is_doubted else WELL
         begin, off = self._key_wheels, seen.motion.seen_from(wheels)
         way, turn = math.hypot(wheels.x, wheels.y), abs(wheels.yaw)
         limit = _OFF_WAY + _OFF_SHARE * way + _ASIDE * turn + _late(begin.speed, here.speed)

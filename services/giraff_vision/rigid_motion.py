@@ -63,7 +63,7 @@ def consensus(
     `floor`: where corners were at the key picture; `pixels`: where they are seen now; `sway`: roll and pitch.
     Fischler and Bolles 1981.
     """
-    now = ground.floor(pixels)
+    now = ground.floor(pixels, *sway)
     one, other = chance.integers(0, len(floor), (2, _TRIES))
     before, after = floor[other] - floor[one], now[other] - now[one]
     turn = np.arctan2(before[:, 1], before[:, 0]) - np.arctan2(after[:, 1], after[:, 0])
@@ -105,7 +105,7 @@ def refined(ground: Ground, floor: Array, pixels: Array, begin: Consensus, sway:
             return None
         off = ((ground.seen(floor, motion[None])[0] - pixels) ** 2).sum(axis=1)
         agrees = off < _REFINED_GATE**2
-        if agrees.sum() < _LEAST:
-            return None
+    if agrees.sum() < _LEAST:
+        return None
     variance = off[agrees].sum() / max(1, 2 * int(agrees.sum()) - 3)
     return Refined(motion, agrees, (np.linalg.inv(information) * variance * _SHARED)[:3, :3])

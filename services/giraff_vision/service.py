@@ -30,6 +30,10 @@ _LOOK_HZ: Final = 2.0
 """Hz of a look at what is silent."""
 SILENCE: Final = 1.0
 """s without a sample that is worth a word."""
+_LATE_ODOM: Final = Trouble(
+    "pictures are compared with no odom: it comes later than they do, or they have no tick of this base",
+    "check that this host is not too busy, and that giraff_camera hears base: nothing else tells of a dirty lens",
+)
 _NO_ODOM: Final = Trouble("no odom is heard", "check that giraff_odometry runs: nothing else tells of a dirty lens")
 
 
@@ -57,7 +61,7 @@ class Vision:
         self._timer = Timer(_LOOK_HZ)
         self.timers = (self._timer,)
         self._turned = -math.inf
-        self._heard = self._disagreed = io.monotonic()
+        self._heard = self._disagreed = self._pictured = self._compared = io.monotonic()
         self._notice = WELL
 
     def turn(self, now: float) -> None:
@@ -102,6 +106,9 @@ class Vision:
             return
         self._io.set_fault("pictures", WELL)
         self._out.put(told)
+        if told.wheels is not None:
+            self._compared = now
+        self._pictured = now
         if disagrees(told):
             self._disagreed = now
             self._notice = self._notice or _disagreement(told)
@@ -111,7 +118,8 @@ class Vision:
         if now - self._disagreed > SETTLED:
             self._notice = WELL
         self._io.set_notice("wheels", self._notice)
-        self._io.set_notice("odom", _NO_ODOM if now - self._heard > SILENCE else WELL)
+        is_alone = self._pictured - self._compared > SILENCE
+        self._io.set_notice("odom", _NO_ODOM if now - self._heard > SILENCE else _LATE_ODOM if is_alone else WELL)
 
 
 def _disagreement(told: VisualOdometry) -> Trouble:

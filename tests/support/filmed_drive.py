@@ -59,10 +59,14 @@ def film(
     camera: Camera = CAMERA,
     scales: tuple[float, float] = (1.02, 1.03),
     grip: Callable[[float], float] = lambda _: 1.0,
+    lean: Callable[[float], float] = lambda _: 0.0,
     solids: Solids | None = None,
     seed: int = 1,
 ) -> Iterator[Filmed]:
-    """Drive `way` m. `scales`: of the wheels' way and turn; `grip`: share of both that the robot makes, at a time."""
+    """Drive `way` m. `scales`: of the wheels' way and turn; `grip`: share of both that the robot makes, at a time.
+
+    `lean`: rad forward about an axle on the floor, at a time.
+    """
     renderer, encoder, number = Renderer(camera, scene, solids, seed), JpegEncoder(80), 0
     true = wheels = Pose(0.0, 0.0, 0.0)
     travelled, heard, waiting = 0.0, list[Odometry](), list[tuple[int, Filmed]]()
@@ -73,7 +77,7 @@ def film(
             number += 1
             at = true.moved(share * speed * left, share * turn * left)
             place = Place(at.x, at.y, at.yaw)
-            seen = renderer.frame(place, time + left, speed=share * speed, turn=share * turn)
+            seen = renderer.frame(place, time + left, speed=share * speed, turn=share * turn, lean=lean(time))
             jpeg = encoder.encode(seen, 40_000)
             told = wheels.moved(scales[0] * speed * left, scales[1] * turn * left)
             is_turning = abs(turn) > 0.1 and abs(speed) < 0.01

@@ -16,11 +16,14 @@ from numpy.typing import NDArray
 from giraff_core.kinematics.pose import Pose
 from giraff_core.sensors import Camera
 from giraff_schemas.camera import VisualOdometry
+from giraff_schemas.messages import RobotTime
 from giraff_schemas.trouble import Trouble
 from giraff_sim.camera.scene import Lens, Scene, Shadow
 from giraff_sim.camera.textures import Floor
 from giraff_vision import reasons
+from giraff_vision.ground import Ground, PictureError
 from giraff_vision.policy import VisionPolicy
+from giraff_vision.rigid_motion import Consensus, refined
 from tests.support.filmed_drive import CAMERA, Filmed, film
 
 Grey = NDArray[np.uint8]
@@ -52,6 +55,12 @@ def is_right(told: VisualOdometry, true: Pose) -> bool:
 def clear(seed: int = 1) -> tuple[Filmed, ...]:
     """Return 24 pictures that end on the move."""
     return tuple(islice(film("straight", Scene("carpet"), seed=seed), 24))
+
+
+@lru_cache
+def dirty() -> tuple[Filmed, ...]:
+    """Return 30 pictures through a dirty lens over a floor that shows nothing."""
+    return tuple(islice(film("straight", Scene("bare", lens=Lens(specks=100))), 30))
 
 
 @pytest.mark.parametrize(("floor", "path"), [("planks", "weave"), ("brick", "square")])
@@ -93,6 +102,60 @@ def test_a_shadow_that_moves_is_no_motion(floor: Floor) -> None:
     assert {str(reasons.UNSURE), str(reasons.MOVING)} <= reasons_told
 
 
+@pytest.mark.parametrize("broken", ["origin", "epoch", "gap"])
+def test_wheels_that_tell_nothing_of_the_way_since_the_key_picture_keep_their_veto(broken: str) -> None:
+    shots = [*dirty()]
+    for number in range(12, len(shots)):
+        heard = shots[number].odometry
+        if broken == "origin":
+            heard = tuple(msgspec.structs.replace(each, jumps=1) for each in heard)
+        if broken == "gap":
+            heard = () if number < 20 else heard
+        if broken == "epoch":
+            heard = tuple(msgspec.structs.replace(each, tick=RobotTime(2, each.tick.robot_ns)) for each in heard)
+            picture = msgspec.structs.replace(shots[number].picture, tick=RobotTime(2, _ns(shots[number])))
+            shots[number] = shots[number]._replace(picture=picture)
+        shots[number] = shots[number]._replace(odometry=heard)
+    found = told_of(shots)[12:]
+    assert any(told.wheels is None for _, told, _ in found)
+    assert sum(told.is_measured and not is_right(told, true) for _, told, true in found) <= 2
+    assert found[-1][1].reason == str(reasons.DISAGREE)
+
+
+def test_a_turn_on_the_spot_behind_a_dirty_lens_is_contradicted_by_the_wheels() -> None:
+    shots = list(islice(film("square", Scene("bare", lens=Lens(specks=100)), 0.4), 36))
+    turning = [told for shot, told, _ in told_of(shots) if shot.is_turning]
+    assert len(turning) > 10
+    assert all(told.reason for told in turning[1:])
+
+
+def test_a_body_that_sways_is_followed() -> None:
+    sway = film("straight", Scene("carpet"), 1.0, lean=lambda time: math.radians(2.0) * math.sin(math.tau * 2.0 * time))
+    found = told_of(islice(sway, 30))
+    assert all(told.is_measured for _, told, _ in found[1:])
+    assert all(is_right(told, true) for _, told, true in found[1:])
+
+
+def test_corners_in_one_place_tell_no_motion() -> None:
+    ground, floor = Ground(CAMERA, 320, 240), np.tile([[1.2, 0.0]], (8, 1))
+    pixels = ground.seen(floor, np.zeros((1, 5)))[0]
+    assert refined(ground, floor, pixels, Consensus(np.zeros(5), np.full(8, True), 0), np.zeros(2)) is None
+
+
+def test_a_lens_that_bends_is_straightened() -> None:
+    camera = msgspec.structs.replace(CAMERA, distortion=(-0.3, 0.1, 0.0, 0.0, 0.0), yaw=0.6, roll=0.2, y=0.2)
+    (first, *_), *_, (last, told, _) = told_of(islice(film("straight", Scene("brick"), camera=camera), 30), camera)
+    off = Pose(*told.path).seen_from(last.pose.seen_from(first.pose))
+    assert math.hypot(off.x, off.y) < 0.01 * told.seen_m
+
+
+@pytest.mark.parametrize("since_tick", [-1.0, 1e300, 20.0])
+def test_a_picture_of_an_impossible_moment_is_refused(since_tick: float) -> None:
+    shot = clear()[0]
+    with pytest.raises(PictureError, match="which no camera does"):
+        VisionPolicy(CAMERA).on_picture(msgspec.structs.replace(shot.picture, since_tick=since_tick), shot.grey)
+
+
 @pytest.mark.parametrize(("off", "then"), [(0.005, ""), (0.03, str(reasons.DOUBTED))])
 def test_a_large_difference_is_remembered_until_both_have_agreed_over_some_way(off: float, then: str) -> None:
     shots = [*clear()]
@@ -103,9 +166,19 @@ def test_a_large_difference_is_remembered_until_both_have_agreed_over_some_way(o
     assert told[-1] == ""
 
 
-@pytest.mark.parametrize("change", [{"width": 160, "height": 120}, {"focal_x": 700.0, "focal_y": 700.0}, {"z": 0.05}])
-def test_a_robot_file_of_another_camera_ends_nothing(change: dict[str, float]) -> None:
-    assert len(told_of(clear(), msgspec.structs.replace(CAMERA, **change))) == len(clear())
+def test_a_robot_file_of_another_lens_ends_nothing() -> None:
+    assert len(told_of(clear(), msgspec.structs.replace(CAMERA, focal_x=700.0, focal_y=700.0))) == len(clear())
+
+
+@pytest.mark.parametrize(("width", "height"), [(160, 120), (320, 200)])
+def test_a_picture_that_does_not_fit_the_robot_file_is_refused(width: int, height: int) -> None:
+    with pytest.raises(PictureError, match=f"have 320 by 240 px, and the camera of the robot file {width} by {height}"):
+        told_of(clear()[:1], msgspec.structs.replace(CAMERA, width=width, height=height))
+
+
+def _ns(shot: Filmed) -> int:
+    assert shot.picture.tick is not None
+    return shot.picture.tick.robot_ns
 
 
 def half_still(grey: Grey) -> Grey:
