@@ -26,6 +26,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ProcessRobot]:
 def test_a_drive_that_is_said_again_moves_nothing_with_or_without_its_makers(robot: ProcessRobot) -> None:
     said = record_drive(robot, 0.2)
     robot.arm()  # the very operator whose words they are holds the hand level, and could drive at any moment
+    robot.wait("rest after the drive itself", lambda: not robot.drives(), PATIENCE)
     since_us = robot.simulator.now()
     say_again(robot, said, LATE)
     robot.run(0.5)
