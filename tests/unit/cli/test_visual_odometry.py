@@ -77,4 +77,6 @@ def test_the_last_row_and_the_line_tell_whether_the_camera_sees_it_move() -> Non
     assert rendered(snapshot, frame)[-1].rstrip() == "VISION  dark  see by it: giraff camera view"
     assert rendered(snapshot, replace(frame, vision="ended"))[-1].startswith("VISION  ended  see by it")
     assert line(drive_seen().snapshot(END * MS), 0.0).endswith(" | camera measures")
-    assert line(drive_seen().snapshot(END * MS + 4 * SECOND), 0.0).endswith(" | camera unknown, vision was not heard for 4 s")
+    assert line(drive_seen().snapshot(END * MS + 4 * SECOND), 0.0).endswith(
+        " | camera unknown, vision was not heard for 4 s"
+    )
