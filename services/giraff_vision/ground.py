@@ -44,7 +44,7 @@ class Ground:
     """Of one camera and one size of its pictures."""
 
     def __init__(self, camera: Camera, width: int, height: int) -> None:
-        """`width`, `height`: of its pictures, px. Raises PictureError where they have not the camera's shape."""
+        """`width`, `height`: of its pictures, px. Raises PictureError where they are larger, or of another shape."""
         across, down = width / camera.width, height / camera.height
         if width > camera.width or abs(across * camera.height - height) > 1.0:
             raise PictureError(

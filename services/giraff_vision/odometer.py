@@ -1,8 +1,8 @@
 """Motion over the floor from pictures alone: corners that are followed, and the motion that explains them.
 
 After Campbell, Sukthankar, Nourbakhsh and Pahwa, "A Robust Visual Odometry and Precipice Detection System Using
-Consumer-grade Monocular Vision", 2005. Corners on the floor (Shi and Tomasi 1994) are followed from picture to picture
-(Lucas and Kanade 1981, in a pyramid), and their motion is told since a key picture.
+Consumer-grade Monocular Vision", 2005. Corners on the floor (Shi and Tomasi 1994) of a key picture are found again in
+each later one (Lucas and Kanade 1981, in a pyramid), and their motion is told since the key picture.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _WINDOW: Final = (15, 15)
 _LEVELS: Final = 2
 _STOP: Final = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 12, 0.02)
 _UNLIKE: Final = 14.0
-"""Grey levels by which the surroundings of a corner may differ from those in the last picture."""
+"""Grey levels by which the surroundings of a corner may differ from those in the key picture."""
 _ABOVE: Final = 0.7
 """Share of the first row of the floor: corners are followed so far above it while the robot backs away."""
 _LEAST_GRADIENT: Final = 1e-4
@@ -50,7 +50,7 @@ _RIVAL: Final = 0.6
 _SPREAD: Final = 0.08
 """m. Standard deviation of the corners' places, on either axis of the floor."""
 _SURE: Final = 0.002
-"""m. Standard deviation of a motion, on either axis, from which it is no measurement. The key picture stays then."""
+"""m. Largest standard deviation of a measurement, on either axis. The key picture stays where it is larger."""
 _KEY_WAY: Final = 0.25
 """m from a key picture to the next."""
 _KEY_TURN: Final = 0.2
@@ -86,12 +86,12 @@ class Seen(NamedTuple):
     key: int
     """Number of the key picture that the motion is since."""
     motion: Pose | None = None
-    """None: none was found. With a reason it is one that is not sure."""
+    """None: no motion was found. With a reason, the motion is not sure."""
     covariance: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     tracked: Array = np.zeros((0, 2))
-    """Pixels of the corners that move so, (n, 2)."""
+    """Pixels of the corners that move as the motion has it, (n, 2)."""
     rejected: Array = np.zeros((0, 2))
-    """Pixels of those that do not."""
+    """Pixels of the corners that do not, (n, 2)."""
 
 
 class VisualOdometer:

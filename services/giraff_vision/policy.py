@@ -37,7 +37,7 @@ _LATE: Final = 0.07
 _JITTER: Final = 0.003
 """s by which the moment of a picture is uncertain."""
 _MOST_LATE: Final = 10.0
-"""s."""
+"""s from a tick to a picture that is exposed. Base ticks 50 times a second."""
 DOUBT: Final = 0.02
 """m and rad by which they differ, from which later pictures are doubted, too, and people are told."""
 _TRUSTED_AGAIN: Final = 0.05

@@ -24,7 +24,7 @@ BUNCHED: Final = Trouble("corners on one spot only", "drive on: the rest of the 
 UNSURE: Final = Trouble("the motion is not sure enough", "go by the wheels: the floor is plain, or its pattern repeats")
 _LOOK: Final = "one of the two is wrong: look at the lens, at what moves before it, and whether wheels slip"
 DISAGREE: Final = Trouble("picture and wheels disagree", _LOOK)
-DOUBTED: Final = Trouble("picture and wheels have disagreed, and not agreed over 5 cm since", _LOOK)
+DOUBTED: Final = Trouble("picture and wheels disagreed, and have not agreed over 5 cm since then", _LOOK)
 
 
 def disagreement(seen: Pose, wheels: Pose) -> Trouble:

@@ -41,9 +41,9 @@ class Consensus(NamedTuple):
     motion: Array
     """x, y (m), yaw (rad), roll, pitch."""
     agrees: NDArray[np.bool_]
-    """Which corners move so."""
+    """Which corners move as the motion has it."""
     rival: int
-    """Number of corners that move as another motion has it, and not so: of what moves by itself."""
+    """Number of corners that move alike in another way: something may move by itself."""
 
 
 class Refined(NamedTuple):
