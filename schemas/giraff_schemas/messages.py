@@ -2,9 +2,7 @@
 
 A sample is a MessagePack map, so that any language reads it without this module. Unknown fields are ignored on
 decoding (an older reader keeps working); a missing field, a wrong type or a number that is not finite is an error.
-
-`__post_init__` checks a sample once on each side: where it is made, so that no maker says what is not finite, and where
-it arrives. `codec.stamped` makes its copy without it.
+`__post_init__` checks it where it is made and where it arrives; `codec.stamped` makes its copy without that.
 """
 
 from __future__ import annotations
@@ -355,9 +353,11 @@ class BaseState(Sample, frozen=True, kw_only=True):
 class Battery(Sample, frozen=True, kw_only=True):
     voltage: float
     """V."""
+    since_charge: float | None = None
+    """s since base last saw a charge; None: it has seen none since it began."""
 
     def __post_init__(self) -> None:
-        require_finite(self, self.voltage)
+        require_finite(self, self.voltage, self.since_charge or 0.0)
 
 
 Direction = Literal["forward", "backward", "turn_left", "turn_right"]

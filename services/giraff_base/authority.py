@@ -26,14 +26,16 @@ _NO_HOLDER: Final = Trouble("nobody holds the lease", "an operator asks for it b
 class Authority:
     """Whose command counts, whether the robot is armed, and what stands against it."""
 
-    def __init__(self, live: Live[BaseConfig], estop: EStopControl, drive: Drive) -> None:
+    def __init__(
+        self, live: Live[BaseConfig], estop: EStopControl, drive: Drive, *, battery_was_empty: bool = False
+    ) -> None:
         self._live = live
         self._drive = drive
         self._estop = estop
         self._unchecked = live.config.drive.unchecked
         self.arming = Arming(live)
         self.binding = Binding(live, self.arming)
-        self.battery = BatteryWatch(live)
+        self.battery = BatteryWatch(live, was_empty=battery_was_empty)
         self.round_trip: float | None = None
         """s; age of the operator's tick when it was used last."""
         self.budget_left: float | None = None
@@ -101,7 +103,6 @@ class Authority:
             self._estop.stops
             or (_CLOCK_WENT_BACK if clock_went_back else WELL)
             or self._unchecked
-            or self.battery.stops
             or self.binding.intruder
             or self._drive.forbids
         )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Final
 
+from giraff_base import battery
 from giraff_base.authority import Authority
 from giraff_base.config import BaseConfig
 from giraff_base.drive import Report
@@ -20,6 +21,7 @@ from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import Frame
 
 _NO_REPORT: Final = Trouble("no report from the base board yet")
+_UNMEASURED: Final = Trouble("the battery was empty and is not measured now", "connect the base board, then reset it")
 
 
 class BasePolicy:
@@ -36,7 +38,8 @@ class BasePolicy:
         self._estop = EStopControl(latch, live.config.reset_budget, knows_off=self._drive.knows_off)
         if self._estop.latch.engaged:
             self._drive.hold(off=self._estop.latch.off)
-        self._authority = Authority(live, self._estop, self._drive)
+        was_empty = self._estop.latch.engaged and self._estop.latch.by == battery.BY
+        self._authority = Authority(live, self._estop, self._drive, battery_was_empty=was_empty)
         self._ramp = Ramp(live)
         self._reported_ns: int | None = None  # None: there is no board
         self._answered = False
@@ -99,7 +102,7 @@ class BasePolicy:
 
     def reset_refusal(self, reset: EStopReset, now: RobotTime) -> Trouble:
         """Why `on_reset` would clear nothing. WELL: it would, or nothing is left to clear."""
-        return self._estop.refusal(reset, now)
+        return self._estop.refusal(reset, now) or self._uncharged
 
     def released(self, reset: EStopReset) -> EStopLatch:
         """The latch that `on_reset` would leave: it belongs on disk first."""
@@ -107,7 +110,7 @@ class BasePolicy:
 
     def on_reset(self, reset: EStopReset, now: RobotTime) -> EStopAnswer:
         """Permit motion again, of a robot that must be armed for it."""
-        refusal = self._estop.refusal(reset, now)
+        refusal = self.reset_refusal(reset, now)
         if not refusal and self._estop.latch.engaged:
             self._estop.latch = self._estop.released(reset)
             self._drive.release()
@@ -150,7 +153,15 @@ class BasePolicy:
     def battery(self) -> Battery | None:
         """The battery, where its divider is known."""
         voltage = self._drive.voltage
-        return None if voltage is None else Battery(voltage=voltage)
+        return None if voltage is None else Battery(voltage=voltage, since_charge=self._authority.battery.since_charge)
+
+    @property
+    def _uncharged(self) -> Trouble:
+        """Why a stop that the battery has engaged cannot be reset. WELL: it can, or it is another one."""
+        latch = self._estop.latch
+        if not latch.engaged or latch.by != battery.BY:
+            return WELL
+        return self._authority.battery.stops or (_UNMEASURED if self._reported_ns is None else WELL)
 
     def _engage(self, asked: EStopEngage, now: RobotTime) -> None:
         self._estop.engage(asked, now)
@@ -178,8 +189,11 @@ class BasePolicy:
         self._may_hurry = True
         if (latched := report.latched) is not None and self._estop.is_news(latched):
             self._engage(latched, now)
-        if (battery := self.battery()) is not None:
-            self._authority.battery.take(battery.voltage, now.robot_ns)
+        if (voltage := self._drive.voltage) is not None:
+            watch = self._authority.battery
+            watch.take(voltage, now.robot_ns, rests=self._drive.at_rest and not self._driving)
+            if watch.stops and not self._estop.latch.engaged:
+                self._engage(watch.emergency_stop, now)
 
     def _drive_frame(self, now: RobotTime) -> Frame | None:
         linear, angular, self._reason = self._authority.wanted(now)

@@ -25,6 +25,8 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """PWM counts of 255 below which a motor only hums."""
     battery_volts: float = 24.5
     """V with nothing connected."""
+    battery_hours: float = 0.0
+    """h in which the battery loses a fifth of its V, evenly, driven or not: 24.5 V become 19.6. 0: it never empties."""
     battery_sag_volts: float = 2.0
     """V lost with both motors at full duty."""
     sonar_crosstalk: float = 0.0
@@ -40,7 +42,13 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     def __post_init__(self) -> None:
         require_positive(self, "motor_time_constant", "battery_volts")
         require_not_negative(
-            self, "wheel_friction", "dead_zone_counts", "battery_sag_volts", "tilt_noise", "hand_tremor"
+            self,
+            "wheel_friction",
+            "dead_zone_counts",
+            "battery_hours",
+            "battery_sag_volts",
+            "tilt_noise",
+            "hand_tremor",
         )
         if not math.fabs(self.slope_deg) <= _STEEPEST:
             raise ValueError(f"slope_deg is {self.slope_deg}: it must be in -{_STEEPEST:g}..{_STEEPEST:g}")

@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 
 from giraff_core.latest import Latest
 from giraff_schemas.camera import CameraState
-from giraff_schemas.messages import Attitude, GuardState, Range, Verdict
+from giraff_schemas.messages import Attitude, Battery, GuardState, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.trouble import Trouble
 from giraff_telemetry.collector import Snapshot
@@ -44,6 +44,12 @@ def range_text(seen: Latest[Range] | None) -> str:
     if seen is None or not seen.fresh:
         return "silent"
     return seen.sample.state if seen.sample.range is None else f"{seen.sample.range:.2f} m"
+
+
+def battery_text(battery: Battery) -> str:
+    """Return the battery's volts, and how long ago it was charged, where base has seen it."""
+    volts, since = f"{battery.voltage:.1f} V", battery.since_charge
+    return volts if since is None else f"{volts}, charged {since / 3600.0:.1f} h ago"
 
 
 def base_text(snapshot: Snapshot) -> str:

@@ -31,6 +31,7 @@ from giraff_telemetry.describe import (
     balance_text,
     base_reason,
     base_text,
+    battery_text,
     holder_text,
     localization_text,
     range_text,
@@ -83,7 +84,7 @@ def base(snapshot: Snapshot, *rows: tuple[str, RenderableType]) -> Table:
     word = base_text(snapshot)
     state = Text(printable(word), style=_BASE.get(word, "yellow"))
     if snapshot.battery is not None:
-        state.append(f"  {snapshot.battery.sample.voltage:.1f} V", style=f"default {dim(snapshot.battery)}")
+        state.append(f"  {battery_text(snapshot.battery.sample)}", style=f"default {dim(snapshot.battery)}")
     table.add_row("state", state)
     table.add_row("reason", text_or_dash(base_reason(snapshot), "yellow"))
     for row in rows:

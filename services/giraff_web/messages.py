@@ -297,6 +297,8 @@ class State(_ToPage, frozen=True, kw_only=True, tag="state"):
     """V."""
     round_trip: float | None
     """s from the hand to the wheels."""
+    since_charge: float | None = None
+    """s since base last saw a charge of the battery."""
     balance: Balance | None = None
     """None: it is no robot that balances."""
     camera: CameraView | None = None

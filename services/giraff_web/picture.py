@@ -81,6 +81,7 @@ class Picture:
             speed=(round(odom.linear_x, 3), round(odom.angular_z, 3)) if odom else None,
             path=round(odom.path, 3) if odom else None,
             battery=round(battery.voltage, 2) if battery else None,
+            since_charge=battery.since_charge if battery else None,
             round_trip=base.round_trip if base else None,
             balance=self._balance(attitude, odom) if attitude else None,
             camera=camera,

@@ -54,7 +54,7 @@ DRAWN: Final[dict[int, tuple[str, ...]]] = {
         "stop: a second base",
         "fault: disorder",
         "fault: battery",
-        "stop: the battery is empty",
+        "stop: emergency stop by battery",
     ),
     111: (
         "stop: a range that this motion relies on is too old",

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from giraff_sim.bodies.wheels.plant import Plant
 from giraff_sim.config import SimConfig
 from giraff_sim.world.room import Pose
-from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall
+from tests.sim.robots import EXACT, ORIGIN, empty_room, room_with_wall, world_in
 from tests.support.robots import DRIVE, ROBOT
 
 STEP = 0.001
@@ -122,6 +122,15 @@ def test_the_battery_sags_under_load_and_takes_speed_with_it() -> None:
     assert plant.left.speed == pytest.approx(0.6 * 128 / 70 * plant.volts / 24.0, rel=1e-3)
     drive(plant, 0.001, 0.0, 0.0)
     assert plant.volts == 24.0
+
+
+def test_the_battery_loses_a_fifth_of_its_volts_in_its_hours() -> None:
+    world = world_in(empty_room(), SimConfig(battery_volts=25.0, battery_hours=1.0 / 3600.0))
+    for millisecond in range(1, 2001):
+        world.step(None)
+        if millisecond in {500, 1000}:
+            assert world.plant.volts == pytest.approx(25.0 - millisecond * 0.005)
+    assert world.plant.volts == pytest.approx(15.0)
 
 
 def test_axes_are_rep_103() -> None:

@@ -16,6 +16,7 @@ from giraff_telemetry.collector import Snapshot
 from giraff_telemetry.describe import (
     balance_text,
     base_text,
+    battery_text,
     cameras_text,
     estop_text,
     forward_text,
@@ -109,7 +110,7 @@ def _told(snapshot: Snapshot) -> list[str]:
     told += [] if snapshot.attitude is None else [balance_text(snapshot)]
     told += [] if snapshot.localization is None else [f"map {localization_text(snapshot)}"]
     told += [cameras] if (cameras := cameras_text(snapshot)) else []
-    told += [] if battery is None else [f"{battery.sample.voltage:.1f} V"]
+    told += [] if battery is None else [battery_text(battery.sample)]
     told += [f"not there: {', '.join(gone)}"] if gone else []
     return [*told, limit] if limit else told
 

@@ -15,7 +15,7 @@ from giraff_schemas.messages import DriveCommand, Range, Verdict
 from giraff_schemas.services import HANDS
 from giraff_schemas.topics import ATTITUDE, BASE, BATTERY, GUARD, OPERATOR_CMD_VEL, RANGE, WHEELS
 from giraff_schemas.trouble import Trouble, trouble_of
-from giraff_telemetry.describe import START_A_HAND, posture_text, verdicts
+from giraff_telemetry.describe import START_A_HAND, battery_text, posture_text, verdicts
 
 _BUDGET: Final = GuardConfig().operator_budget
 
@@ -183,7 +183,7 @@ def _armed(chain: ChainState) -> Link:
     state, battery = heard.sample, chain.observation.newest(BATTERY)
     if chain.clock is None:
         return link_from("base", "STOPS", heard, "it gives no clock; restart giraff_base")
-    power = f", battery {battery.sample.voltage:.1f} V" if battery is not None else ""
+    power = f", battery {battery_text(battery.sample)}" if battery is not None else ""
     excused = chain.broken("operator", "hand", "lease", "ranger", "guard", "e-stop", "board")
     reason = "see e-stop" if chain.broken("e-stop") else chain.told_once(state.reason) or "not armed"
     lease_link = chain.links["lease"]

@@ -194,9 +194,9 @@ class Drill:
         yield
         self.judge.stops.end(what, self.loop.agenda.now_us)
 
-    def release_later(self) -> None:
+    def release_later(self, after_us: int = _RELEASE_US) -> None:
         """Have the emergency stop reset, should it be engaged."""
-        self.loop.agenda.at(self.loop.agenda.now_us + _RELEASE_US, self.button.reset)
+        self.loop.agenda.at(self.loop.agenda.now_us + after_us, self.button.reset)
 
     def run(self, until_rule: str = "") -> None:
         """Run to the end, or until the judge finds a violation of `until_rule`."""

@@ -24,7 +24,7 @@ MARKS: Final = (
     "stop: emergency stop by the base board",
     "stop: emergency stop by keyboard",
     "stop: not armed since the left wheel was held",
-    "stop: the battery is empty",
+    "stop: emergency stop by battery",
     "answer: stopped",
     "answer: released",
     "answer: the emergency stop was engaged anew meanwhile",

@@ -16,6 +16,7 @@ from giraff_sim.world.room import Room, RoomError
 from giraff_sim.world.sonar import SILENT_US, Lean, sonars
 
 STEP_US: Final = 1000
+_EMPTIES_BY: Final = 0.2  # of its V, from full to where most cut off
 HAND_US: Final = 8000
 """What the hand does acts from a multiple of this on: the accelerometer takes no more samples than one in that time."""
 
@@ -59,12 +60,16 @@ class World:
         self.sim = sim
         self.seed = seed
         self.step_us = step_us
+        steps = sim.battery_hours * 3600e6 / step_us
+        self._volts_per_step = _EMPTIES_BY * self.plant.open_volts / steps if steps else 0.0
 
     def step(self, base: Board | None) -> None:
         """Advance by `step_us`, with the pins of the base board, where there is one."""
         if self.now_us % HAND_US == 0:
             self._feel(self.now_us * 1e-6)
         self.now_us += self.step_us
+        if self._volts_per_step:
+            self.plant.open_volts = max(0.0, self.plant.open_volts - self._volts_per_step)
         self.body.step(base, self.step_us * 1e-6)
 
     def _feel(self, seconds: float) -> None:

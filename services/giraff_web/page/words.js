@@ -121,11 +121,16 @@ export function echoText(name, echo) {
   return `${label}: ${echo.reason || words}`;
 }
 
+/** How long ago the battery was charged, where base has seen it. */
+function charged(seconds) {
+  return known(seconds) ? `, charged ${(seconds / 3600).toFixed(1)} h ago` : "";
+}
+
 export function facts(state) {
   return {
     speed: known(state.speed?.[0]) ? `${fixed(state.speed[0], 2)} m/s` : "–",
     turn: known(state.speed?.[1]) ? `${fixed(state.speed[1], 1)} rad/s` : "–",
-    battery: known(state.battery) ? `${state.battery.toFixed(1)} V` : "–",
+    battery: known(state.battery) ? `${state.battery.toFixed(1)} V${charged(state.since_charge)}` : "–",
     trip: known(state.round_trip) ? `${Math.round(state.round_trip * 1000)} ms` : "–",
     path: known(state.path) ? `${state.path.toFixed(1)} m` : "–",
   };

@@ -1,4 +1,4 @@
-"""A battery that runs down: half speed and a warning, then a stop; a dip under load is neither."""
+"""A battery that runs down: half speed and a warning, then the emergency stop; a dip under load is neither."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ import msgspec
 import pytest
 
 from giraff_base.battery import BatteryWatch
+from giraff_base.estop import RELEASED, EStopLatch
 from giraff_core.live import Live
+from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
 from giraff_schemas.trouble import WELL, Trouble
+from giraff_schemas.wire import Latch
 from tests.support.robots import DRIVE
 from tests.unit.base.rig import CONFIG, Rig, moving
 
@@ -43,25 +46,94 @@ def test_a_battery_that_rests_is_not_charged() -> None:
     assert rig.base.faults["battery"] == WELL
 
 
-def test_an_empty_battery_stops_after_5_s_until_it_is_charged_and_armed_again() -> None:
-    rig = Rig()
+EMPTY = "the battery is empty at 19.8 V; charge it to 22 V, then giraff estop reset"
+
+
+def emptied(latch: EStopLatch = RELEASED) -> Rig:
+    """A robot that has driven until its battery was empty."""
+    rig = Rig(latch=latch)
     rig.drive(0.6)
     charge(rig, 19.8)
     assert rig.run(4.9)[-1].moves
-    assert moving(rig.run(3.0)[20:]) == []
-    state = rig.base.state()
-    assert not state.armed
-    assert state.reason == "the battery is empty at 19.8 V; charge it to 22 V"
-    assert str(rig.base.faults["battery"]) == state.reason
+    assert moving(rig.run(0.5)[20:]) == []
+    return rig
+
+
+def reset(rig: Rig) -> EStopAnswer:
+    """Have a person reset the emergency stop that is in force."""
+    latch = rig.base.latch
+    return rig.base.on_reset(EStopReset(by="kim", id=latch.id, tick=rig.now), rig.now)
+
+
+def test_an_empty_battery_engages_the_emergency_stop_once_and_only_a_charged_one_lets_it_be_reset() -> None:
+    rig = emptied()
+    latch = rig.base.latch
+    assert (latch.engaged, latch.by, latch.reason) == (True, "battery", EMPTY)
+    assert not rig.base.state().armed
+    assert rig.base.state().reason == f"emergency stop by battery: {EMPTY}"
+    assert rig.board.latch == Latch.ESTOP
+    assert (answer := reset(rig)).engaged
+    assert answer.reason == "the battery is empty at 19.8 V; charge it to 22 V"
     charge(rig, 21.9)  # it has recovered at rest
     rig.tilt(0.0)
     rig.run(20.0)
-    assert not rig.base.state().armed
-    rig.tilt(0.6)
+    assert reset(rig).engaged
     charge(rig, 24.0)
-    assert moving(rig.run(10.0)) == []
-    assert rig.base.state().reason.startswith("not armed since the battery is empty at")
+    rig.run(5.1)
+    assert rig.base.latch == latch, "it stays until somebody resets it, and no second one follows"
+    assert not reset(rig).engaged
+    rig.tilt(0.6)
+    assert moving(rig.run(1.0)) == [], "a reset moves nothing"
     rig.drive(0.6)
+
+
+@pytest.mark.parametrize(("volts", "refused"), [(21.9, True), (24.0, False)])
+def test_the_stop_outlives_a_restart_and_goes_by_the_volts_of_then(volts: float, refused: bool) -> None:
+    latch = emptied().base.latch
+    rig = Rig(latch=latch)
+    rig.connected = False
+    rig.run(1.0)
+    assert reset(rig).reason == "the battery was empty and is not measured now; connect the base board, then reset it"
+    rig.connected = True
+    charge(rig, volts)
+    rig.run(5.2)
+    assert rig.base.latch == latch
+    assert reset(rig).engaged == refused
+
+
+def test_a_stop_of_a_person_is_reset_and_the_empty_battery_engages_its_own() -> None:
+    rig = emptied()
+    rig.base.on_engage(EStopEngage(by="kim", reason="look"), rig.now)
+    rig.run(1.0)
+    assert rig.base.latch.by == "kim"
+    assert not reset(rig).engaged
+    rig.run(0.02)
+    assert (rig.base.latch.engaged, rig.base.latch.by) == (True, "battery")
+
+
+def test_a_battery_without_a_divider_lets_its_old_stop_be_reset() -> None:
+    rig = Rig(latch=emptied().base.latch, drive=msgspec.structs.replace(DRIVE, battery_volts_per_count=0.0))
+    rig.run(1.0)
+    assert not reset(rig).engaged
+
+
+def test_a_charge_is_a_volt_more_of_a_robot_that_rests_and_nothing_else() -> None:
+    watch, minutes, seen = BatteryWatch(Live(CONFIG)), 0, []
+    for volts, rests, lasts in (
+        (24.0, True, 3),
+        (22.5, False, 3),  # it drives,
+        (23.9, True, 3),  # and has recovered
+        (22.9, True, 3),
+        (23.95, True, 1),  # charged
+        (26.0, True, 1),  # and more
+        (23.0, False, 6),
+        (25.5, True, 54),
+    ):
+        for _ in range(lasts):
+            minutes += 1
+            watch.take(volts, minutes * 60_000_000_000, rests=rests)
+        seen.append(watch.since_charge)
+    assert seen == [None, None, None, None, 0.0, 0.0, 360.0, 3600.0]
 
 
 @pytest.mark.parametrize("dip", [0.1, 1.0, 4.9])
@@ -97,7 +169,7 @@ def test_a_link_that_comes_and_goes_does_not_hide_an_empty_battery() -> None:
     for _ in range(6):
         for _ in range(100):
             moment += 10_000_000
-            watch.take(19.0, moment)
+            watch.take(19.0, moment, rests=False)
         stops.append(bool(watch.stops))
         watch.pause()
         moment += 3_000_000_000
@@ -115,7 +187,7 @@ def test_a_battery_whose_divider_is_unknown_says_nothing() -> None:
 def test_limits_that_are_off_never_apply() -> None:
     watch = BatteryWatch(Live(msgspec.structs.replace(CONFIG, battery_low=0.0, battery_cutoff=0.0)))
     for second in range(100):
-        watch.take(0.0, second * 1_000_000_000)
+        watch.take(0.0, second * 1_000_000_000, rests=False)
     assert (watch.share, watch.warning, watch.stops) == (1.0, WELL, WELL)
 
 
@@ -125,7 +197,7 @@ def test_a_cutoff_alone_needs_half_a_volt_more_to_drive_again() -> None:
     for volts, stops in ((19.0, True), (20.4, True), (20.5, False)):
         for _ in range(10):
             moment += 1_000_000_000
-            watch.take(volts, moment)
+            watch.take(volts, moment, rests=False)
         assert bool(watch.stops) == stops
         assert watch.share == 1.0
 

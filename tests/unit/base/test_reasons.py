@@ -77,9 +77,9 @@ def timed_out(rig: Rig) -> None:
 # From the first to the last: each is named before all that follow it.
 CAUSES: list[tuple[Callable[[Rig], None], str]] = [
     (engage, "emergency stop by keyboard"),
+    (empty_battery, "emergency stop by battery: the battery is empty"),
     (lose_link, "the port is gone"),
     (refuse_configuration, "being configured"),
-    (empty_battery, "the battery is empty"),
     (second_guard, "a second guard, guard-2"),
     (silence_guard, "the guard is not heard"),
     (stale_operator, "no fresh command of an operator"),
@@ -99,9 +99,9 @@ def test_of_two_causes_the_first_is_named(
 ) -> None:
     rig = Rig()
     rig.drive(0.6)
-    second[0](rig)
-    if first is not second:
-        first[0](rig)
+    causes = [second[0]] if first is second else [second[0], first[0]]
+    for cause in sorted(causes, key=lambda each: each is not empty_battery):  # only a board that works measures it
+        cause(rig)
     rig.run(0.02)
     assert first[1] in rig.base.state().reason
     assert not rig.base.state().driving
@@ -126,9 +126,9 @@ def test_wiring_that_nobody_has_checked_never_arms(drive: WheelsConfig) -> None:
     assert str(rig.base.faults["wiring"]) == rig.base.state().reason
 
 
-def test_unchecked_wiring_is_named_after_the_link_and_before_the_battery() -> None:
+def test_unchecked_wiring_is_named_after_the_link() -> None:
     rig = Rig(drive=UNCHECKED)
-    empty_battery(rig)
+    rig.run(1.0)
     assert "giraff check wheels" in rig.base.state().reason
     lose_link(rig)
     assert rig.base.state().reason == "the port is gone; plug it in"

@@ -19,10 +19,12 @@ from giraff_cli.terminal.screen import as_svg
 from giraff_core.kinematics.pose import Pose
 from giraff_schemas import topics
 from giraff_schemas.localization import LocalizationState
+from giraff_schemas.messages import Battery
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.control.messages import Balance
 from giraff_sim.truth import Level, TruthRanges, draw_truth
 from giraff_sim.truth import Truth as Drawn
+from giraff_telemetry.describe import battery_text
 from tests.support import balancer_file
 from tests.unit.cli.map_poses import map_pose
 from tests.unit.cli.samples import (
@@ -375,3 +377,8 @@ def test_the_picture_stands_alone() -> None:
     assert "sim-here" in svg.replace("&#160;", " ")
     assert "url(" not in svg.replace("url(#", "")
     assert as_svg(view(ten_seconds().snapshot(10 * SECOND), FRAME)) == svg
+
+
+@pytest.mark.parametrize(("since", "text"), [(None, "24.3 V"), (11_520.0, "24.3 V, charged 3.2 h ago")])
+def test_a_battery_tells_when_it_was_charged_where_base_has_seen_it(since: float | None, text: str) -> None:
+    assert battery_text(Battery(voltage=24.3, since_charge=since)) == text

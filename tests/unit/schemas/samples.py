@@ -207,7 +207,7 @@ _EXAMPLES: dict[type[msgspec.Struct], dict[str, Any]] = {
         "budget_left": 0.17,
         "board": _BOARD,
     },
-    m.Battery: _START | {"voltage": 25.1},
+    m.Battery: _START | {"voltage": 25.1, "since_charge": 5400.0},
     m.GuardState: _START
     | {
         "forward": _VERDICT,

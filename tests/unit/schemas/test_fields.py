@@ -14,8 +14,8 @@ from giraff_schemas.topics import TOPICS, Topic
 
 
 def test_a_field_has_its_type_and_its_unit() -> None:
-    assert fields_of(Battery)[-1] == Field("voltage", "float", "V.")
-    assert [field.name for field in fields_of(Battery)] == ["seq", "stamp_ns", "instance", "voltage"]
+    assert fields_of(Battery)[3] == Field("voltage", "float", "V.")
+    assert [field.name for field in fields_of(Battery)] == ["seq", "stamp_ns", "instance", "voltage", "since_charge"]
     assert "float[6]" in [field.type for field in fields_of(Odometry)]
     types = {field.name: field.type for field in fields_of(VisualOdometry)}
     assert (types["motion"], types["tracked"]) == ("float[3] | None", "tuple[int[2], ...]")

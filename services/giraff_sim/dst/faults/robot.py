@@ -25,6 +25,7 @@ OF_BUMPERS: Final[list[Kind]] = []
 SERVED: Final = {kind: service.name for kind in BoardKind for service in SERVICES if service.board is kind}
 _CUTOFF_US: Final = 5_500_000  # 5 s of reports below the cut-off, and a stop
 _BELOW_VOLTS: Final = 1.0  # under a limit of the battery
+_CHARGED_US: Final = 5_500_000  # within which base takes a charged battery for one
 _BODY: Final = 0.3  # m
 _STRIDE_US: Final = 50_000
 _LEGS: Final = 0.15  # m, of a person
@@ -207,7 +208,7 @@ def two_at_the_emergency_stop(drill: Drill, chance: Random) -> Course:
     drill.release_later()
 
 
-@fault(KINDS, weight=1.0, lasts=(2.0, 8.0), calm_after=6.0)
+@fault(KINDS, weight=1.0, lasts=(2.0, 8.0), calm_after=7.0)
 def battery(drill: Drill, chance: Random) -> Course:
     plant = drill.loop.simulation.world.plant
     if not drill.claims(plant):
@@ -226,6 +227,7 @@ def battery(drill: Drill, chance: Random) -> Course:
     with drill.stops(told, _CUTOFF_US, "any", lambda: flat and is_known()):
         yield told
     plant.open_volts = before
+    drill.release_later(_CHARGED_US)
 
 
 @fault(KINDS, weight=3.0, lasts=(0.5, 6.0), calm_after=11.0)

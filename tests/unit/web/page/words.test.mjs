@@ -91,6 +91,8 @@ test("what is not heard is no number", () => {
   const none = words.facts({ speed: null, battery: null, round_trip: null, path: null });
   assert.ok(Object.values(none).every((text) => text === "–"));
   const some = words.facts({ speed: [-0.001, 0.31], battery: 24.61, round_trip: 0.0432, path: 3.25 });
+  const charged = words.facts({ battery: 24.61, since_charge: 11520 });
+  assert.equal(charged.battery, "24.6 V, charged 3.2 h ago");
   assert.deepEqual(some, { speed: "0.00 m/s", turn: "0.3 rad/s", battery: "24.6 V", trip: "43 ms", path: "3.3 m" });
 });
 
