@@ -7,6 +7,7 @@ import typer
 from giraff_cli.calibrate.commands import calibrate
 from giraff_cli.camera.commands import camera
 from giraff_cli.check.commands import check
+from giraff_cli.commission.commands import commission
 from giraff_cli.doctor.commands import doctor
 from giraff_cli.drive.commands import drive
 from giraff_cli.dst.commands import dst
@@ -44,6 +45,7 @@ app = typer.Typer(
 for verb in (record, play, replay, graph, frames, top, view, doctor, run, why, watch, drive, web, localize, vision):
     app.command()(verb)
 app.command()(dst)
+app.command()(commission)
 for motion in (move, turn, arc):
     app.command(context_settings=NEGATIVE)(motion)
 app.command(context_settings=NEGATIVE)(go)

@@ -47,6 +47,7 @@ WORDS: dict[str, tuple[str, ...]] = {
 SESSIONLESS = {
     "camera board",
     "check wheels",
+    "commission",
     "dst",
     "keys init",
     "keys host",

@@ -1,0 +1,137 @@
+"""The steps from a new robot to a driving one, and how the robot file tells that one is done. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Literal, NamedTuple
+
+from giraff_core.robot import WIRING
+from giraff_core.sensors import ULTRASONIC
+
+Standing = Literal["done", "left", "look"]
+"""`look`: it leaves nothing in the robot file, so that only a person knows."""
+Tables = Mapping[str, Mapping[str, Any]]
+
+
+class Found(NamedTuple):
+    """What the robot file tells of a step."""
+
+    standing: Standing
+    told: str
+    """How it is known, or what is missing."""
+
+
+class Step(NamedTuple):
+    """One thing that a person does."""
+
+    title: str
+    """As `docs/commissioning.md` calls it."""
+    how: str
+    """A command, or a page."""
+    find: Callable[[Tables], Found | None]
+    """What the tables of a robot file tell of it. None: this robot does not need it."""
+
+
+_PAGE: Final = "docs/commissioning.md"
+
+
+def _drive(tables: Tables) -> Mapping[str, Any]:
+    drive = tables.get("base", {}).get("drive")
+    return drive if isinstance(drive, Mapping) else {}
+
+
+def _is_on_wheels(tables: Tables) -> bool:
+    return _drive(tables).get("type") == "wheels"
+
+
+def _sensors(tables: Tables, kind: str) -> dict[str, Mapping[str, Any]]:
+    sensors = tables.get("robot", {}).get("sensors")
+    entries = sensors.items() if isinstance(sensors, Mapping) else ()
+    return {
+        name: entry for name, entry in entries if isinstance(entry, Mapping) and entry.get("type", ULTRASONIC) == kind
+    }
+
+
+def _has(fields: Mapping[str, Any], name: str, table: str) -> Found:
+    """Tell of a field that the step writes."""
+    value = fields.get(name)
+    is_set = value is not None and value not in ("", 0)
+    return Found("done", f"{table} has {name}") if is_set else Found("left", f"{table} has no {name}")
+
+
+def _each(kind: str, name: str) -> Callable[[Tables], Found | None]:
+    """Tell of a field that the step writes for each sensor of a type."""
+
+    def find(tables: Tables) -> Found | None:
+        sensors = _sensors(tables, kind)
+        missing = [sensor for sensor, entry in sensors.items() if name not in entry]
+        if not sensors:
+            return None
+        done = Found("done", f"{', '.join(sensors)}: each has {name}")
+        return Found("left", f"without {name}: {', '.join(missing)}") if missing else done
+
+    return find
+
+
+def _ports(tables: Tables) -> Found:
+    name = tables.get("robot", {}).get("name", "")
+    missing = [table for table in ("base", "ranger") if not tables.get(table, {}).get("port")]
+    if name and not missing:
+        return Found(
+            "done",
+            f"the robot is {name}; boards on " + ", ".join(str(tables[table]["port"]) for table in ("base", "ranger")),
+        )
+    return Found("left", "no name" if not name else f"no port in {' and '.join(f'[{table}]' for table in missing)}")
+
+
+def _wiring(tables: Tables) -> Found:
+    drive, robot = _drive(tables), tables.get("robot", {})
+    if not _is_on_wheels(tables):
+        return Found("look", "a robot that balances: its wiring is written by hand")
+    missing = [name for name in WIRING if drive.get(name) is None and robot.get(name) is None]
+    if missing:
+        return Found("left", f"not known: {', '.join(missing)}; base does not arm")
+    return Found("done", "[base.drive] has all six fields of the wiring")
+
+
+def _encoders(tables: Tables) -> Found | None:
+    return Found("look", "it draws them, and writes nothing") if _is_on_wheels(tables) else None
+
+
+def _speed_control(tables: Tables) -> Found | None:
+    if not _is_on_wheels(tables):
+        return None
+    drive = _drive(tables)
+    if drive.get("wheel_control") != "speed":
+        return Found("left", 'wheel_control is "level": a low battery or a carpet makes the robot slower')
+    gains = drive.get("speed_control")
+    return _has(gains if isinstance(gains, Mapping) else {}, "speed_p", "[base.drive.speed_control]")
+
+
+def _odometry(tables: Tables) -> Found:
+    calibration = tables.get("robot", {}).get("calibration")
+    return _has(calibration if isinstance(calibration, Mapping) else {}, "date", "[robot.calibration]")
+
+
+def _joystick(tables: Tables) -> Found:
+    fields = tables.get("joystick", {})
+    if "mount_yaw" in fields:
+        return Found("done", "[joystick] has mount_yaw")
+    return Found("left", "[joystick] has no mount_yaw; nothing to do for a robot without a joystick")
+
+
+STEPS: Final = (
+    Step("Boards and ports", f"{_PAGE}, firmware/README.md", _ports),
+    Step("How the wheels are wired", "giraff check wheels", _wiring),
+    Step("What the encoders give", "giraff check encoders", _encoders),
+    Step("The joystick's level and axes", "giraff calibrate joystick", _joystick),
+    Step("First start", f"giraff estop reset; {_PAGE}", lambda _: Found("look", "the robot drives, and creeps")),
+    Step("How well it brakes", _PAGE, lambda tables: _has(tables.get("guard", {}), "deceleration", "[guard]")),
+    Step("The battery", _PAGE, lambda tables: _has(_drive(tables), "battery_volts_per_count", "[base.drive]")),
+    Step("Speeds that are held", "giraff tune speed", _speed_control),
+    Step("Odometry", "giraff calibrate odometry", _odometry),
+    Step("Sensors by a wall", "giraff calibrate ranger", _each(ULTRASONIC, "scale")),
+    Step("The camera", "giraff calibrate camera", _each("camera", "distortion")),
+    Step("Before it is left to others", _PAGE, lambda _: Found("look", "cardboard, cables, and the emergency stop")),
+)
+"""In their order."""
