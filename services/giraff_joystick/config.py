@@ -7,6 +7,7 @@ from typing import Annotated
 import msgspec
 
 from giraff_core.bounds import Bounds, check_bounds
+from giraff_core.kinematics.parts import ANGLE
 from giraff_core.tilt.curves import Curve
 from giraff_core.tuning import Tuning
 from giraff_schemas.topics import require_chunk
@@ -33,6 +34,14 @@ class JoystickConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     stillness: Annotated[float, Tuning.RAISE_ONLY, Bounds(0.001, 2.0, "m/s²")] = 0.045
     """m/s², rms over 1 s: what moves less while it asks to drive has been laid down. Twice the sensor's own noise
     (0.021), and below the tremor of most hands (0.07). A steadier hand needs less."""
+
+    mount_roll: Annotated[float, Tuning.READ_ONLY, ANGLE] = 0.0
+    """rad. How the sensor sits in the joystick, about the axes of `tilt`: first roll, then pitch, then yaw (REP-103).
+    `giraff calibrate joystick` measures the three."""
+    mount_pitch: Annotated[float, Tuning.READ_ONLY, ANGLE] = 0.0
+    """rad, about the axis y of `tilt`."""
+    mount_yaw: Annotated[float, Tuning.READ_ONLY, ANGLE] = 0.0
+    """rad, counter-clockwise positive as seen from above."""
 
     def __post_init__(self) -> None:
         if not self.port:

@@ -11,6 +11,7 @@ from giraff_core.robot import RobotConfig
 from giraff_core.tick_relay import TickRelay, tick_of
 from giraff_core.tilt.clutch import Clutch, Words
 from giraff_core.tilt.curves import asked
+from giraff_core.tilt.mount import Mount
 from giraff_joystick.config import JoystickConfig
 from giraff_joystick.hand_detector import HandDetector
 from giraff_schemas.messages import RobotTime, Tick, Tilt, TiltStatus
@@ -20,6 +21,8 @@ from giraff_schemas.wire import TiltStatus as WireStatus
 
 BOARD_SILENCE: Final = 0.2
 """s without a frame after which the board counts as lost; ten of its frames."""
+
+_NOT_TURNED: Final = Mount(0.0, 0.0, 0.0)
 
 _STATUSES: Final[dict[int, TiltStatus]] = {
     WireStatus.RUNNING: "running",
@@ -71,6 +74,7 @@ class JoystickPolicy(Hand):
         super().__init__(Operator(live.config.operator, instance, asks_from_start=live.config.asks_from_start))
         self._hand = HandDetector(live)
         self._clutch = Clutch(_CLUTCH)
+        self._mount = mount_of(live.config)
         self._readings = 0
         self.sensor_fault = WELL
         """What is wrong with the tilt sensor, by the newest frame."""
@@ -90,14 +94,14 @@ class JoystickPolicy(Hand):
 
     def on_frame(self, frame: TiltFrame, now: float) -> Tilt:
         """The reading in `frame`. It is what `poll` stands on until the next one."""
-        tilt = reading(frame)
+        tilt = reading(frame, self._mount)
         if self._silent(now) or tilt.status != "running":
             self._hand.forget()
             self._clutch.forget()
         if tilt.tick != self._tick:
             self._tick_came = now
         self._heard, self._tick = now, tilt.tick
-        self.sensor_fault = WELL if tilt.status == "running" else _trouble(tilt.status, frame)
+        self.sensor_fault = WELL if tilt.status == "running" else trouble_of(tilt.status, frame)
         if self.sensor_fault:
             self._asks = Fault(self.sensor_fault, self._tick, is_told=True)
         else:
@@ -143,17 +147,27 @@ class JoystickPolicy(Hand):
         return now - self._heard > BOARD_SILENCE
 
 
-def _trouble(status: TiltStatus, frame: TiltFrame) -> Trouble:
+def mount_of(config: JoystickConfig) -> Mount:
+    """Return how the sensor sits in the joystick."""
+    return Mount(config.mount_roll, config.mount_pitch, config.mount_yaw)
+
+
+def trouble_of(status: TiltStatus, frame: TiltFrame) -> Trouble:
+    """Return what a status other than running means, and what to do."""
     told = _TROUBLES[status]
     return Trouble(told.what.format(frame=frame), told.remedy)
 
 
-def reading(frame: TiltFrame) -> Tilt:
-    """A frame in SI units. A vector without any gravity is the bus's fault, whatever the board calls it."""
+def reading(frame: TiltFrame, mount: Mount = _NOT_TURNED) -> Tilt:
+    """Return a frame in SI units, in the joystick's axes.
+
+    A vector without any gravity is the bus's fault, whatever the board calls it.
+    """
     status = _STATUSES.get(frame.status, "system_error")
     raw = (frame.x, frame.y, frame.z)
     finite = all(math.isfinite(value) for value in raw)
     if status == "running" and not (finite and any(raw)):
         status = "bus_fault"
     x, y, z = (value / TILT_LSB_PER_M_S2 if finite else 0.0 for value in raw)
+    x, y, z = mount.in_joystick((x, y, z))
     return Tilt(x=x, y=y, z=z, status=status, tick=tick_of(frame))

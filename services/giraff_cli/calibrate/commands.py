@@ -108,3 +108,24 @@ def camera(
     from giraff_cli.calibrate.camera.command import calibrate_camera  # noqa: PLC0415
 
     raise typer.Exit(calibrate_camera(which, pictures, robot, connect or (), file))
+
+
+@calibrate.command()
+def joystick(
+    port: Annotated[
+        str | None,
+        typer.Option(metavar="PATH", help="Of the joystick board; else the robot file's.", show_default=False),
+    ] = None,
+    file: File = None,
+) -> None:
+    """Measure how the tilt sensor sits in the joystick: laid flat, tilted forward, tilted to the left.
+
+    giraff_joystick must not run. Of the robot file only mount_roll, mount_pitch and mount_yaw of [joystick] change,
+    when you have said yes; a copy of it as it was stays beside it.
+
+    Exit code: 0 done; 1 refused, nothing written; 2 not begun.
+    """
+    require_extra("calibrate joystick", "serial", "serial,cli")
+    from giraff_cli.calibrate.joystick.command import calibrate_joystick  # noqa: PLC0415
+
+    raise typer.Exit(calibrate_joystick(port, file))

@@ -6,7 +6,7 @@ import contextlib
 import os
 import signal
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from types import FrameType
 from typing import Final
@@ -109,9 +109,9 @@ def _unheard(connection: RobotConnection) -> str:
     return f"no wheels of {robot} are heard; check that giraff_base runs, and the network to it{hint}"
 
 
-def agrees(human: Human, question: str) -> bool:
+def agrees(human: Human, question: str, meanwhile: Callable[[], str] = lambda: "") -> bool:
     while True:
-        answer = human.ask(question, lambda: "")
+        answer = human.ask(question, meanwhile)
         if answer in {"yes", "y"}:
             return True
         if answer in {"no", "n"}:

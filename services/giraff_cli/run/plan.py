@@ -192,6 +192,8 @@ def _environment(given: Mapping[str, str], hand: Hand, *, local: bool, web: bool
     table.update(priorities)
     environment["GIRAFF_GUARD_PRIORITIES"] = table.as_string()
     environment["GIRAFF_JOYSTICK_OPERATOR"] = DEMONSTRATION
+    # The simulated sensor sits straight, however a real one is glued.
+    environment |= dict.fromkeys((f"GIRAFF_JOYSTICK_MOUNT_{angle}" for angle in ("ROLL", "PITCH", "YAW")), "0.0")
     # A hand that only lies there does not take the robot from nobody: `c` in `giraff drive` would be refused.
     environment["GIRAFF_JOYSTICK_ASKS_FROM_START"] = "true" if hand == "demo" else "false"
     if web:

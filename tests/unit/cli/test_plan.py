@@ -80,6 +80,12 @@ def test_the_demonstration_is_an_operator_below_everybody(
     assert load("guard", GuardConfig, made.environment).priorities["demo"] == lowest
 
 
+def test_the_simulated_sensor_sits_straight_however_the_real_one_is_glued(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GIRAFF_JOYSTICK_MOUNT_YAW", "1.57")
+    environment = plan().environment | {"GIRAFF_JOYSTICK_PORT": "/dev/joystick"}
+    assert load("joystick", JoystickConfig, environment).mount_yaw == 0.0
+
+
 @pytest.mark.parametrize(("hand", "asks"), [("demo", True), ("none", False)])
 def test_a_hand_that_merely_lies_there_takes_the_robot_from_nobody(hand: str, asks: bool) -> None:
     made = plan(hand=hand)

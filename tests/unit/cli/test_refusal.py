@@ -45,6 +45,7 @@ WORDS: dict[str, tuple[str, ...]] = {
 }
 """What a command must be given besides its name."""
 SESSIONLESS = {
+    "calibrate joystick",
     "camera board",
     "check wheels",
     "commission",

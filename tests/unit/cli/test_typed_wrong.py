@@ -155,6 +155,7 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     ),
     (("calibrate", "odometry", "--fit", "a", "--check", "b", "--metadata", "m", "--file", "f"), "leave --file out"),
     (("calibrate", "odometry", "--fit", "/etc/hostname", "--check", "a", "--file", "no.toml"), "no robot file at"),
+    (("calibrate", "joystick", "--file", "no.toml"), "no robot file at"),
     (("view", "--memory", "lots"), "'lots' is no amount of memory; give one like 500MB, 2GiB or 25%"),
     (("view", "--memory", "0"), "'0' is no amount of memory"),
     (("view", "--memory", "1MB"), "give 50MB at the least"),

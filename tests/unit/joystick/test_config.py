@@ -25,6 +25,8 @@ def test_the_defaults_are_valid() -> None:
         ({"full_tilt_deg": math.inf}, "full_tilt_deg inf"),
         ({"stillness": 0.0}, "stillness is 0: it must be within"),
         ({"stillness": math.nan}, "stillness is nan"),
+        ({"mount_yaw": 90.0}, "mount_yaw is 90: it must be within"),
+        ({"mount_roll": math.nan}, "mount_roll is nan"),
         ({"ports": "/dev/x"}, "unknown field `ports`"),
     ],
 )

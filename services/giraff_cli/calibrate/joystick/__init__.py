@@ -1,0 +1,1 @@
+"""`giraff calibrate joystick`: how the tilt sensor sits in the joystick."""
