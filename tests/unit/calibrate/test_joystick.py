@@ -214,12 +214,12 @@ def raising(error: BaseException) -> Callable[[], None]:
     [
         ({"Lay it": hold(pose=tilted(30.0, 270.0))}, 1, "left and right, or forward and backward, were exchanged"),
         ({"Tilt it": hold(pose=tilted(30.0, 180.0))}, 1, "left and right, or forward and backward, were exchanged"),
-        ({"Lay it": hold(pose=tilted(30.0))}, 1, "the two tilts were in the same direction"),
+        ({"Lay it": hold(pose=tilted(30.0))}, 1, "both tilts were along one axis"),
         ({"Tilt it": hold(pose=tilted(30.0, 35.0))}, 1, "in doubt: the tilt forward is 35 degrees beside"),
         (
             {"Tilt it": hold(is_there=False)},
             1,
-            "silent for 1 s; check the board's power and cable; giraff_joystick must",
+            "silent for 1 s; check the board's power and cable. Nothing",
         ),
         ({"Tilt it": hold(status=TiltStatus.BUS_FAULT)}, 1, "no reading, or one without gravity; press its shield"),
         ({"Tilt it": hold(status=TiltStatus.STARTING)}, 1, "the tilt sensor is starting; wait a second"),

@@ -49,3 +49,20 @@ def test_a_sensor_turned_to_the_left_asks_forward_by_its_right_side() -> None:
     command = said(joystick, 10.0)
     assert command.linear_x > 0.1
     assert command.angular_z == 0.0
+
+
+def test_what_is_no_hand_is_told_alike_however_the_sensor_sits() -> None:
+    """Rounding in turned axes would hide a frozen sensor, or a joystick that was laid down."""
+    upright, askew = (
+        JoystickPolicy(Live(msgspec.structs.replace(ANGLE, mount_yaw=yaw)), ROBOT, "me")
+        for yaw in (0.0, 3 * math.pi / 4)
+    )
+    told = set()
+    for number in range(80):
+        frame = tilt_frame(4.9 + 0.01 * (number % 2 if number < 65 else 0), 0.0, 8.5)
+        for joystick in (upright, askew):
+            joystick.on_frame(frame, 10.0 + number * 0.02)
+        one, other = (said(joystick, 10.0 + number * 0.02).reason for joystick in (upright, askew))
+        assert one == other
+        told.add(one.partition(";")[0])
+    assert {"the tilt sensor repeats one reading", "the joystick lies tilted and nobody holds it"} < told

@@ -29,6 +29,8 @@ _SQUARE: Final[tuple[Vector, ...]] = (
 )
 """The axes of the sensor, each in both directions."""
 
+_MIRRORED: Final = "left and right, or forward and backward, were exchanged"
+_NOT_SQUARE: Final = "both tilts were along one axis, and one is to be forward, the other to the left"
 _TURNED: Final = {0: "not turned", 90: "turned 90° to the left", 180: "turned by 180°", 270: "turned 90° to the right"}
 """By degrees, counter-clockwise as seen from above."""
 
@@ -93,10 +95,8 @@ def find(flat: Vector, forward: Vector, left: Vector) -> Found:
     # A tilt to the left is turned back by a quarter turn: each of the two then shows where the axis x is.
     ahead = _axis(_across(_turned(forward, up, nearest_up), nearest_up), "forward")
     by_left = _axis(cross(_across(_turned(left, up, nearest_up), nearest_up), nearest_up), "to the left")
-    if dot(ahead, by_left) < 0.0:
-        raise DoubtError("left and right, or forward and backward, were exchanged; do it again")
     if ahead != by_left:
-        raise DoubtError("the two tilts were in the same direction; tilt forward first, then to the left, again")
+        raise DoubtError(f"{_MIRRORED if dot(ahead, by_left) < 0.0 else _NOT_SQUARE}; do it again")
     x = _turned(ahead, nearest_up, up)
     rows = (x, cross(up, x), up)
     roll, pitch, yaw = angles_of(rows)

@@ -39,7 +39,8 @@ class TiltBoard:
         if readings:
             self._heard = time.monotonic()
         elif time.monotonic() - self._heard > _SILENCE:
-            raise BoardError(self._starting or f"{self._link.fault}; giraff_joystick must not run meanwhile")
+            hint = "; giraff_joystick must not run meanwhile" if self._boot is None else ""
+            raise BoardError(self._starting or f"{self._link.fault}{hint}")
         return readings
 
     def readings(self) -> Iterator[Vector]:
