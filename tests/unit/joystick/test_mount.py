@@ -52,7 +52,7 @@ def test_a_sensor_turned_to_the_left_asks_forward_by_its_right_side() -> None:
 
 
 def test_what_is_no_hand_is_told_alike_however_the_sensor_sits() -> None:
-    """Rounding in turned axes would hide a frozen sensor, or a joystick that was laid down."""
+    """The hand detector goes by what the sensor itself reads."""
     upright, askew = (
         JoystickPolicy(Live(msgspec.structs.replace(ANGLE, mount_yaw=yaw)), ROBOT, "me")
         for yaw in (0.0, 3 * math.pi / 4)
