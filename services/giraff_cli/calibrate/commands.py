@@ -120,7 +120,7 @@ def joystick(
 ) -> None:
     """Measure how the tilt sensor sits in the joystick: laid flat, tilted forward, tilted to the left.
 
-    giraff_joystick must not run. Of the robot file only mount_roll, mount_pitch and mount_yaw of [joystick] change,
+    giraff_joystick must not run. Only mount_roll, mount_pitch and mount_yaw of the robot file's table joystick change,
     when you have said yes; a copy of it as it was stays beside it.
 
     Exit code: 0 done; 1 refused, nothing written; 2 not begun.
