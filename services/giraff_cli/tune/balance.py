@@ -11,8 +11,9 @@ from typing import Any, Final
 from giraff_base.drives.balancer.config import BalancingBody
 from giraff_base.drives.balancer.stability import DELAYS, MARGIN, Gains, Loop
 from giraff_cli.network.command import print_error
-from giraff_cli.terminal.dots import ACROSS, DOWN, Dots, takes_dots
+from giraff_cli.terminal.dots import takes_dots
 from giraff_cli.terminal.output import guard_stdout
+from giraff_cli.tune.curve import draw_curves
 from giraff_cli.tune.gains import gains_of
 from giraff_cli.tune.step import SECONDS, STEP, Response, respond_to_step
 from giraff_core.bounds import check_bounds
@@ -21,8 +22,6 @@ from giraff_schemas.checks import converted
 
 _NAMES: Final = Gains._fields
 _BALANCER: Final = "balancer"
-_COLUMNS: Final = 72  # of the drawing
-_LINES: Final = 12
 _FARTHEST: Final = 1000.0  # times all gains: nothing beyond is searched
 _HALVINGS: Final = 40
 
@@ -130,15 +129,5 @@ def _step(response: Response) -> str:
 
 
 def _drawn(response: Response, *, dots: bool) -> Iterator[str]:
-    low, high = min(*response.way, 0.0), max(*response.way, STEP)
-    drawing = Dots()
-    width, height = _COLUMNS * ACROSS - 1, _LINES * DOWN - 1
-    for at, way in enumerate(response.way):
-        drawing.set(round(at / len(response.way) * width), round((high - way) / (high - low) * height))
-    lines = [*drawing.lines(dots=dots)]
-    scale = {0: high, len(lines) - 1: low}
-    bar = "│" if dots else "|"
-    for number, line in enumerate(lines):
-        label = f"{scale[number] * 100:6.1f}" if number in scale else ""
-        yield f"{label:6} {bar}{line}"
-    yield f"{'':7}0{'':{_COLUMNS - 4}}{SECONDS:g} s"
+    way = [each * 100.0 for each in response.way]  # cm
+    return draw_curves([way], min(*way, 0.0), max(*way, STEP * 100.0), SECONDS, dots=dots)

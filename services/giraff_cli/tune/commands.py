@@ -7,14 +7,14 @@ from typing import Annotated
 
 import typer
 
-from giraff_cli.options import require_extra
+from giraff_cli.options import Connect, Robot, require_extra
 
-tune = typer.Typer(no_args_is_help=True, help="Compute gains of a robot: see docs/balancer.md.")
+tune = typer.Typer(no_args_is_help=True, help="Find gains of a robot: see docs/commissioning.md, and docs/balancer.md.")
 
 
 @tune.callback()
 def verbs() -> None:
-    """Compute gains of a robot: see docs/balancer.md."""
+    """Find gains of a robot: see docs/commissioning.md, and docs/balancer.md."""
 
 
 @tune.command()
@@ -32,3 +32,29 @@ def balance(
     from giraff_cli.tune.balance import tune_balance  # noqa: PLC0415
 
     raise typer.Exit(tune_balance(file))
+
+
+@tune.command()
+def speed(
+    file: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="The robot file that is written. Else GIRAFF_CONFIG's, if it is that robot's.",
+            show_default=False,
+        ),
+    ] = None,
+    robot: Robot = None,
+    connect: Connect = None,
+) -> None:
+    """Find the gains by which the board of a robot on two wheels holds their speeds: it drives 0.5 m ahead and back.
+
+    It asks before anything moves. Of the robot file only the table base.drive.speed_control changes, when you have
+    said yes; a copy of it as it was stays beside it. Nothing goes by it before base is restarted.
+
+    Exit code: 0 done, or fine already; 1 refused or stopped, nothing written; 2 not begun.
+    """
+    require_extra("tune speed", "numpy", "analysis,cli")
+    from giraff_cli.tune.speed import tune_speed  # noqa: PLC0415
+
+    raise typer.Exit(tune_speed(robot, connect or (), file))

@@ -109,6 +109,7 @@ ROBOTLESS: Mapping[str, str] = {
     "map show": "unit/maps: it asks a file",
     "map convert": "likewise",
     "tune balance": "unit/cli/test_gains.py: likewise",
+    "tune speed": "unit/cli/test_tune_speed.py: it goes through it with whoever stands beside the robot",
 }
 """Those that ask no robot, and where below tests/ they are tried."""
 WAITING = {"watch", "record", "view", "drive", "web"}

@@ -1,0 +1,141 @@
+"""`giraff tune speed`: a short drive tells the motors of two wheels, and the robot file is told their gains."""
+
+from __future__ import annotations
+
+import datetime as dt
+import os
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Final, Protocol
+
+from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
+from giraff_cli.calibrate.guided import agrees, own_robot_file, signals_interrupt
+from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
+from giraff_cli.network.command import UNUSABLE, print_error, run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.user import user_at_host
+from giraff_cli.robot_file import RobotFileError, record
+from giraff_cli.terminal.dots import takes_dots
+from giraff_cli.tune.speed_drive import PATIENCE, SpeedDrive, UnfitDriveError
+from giraff_cli.tune.speed_fit import DISTANCE, CannotTellError, fastest, identify, legs_of, propose
+from giraff_cli.tune.speed_report import tell_changes, tell_drive, tell_fastest, tell_motors
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load
+from giraff_schemas.messages import Wheels
+
+DONE: Final = 0
+REFUSED: Final = 1
+_INTERRUPTED: Final = 130
+_FREE: Final = DISTANCE + 0.1  # m
+_TABLE: Final = "base.drive.speed_control"
+_NOT_WRITTEN: Final = "Nothing was written."
+_THEN: Final = (
+    "Nothing goes by it before base is restarted, with the robot at rest. Then call giraff tune speed once more to see."
+)
+
+
+class Driven(Protocol):
+    """What drives the robot, and hears it."""
+
+    wheels: list[Wheels]
+    voltage: float | None
+
+    def drive(self) -> None: ...
+
+
+def tune_speed(robot: str | None, connect: Sequence[str], file: Path | None) -> int:
+    """Return the exit code of the whole command. `file`: as of `own_robot_file`."""
+
+    def act(connection: RobotConnection) -> int:
+        try:
+            path, filed = own_robot_file(connection.robot, file)
+            drive = drive_of(path)
+            driven = SpeedDrive(connection, user_at_host())
+            if not driven.wait():
+                return complain(
+                    f"no wheels of {connection.robot} are heard; check that giraff_base runs, and the network to it",
+                    UNUSABLE,
+                )
+            return converse(Terminal(sys.stdin, sys.stdout), driven, connection.robot, filed, drive, path)
+        except ConfigError as error:
+            return complain(str(error), UNUSABLE)
+        except KeyboardInterrupt:
+            return complain(f"interrupted. {_NOT_WRITTEN}", _INTERRUPTED)
+
+    with signals_interrupt():
+        try:
+            return run_with_robot(robot, connect, PATIENCE, act, moves=True, stands_in=False)  # it writes into the file
+        except KeyboardInterrupt:  # before a robot was found
+            return complain(f"interrupted. {_NOT_WRITTEN}", _INTERRUPTED)
+
+
+def drive_of(path: Path) -> WheelsConfig:
+    """Return the robot file's drive. Raises ConfigError where its board holds no speeds."""
+    drive = load("base", BaseConfig, {**os.environ, "GIRAFF_CONFIG": str(path)}).drive
+    if not isinstance(drive, WheelsConfig):
+        raise ConfigError(f"{path}: drive.type is no 'wheels': a robot that balances has its own giraff tune balance")
+    if not drive.asks_for_speeds:
+        raise ConfigError(
+            f"{path}: wheel_control is '{drive.wheel_control}', so that the board holds no speeds and has no gains; "
+            'write wheel_control = "speed" into [base.drive] (docs/commissioning.md, section 5) and restart base'
+        )
+    return drive
+
+
+def converse(human: Human, driven: Driven, robot: str, filed: RobotConfig, drive: WheelsConfig, path: Path) -> int:
+    """Ask, drive, tell, ask and write; the exit code."""
+    human.tell(
+        f"Robot {robot}; what is found goes into {path}. It drives {DISTANCE:g} m straight ahead and back, "
+        "on the floor it will live on. Ctrl-C stops it."
+    )
+    try:
+        if not agrees(human, f"Are {_FREE:g} m ahead of it free? [yes/no]"):
+            return complain(f"nothing has moved. {_NOT_WRITTEN}", REFUSED)
+        driven.drive()
+        legs = legs_of(driven.wheels, (filed.left_ticks_per_metre, filed.right_ticks_per_metre))
+        _tell(tell_drive(legs, dots=takes_dots()))
+        motors = [identify(leg) for leg in legs]
+        proposal = propose(motors, drive.speed_control)
+        _tell(["", *tell_motors(legs, motors), ""])
+        ratio = driven.voltage / drive.battery_nominal if driven.voltage else 1.0
+        if text := tell_fastest(
+            fastest(motors, drive.max_level, ratio),
+            filed.max_wheel_speed,
+            drive.max_level,
+            battery_known=bool(driven.voltage),
+        ):
+            human.tell(text)
+        changes = proposal.changes(drive.speed_control)
+        if not changes:
+            human.tell(
+                f"Fine already: the gains of the robot file are as good as this drive can tell. {_NOT_WRITTEN} "
+                "If base has not been restarted since they were written, restart it."
+            )
+            return DONE
+        _tell(tell_changes(changes, proposal.spread))
+        if not agrees(human, f"Write into [{_TABLE}] of {path}? [yes/no]"):
+            return complain(f"not wanted. {_NOT_WRITTEN}", REFUSED)
+        found = {name: after for name, (_, after) in changes.items()}
+        kept = record(path, _TABLE, found, kept_as=f"before-{dt.datetime.now().astimezone().date().isoformat()}")
+    except (UnfitDriveError, CannotTellError) as error:
+        return complain(f"{error}. {_NOT_WRITTEN}", REFUSED)
+    except NobodyError:
+        return complain(f"nobody answers. {_NOT_WRITTEN}", UNUSABLE)
+    except RobotFileError as error:
+        return complain(str(error), REFUSED)
+    human.tell(f"Written: [{_TABLE}] of {path}; as it was before: {kept}. {_THEN}")
+    return DONE
+
+
+def complain(reason: str, code: int) -> int:
+    """Print one line on standard error; return the code."""
+    print_error(f"tune speed: {reason}")
+    return code
+
+
+def _tell(lines: Iterable[str]) -> None:
+    """Print rows and pictures, which are not to be wrapped."""
+    for line in lines:
+        print(line, flush=True)
