@@ -58,6 +58,9 @@ class SensorPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     pitch: Annotated[float, Bounds(-_STEEPEST, _STEEPEST, "rad")] = 0.0
     """rad; positive: it looks down. One that looks more up or down than ahead says nothing of the way."""
     yaw: Annotated[float, ANGLE]
+    scale: Annotated[float, Bounds(0.95, 1.05, "", "is this a percentage?")] = 1.0
+    """Factor on each range that its echoes give: warm air and the board's clock are in it. `giraff calibrate ranger`
+    measures it, with x and yaw."""
 
     def __post_init__(self) -> None:
         check_bounds(self)

@@ -65,7 +65,7 @@ class RangerPolicy:
                 "add it to [robot.sensors] with its pose",
             )
             return None
-        sample = reading(name, frame)
+        sample = reading(name, frame, self._sensors[name].scale)
         self.faults[f"sensor {name}"] = trouble_of(sample)
         return sample
 
@@ -92,14 +92,17 @@ class RangerPolicy:
         ]
 
 
-def reading(name: str, frame: RangeFrame) -> Range:
-    """A frame of the sensor `name` in SI units. An echo of impossible length is a fault, never a distance."""
+def reading(name: str, frame: RangeFrame, scale: float) -> Range:
+    """A frame of the sensor `name` in SI units. An echo of impossible length is a fault, never a distance.
+
+    `scale`: of the robot file. The echo's length stays as the board has measured it.
+    """
     fault = _fault(name, frame)
     state = "fault" if fault else _STATES[frame.state]
     return Range(
         sensor=name,
         state=state,
-        range=frame.echo_us / ECHO_US_PER_M if state == "echo" else None,
+        range=frame.echo_us / ECHO_US_PER_M * scale if state == "echo" else None,
         echo_us=frame.echo_us,
         reason=str(fault),
         tick=tick_of(frame),

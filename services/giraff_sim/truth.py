@@ -78,6 +78,10 @@ class Truth(msgspec.Struct, frozen=True, kw_only=True):
     """m, standard deviation of a range."""
     sensor_yaws: tuple[float, ...] = (0.0,) * RANGE_SENSORS
     """rad by which each ultrasonic sensor, by its number on the ranger board, looks to the left of the file's `yaw`."""
+    sensor_xs: tuple[float, ...] = (0.0,) * RANGE_SENSORS
+    """m by which each of them sits farther ahead than the file's `x`."""
+    sonar_scales: tuple[float, ...] = (1.0,) * RANGE_SENSORS
+    """m truly there for each metre that the echo of each of them gives by the file's `scale`."""
     camera: TrueCamera = TrueCamera()
 
 
@@ -109,6 +113,10 @@ class TruthRanges(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """m, standard deviation of a range: the same of every drawn robot."""
     sensor_yaw: Annotated[float, Bounds(0.0, math.pi / 6, "rad")] = math.radians(3.0)
     """rad, to either side, of each sensor's axis."""
+    sensor_x: Annotated[float, Bounds(0.0, 0.2, "m")] = 0.0
+    """m by which each ultrasonic sensor may sit farther ahead or back than the file says."""
+    sonar_scale: Annotated[float, Bounds(0.0, 0.05)] = 0.0
+    """Share by which a metre of each sensor's echo may be more or less than one."""
     camera_height: Annotated[float, Bounds(0.0, 0.2)] = 0.03
     """Share by which a camera may be higher or lower than the file says."""
     camera_pitch: Annotated[float, Bounds(0.0, math.pi / 12, "rad")] = math.radians(2.0)
@@ -150,6 +158,7 @@ def draw_truth(level: Level, ranges: TruthRanges, seed: int, calibration: Calibr
     def either_way(largest: float) -> float:
         return chance.uniform(-largest, largest)
 
+    mounts = random.Random(f"{seed}/mounts")  # of its own, as the camera's
     drag = random.Random(f"{seed}/drag").uniform(0.0, ranges.drag)
 
     def wheel(scale: float) -> TrueWheel:
@@ -170,6 +179,8 @@ def draw_truth(level: Level, ranges: TruthRanges, seed: int, calibration: Calibr
         accelerometer_offset=(either_way(offset), either_way(offset), either_way(offset)),
         sonar_noise=ranges.sonar_noise,
         sensor_yaws=tuple(either_way(ranges.sensor_yaw) for _ in range(RANGE_SENSORS)),
+        sensor_xs=tuple(mounts.uniform(-ranges.sensor_x, ranges.sensor_x) for _ in range(RANGE_SENSORS)),
+        sonar_scales=tuple(1.0 + mounts.uniform(-ranges.sonar_scale, ranges.sonar_scale) for _ in range(RANGE_SENSORS)),
         camera=_draw_camera(ranges, seed, ranges.calibrated_camera if is_calibrated else 1.0),
     )
     if is_calibrated and calibration.date:  # a track that was measured by turning has what slips in it

@@ -120,6 +120,17 @@ def test_a_sensor_looks_along_its_true_axis() -> None:
     assert turned.sonars[1].heard(ORIGIN) is None
 
 
+def test_a_sensor_sits_where_it_truly_does_and_its_echo_has_its_own_scale() -> None:
+    truth = draw_truth("uncalibrated", TruthRanges(sensor_x=0.03, sonar_scale=0.04, sonar_noise=0.0, sensor_yaw=0.0), 4)
+    assert 0.0 < abs(truth.sensor_xs[0]) < 0.03
+    assert 0.0 < abs(truth.sonar_scales[0] - 1.0) < 0.04
+    told = world_in(room_with_wall(2.0), truth=truth).echo_us(0) / 5800.0
+    assert told * truth.sonar_scales[0] == pytest.approx(1.75 - truth.sensor_xs[0])
+    ignored = {"sensor_xs": (0.0,) * 3, "sonar_scales": (1.0,) * 3, "sonar_noise": 0.01, "sensor_yaws": ()}
+    same = msgspec.structs.replace(drawn("uncalibrated", 4), sensor_yaws=())
+    assert msgspec.structs.replace(truth, **ignored) == same, "a seed is the robot that it was"
+
+
 def test_ranges_are_as_noisy_as_is_true() -> None:
     world = world_in(room_with_wall(2.0), truth=Truth(sonar_noise=0.01))
     ranges = [world.echo_us(0) / 5800.0 for _ in range(2000)]

@@ -73,8 +73,11 @@ class SonarFault(StrEnum):
 class Sonar:
     """One sensor on the robot."""
 
-    def __init__(self, mount: SensorPose, room: Room, sim: SimConfig, seed: str, noise: float = 0.0) -> None:
-        """`mount`: where it truly sits and looks; `noise`: m, standard deviation of a range."""
+    def __init__(
+        self, mount: SensorPose, room: Room, sim: SimConfig, seed: str, noise: float = 0.0, scale: float = 1.0
+    ) -> None:
+        """`mount`: where it truly sits and looks; `noise`: m, standard deviation of a range; `scale`: m there for
+        each metre of echo."""
         self.fault = SonarFault.NONE
         self.wild_share = 0.0
         """Of the pings, while WILD_SOME."""
@@ -82,6 +85,7 @@ class Sonar:
         self._mount = mount
         self._room = room
         self._noise = noise
+        self._echo_us_per_m = ECHO_US_PER_M / scale
         self._crosstalk = sim.sonar_crosstalk
         self._random = random.Random(seed)
         self._wild = random.Random(f"{seed}/wild")
@@ -237,7 +241,7 @@ class Sonar:
         if heard is None:
             return NO_ECHO_US
         noise = self._random.gauss(0.0, self._noise) if self._noise else 0.0
-        return max(SHORTEST, heard + noise) * ECHO_US_PER_M
+        return max(SHORTEST, heard + noise) * self._echo_us_per_m
 
 
 def sonars(
@@ -246,6 +250,10 @@ def sonars(
     """The robot's sensors by their number on the ranger board; `mounts`: where they are believed to be."""
     made = {}
     for mount in mounts.values():
-        true = msgspec.structs.replace(mount, yaw=mount.yaw + truth.sensor_yaws[mount.index])
-        made[mount.index] = Sonar(true, room, sim, f"{seed}/sonar/{mount.index}", truth.sonar_noise)
+        number = mount.index
+        true = msgspec.structs.replace(
+            mount, x=mount.x + truth.sensor_xs[number], yaw=mount.yaw + truth.sensor_yaws[number]
+        )
+        scale = mount.scale * truth.sonar_scales[number]
+        made[number] = Sonar(true, room, sim, f"{seed}/sonar/{number}", truth.sonar_noise, scale)
     return made

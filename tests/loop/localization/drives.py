@@ -235,7 +235,7 @@ class _Run:
             echo_us=round(echo_us),
             line_errors=0,
         )
-        return reading(name, frame)
+        return reading(name, frame, 1.0)
 
 
 class Driver:

@@ -71,6 +71,14 @@ def test_a_sensor_goes_by_its_number_on_the_board() -> None:
     assert taken(range_frame(2)).sensor == "rear"
 
 
+def test_the_scale_of_the_robot_file_is_in_the_range_and_not_in_the_echo() -> None:
+    sensors = {name: msgspec.structs.replace(pose, scale=1.03) for name, pose in ROBOT.sensors.items()}
+    sample = RangerPolicy(msgspec.structs.replace(ROBOT, sensors=sensors)).on_frame(range_frame(echo_us=5800))
+    assert sample is not None
+    assert sample.range == pytest.approx(1.03)
+    assert sample.echo_us == 5800
+
+
 @pytest.mark.parametrize("echo_us", [0, 24_000, 38_000, 180_000])
 def test_nothing_in_reach_is_clear_and_no_distance(echo_us: int) -> None:
     sample = taken(range_frame(state=RangeState.CLEAR, echo_us=echo_us))
