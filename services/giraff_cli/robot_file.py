@@ -30,13 +30,20 @@ def record(path: Path, table: str, fields: Mapping[str, Value], *, kept_as: str 
     `kept_as`: the file as it was stays beside it, as robot.toml.KEPT_AS; with a number after it where there is one of
     that name already. Returns where.
     """
-    with _explained(path, table, fields):
+    return record_all(path, {table: fields}, kept_as=kept_as)
+
+
+def record_all(path: Path, tables: Mapping[str, Mapping[str, Value]], *, kept_as: str = "") -> Path | None:
+    """Set fields of several tables as `record` does: the file has all of them, or is untouched."""
+    with _explained(path, tables):
         before = path.read_bytes()
         text = before.decode("utf-8-sig")
         mark = before.removesuffix(text.encode())  # of byte order, where an editor has left one
         was = tomllib.loads(text)
-        after = _with(text, table, fields)
-        if tomllib.loads(after) != _merged(was, table.split("."), fields):
+        after, wanted = text, was
+        for table, fields in tables.items():
+            after, wanted = _with(after, table, fields), _merged(wanted, table.split("."), fields)
+        if tomllib.loads(after) != wanted:
             raise ValueError("something else would change with it")
         kept = _keep(path, before, kept_as) if kept_as else None
         try:
@@ -50,14 +57,16 @@ def record(path: Path, table: str, fields: Mapping[str, Value], *, kept_as: str 
 
 
 @contextlib.contextmanager
-def _explained(path: Path, table: str, fields: Mapping[str, Value]) -> Iterator[None]:
+def _explained(path: Path, tables: Mapping[str, Mapping[str, Value]]) -> Iterator[None]:
     try:
         yield
     except (OSError, TOMLKitError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
-        wanted = "".join(f"\n    {name} = {tomlkit.item(value).as_string()}" for name, value in fields.items())
-        raise RobotFileError(
-            f"{path}: cannot be written: {plain(error)}; write into [{table}] by hand:{wanted}"
-        ) from error
+        by_hand = "; ".join(
+            f"write into [{table}] by hand:"
+            + "".join(f"\n    {name} = {tomlkit.item(value).as_string()}" for name, value in fields.items())
+            for table, fields in tables.items()
+        )
+        raise RobotFileError(f"{path}: cannot be written: {plain(error)}; {by_hand}") from error
 
 
 def _with(text: str, table: str, fields: Mapping[str, Value]) -> str:

@@ -129,3 +129,18 @@ def joystick(
     from giraff_cli.calibrate.joystick.command import calibrate_joystick  # noqa: PLC0415
 
     raise typer.Exit(calibrate_joystick(port, file))
+
+
+@calibrate.command()
+def ranger(file: File = None, robot: Robot = None, connect: Connect = None) -> None:
+    """Measure the ultrasonic sensors before a wall: place ahead, axis and scale; y and height by your ruler.
+
+    The robot backs 0.8 m, turns to either side, and does the same turned round. A sensor that the wall does not tell
+    stays as it is. Of the robot file only these sensors' tables change, when you have said yes; a copy stays beside it.
+
+    Exit code: 0 done; 1 refused, nothing written; 2 not begun.
+    """
+    require_extra("calibrate ranger", "numpy", "analysis,cli")
+    from giraff_cli.calibrate.ranger.command import calibrate_ranger  # noqa: PLC0415
+
+    raise typer.Exit(calibrate_ranger(robot, connect or (), file))

@@ -100,6 +100,7 @@ ROBOTLESS: Mapping[str, str] = {
     "check wheels": "unit/cli/test_check_wheels.py: it asks a board, and whoever stands beside it",
     "calibrate camera": "unit/calibrate/test_camera.py: likewise",
     "calibrate joystick": "unit/calibrate/test_joystick.py: likewise",
+    "calibrate ranger": "unit/calibrate/test_ranger.py: likewise",
     "commission": "unit/cli/test_commission.py: it asks a file",
     "camera board": "unit/calibrate/test_camera.py: it asks nobody",
     "calibrate odometry": "unit/calibrate: it asks files, or goes through it with whoever drives",

@@ -207,6 +207,7 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
         "web",
         "calibrate camera",
         "calibrate odometry",
+        "calibrate ranger",
         "doctor",
         "topic pub",
         "play",

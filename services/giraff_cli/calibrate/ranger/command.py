@@ -1,0 +1,119 @@
+"""`giraff calibrate ranger`: ultrasonic sensors by a wall, from the first distance to the robot file."""
+
+from __future__ import annotations
+
+import datetime as dt
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final, Protocol
+
+from giraff_cli.calibrate.guided import agrees, introduce, own_robot_file, signals_interrupt
+from giraff_cli.calibrate.ranger.conclusion import bounded, changed, in_words, warning
+from giraff_cli.calibrate.ranger.procedure import PINGS, Stand, StoppedError, measure
+from giraff_cli.calibrate.ranger.stand import NetworkStand
+from giraff_cli.calibrate.terminal import Human, NobodyError, Terminal
+from giraff_cli.network.command import run_with_robot
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.robot_file import RobotFileError, record_all
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError
+
+_DONE: Final = 0
+_REFUSED: Final = 1
+_UNUSABLE: Final = 2
+_INTERRUPTED: Final = 130
+_PATIENCE: Final = 3.0  # s
+_THEN: Final = "Nothing goes by it yet: copy the file to the robot's other machines, and restart its services at rest."
+
+
+class LeasedStand(Stand, Protocol):
+    """A robot before a wall whose motions hold a lease."""
+
+    def wait_released(self) -> None:
+        """Wait until giraff_motion has given the lease back. Raises StoppedError."""
+        ...
+
+
+def calibrate_ranger(robot: str | None, connect: Sequence[str], file: Path | None) -> int:
+    """Do the whole command; return its exit code. `file`: as of `own_robot_file`."""
+
+    def act(connection: RobotConnection) -> int:
+        try:
+            path, filed = own_robot_file(connection.robot, file)
+            human = Terminal(sys.stdin, sys.stdout)
+            stand = NetworkStand(connection)
+            stand.place()
+            introduce(human, connection.robot, path)
+            return guide(human, stand, filed, path)
+        except ConfigError as error:
+            return complain(str(error), _UNUSABLE)
+        except StoppedError as error:
+            return complain(f"{error}. Nothing was written.", _UNUSABLE)
+        except KeyboardInterrupt:
+            return _interrupted()
+
+    with signals_interrupt():
+        try:
+            return run_with_robot(
+                robot, connect, _PATIENCE, act, moves=True, stands_in=False
+            )  # it writes into the file
+        except KeyboardInterrupt:  # before a robot was found
+            return _interrupted()
+
+
+def guide(human: Human, stand: LeasedStand, filed: RobotConfig, path: Path, pings: int = PINGS) -> int:
+    """Measure, tell, ask and write into `path`, which says `filed`; return the exit code."""
+    try:
+        tables = _measure(human, stand, filed, pings)
+        if not tables:
+            return complain("nothing was found. Nothing was written.", _REFUSED)
+        if not agrees(human, f"Write {', '.join(tables)} into {path}? [yes/no]"):
+            return complain("not wanted. Nothing was written.", _REFUSED)
+        for name, fields in list(tables.items()):
+            words = warning(name, filed.sensors[name], fields, filed.model(name))
+            if words and not agrees(human, f"{words} Write it all the same? [yes/no]"):
+                human.tell(f"{name} stays as it is.")
+                del tables[name]
+        if not tables:
+            return complain("not wanted. Nothing was written.", _REFUSED)
+        stand.wait_released()
+    except StoppedError as error:
+        return complain(f"{error}. Nothing was written.", _REFUSED)
+    except NobodyError:
+        return complain("nobody answers. Nothing was written.", _UNUSABLE)
+    return _write(human, tables, path)
+
+
+def _measure(human: Human, stand: Stand, filed: RobotConfig, pings: int) -> dict[str, dict[str, float]]:
+    """Return the fields to write of each sensor that was found."""
+    tables = {}
+    for name, measured in measure(human, stand, filed, pings).items():
+        before = filed.sensors[name]
+        told = bounded(before, measured)
+        human.tell(in_words(before, name, told))
+        if fields := changed(before, told):
+            tables[name] = fields
+    return tables
+
+
+def _write(human: Human, tables: Mapping[str, Mapping[str, float]], path: Path) -> int:
+    """Write all at once."""
+    date = dt.datetime.now().astimezone().date().isoformat()
+    named = {f"robot.sensors.{name}": fields for name, fields in tables.items()}
+    try:
+        kept = record_all(path, named, kept_as=f"before-{date}")
+    except RobotFileError as error:
+        return complain(str(error), _REFUSED)
+    human.tell(f"Written: {', '.join(tables)} in {path}; as it was before: {kept}. {_THEN}")
+    return _DONE
+
+
+def complain(reason: str, code: int) -> int:
+    """Print one line on standard error; return the code."""
+    print(f"giraff calibrate ranger: {reason}", file=sys.stderr, flush=True)
+    return code
+
+
+def _interrupted() -> int:
+    return complain("interrupted. Nothing was written.", _INTERRUPTED)

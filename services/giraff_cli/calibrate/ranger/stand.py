@@ -1,0 +1,121 @@
+"""The robot before the wall, on the network: what it hears, and motions that giraff_motion does for it."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from typing import Any, Final
+
+from giraff_cli.calibrate.ranger.fit import Echo
+from giraff_cli.calibrate.ranger.heard import Hearing
+from giraff_cli.calibrate.ranger.procedure import SPEED, TURN_SPEED, StoppedError
+from giraff_cli.network.connection import RobotConnection
+from giraff_cli.network.user import user_at_host
+from giraff_core.kinematics.pose import Pose
+from giraff_core.motion.result import MotionResult
+from giraff_node.motion_client import TURN, MotionClient, Wish
+from giraff_schemas.messages import Sample
+from giraff_schemas.motion import Step
+from giraff_schemas.topics import LEASE, ODOM, RANGE, Topic
+
+_PATIENCE: Final = 3.0  # s
+_RELEASED_WITHIN: Final = 10.0
+"""s. The guard ends the lease of a motion that is over after 2 s, unless the robot file says otherwise."""
+_PING_EVERY: Final = 0.4
+"""s at most, of one sensor that runs: they come at 5.6 Hz."""
+_UNHEARD: Final = "odometry is not heard; check that giraff_base and giraff_odometry run, and the network to them"
+
+
+class NetworkStand:
+    """As `Stand`."""
+
+    def __init__(self, connection: RobotConnection) -> None:
+        self._connection = connection
+        self._hearing = Hearing()
+        for topic in (ODOM, RANGE, LEASE):
+            connection.subscribe(topic)
+
+    def place(self) -> Pose:
+        """As `Stand`."""
+        self._wait(lambda: self._hearing.place is not None, _PATIENCE)
+        self.idle()
+        if (place := self._hearing.place) is None:
+            raise StoppedError(_UNHEARD)
+        self._require_whole()
+        return place
+
+    def listen(self, sensors: Sequence[str], pings: int) -> list[Echo]:
+        """As `Stand`."""
+        self.idle()
+        heard = self._hearing.echoes
+        heard.clear()
+
+        def is_enough() -> bool:
+            count = Counter(echo.sensor for echo in heard)
+            return all(count[name] >= pings for name in sensors)
+
+        self._wait(is_enough, _PATIENCE + pings * _PING_EVERY)
+        self._require_whole()
+        return list(heard)
+
+    def perform(self, steps: Sequence[Step]) -> tuple[MotionResult, list[Echo]]:
+        """As `Stand`. Ctrl-C ends the motion first."""
+        self.idle()
+        self._hearing.echoes.clear()
+        wish = Wish(steps, speed=SPEED, turn_speed=TURN_SPEED)
+        client = MotionClient(self._connection.session, self._connection.robot, user_at_host(), wish)
+        with closing(client):
+            try:
+                result = self._follow(client, _PATIENCE)
+            except BaseException:
+                client.cancel(time.monotonic())
+                self._follow(client, None)
+                raise
+        if result is None:
+            raise StoppedError("the robot's clock is not heard; check that giraff_base runs")
+        if not result.arrived:
+            raise StoppedError(f"the motion ended before its end ({result.outcome}): {result.reason}")
+        self._require_whole()
+        return result, list(self._hearing.echoes)
+
+    def idle(self) -> str:
+        """As `Stand`."""
+        self._connection.dispatch(self)
+        return ""
+
+    def wait_released(self) -> None:
+        """As `LeasedStand`."""
+        self._wait(lambda: not self._hearing.motion_holds_lease, _RELEASED_WITHIN)
+        if self._hearing.motion_holds_lease:
+            raise StoppedError("giraff_motion still holds the lease; wait until the robot rests, then begin again")
+
+    def on_sample(self, topic: Topic[Any], key: str, sample: Sample, at_ns: int) -> None:
+        """As a `Listener`."""
+        del topic, key, at_ns
+        self._hearing.hear(sample)
+
+    def on_liveliness(self, service: str, instance: str, *, present: bool) -> None:
+        """Nobody asks who comes and goes."""
+
+    def _follow(self, client: MotionClient, patience: float | None) -> MotionResult | None:
+        """Return how the motion ended; None: nobody was asked within `patience` s."""
+        began = time.monotonic()
+        while (result := client.turn(now := time.monotonic())) is None:
+            if patience is not None and not client.has_asked and now - began > patience:
+                return None
+            self.idle()
+            time.sleep(TURN)
+        return result
+
+    def _wait(self, holds: Callable[[], bool], patience: float) -> None:
+        deadline = time.monotonic() + patience
+        self.idle()
+        while not holds() and time.monotonic() < deadline:
+            time.sleep(TURN)
+            self.idle()
+
+    def _require_whole(self) -> None:
+        if self._hearing.fault:
+            raise StoppedError(self._hearing.fault)

@@ -1,0 +1,289 @@
+"""Ultrasonic sensors by a wall: drawn robots and wrong worlds, judged by the truth that was drawn."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Final
+
+import msgspec
+import pytest
+
+from giraff_cli.calibrate.ranger import stand
+from giraff_cli.calibrate.ranger.command import guide
+from giraff_cli.calibrate.ranger.conclusion import warning
+from giraff_cli.calibrate.ranger.fit import Echo
+from giraff_cli.calibrate.ranger.heard import Hearing
+from giraff_cli.calibrate.ranger.procedure import StoppedError, measure
+from giraff_cli.calibrate.terminal import NobodyError
+from giraff_core.kinematics.calibration import EXACTLY, Calibration
+from giraff_core.kinematics.pose import Pose
+from giraff_core.robot import RobotConfig, SensorPose
+from giraff_core.sensors import HC_SR04
+from giraff_node.config.robot_file import load
+from giraff_schemas.messages import Lease, Odometry, Range, RobotTime
+from giraff_schemas.motion import Move, Turn
+from giraff_sim.board import ROOT
+from giraff_sim.world.room import Room
+from giraff_sim.world.sonar import SonarFault
+from tests.support.robots import ROBOT
+from tests.unit.calibrate.walls import DrawnStand, TapePerson, bare_wall
+
+_CALIBRATED: Final = '\n[robot.calibration]\ndate = "2026-11-25"\n'
+_FARTHER: Final = "all the same"
+
+
+def robot_file(folder: Path, more: str = _CALIBRATED) -> tuple[Path, RobotConfig]:
+    path = folder / "robot.toml"
+    path.write_text((ROOT / "deploy" / "robot.toml").read_text() + more)
+    return path, load("robot", RobotConfig, {"GIRAFF_CONFIG": str(path)})
+
+
+def sensors_in(path: Path) -> dict[str, Any]:
+    sensors: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))["robot"]["sensors"]
+    return sensors
+
+
+def require_true(path: Path, filed: RobotConfig, stand: DrawnStand) -> list[str]:
+    """Compare with the truth what the file says anew; return the sensors of which it does."""
+    found = [name for name, entry in sensors_in(path).items() if "scale" in entry]
+    for name in found:
+        pose, entry = filed.sensors[name], sensors_in(path)[name]
+        x = pose.x + stand.truth.sensor_xs[pose.index]
+        yaw = pose.yaw + stand.truth.sensor_yaws[pose.index]
+        assert entry["x"] == pytest.approx(x, abs=0.010), name
+        assert math.remainder(entry["yaw"] - yaw, math.tau) == pytest.approx(0.0, abs=math.radians(2.0)), name
+        assert entry["scale"] == pytest.approx(stand.truth.sonar_scales[pose.index], abs=0.0075), name
+    return found
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_sensors_of_a_drawn_robot_are_found(seed: int, tmp_path: Path) -> None:
+    path, filed = robot_file(tmp_path)
+    before = path.read_bytes()
+    drawn = DrawnStand(filed, seed, askew=math.radians(seed - 4.5))
+    person = TapePerson(drawn, seed)
+    assert guide(person, drawn, filed, path) == 0
+    assert len(require_true(path, filed, drawn)) == 3, person.told
+    assert [kept.read_bytes() for kept in tmp_path.glob("robot.toml.before-*")] == [before]
+    assert sensors_in(path)["head"] == tomllib.loads(before.decode())["robot"]["sensors"]["head"]
+
+
+def world(*, half: float = 5.0, person: tuple[float, float] | None = None) -> Room:
+    room = bare_wall(0.9, half)
+    if person is not None:
+        room.add_post("person", *person, 0.2)
+    return room
+
+
+WORLDS: Final[dict[str, tuple[Callable[[], Room], str, int]]] = {
+    "a person beside": (lambda: world(person=(0.5, 0.9)), "nearer than the wall|earlier to one side", 1),
+    "a person before it": (lambda: world(person=(0.6, 0.2)), "nearer than the wall|do not grow|from where the file", 3),
+    "a short wall": (lambda: world(half=0.3), "only|early to both sides|earlier to one side", 3),
+    "a narrow wall": (lambda: world(half=0.5), "earl", 2),
+}
+
+
+@pytest.mark.parametrize("name", WORLDS)
+def test_in_a_wrong_world_it_says_that_it_cannot_or_stays_within(name: str, tmp_path: Path) -> None:
+    made, why, cannot = WORLDS[name]
+    path, filed = robot_file(tmp_path)
+    drawn = DrawnStand(filed, 2, room=made())
+    person = TapePerson(drawn, 2)
+    guide(person, drawn, filed, path)
+    found = require_true(path, filed, drawn)
+    told = "\n".join(person.told)
+    assert len(found) <= 3 - cannot, told
+    assert told.count("cannot be told") >= cannot, told
+    assert any(word in told for word in why.split("|")), told
+
+
+@pytest.mark.parametrize("fault", [SonarFault.DEAF, SonarFault.DEAD, SonarFault.WILD])
+def test_a_faulty_sensor_stays_as_it_is_and_the_others_are_found(fault: SonarFault, tmp_path: Path) -> None:
+    path, filed = robot_file(tmp_path)
+    before = sensors_in(path)
+    drawn = DrawnStand(filed, 4)
+    drawn.sonars[1].fault = fault
+    person = TapePerson(drawn, 4)
+    assert guide(person, drawn, filed, path) == 0
+    assert require_true(path, filed, drawn) == ["front_left", "rear"]
+    assert sensors_in(path)["front_right"] == before["front_right"]
+    assert any("front_right: cannot be told, and stays as it is" in words for words in person.told)
+
+
+def refuse(stand: DrawnStand) -> None:
+    stand.refusal = "somebody drives; wait until it rests"
+
+
+def hold(stand: DrawnStand) -> None:
+    stand.holds_lease = True
+
+
+def interrupt(stand: DrawnStand) -> None:
+    stand.interrupts = True
+
+
+NOTHING: Final[dict[str, tuple[Callable[[DrawnStand], None], dict[str, Any], str]]] = {
+    "somebody drives": (refuse, {}, "somebody drives; wait until it rests. Nothing was written"),
+    "motion holds its lease": (hold, {}, "still holds the lease. Nothing was written"),
+    "not wanted": (lambda _: None, {"Write front": ["no"]}, "not wanted. Nothing was written"),
+    "the way is not free": (lambda _: None, {"way free": ["maybe", "no"]}, "clear the way"),
+    "closed stdin": (lambda _: None, {"Write front": [NobodyError]}, "nobody answers. Nothing was written"),
+    "Ctrl-C while it moves": (interrupt, {}, ""),
+    "Ctrl-C at the last question": (lambda _: None, {"Write front": [KeyboardInterrupt]}, ""),
+    "farther is not wanted": (lambda _: None, {_FARTHER: ["no"] * 3}, "not wanted. Nothing was written"),
+}
+
+
+@pytest.mark.parametrize("name", NOTHING)
+def test_nothing_is_written(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    change, instead, said = NOTHING[name]
+    path, filed = robot_file(tmp_path)
+    before = path.read_bytes()
+    farther_all = [seed for seed in range(200) if all(all_farther(DrawnStand(filed, seed), filed))]
+    drawn = DrawnStand(filed, farther_all[0])
+    change(drawn)
+    if name.startswith("Ctrl-C"):
+        with pytest.raises(KeyboardInterrupt):
+            guide(TapePerson(drawn, 0, instead), drawn, filed, path)
+    else:
+        assert guide(TapePerson(drawn, 0, instead), drawn, filed, path) in {1, 2}
+        assert said in capsys.readouterr().err
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+    if name in {"the way is not free", "somebody drives"}:
+        assert not drawn.performed
+
+
+def all_farther(stand: DrawnStand, filed: RobotConfig) -> list[bool]:
+    """Tell of each sensor whether its truth places obstacles clearly farther than the file."""
+    truth = stand.truth
+    return [
+        truth.sensor_xs[pose.index] * math.copysign(1.0, math.cos(pose.yaw)) + truth.sonar_scales[pose.index] > 1.02
+        for pose in filed.sensors.values()
+    ]
+
+
+def test_farther_needs_a_yes_of_its_own_that_names_the_millimetres() -> None:
+    filed = SensorPose(index=0, x=0.25, y=0.0, yaw=0.0)
+    fields = {"x": 0.24, "y": 0.1, "z": 0.0, "yaw": 0.1, "scale": 1.0}
+    assert not warning("front", filed, fields, HC_SR04)
+    assert "1 m 10 mm farther than now" in warning("front", filed, {**fields, "x": 0.26}, HC_SR04)
+    assert "1 m 20 mm farther than now" in warning("front", filed, {**fields, "x": 0.25, "scale": 1.02}, HC_SR04)
+    longer = warning("front", filed, {**fields, "x": 0.23, "scale": 1.015}, HC_SR04)
+    assert "1 m 5 mm nearer than now, and up to 40 mm farther" in longer
+    rear = msgspec.structs.replace(filed, x=-0.25, yaw=math.pi)
+    assert not warning("rear", rear, {**fields, "x": -0.24}, HC_SR04)
+    assert "1 m 10 mm farther than now" in warning("rear", rear, {**fields, "x": -0.26}, HC_SR04)
+
+
+def test_what_is_typed_wrong_is_asked_again(tmp_path: Path) -> None:
+    path, filed = robot_file(tmp_path)
+    drawn = DrawnStand(filed, 1)
+    instead = {
+        "left wheel touches the floor:": ["nan", "900", "0.5"],
+        "front_left: m left": ["twenty", "150", "0.152"],
+        "front_left: m above": ["18 cm"],
+    }
+    person = TapePerson(drawn, 1, instead)
+    assert guide(person, drawn, filed, path) == 0
+    assert not any(person.instead.values())
+    assert sensors_in(path)["front_left"]["y"] == pytest.approx(0.152)
+    assert sensors_in(path)["front_left"]["z"] == pytest.approx(0.18)
+    told = "\n".join(person.told)
+    for words in ("nan: no number", "twenty: no number", "150 m is more than 0.1 m off", "more than 10° askew"):
+        assert words in told
+
+
+def test_a_sensor_that_looks_aside_is_left_alone_and_without_rear_ones_nothing_turns_round() -> None:
+    filed = msgspec.structs.replace(ROBOT, calibration=Calibration(date="2026-11-25"))
+    ahead, aside = filed.sensors["front_left"], msgspec.structs.replace(filed.sensors["rear"], yaw=math.pi / 2)
+    filed = msgspec.structs.replace(filed, sensors={"front": ahead, "aside": aside})
+    drawn = DrawnStand(filed, 1)
+    told = measure(TapePerson(drawn, 1), drawn, filed)
+    assert told["front"].found is not None
+    assert "looks aside" in told["aside"].why
+    assert sum(step.distance for step in drawn.performed if isinstance(step, Move)) == pytest.approx(-0.8)
+    assert sum(step.angle for step in drawn.performed if isinstance(step, Turn)) == pytest.approx(0.0)
+
+
+def test_an_uncalibrated_robot_is_sent_to_calibrate_odometry(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, filed = robot_file(tmp_path, "")
+    drawn = DrawnStand(filed, 1, "uncalibrated")
+    assert guide(TapePerson(drawn), drawn, filed, path) == 1
+    assert "call `giraff calibrate odometry` first" in capsys.readouterr().err
+    assert not drawn.performed
+
+
+def odometry(ns: int, yaw: float, breaks: int = 0) -> Odometry:
+    return Odometry(
+        instance="o",
+        x=1.0,
+        y=0.0,
+        yaw=yaw,
+        linear_x=0.0,
+        angular_z=0.0,
+        covariance=EXACTLY,
+        path=0.0,
+        board_us=0,
+        boot_id=1,
+        tick=RobotTime(1, ns),
+        breaks=breaks,
+    )
+
+
+def test_a_ping_has_the_raw_echo_and_the_pose_of_its_moment() -> None:
+    hearing = Hearing()
+    hearing.hear(odometry(1_000, 0.0))
+    hearing.hear(Range(sensor="rear", state="echo", range=9.0, echo_us=5800, reason="", tick=RobotTime(1, 1_500)))
+    assert hearing.echoes == []
+    hearing.hear(odometry(2_000, 0.2))
+    assert hearing.echoes == [Echo("rear", 1.0, Pose(1.0, 0.0, 0.1))]
+    hearing.hear(Lease(instance="g", holder="m-1", operator="motion", counter=1, reason=""))
+    assert hearing.motion_holds_lease
+    assert not hearing.fault
+    hearing.hear(odometry(3_000, 0.2, breaks=1))
+    assert "begin again" in hearing.fault
+
+
+def test_ctrl_c_cancels_the_motion_and_waits_for_its_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    said: list[str] = []
+
+    class Client:
+        has_asked = True
+
+        def __init__(self, *_: object) -> None: ...
+
+        def turn(self, now: float) -> object:
+            del now
+            said.append("turn")
+            if len(said) == 2:
+                raise KeyboardInterrupt
+            return object() if len(said) > 4 else None
+
+        def cancel(self, now: float) -> None:
+            del now
+            said.append("cancel")
+
+        def close(self) -> None:
+            said.append("close")
+
+    class Connection:
+        session, robot = None, "r"
+
+        def subscribe(self, topic: object) -> None: ...
+
+        def dispatch(self, listener: object) -> None: ...
+
+    monkeypatch.setattr(stand, "MotionClient", Client)
+    one = stand.NetworkStand(Connection())  # type: ignore[arg-type]
+    with pytest.raises(KeyboardInterrupt):
+        one.perform([Move(distance=-0.4)])
+    assert said == ["turn", "turn", "cancel", "turn", "turn", "close"]
+    monkeypatch.setattr(stand, "_PATIENCE", 0.0)
+    with pytest.raises(StoppedError, match="odometry is not heard"):
+        one.place()
