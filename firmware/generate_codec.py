@@ -4,7 +4,7 @@
 The header is the only declaration of the wire, but for the frames of EXTENSIONS, which have a codec each. A board whose
 whole wire stands in such a header has a protocol hash of its own, which covers both headers. This reads
 the part of C they are written in and refuses the rest: `enum name { NAME = number, ... };`, such enums without a name
-for constants, and `struct PACKED name { integer fields };`.
+for constants, and `struct PACKED name { integer fields };`, whose last field may be an array.
 
 Usage: generate_codec.py           write the codecs
        generate_codec.py --check   fail when a codec is not what its header gives
@@ -26,6 +26,7 @@ HEADER = FIRMWARE / "common" / "protocol.h"
 SCHEMAS = FIRMWARE.parent / "schemas" / "giraff_schemas"
 WIRE = SCHEMAS / "wire.py"
 EXTENSIONS = {
+    FIRMWARE / "base" / "transitions_protocol.h": SCHEMAS / "wires" / "transitions.py",
     FIRMWARE / "ranger" / "bumper_protocol.h": SCHEMAS / "wires" / "bumper.py",
     FIRMWARE / "balancer" / "balancer_protocol.h": SCHEMAS / "wires" / "balancer.py",
 }
@@ -57,6 +58,7 @@ class Enum:
 class Record:
     name: str
     fields: dict[str, str] = field(default_factory=dict)  # field name: C type
+    length: int = 0  # of the last field, which is an array; 0: no field is
 
 
 @dataclass
@@ -127,7 +129,7 @@ def parse(source: str, extended: Protocol | None = None) -> Protocol:
             else:
                 protocol.constants.update(enum.members)
         else:
-            protocol.records.append(parse_struct(parser))
+            protocol.records.append(parse_struct(parser, protocol.constants))
     check(protocol)
     numbers = {*protocol.types.members.values()}
     if extended and numbers & {*extended.types.members.values()}:
@@ -149,13 +151,17 @@ def parse_enum(parser: Parser) -> Enum:
     return enum
 
 
-def parse_struct(parser: Parser) -> Record:
+def parse_struct(parser: Parser, constants: dict[str, int]) -> Record:
     parser.take("PACKED")
     record = Record(parser.take(r"[a-z]\w*"))
     parser.take(r"\{")
-    while parser.peek() != "}":
+    while parser.peek() != "}" and not record.length:
         kind = parser.take("|".join(STRUCT_CODES))
         record.fields[parser.take(r"[a-z]\w*")] = kind
+        if parser.peek() == "[":
+            parser.take(r"\[")
+            record.length = constants[parser.take("|".join(constants) or "a constant above")]
+            parser.take(r"\]")
         parser.take(";")
     parser.take(r"\}")
     parser.take(";")
@@ -195,8 +201,12 @@ def enum_lines(enum: Enum) -> list[str]:
 
 
 def record_lines(record: Record, types: str) -> list[str]:
-    layout = "<" + "".join(STRUCT_CODES[kind] for kind in record.fields.values())
-    own = [name for name in record.fields if name not in ("type", "seq")]
+    codes = [STRUCT_CODES[kind] for kind in record.fields.values()]
+    codes[-1] = f"{record.length or ''}{codes[-1]}"
+    layout = "<" + "".join(codes)
+    own = dict.fromkeys((name for name in record.fields if name not in ("type", "seq")), "int")
+    if record.length:
+        own[list(own)[-1]] = "tuple[int, ...]"
     return [
         f"class {camel(record.name)}Frame(Frame, frozen=True):",
         f'    """struct {record.name}"""',
@@ -204,7 +214,26 @@ def record_lines(record: Record, types: str) -> list[str]:
         f"    type: ClassVar[int] = {types}.{record.name.upper()}",
         f'    layout: ClassVar[struct.Struct] = struct.Struct("{layout}")',
         *([""] if own else []),
-        *(f"    {name}: int" for name in own),
+        *(f"    {name}: {type_}" for name, type_ in own.items()),
+        *(array_lines(record) if record.length else []),
+    ]
+
+
+def array_lines(record: Record) -> list[str]:
+    """How a frame whose last field is an array becomes a body, and comes from it."""
+    *single, array = (name for name in record.fields if name != "type")
+    return [
+        "",
+        "    def pack(self) -> bytes:",
+        f'        """The frame\'s body; struct.error unless `{array}` are {record.length}, and each value fits."""',
+        f"        single = ({', '.join(f'self.{name}' for name in single)})",
+        f"        return self.layout.pack(self.type, *single, *self.{array})",
+        "",
+        "    @classmethod",
+        "    def unpack(cls, body: bytes) -> Self:",
+        '        """The frame of a body of this type; struct.error when its length is another\'s."""',
+        f"        _, {', '.join(single)}, *{array} = cls.layout.unpack(body)",
+        f"        return cls({', '.join(single)}, tuple({array}))",
     ]
 
 
@@ -225,7 +254,7 @@ firmware/{header}, which says what each field means: change that, not this.
 
 import struct
 from enum import {enums}
-from typing import ClassVar, Final
+from typing import {typing}
 
 from giraff_schemas.wire import Frame
 '''
@@ -267,7 +296,8 @@ def generate(protocol: Protocol, extension: str = "", *, is_whole: bool = True) 
     ]
     body = "\n\n\n".join(blocks) + "\n"
     enums = "IntEnum, IntFlag" if "(IntFlag)" in body else "IntEnum"
-    preamble = EXTENSION_PREAMBLE.format(header=extension, enums=enums) if extension else PREAMBLE
+    typing = "ClassVar, Final, Self" if "Self:" in body else "ClassVar, Final"
+    preamble = EXTENSION_PREAMBLE.format(header=extension, enums=enums, typing=typing) if extension else PREAMBLE
     return f"{preamble}\n{body}"
 
 

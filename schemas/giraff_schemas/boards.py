@@ -18,6 +18,7 @@ from giraff_schemas.wire import (
 )
 from giraff_schemas.wires import balancer as balancer_wire
 from giraff_schemas.wires import bumper as bumper_wire
+from giraff_schemas.wires import transitions as transitions_wire
 
 
 class BoardType(NamedTuple):
@@ -40,7 +41,7 @@ class BoardType(NamedTuple):
     """It lowers what the board is asked for."""
 
 
-BASE_BOARD: Final = BoardType("base", BoardKind.BASE, BASE_BAUD)
+BASE_BOARD: Final = BoardType("base", BoardKind.BASE, BASE_BAUD, frames=FRAME_CLASSES | transitions_wire.FRAME_CLASSES)
 JOYSTICK_BOARD: Final = BoardType("joystick", BoardKind.JOYSTICK, JOYSTICK_BAUD)
 RANGER_BOARD: Final = BoardType(
     "ranger", BoardKind.RANGER, RANGER_BAUD, frames=FRAME_CLASSES | bumper_wire.FRAME_CLASSES

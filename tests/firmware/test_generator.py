@@ -36,6 +36,17 @@ def test_a_header_becomes_enums_constants_and_records() -> None:
     assert [record.fields for record in protocol.records] == [{"type": "uint8_t", "seq": "uint16_t", "x": "int32_t"}]
 
 
+ARRAY = HEADER.replace("int32_t x;", "int32_t x; uint16_t y[PERIOD_MS];")
+
+
+def test_the_last_field_may_be_an_array_of_as_many_as_a_constant_says() -> None:
+    (record,) = generator.parse(ARRAY).records
+    lines = generator.record_lines(record, "FrameType")
+    assert '    layout: ClassVar[struct.Struct] = struct.Struct("<BHi10H")' in lines
+    assert "    y: tuple[int, ...]" in lines
+    assert "    x: int" in lines
+
+
 def test_comments_and_white_space_do_not_change_the_hash() -> None:
     spread = HEADER.replace(" = ", "=").replace(";", ";  // what for\n").replace("/* one */", "/* two\n lines */")
     assert generator.protocol_hash(spread) == generator.protocol_hash(HEADER)
@@ -60,7 +71,8 @@ def test_a_header_beside_another_has_frame_types_of_its_own() -> None:
     ("old", "new", "complaint"),
     [
         ("int32_t x", "float x", "'float' is not"),
-        ("int32_t x;", "int32_t x[3];", r"'\[' is not"),
+        ("int32_t x;", "int32_t x[3];", "'3' is not PERIOD_MS"),
+        ("int32_t x;", "int32_t x[PERIOD_MS]; uint8_t y;", "'uint8_t' is not"),
         ("struct PACKED ping", "struct ping", "'ping' is not PACKED"),
         ("enum { PERIOD_MS = 10 };", "typedef int t;", "'typedef' is not"),
         ("= 10", "", "'}' is not ="),

@@ -11,10 +11,18 @@ from tests.support.tools import finished
 
 HEADERS = tuple(
     Path("firmware") / name
-    for name in ("common/protocol.h", "ranger/bumper_protocol.h", "balancer/balancer_protocol.h")
+    for name in (
+        "common/protocol.h",
+        "base/transitions_protocol.h",
+        "ranger/bumper_protocol.h",
+        "balancer/balancer_protocol.h",
+    )
 )
 GENERATOR = Path("firmware/generate_codec.py")
-CODECS = tuple(Path("schemas/giraff_schemas") / name for name in ("wire.py", "wires/bumper.py", "wires/balancer.py"))
+CODECS = tuple(
+    Path("schemas/giraff_schemas") / name
+    for name in ("wire.py", "wires/transitions.py", "wires/bumper.py", "wires/balancer.py")
+)
 
 
 def check(tree: Path) -> tuple[int, str]:
