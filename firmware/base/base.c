@@ -9,6 +9,8 @@
 #include "hello.h"
 #include "link.h"
 #include "motors.h"
+#include "transitions.h"
+#include "transitions_protocol.h"
 #include "watchdog.h"
 
 static uint32_t wheels_sent_ms;
@@ -39,6 +41,9 @@ static const struct link_handler handlers[] = {
     { FRAME_DRIVE, sizeof(struct drive), on_drive },
     { FRAME_SPEED, sizeof(struct speed), on_speed },
     { FRAME_ESTOP, sizeof(struct estop), on_estop },
+#if HAS_TRANSITIONS
+    { FRAME_TRANSITIONS_REQUEST, sizeof(struct transitions_request), transitions_on_request },
+#endif
 };
 
 static int16_t wheel_pwm(uint8_t wiring, enum wheel wheel)
@@ -98,6 +103,8 @@ void firmware_poll(void)
     link_poll(handlers, sizeof handlers / sizeof *handlers);
     if (clock_due(&wheels_sent_ms, WHEELS_PERIOD_MS))
         send_wheels();
+    if (HAS_TRANSITIONS)
+        transitions_poll();
     watchdog_poll();
 }
 

@@ -8,6 +8,10 @@ void hal_start_motors(void);
 void hal_start_encoders(void);
 void hal_start_battery(void);
 
+/* Where board.h has HAS_TRANSITIONS: from now on each change of this encoder calls transitions_on_change; of none for a
+ * number that no encoder has. */
+void hal_watch_encoder(uint8_t encoder);
+
 /* Motors by number: 0 is motor A, 1 is motor B. By PWM, off disconnects it, and its pin is low at once; by servo pulses,
  * off is neutral from the next frame on. */
 void hal_motor_off(uint8_t motor);

@@ -40,6 +40,12 @@ void link_send(const void *frame, uint8_t size)
     uart_send(line, frame_encode(frame, size, line));
 }
 
+bool link_has_room(uint8_t size, uint8_t another)
+{
+    enum { OVERHEAD = FRAME_LINE_MAX - FRAME_BODY_MAX };
+    return size + another + 2 * OVERHEAD <= uart_room();
+}
+
 uint16_t link_next_seq(void)
 {
     return seq++;

@@ -12,11 +12,15 @@ struct ring {
 static struct ring rx, tx;
 static volatile uint16_t lost;
 
+uint8_t uart_room(void)
+{
+    return (uint8_t)(tx.tail - tx.head - 1) & RING_MASK;
+}
+
 bool uart_send(const uint8_t *bytes, uint8_t n)
 {
     uint8_t head = tx.head;
-    uint8_t room = (uint8_t)(tx.tail - head - 1) & RING_MASK;
-    if (n > room)
+    if (n > uart_room())
         return false;
     while (n--) {
         tx.bytes[head] = *bytes++;

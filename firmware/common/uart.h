@@ -5,6 +5,7 @@
 #include <stdint.h>
 
 bool uart_send(const uint8_t *bytes, uint8_t n);    /* all of them, or none and false when there is no room */
+uint8_t uart_room(void);                            /* bytes that it would take now */
 int16_t uart_receive(void);                         /* the next byte, or -1 */
 uint16_t uart_lost(void);                           /* bytes that came damaged or found no room; wraps */
 

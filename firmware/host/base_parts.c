@@ -1,18 +1,25 @@
 /* A base board's parts: an encoder on the shaft of each motor, a battery, a potentiometer. outputs.h has its motors. */
 #include <math.h>
+#include "board.h"
 #include "encoders.h"
 #include "hal_base.h"
 #include "machine.h"
 #include "outputs.h"
 #include "protocol.h"
 #include "shafts.h"
+#include "transitions.h"
+#include "transitions_protocol.h"
 
-static int channel_a[BOARD_MOTORS];
+static int channel_a[BOARD_MOTORS], channel_b[BOARD_MOTORS];
+static uint8_t watched;
 static uint16_t battery_counts, limit_counts;
 
 /* Just after A's edge, A != B is forward; encoder 1 is mirrored. */
 void shafts_present(int k, int a, int b)
 {
+    if (HAS_TRANSITIONS && k == watched && (a != channel_a[k] || b != channel_b[k]))
+        transitions_on_change(a, k == 0 ? b : !b);
+    channel_b[k] = b;
     if (a == channel_a[k])
         return;
     channel_a[k] = a;
@@ -32,6 +39,11 @@ void parts_on_event(int k)
 
 void hal_start_encoders(void)
 {
+}
+
+void hal_watch_encoder(uint8_t encoder)
+{
+    watched = encoder;
 }
 
 static uint16_t converted(double volts)
@@ -60,13 +72,14 @@ uint8_t hal_level_limit(void)
 void parts_open(void)
 {
     for (int k = 0; k < BOARD_MOTORS; k++)
-        channel_a[k] = 0;
+        channel_a[k] = channel_b[k] = 0;
     shafts_open();
     outputs_open();
 }
 
 void parts_reset(void)
 {
+    watched = TRANSITIONS_OF_NONE;
     outputs_reset();
 }
 

@@ -9,11 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from giraff_schemas.boards import BASE_BOARD
 from giraff_schemas.framing import Decoder, crc16, encode
 from giraff_schemas.wire import FRAME_CLASSES, DriveFrame, Frame, HelloRequestFrame, WheelsFrame
 from tests.firmware.builds import FIRMWARE, shared_library
 
-BODY_MAX = max(frame.layout.size for frame in FRAME_CLASSES.values())
+BODY_MAX = max(frame.layout.size for frame in BASE_BOARD.frames.values())
 BITS = {"B": (0, 8), "H": (0, 16), "I": (0, 32), "Q": (0, 64), "h": (1, 16), "i": (1, 32)}
 
 
@@ -61,7 +62,7 @@ class CCodec:
 @pytest.fixture(scope="module")
 def c(tmp_path_factory: pytest.TempPathFactory) -> CCodec:
     sources = (FIRMWARE / "common" / f"{name}.c" for name in ("cobs", "crc", "frame"))
-    includes = [FIRMWARE / "common", FIRMWARE / "boards" / "base"]
+    includes = [FIRMWARE / name for name in ("common", "base", "boards/base")]
     return CCodec(shared_library(tmp_path_factory.mktemp("codec") / "codec.so", *sources, includes=includes))
 
 

@@ -19,5 +19,6 @@ _Static_assert(CLOCK_COUNTS_PER_MS * 74 >> 8 == STAMPS_PER_MS, "an edge's time i
 enum { PULSE_FRAME_MS = 20, PULSE_NEUTRAL_US = 1500, PULSE_DEAD_US = 0, PULSE_SPAN_US = 500 };
 
 #define HAS_LEVEL_LIMIT 1           /* a potentiometer */
+#define HAS_TRANSITIONS 0           /* port A, where the B channels are, has no such interrupt */
 
 #endif

@@ -4,6 +4,7 @@
 #include "encoders.h"
 #include "hal_base.h"
 #include "pins.h"
+#include "transitions.h"
 
 /* Phase-correct PWM, 8 bit, undivided: 18.432 MHz / 510 = 36.1 kHz, below the A3959's 50 kHz. Datasheet, timers
  * 1 and 2, "Modes of Operation": the compare registers are taken over at the counter's top.
@@ -81,6 +82,29 @@ ISR(INT0_vect)
 {
     encoders_on_edge_1(PIND & _BV(ENCODER_1_A), PINC & _BV(ENCODER_1_B));
 }
+
+/* Counting goes on as it does: channel A has its interrupt for that, and this one beside it, which comes after that.
+ * Pin changes 16 to 23 are port C's, and 24 to 31 port D's ("Pin Change Interrupt 3..0"). */
+void hal_watch_encoder(uint8_t encoder)
+{
+    PCICR = 0;
+    PCMSK2 = encoder == 0 ? _BV(ENCODER_0_B) : encoder == 1 ? _BV(ENCODER_1_B) : 0;
+    PCMSK3 = encoder == 0 ? _BV(ENCODER_0_A) : encoder == 1 ? _BV(ENCODER_1_A) : 0;
+    PCIFR = _BV(PCIF3) | _BV(PCIF2);                    /* a change before now */
+    if (PCMSK3)
+        PCICR = _BV(PCIE3) | _BV(PCIE2);
+}
+
+ISR(PCINT3_vect)
+{
+    uint8_t d = PIND, c = PINC;
+    if (PCMSK3 & _BV(ENCODER_0_A))
+        transitions_on_change(d & _BV(ENCODER_0_A), c & _BV(ENCODER_0_B));
+    else
+        transitions_on_change(d & _BV(ENCODER_1_A), c & _BV(ENCODER_1_B));
+}
+
+ISR(PCINT2_vect, ISR_ALIASOF(PCINT3_vect));
 
 void hal_start_battery(void)
 {
