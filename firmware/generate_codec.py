@@ -326,13 +326,14 @@ def main() -> int:
             return 1
         print(f"0x{hashes[wanted]:08X}")
         return 0
+    code = 0
     for (header, codec), text in texts.items():
         if not asked.check:
             codec.write_text(text, encoding="utf-8")
         elif not codec.exists() or codec.read_text(encoding="utf-8") != text:
             print(f"{codec} is not what {header} gives: run {Path(__file__).resolve()}", file=sys.stderr)
-            return 1
-    return 0
+            code = 1
+    return code
 
 
 if __name__ == "__main__":

@@ -149,6 +149,22 @@ def test_a_full_ring_marks_the_gap_and_nothing_else_is_wrong(board: Board) -> No
     assert (bench.damaged, bench.wheels().line_errors) == (0, 0)
 
 
+def test_where_interrupts_come_too_late_the_word_is_marked() -> None:
+    """Far beyond any robot: both channels change before the board has looked."""
+    board = board_of(Implementation.AVR)
+    bench = BaseBench(board)
+    turn(bench, 7000, 100)
+    turn(bench, 0, 200)
+    unmarked = [
+        (before ^ after) & LEVELS
+        for before, after in itertools.pairwise(told(bench))
+        if after & TRANSITION_STAMPS != TRANSITION_STAMPS
+    ]
+    assert len(unmarked) > 50
+    assert set(unmarked) == {TRANSITION_A, TRANSITION_B}
+    board.close()
+
+
 @pytest.mark.parametrize("rest_ms", [100, 300, 1000])
 def test_a_rest_longer_than_the_word_holds_is_told_as_longer(board: Board, rest_ms: int) -> None:
     """Stamps wrap after 910 ms."""
