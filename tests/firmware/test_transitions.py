@@ -250,5 +250,6 @@ def test_ardros_answers_nothing_and_goes_on() -> None:
     bench.run(100)
     assert len(bench.all(HelloFrame)) == 2
     assert {type(frame) for frame in bench.frames} == {HelloFrame, WheelsFrame}
+    assert bench.damaged == 0
     assert TransitionsFrame.type not in ARDROS_BOARD.frames
     board.close()
