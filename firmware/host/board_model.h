@@ -12,6 +12,13 @@
 enum { BOARD_MOTORS = 2, BOARD_SONARS = 3, BOARD_BUMPERS = 2, BOARD_SENSORS = 4 };
 enum { BOARD_RUNNING = 0, BOARD_STOPPED = 1, BOARD_CRASHED = 2 };
 
+/* The edges in one turn of an encoder's disk. */
+struct encoder_disk {
+    int edges, states;      /* how many, and the quadrature states by which the position grows in the turn */
+    const double *at;       /* position of each within the turn, ascending from 0 */
+    const uint8_t *levels;  /* just after each, turning forward: 1 for A, 2 for B, or both */
+};
+
 /* A motor with what drives it, by its number on the board, and the encoder of that number; boards/<board>/pins.h has
  * their pins. Forward is positive, as facts about the real board have it. */
 struct motor_model {
@@ -21,7 +28,8 @@ struct motor_model {
     int encoder_cut;        /* in: 1 = the encoder's wires are cut, its pins stay as they are */
     int signal_cut;         /* in: 1 = the wire from a servo output to the motor driver is off; no other board has it */
     double pulse_us;        /* out: width of the newest whole pulse at a servo output's pin; 0 = none yet */
-    int64_t states;         /* out: quadrature states sent to the pins so far */
+    const struct encoder_disk *disk;    /* in: the disk that the encoder reads; NULL = ideal quadrature, an edge a state */
+    int64_t states;         /* out: edges sent to the pins so far, forward positive */
 };
 
 struct board_model {

@@ -1,4 +1,5 @@
 #include <math.h>
+#include "encoder_disk.h"
 #include "machine.h"
 #include "shafts.h"
 
@@ -9,15 +10,13 @@ static struct encoder {
 
 static uint64_t slice_from_ns, slice_to_ns;
 
-/* State s of the quadrature on the pins. */
 static void present(int k)
 {
-    static const int A[4] = { 0, 1, 1, 0 }, B[4] = { 0, 0, 1, 1 };
-    int s = (int)(machine_board->motor[k].states & 3);
-    shafts_present(k, A[s], B[s]);
+    int levels = encoder_levels(&machine_board->motor[k]);
+    shafts_present(k, (levels & LEVEL_A) != 0, (levels & LEVEL_B) != 0);
 }
 
-/* The position moves evenly from `from` to `to`, and the states are counted up to it: they cannot drift apart. */
+/* The position moves evenly from `from` to `to`, and the edges are counted up to it: they cannot drift apart. */
 static void schedule_edge(int k)
 {
     const struct encoder *e = &encoders[k];
@@ -25,10 +24,10 @@ static void schedule_edge(int k)
     double at;
     if (model->encoder_cut)
         return;
-    if (e->to >= (double)(model->states + 1))
-        at = (double)(model->states + 1);
-    else if (e->to < (double)model->states)
-        at = (double)model->states;
+    if (e->to >= encoder_at(model, model->states + 1))
+        at = encoder_at(model, model->states + 1);
+    else if (e->to < encoder_at(model, model->states))
+        at = encoder_at(model, model->states);
     else
         return;
     double part = e->to == e->from ? 0 : (at - e->from) / (e->to - e->from);
@@ -40,7 +39,7 @@ static void schedule_edge(int k)
 void shafts_on_event(int k)
 {
     struct motor_model *model = &machine_board->motor[k];
-    model->states += encoders[k].to >= (double)(model->states + 1) ? 1 : -1;
+    model->states += encoders[k].to >= encoder_at(model, model->states + 1) ? 1 : -1;
     present(k);
     schedule_edge(k);
 }
@@ -62,7 +61,7 @@ void shafts_begin(uint64_t until_ns)
         e->from = e->to;
         e->to = model->position;
         if (e->was_cut && !model->encoder_cut) {
-            model->states = (int64_t)floor(e->from);
+            model->states = encoder_index(model, e->from);
             present(k);
         }
         e->was_cut = model->encoder_cut;

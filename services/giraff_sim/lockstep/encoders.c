@@ -1,18 +1,16 @@
 /* Encoders: quadrature on the pins, as the wheels' positions have it. */
-#include <math.h>
+#include "encoder_disk.h"
 #include "inside.h"
 
-/* Quadrature state s on the pins: A changes at even-to-odd and odd-to-even steps in turn, A != B just after A's
- * edge is forward, or A == B on a mirrored encoder. */
+/* A != B just after A's edge is forward, or A == B on a mirrored encoder. */
 static void present(struct board_model *b, struct encoder *e)
 {
-    static const uint8_t A[4] = { 0, 1, 1, 0 }, B[4] = { 0, 0, 1, 1 };
-    int s = (int)(b->motor[e->number].states & 3);
-    pin_drive(b, e->b, B[s] ^ e->mirrored);
-    pin_drive(b, e->a, A[s]);
+    int levels = encoder_levels(&b->motor[e->number]);
+    pin_drive(b, e->b, ((levels & LEVEL_B) != 0) ^ e->mirrored);
+    pin_drive(b, e->a, (levels & LEVEL_A) != 0);
 }
 
-/* Cycle of the slice's next change of state, 0: none. The position moves linearly from `from` to `to`, so the
+/* Cycle of the slice's next edge, 0: none. The position moves linearly from `from` to `to`, so the
  * true position and the count cannot drift apart. */
 static avr_cycle_count_t next_edge(const struct board_model *b, const struct encoder *e)
 {
@@ -21,10 +19,10 @@ static avr_cycle_count_t next_edge(const struct board_model *b, const struct enc
     double step = e->to - e->from, at;
     if (model->encoder_cut)
         return 0;
-    if (e->to >= (double)(model->states + 1))
-        at = (double)(model->states + 1);
-    else if (e->to < (double)model->states)
-        at = (double)model->states;
+    if (e->to >= encoder_at(model, model->states + 1))
+        at = encoder_at(model, model->states + 1);
+    else if (e->to < encoder_at(model, model->states))
+        at = encoder_at(model, model->states);
     else
         return 0;
     double part = step == 0 ? 0 : (at - e->from) / step;
@@ -37,7 +35,7 @@ static avr_cycle_count_t on_edge(avr_t *avr, avr_cycle_count_t when, void *param
     struct encoder *e = param;
     struct motor_model *model = &e->board->motor[e->number];
     (void)avr;
-    model->states += e->to >= (double)(model->states + 1) ? 1 : -1;
+    model->states += e->to >= encoder_at(model, model->states + 1) ? 1 : -1;
     present(e->board, e);
     avr_cycle_count_t next = next_edge(e->board, e);
     return next && next <= when ? when + 1 : next;
@@ -58,7 +56,7 @@ void encoders_begin(struct board_model *b)
         e->from = e->to;
         e->to = b->motor[k].position;
         if (e->board && e->was_cut && !b->motor[k].encoder_cut) {
-            b->motor[k].states = (int64_t)floor(e->from);
+            b->motor[k].states = encoder_index(&b->motor[k], e->from);
             present(b, e);
         }
         e->was_cut = b->motor[k].encoder_cut;
@@ -85,7 +83,7 @@ void encoders_stand_still(struct board_model *b)
         if (!e->board)
             continue;
         e->to = b->motor[k].position;
-        b->motor[k].states = (int64_t)floor(e->to);
+        b->motor[k].states = encoder_index(&b->motor[k], e->to);
         present(b, e);
     }
 }
