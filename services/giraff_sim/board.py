@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import cffi
 
+from giraff_core.encoder.pattern import Pattern
 from giraff_schemas.boards import BoardType
 from giraff_schemas.wire import ResetCause
 
@@ -81,6 +82,16 @@ class Board:
         self._buffer = _ffi.new("uint8_t[]", _READ_BYTES)
         self._ping: Any = None
         self._ping_error: BaseException | None = None
+        self._disks: list[Any] = []  # what the library reads for as long as the board is open
+
+    def set_disk(self, encoder: int, pattern: Pattern) -> None:
+        """Let the encoder of that number read this disk in place of an ideal one."""
+        states, edges = pattern
+        at = _ffi.new("double[]", [edge.at * states for edge in edges])
+        levels = _ffi.new("uint8_t[]", [edge.a | edge.b << 1 for edge in edges])
+        disk = _ffi.new("struct encoder_disk *", {"edges": len(edges), "states": states, "at": at, "levels": levels})
+        self._disks += [at, levels, disk]
+        self.model.motor[encoder].disk = disk
 
     def on_ping(self, echo_us: Callable[[int], float]) -> None:
         """Ask `echo_us(sonar)` at each ping: the echo's length; 0 = none, negative = the line sticks high."""

@@ -29,6 +29,8 @@ class SimConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     """h in which the battery loses a fifth of its V, evenly, driven or not: 24.5 V become 19.6. 0: it never empties."""
     battery_sag_volts: float = 2.0
     """V lost with both motors at full duty."""
+    encoder_disk: str = ""
+    """Path of a drawing by `giraff encoder disk`. Both encoders read it; empty: they read an ideal disk."""
     sonar_crosstalk: float = 0.0
     """Share of pings that hear another robot's: a range that is too short."""
     tilt_noise: float = 0.02

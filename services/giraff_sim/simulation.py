@@ -29,6 +29,9 @@ class Simulation:
         """Simulated us since the power-on of all boards."""
         self._sent = {kind: bytearray() for kind in self.boards}
         self._base = self.boards.get(BoardKind.BASE)
+        if self._base is not None:
+            for encoder, disk in enumerate(world.body.disks):
+                self._base.set_disk(encoder, disk)
         self._joystick = self.boards.get(BoardKind.JOYSTICK)
         self.bno055: Bno055 | None = None
         """The sensor on the joystick's bus, where there is a joystick."""

@@ -17,6 +17,7 @@ from giraff_sim.bodies.balancer.body import BalancerBody
 from giraff_sim.bodies.balancer.drawn import draw
 from giraff_sim.bodies.balancer.judge import BalancerJudge
 from giraff_sim.bodies.balancer.known import KNOWN as BALANCER_KNOWN
+from giraff_sim.bodies.encoder_disk import mirrored, read_disk
 from giraff_sim.bodies.wheels.body import WheelsBody
 from giraff_sim.bodies.wheels.judge import WheelsJudge
 from giraff_sim.bodies.wheels.known import KNOWN as WHEELS_KNOWN
@@ -71,14 +72,17 @@ def world_of(
     step_us: int = STEP_US,
     truth: Truth = EXACT,
 ) -> World:
-    """Set the robot of the file at rest at the room's start."""
+    """Set the robot of the file at rest at the room's start. Raises ValueError for a disk that cannot be read."""
     body: Body
+    disk = read_disk(sim.encoder_disk) if sim.encoder_disk else None
     match drive:
         case WheelsConfig() as wheels:
             body = WheelsBody(robot, wheels, sim, room, truth)
+            body.disks = (disk, mirrored(disk)) if disk else ()  # base boards have encoder 1 mirrored
         case BalancerConfig() as balancer:
             drawn = draw(balancer, robot.track_width, seed, 0.0 if truth == EXACT else 1.0)
             body = BalancerBody(robot, balancer, room, seed, drawn)
+            body.disks = (disk, disk) if disk else ()
         case _ as never:
             assert_never(never)
     return World(room, robot, body, sim, hand, seed, step_us, truth)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple, Protocol
 
+from giraff_core.encoder.pattern import Pattern
 from giraff_schemas.boards import BoardType
 from giraff_schemas.wire import Frame
 from giraff_sim.board import Board
@@ -86,6 +87,8 @@ class Body(Protocol):
     """A word for what it does outside its safe state, in texts."""
     settles_us: int
     """us. Time that it needs to reach its safe state, once nothing else is asked of it. It is added to each bound."""
+    disks: tuple[Pattern, ...]
+    """The disk of each encoder by its number on the board; empty: ideal ones."""
     activity: int
     """0 when it was in its safe state throughout the last step; else a positive number of its own unit."""
 

@@ -7,6 +7,7 @@ from collections import deque
 from typing import Any, Final
 
 from giraff_base.drives.balancer.config import BalancerConfig
+from giraff_core.encoder.pattern import Pattern
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wires.balancer import BalanceFrame
 from giraff_sim.board import Board
@@ -45,6 +46,7 @@ class BalancerBody:
         self.drive = drive
         self.board = drive.board_type
         self.plant = Plant(drawn, room, robot.footprint_radius)
+        self.disks: tuple[Pattern, ...] = ()
         self.activity = 0
         """mm, or mrad of turning, that it went farther than one that stands."""
         self.cord_pulled = False

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from giraff_base.drives.wheels.config import WheelsConfig
+from giraff_core.encoder.pattern import Pattern
 from giraff_core.robot import RobotConfig
 from giraff_schemas.wire import WheelsFrame, Wiring
 from giraff_sim.board import Board
@@ -32,6 +33,7 @@ class WheelsBody:
         self.board = drive.board_type
         self.settles_us = self.board.output_delay_us
         self.plant = Plant(robot, drive, sim, room, truth)
+        self.disks: tuple[Pattern, ...] = ()
         self.activity = 0
         """Largest duty of either motor in the last step, of 255."""
         self.resets = 0
