@@ -11,6 +11,7 @@ from giraff_cli.commission.commands import commission
 from giraff_cli.doctor.commands import doctor
 from giraff_cli.drive.commands import drive
 from giraff_cli.dst.commands import dst
+from giraff_cli.encoder.commands import encoder
 from giraff_cli.estop.commands import estop
 from giraff_cli.frames.commands import frames
 from giraff_cli.graph.commands import graph
@@ -54,6 +55,7 @@ for name, verbs in (
     ("calibrate", calibrate),
     ("camera", camera),
     ("check", check),
+    ("encoder", encoder),
     ("keys", keys),
     ("map", maps),
     ("topic", topic),

@@ -76,6 +76,11 @@ class Disk(msgspec.Struct, frozen=True, kw_only=True):
         return 4 * self.pairs
 
     @property
+    def ticks_per_turn(self) -> int:
+        """Ticks of a base board in one turn: it counts both edges of A."""
+        return 2 * self.pairs
+
+    @property
     def rings(self) -> tuple[tuple[float, float], tuple[float, float]]:
         """mm. Inner and outer radius of A's ring, which is the outer one, and of B's."""
         begin, end = self.inner / 2.0, self.outer / 2.0 - _WHITE
@@ -105,8 +110,8 @@ def drawing(disk: Disk) -> str:
         "Both sensors stand on one radius. A leads B while this side is seen to turn clockwise.",
     )
     lines = "".join(
-        f'<text x="{left:g}" y="{across + _LINE * number:g}" font-family="sans-serif" font-size="3.2">{line}</text>\n'
-        for number, line in enumerate(words, start=1)
+        f'<text x="{_BORDER:g}" y="{across + _LINE * nth:g}" font-family="sans-serif" font-size="3.5">{line}</text>\n'
+        for nth, line in enumerate(words, start=1)
     )
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" '
@@ -220,7 +225,7 @@ def _spaces(ring: list[_Sector]) -> list[float]:
     ring.sort()
     spaces = []
     for sector, following in itertools.pairwise([*ring, ring[0]]):
-        space = (following.start - sector.start) % 1.0 or 1.0
+        space = (following.start - sector.start) % 1.0 if len(ring) > 1 else 1.0
         if (sector.end - sector.start) % 1.0 >= space:
             raise ValueError(f"black sectors of it touch, at {sector.end * 360.0:.1f}°; {_REMEDY}")
         spaces.append(space)

@@ -103,6 +103,7 @@ ROBOTLESS: Mapping[str, str] = {
     "calibrate ranger": "unit/calibrate/test_ranger.py: likewise",
     "commission": "unit/cli/test_commission.py: it asks a file",
     "camera board": "unit/calibrate/test_camera.py: it asks nobody",
+    "encoder disk": "unit/cli/test_encoder_disk.py: it asks nobody",
     "calibrate odometry": "unit/calibrate: it asks files, or goes through it with whoever drives",
     "keys init": "unit/keys: it asks a folder",
     "keys host": "likewise",

@@ -50,6 +50,7 @@ SESSIONLESS = {
     "check wheels",
     "commission",
     "dst",
+    "encoder disk",
     "keys init",
     "keys host",
     "keys list",

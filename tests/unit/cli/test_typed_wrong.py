@@ -169,6 +169,8 @@ ROWS: tuple[tuple[tuple[str, ...], str], ...] = (
     (("view", DRIVE), "no screen here"),
     (("view", "none.mcap", "--save", "out.rrd"), "No such file"),
     (("view", "/etc/hostname", "--save", "out.rrd"), "not an MCAP file"),
+    (("encoder", "disk", "--pairs", "500"), "pairs is 500: at most 94 fit on an inner diameter of 30 mm"),
+    (("encoder", "disk", "--hole", "nan"), "hole is nan: it must be within 0.5..400 mm"),
     (("vision",), "name a recording or a video with --from FILE; a live robot is seen with giraff view --camera, or"),
     (("vision", "--from", "none.mcap"), "none.mcap: No such file or directory"),
     (("vision", "--from", "none.mp4"), "none.mp4: No such file or directory"),

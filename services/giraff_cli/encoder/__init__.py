@@ -1,0 +1,1 @@
+"""`giraff encoder`: parts of an encoder that one makes oneself."""

@@ -1,0 +1,29 @@
+"""The verbs of `giraff encoder`. What they do is imported when it is asked for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+encoder = typer.Typer(no_args_is_help=True, help="Encoders that one makes oneself: a printed disk before two sensors.")
+
+
+@encoder.command("disk")
+def print_disk(
+    file: Annotated[
+        Path | None, typer.Argument(metavar="[FILE.svg]", help="Else standard output.", show_default=False)
+    ] = None,
+    pairs: Annotated[int, typer.Option(metavar="N", help="Black and white sectors of a ring, in pairs.")] = 40,
+    outer: Annotated[float, typer.Option(metavar="MM", help="Diameter of the disk.")] = 60.0,
+    inner: Annotated[float, typer.Option(metavar="MM", help="Diameter at the inner edge of the inner ring.")] = 30.0,
+    hole: Annotated[float, typer.Option(metavar="MM", help="Diameter of the hole for the shaft.")] = 6.0,
+) -> None:
+    """Draw an encoder's disk of two black-and-white rings as SVG, to be printed in true size.
+
+    Exit code: 0; 1 the file cannot be written, or is there already; 2 no such disk can be made, with the reason.
+    """
+    from giraff_cli.encoder.disk import print_disk as it  # noqa: PLC0415
+
+    raise typer.Exit(it(file, pairs, outer, inner, hole))

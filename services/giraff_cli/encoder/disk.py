@@ -1,0 +1,57 @@
+"""`giraff encoder disk`: the drawing, and what to do with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+import typer
+
+from giraff_core.encoder.disk import Disk, drawing
+
+_COMMAND: Final = "giraff encoder disk"
+
+
+def print_disk(file: Path | None, pairs: int, outer: float, inner: float, hole: float) -> int:
+    """Write the drawing; the exit code."""
+    try:
+        disk = Disk(pairs=pairs, outer=outer, inner=inner, hole=hole)
+    except ValueError as error:
+        typer.echo(f"{_COMMAND}: {error}", err=True)
+        return 2
+    try:
+        if file is None:
+            typer.echo(drawing(disk), nl=False)
+            return 0
+        _write(file, drawing(disk))
+    except FileExistsError:
+        typer.echo(f"{_COMMAND}: {file} is there already: name another file, or delete it first", err=True)
+        return 1
+    except OSError as error:
+        typer.echo(f"{_COMMAND}: {file or 'standard output'} cannot be written: {error.strerror}", err=True)
+        return 1
+    typer.echo("\n".join((f"{file}: a disk of {disk.outer:g} mm with {disk.pairs} pairs", *_steps(disk))))
+    return 0
+
+
+def _write(file: Path, text: str) -> None:
+    """Write a file that is not there yet. A piece of a drawing serves nobody and is deleted."""
+    with file.open("x", encoding="utf-8") as fresh:
+        try:
+            fresh.write(text)
+            fresh.flush()
+        except OSError:
+            file.unlink()
+            raise
+
+
+def _steps(disk: Disk) -> tuple[str, ...]:
+    a, b = (f"{(inside + outside) / 2.0:.1f}" for inside, outside in disk.rings)
+    return (
+        "1. Print it at 100 %, not fitted to the page, and measure the ruler: 100 mm.",
+        "2. Glue it onto something flat and stiff, cut along both circles, and fix it on the shaft, centred.",
+        f"3. Set both sensors on one radius: A {a} mm and B {b} mm from the centre.",
+        f"A turn of the disk is {disk.states_per_turn} states. Where it turns G times in a turn of the wheel, write:",
+        f"  two wheels: ticks_per_metre = {disk.ticks_per_turn} x G / (3.1416 x wheel's diameter in m), in [robot]",
+        f"  balancing:  counts_per_turn = {disk.states_per_turn} x G, in [base.drive]",
+    )
