@@ -185,7 +185,7 @@ def _centre(x: str | None, y: str | None) -> tuple[float, float]:
     try:
         return float(x or "0"), float(y or "0")
     except ValueError as error:
-        raise ValueError(f"its circles have no centre: {x}, {y}; {_REMEDY}") from error
+        raise ValueError(f"its circles have no centre: {x!r}, {y!r}; {_REMEDY}") from error
 
 
 def _read_sector(path: str, centre: tuple[float, float]) -> tuple[float, _Sector]:
