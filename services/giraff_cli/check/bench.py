@@ -20,6 +20,7 @@ from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.boards import BoardType
 from giraff_schemas.wire import (
     DriveState,
+    Frame,
     Latch,
     Refusal,
     WheelsFrame,
@@ -45,6 +46,8 @@ class Levels(NamedTuple):
 
 
 ZERO: Final = Levels(0, 0)
+Watch = Callable[[Frame], Frame | None]
+"""Sees each frame of the board while a wheel is driven, and returns what the board is asked for beside it, if any."""
 
 
 class WheelBench:
@@ -57,6 +60,7 @@ class WheelBench:
         self._report: WheelsFrame | None = None
         self._session = 0
         self._frames = WheelsCommands()
+        self._watch: Watch | None = None
 
     def open(self) -> None:
         """Take the port, and hear the board. BenchError when there is none, or it is latched by somebody."""
@@ -67,7 +71,9 @@ class WheelBench:
                 f"`{RESET_COMMAND}`, end giraff_base, and begin again"
             )
 
-    def drive(self, wiring: Wiring, levels: Levels, seconds: float, stall_level: int) -> tuple[Counted, Latch]:
+    def drive(
+        self, wiring: Wiring, levels: Levels, seconds: float, stall_level: int, watch: Watch | None = None
+    ) -> tuple[Counted, Latch]:
         """Drive at `levels`; what was counted until the wheels are at rest again, and what ended it early, if so.
 
         `stall_level`: 255 where nobody knows yet which encoder belongs to which motor: no wheel counts as stuck.
@@ -76,6 +82,7 @@ class WheelBench:
         began_us = start.board_us
         latch = Latch.NONE
         try:
+            self._watch = watch
             for report in self._reports():
                 latch = Latch(report.latch)
                 if latch != Latch.NONE or (report.board_us - began_us) & 0xFFFFFFFF >= seconds * 1e6:
@@ -84,6 +91,7 @@ class WheelBench:
                     raise BenchError("the board stopped in between, frames came late; end what keeps this machine busy")
                 self._send(report, levels)
         finally:
+            self._watch = None
             self.stop()
         end = self._at_rest()
         left = signed32(end.left_ticks - start.left_ticks)
@@ -148,7 +156,11 @@ class WheelBench:
         """The board's newest report, again and again. BenchError when it falls silent, or was reset."""
         heard = time.monotonic()
         while True:
-            frames = [frame for frame in self._link.poll(time.monotonic()) if isinstance(frame, WheelsFrame)]
+            arrived = self._link.poll(time.monotonic())
+            for request in map(self._watch, arrived) if self._watch is not None else ():
+                if request is not None:
+                    self._link.send(request)
+            frames = [frame for frame in arrived if isinstance(frame, WheelsFrame)]
             if frames:
                 if self._report is not None and frames[-1].boot_id != self._report.boot_id:
                     raise BenchError(f"{self._port}: the board was reset in between; check its power, and begin again")

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import contextlib
 import os
-import signal
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from types import FrameType
-from typing import Any, Final, Protocol, TypeVar
+from typing import Any, Final, TypeVar
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
-from giraff_cli.check.bench import BenchError, Levels, WheelBench
+from giraff_cli.check.bench import BenchError, WheelBench
+from giraff_cli.check.lifted import (
+    DONE,
+    IN_DOUBT,
+    INTERRUPTED,
+    NOT_BEGUN,
+    Human,
+    Terminal,
+    ask_lifted,
+    levels_of,
+)
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Seen, Side, Turned, encoder_of, require_right, wiring_of
 from giraff_cli.robot_file import RobotFileError, record
 from giraff_cli.terminal.text import json_page
@@ -26,42 +34,12 @@ AnswerT = TypeVar("AnswerT", bound=str)
 
 _DRIVE_TIME: Final = 1.0  # s
 _NOT_JUDGED: Final = 255  # a stall level that is never reached: whose encoder is whose is not known yet
-_WORD: Final = "lifted"
-
 _TURNED: Final[tuple[Turned, ...]] = (*SIDES, "both", "none")
-
-_DONE: Final = 0
-_IN_DOUBT: Final = 1
-_NOT_BEGUN: Final = 2
-_INTERRUPTED: Final = 130
 
 _ENCODER_BIT: Final[dict[Latch, Wiring]] = {
     Latch.LEFT_OPPOSITE: Wiring.INVERT_LEFT_ENCODER,
     Latch.RIGHT_OPPOSITE: Wiring.INVERT_RIGHT_ENCODER,
 }
-
-
-class Human(Protocol):
-    """Who watches the wheels."""
-
-    def tell(self, text: str) -> None: ...
-
-    def ask(self, question: str) -> str:
-        """What is answered. DoubtError when nobody is there any more."""
-        ...
-
-
-class Terminal:
-    """A human in front of one."""
-
-    def tell(self, text: str) -> None:
-        print(text, flush=True)
-
-    def ask(self, question: str) -> str:
-        try:
-            return input(f"{question} ").strip().lower()
-        except EOFError as error:
-            raise DoubtError("nobody answers") from error
 
 
 def check_wheels(port: str | None, *, as_json: bool = False) -> int:
@@ -83,14 +61,11 @@ def _check(port: str | None) -> tuple[int, dict[str, Any]]:
         table = table_of_wiring(parse_toml(path.read_text(encoding="utf-8")))
         port, drive = port or base.port, _of_wheels(path, base.drive)
     except (ConfigError, OSError, ValueError) as error:
-        return _complain(str(error), _NOT_BEGUN), {}
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, _interrupt)
+        return _complain(str(error), NOT_BEGUN), {}
     human = Terminal()
-    human.tell(_before(port))
     try:
-        if human.ask(f'Type "{_WORD}" when both wheels turn freely:') != _WORD:
-            return _complain("not begun", _NOT_BEGUN), {}
+        if not ask_lifted(human, port):
+            return _complain("not begun", NOT_BEGUN), {}
         bench = WheelBench(port, drive.board_type, robot.ticks_per_metre)
         try:
             bench.open()
@@ -99,15 +74,15 @@ def _check(port: str | None) -> tuple[int, dict[str, Any]]:
             bench.close()
         record(path, table, fields)
     except BenchError as error:
-        return _complain(f"{error}. Nothing was written.", _NOT_BEGUN), {}
+        return _complain(f"{error}. Nothing was written.", NOT_BEGUN), {}
     except DoubtError as error:
-        return _complain(f"in doubt: {error}. Nothing was written.", _IN_DOUBT), {}
+        return _complain(f"in doubt: {error}. Nothing was written.", IN_DOUBT), {}
     except RobotFileError as error:
-        return _complain(str(error), _IN_DOUBT), {}
+        return _complain(str(error), IN_DOUBT), {}
     except KeyboardInterrupt:
-        return _complain("interrupted; the motors are off. Nothing was written.", _INTERRUPTED), {}
+        return _complain("interrupted; the motors are off. Nothing was written.", INTERRUPTED), {}
     human.tell(_after(path, fields, os.environ))
-    return _DONE, {"robot_file": str(path), "table": table, "wiring": fields}
+    return DONE, {"robot_file": str(path), "table": table, "wiring": fields}
 
 
 def _of_wheels(path: Path, drive: object) -> WheelsConfig:
@@ -126,7 +101,7 @@ def find_wiring(bench: WheelBench, human: Human, level: int) -> dict[str, bool]:
             wiring |= Wiring[name.upper()]
     human.tell("Found. Now the proof: each wheel forward, with the wiring that was found.")
     for side in SIDES:
-        counted, latch = bench.drive(wiring, _levels(side, level), _DRIVE_TIME, level)
+        counted, latch = bench.drive(wiring, levels_of(side, level), _DRIVE_TIME, level)
         if latch != Latch.NONE:
             raise DoubtError(f"the board stopped the {side} wheel: {latch.name.lower()}; go through it again")
         require_right(side, counted)
@@ -140,7 +115,7 @@ def _probe(bench: WheelBench, human: Human, side: Side, level: int) -> Seen:
     human.tell(f"The {'first' if side == 'left' else 'second'} motor turns one wheel for a second. Look at both.")
     wiring, counted = Wiring(0), Counted(0, 0)
     while True:
-        counted, latch = bench.drive(wiring, _levels(side, level), _DRIVE_TIME, _NOT_JUDGED)
+        counted, latch = bench.drive(wiring, levels_of(side, level), _DRIVE_TIME, _NOT_JUDGED)
         if latch == Latch.NONE:
             break
         # The board protects itself from a wheel that turns against its level: its encoder counts the other way.
@@ -167,10 +142,6 @@ def _ask_what_turned(human: Human, counted: Counted) -> Seen:
     return Seen(counted, wheel, forward=way == "forward")
 
 
-def _levels(side: Side, level: int) -> Levels:
-    return Levels(level, 0) if side == "left" else Levels(0, level)
-
-
 def _choice(human: Human, question: str, answers: tuple[AnswerT, ...]) -> AnswerT:
     """One of the answers, or its first letter."""
     for _ in range(3):
@@ -179,13 +150,6 @@ def _choice(human: Human, question: str, answers: tuple[AnswerT, ...]) -> Answer
             if given in (answer, answer[0]):
                 return answer
     raise DoubtError(f"no answer was one of {', '.join(answers)}")
-
-
-def _before(port: str) -> str:
-    return (
-        f"Base board on {port}. giraff_base must not run. Lift the robot so that both wheels turn freely,\n"
-        "and keep the battery switch within reach. Ctrl-C stops at any time."
-    )
 
 
 def _after(path: Path, fields: Mapping[str, bool], environment: Mapping[str, str]) -> str:
@@ -198,11 +162,6 @@ def _after(path: Path, fields: Mapping[str, bool], environment: Mapping[str, str
         lines.append(f"These variables of the environment still override it: {', '.join(overriding)}")
     lines.append("Copy the file to the other machines, and start giraff_base.")
     return "\n".join(lines)
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    del number, frame
-    raise KeyboardInterrupt
 
 
 def _complain(text: str, code: int) -> int:

@@ -1,0 +1,89 @@
+"""Changes of an encoder's two channels, as the board timed them, in runs of which none is missing. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final, NamedTuple
+
+CHANNELS: Final = ("A", "B")
+A: Final = 0
+B: Final = 1
+
+_STAMPS_PER_MS: Final = 72
+_UNKNOWN: Final = 0x3FFF  # stamps: longer than the board can say, or others before it were lost
+_BITS: Final = (15, 14)  # of the levels of A and B
+
+Levels = tuple[bool, bool]
+"""Of A and B."""
+
+
+class Transition(NamedTuple):
+    """One change of a channel."""
+
+    after_ms: float | None
+    """ms since the one before. None: unknown."""
+    levels: Levels
+    """Levels of A and B after it."""
+
+    @classmethod
+    def read(cls, word: int, *, is_torn: bool = False) -> Transition:
+        """Read one as the board writes it. `is_torn`: what came before it was lost."""
+        stamps = word & _UNKNOWN
+        a, b = (bool(word >> bit & 1) for bit in _BITS)
+        return cls(None if is_torn or stamps == _UNKNOWN else stamps / _STAMPS_PER_MS, (a, b))
+
+
+class Edge(NamedTuple):
+    """One change of one channel, in its run."""
+
+    at: float
+    """ms since the run's begin."""
+    channel: int
+    """A or B."""
+    level: bool
+    """Level after it."""
+
+
+class Run(NamedTuple):
+    """Edges of which none was lost."""
+
+    levels: Levels
+    """Levels of A and B before the first edge."""
+    edges: Sequence[Edge]
+
+
+def runs_of(transitions: Iterable[Transition]) -> Iterator[Run]:
+    """Split transitions where the board or the line has lost some."""
+    levels: Levels | None = None
+    begin, edges, at = (False, False), list[Edge](), 0.0
+    for transition in transitions:
+        if levels is None or transition.after_ms is None:
+            if edges:
+                yield Run(begin, edges)
+            begin, edges, at = transition.levels, [], 0.0
+        else:
+            at += transition.after_ms
+            edges += _edges(at, levels, transition.levels, edges[-1].channel if edges else B)
+        levels = transition.levels
+    if edges:
+        yield Run(begin, edges)
+
+
+def _edges(at: float, before: Levels, after: Levels, last: int) -> Iterator[Edge]:
+    """Two edges where the board saw both channels change at once, first of the channel whose turn it is."""
+    for channel in (1 - last, last):
+        if before[channel] != after[channel]:
+            yield Edge(at, channel, after[channel])
+
+
+def levels_between(run: Run, channel: int, begin: float, end: float) -> list[tuple[float, bool]]:
+    """Return when a channel took which level within a time, with the one that it had at its begin."""
+    level, steps = run.levels[channel], list[tuple[float, bool]]()
+    for edge in run.edges:
+        if edge.channel != channel:
+            continue
+        if edge.at <= begin:
+            level = edge.level
+        elif edge.at < end:
+            steps.append((edge.at, edge.level))
+    return [(begin, level), *steps]

@@ -1,0 +1,74 @@
+"""Encoder disks as two sensors see them, and the changes that they give while they turn."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Collection, Iterator
+from itertools import pairwise
+from math import exp
+
+from giraff_cli.check.transitions import Transition
+
+PAIRS = 40
+Change = tuple[float, tuple[bool, bool]]
+"""A place of a turn, from 0 to 1, and the levels of A and B just behind it when the disk turns forward."""
+
+
+def disk(
+    phase: float = 90.0,
+    a: float = 0.5,
+    b: float = 0.5,
+    no_a: Collection[int] = (),
+    no_b: Collection[int] = (),
+    pairs: int = PAIRS,
+) -> list[Change]:
+    """Return a disk. `phase`: degrees by which B follows A; `a`, `b`: shares that are high; `no_a`: marks not there."""
+    changes = list[tuple[float, int, bool]]()
+    for channel, (duty, missing, late) in enumerate(((a, no_a, 0.0), (b, no_b, phase / 360.0))):
+        for mark in set(range(pairs)) - set(missing):
+            middle = mark + 0.4 + late
+            for end, level in ((-duty / 2.0, True), (duty / 2.0, False)):
+                changes.append(((middle + end) / pairs % 1.0, channel, level))
+    levels = [False, False]
+    made = list[Change]()
+    for turn in range(2):  # the first one finds the levels at the turn's begin
+        for at, channel, level in sorted(changes):
+            levels[channel] = level
+            if turn:
+                made.append((at, (levels[0], levels[1])))
+    return made
+
+
+def turned(
+    made: list[Change], turns: int = 6, *, backward: bool = False, noise_ms: float = 0.0, turn_ms: float = 200.0
+) -> list[Transition]:
+    """Return what a board tells of a disk that a motor turns from rest."""
+    noise = random.Random(7)
+    changes = [
+        (_time(at, turn_ms) + noise.gauss(0.0, noise_ms), levels) for at, levels in _passed(made, turns, backward)
+    ]
+    told = [Transition(None, changes[0][1])]
+    for (before, _), (after, levels) in pairwise(changes):
+        told.append(Transition(max(0.0, after - before), levels))
+    return told
+
+
+def _passed(made: list[Change], turns: int, backward: bool) -> Iterator[Change]:
+    for turn in range(turns):
+        if not backward:
+            yield from ((turn + at, levels) for at, levels in made)
+            continue
+        for number in reversed(range(len(made))):
+            yield turn + 1.0 - made[number][0], made[number - 1][1]
+
+
+def _time(way: float, turn_ms: float, motor_ms: float = 150.0) -> float:
+    """ms until a motor from rest has turned so far."""
+    low, high = 0.0, way * turn_ms + 2.0 * motor_ms
+    for _ in range(40):
+        middle = (low + high) / 2.0
+        if middle - motor_ms * (1.0 - exp(-middle / motor_ms)) < way * turn_ms:
+            low = middle
+        else:
+            high = middle
+    return high
