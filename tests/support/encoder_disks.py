@@ -8,10 +8,11 @@ from itertools import pairwise
 from math import exp
 
 from giraff_cli.check.transitions import Transition
+from giraff_core.encoder.pattern import Edge, Pattern
 
 PAIRS = 40
 Change = tuple[float, tuple[bool, bool]]
-"""A place of a turn, from 0 to 1, and the levels of A and B just behind it when the disk turns forward."""
+"""Turns since the start, and the levels of A and B after it."""
 
 
 def disk(
@@ -21,7 +22,7 @@ def disk(
     no_a: Collection[int] = (),
     no_b: Collection[int] = (),
     pairs: int = PAIRS,
-) -> list[Change]:
+) -> Pattern:
     """Return a disk. `phase`: degrees by which B follows A; `a`, `b`: shares that are high; `no_a`: marks not there."""
     changes = list[tuple[float, int, bool]]()
     for channel, (duty, missing, late) in enumerate(((a, no_a, 0.0), (b, no_b, phase / 360.0))):
@@ -30,17 +31,17 @@ def disk(
             for end, level in ((-duty / 2.0, True), (duty / 2.0, False)):
                 changes.append(((middle + end) / pairs % 1.0, channel, level))
     levels = [False, False]
-    made = list[Change]()
+    edges = list[Edge]()
     for turn in range(2):  # the first one finds the levels at the turn's begin
         for at, channel, level in sorted(changes):
             levels[channel] = level
             if turn:
-                made.append((at, (levels[0], levels[1])))
-    return made
+                edges.append(Edge(at, levels[0], levels[1]))
+    return Pattern(4 * pairs, tuple(edges))
 
 
 def turned(
-    made: list[Change], turns: int = 6, *, backward: bool = False, noise_ms: float = 0.0, turn_ms: float = 200.0
+    made: Pattern, turns: int = 6, *, backward: bool = False, noise_ms: float = 0.0, turn_ms: float = 200.0
 ) -> list[Transition]:
     """Return what a board tells of a disk that a motor turns from rest."""
     noise = random.Random(7)
@@ -53,13 +54,14 @@ def turned(
     return told
 
 
-def _passed(made: list[Change], turns: int, backward: bool) -> Iterator[Change]:
+def _passed(made: Pattern, turns: int, backward: bool) -> Iterator[Change]:
     for turn in range(turns):
         if not backward:
-            yield from ((turn + at, levels) for at, levels in made)
+            yield from ((turn + edge.at, (edge.a, edge.b)) for edge in made.edges)
             continue
-        for number in reversed(range(len(made))):
-            yield turn + 1.0 - made[number][0], made[number - 1][1]
+        for number in reversed(range(len(made.edges))):
+            before = made.edges[number - 1]
+            yield turn + 1.0 - made.edges[number].at, (before.a, before.b)
 
 
 def _time(way: float, turn_ms: float, motor_ms: float = 150.0) -> float:

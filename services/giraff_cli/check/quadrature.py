@@ -19,6 +19,7 @@ FEWEST: Final = 40
 _STRETCH: Final = 16  # edges at least of a stretch of even speed: a wheel that trembles gives fewer in a row
 _EVEN: Final = (0.6, 1.6)  # of the usual period: the wheel speeds up, or a mark is missing, outside of it
 _SILENT: Final = 0.05  # of the other channel's edges, at most
+_UNEVEN: Final = 0.03  # of a period, ten degrees: the deviation of a phase that is not the same everywhere
 _MOST_PER_TURN: Final = 4  # places of one ring with missing marks that are still told from dirt
 _SAME_PLACE: Final = 2  # states
 
@@ -143,21 +144,21 @@ def analyse(transitions: Sequence[Transition]) -> Figures:
         spread=spread,
         a=_channel(edges, A, period, gaps),
         b=_channel(edges, B, period, gaps),
-        worst=_worst(stretches, gaps, [*by_level[0], *by_level[1]]),
+        worst=_worst(stretches, gaps, [*by_level[0], *by_level[1]], spread),
     )
 
 
 def _worst(
-    stretches: Sequence[_Stretch], gaps: Sequence[Sequence[Sequence[_Gap]]], phases: Sequence[_Phase]
+    stretches: Sequence[_Stretch], gaps: Sequence[Sequence[Sequence[_Gap]]], phases: Sequence[_Phase], spread: float
 ) -> _At | None:
-    """A mark that is missing, else a flicker, else the worst phase, else the middle."""
+    """Find a mark that is missing, else a flicker, else the worst of uneven phases, else the middle."""
     odd = [(gap, run) for channel in gaps for (run, _), found in zip(stretches, channel, strict=True) for gap in found]
     if odd:
         most = max(gap.marks for gap, _ in odd)
         worst = [(run, gap.at) for gap, run in odd if gap.marks == most]
         return worst[len(worst) // 2]
-    if phases:
-        run, at, _ = max(phases, key=lambda each: abs((each[2] - 0.25 + 0.25) % 0.5 - 0.25))
+    if spread > _UNEVEN:
+        run, at, _ = max(phases, key=lambda each: abs(each[2] % 0.5 - 0.25))
         return run, at
     if stretches:
         run, edges = max(stretches, key=lambda each: len(each[1]))

@@ -15,7 +15,7 @@ _COLUMNS: Final = 72
 _HIGH, _LOW = 1, 6  # dots of the two lines of a channel
 
 _WIDTH, _HEIGHT = 760.0, 190.0  # of a wheel's drawing
-_LEFT, _RIGHT = 40.0, 740.0  # of its traces
+_LEFT, _RIGHT = 40.0, 728.0  # of its traces
 _AXIS: Final = 150.0
 _STEPS: Final = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0)
 """ms from one figure on the axis to the next."""

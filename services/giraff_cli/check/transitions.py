@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Final, NamedTuple
 
+from giraff_schemas.wire import STAMPS_PER_MS
+from giraff_schemas.wires.transitions import TRANSITION_A, TRANSITION_B, TRANSITION_STAMPS
+
 CHANNELS: Final = ("A", "B")
 A: Final = 0
 B: Final = 1
-
-_STAMPS_PER_MS: Final = 72
-_UNKNOWN: Final = 0x3FFF  # stamps: longer than the board can say, or others before it were lost
-_BITS: Final = (15, 14)  # of the levels of A and B
 
 Levels = tuple[bool, bool]
 """Of A and B."""
@@ -28,9 +27,9 @@ class Transition(NamedTuple):
     @classmethod
     def read(cls, word: int, *, is_torn: bool = False) -> Transition:
         """Read one as the board writes it. `is_torn`: what came before it was lost."""
-        stamps = word & _UNKNOWN
-        a, b = (bool(word >> bit & 1) for bit in _BITS)
-        return cls(None if is_torn or stamps == _UNKNOWN else stamps / _STAMPS_PER_MS, (a, b))
+        stamps = word & TRANSITION_STAMPS
+        after_ms = None if is_torn or stamps == TRANSITION_STAMPS else stamps / STAMPS_PER_MS
+        return cls(after_ms, (bool(word & TRANSITION_A), bool(word & TRANSITION_B)))
 
 
 class Edge(NamedTuple):

@@ -98,6 +98,7 @@ ROBOTLESS: Mapping[str, str] = {
     "run": "functional/robot/test_run.py: it brings its robot along",
     "dst": "dst: likewise",
     "check wheels": "unit/cli/test_check_wheels.py: it asks a board, and whoever stands beside it",
+    "check encoders": "unit/cli/test_check_encoders.py: likewise",
     "calibrate camera": "unit/calibrate/test_camera.py: likewise",
     "calibrate joystick": "unit/calibrate/test_joystick.py: likewise",
     "calibrate ranger": "unit/calibrate/test_ranger.py: likewise",

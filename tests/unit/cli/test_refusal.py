@@ -47,6 +47,7 @@ WORDS: dict[str, tuple[str, ...]] = {
 SESSIONLESS = {
     "calibrate joystick",
     "camera board",
+    "check encoders",
     "check wheels",
     "commission",
     "dst",

@@ -1,0 +1,195 @@
+"""`giraff check encoders`: two lifted wheels turn, and the board tells how their encoders' channels change."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+from giraff_base.config import BaseConfig
+from giraff_base.drives.wheels.config import WheelsConfig
+from giraff_cli.check.advice import advice
+from giraff_cli.check.bench import BenchError, WheelBench
+from giraff_cli.check.lifted import DONE, IN_DOUBT, INTERRUPTED, NOT_BEGUN, Human, Terminal, ask_lifted, levels_of
+from giraff_cli.check.listener import Listener, MuteBoardError
+from giraff_cli.check.quadrature import Channel, Figures, analyse
+from giraff_cli.check.traces import Trace, drawing, traces
+from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Side
+from giraff_cli.terminal.dots import takes_dots
+from giraff_cli.terminal.page import print_table, print_wrapped
+from giraff_cli.terminal.text import json_page
+from giraff_core.robot import RobotConfig
+from giraff_node.config.robot_file import ConfigError, load, robot_file
+from giraff_schemas.trouble import Trouble
+from giraff_schemas.wire import Latch, Wiring
+from giraff_schemas.wires.transitions import FRAME_CLASSES
+
+_DRIVE_TIME: Final = 4.0  # s, 0.8 m at 0.2 m/s: a turn of a disk on the wheel's own shaft, many of one on the motor's
+_HEADINGS: Final = ("wheel", ">phase", ">A high", ">B high", ">A missing", ">B missing", ">pitch")
+
+
+class _Wheel(NamedTuple):
+    """What was found of one wheel."""
+
+    figures: Figures
+    troubles: list[Trouble]
+
+
+def check_encoders(port: str | None, svg: Path | None, *, as_json: bool = False) -> int:
+    """Do the whole command; return its exit code. `as_json`: the talk goes to standard error."""
+    out = sys.stdout
+    with contextlib.redirect_stdout(sys.stderr if as_json else out):
+        code, wheels = _check(port, svg)
+    if as_json and wheels:
+        print(json_page({side: _as_json(wheel) for side, wheel in wheels.items()}), file=out)
+    return code
+
+
+def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Wheel]]:
+    """Return the exit code, and what was found."""
+    try:
+        robot = load("robot", RobotConfig)
+        base = load("base", BaseConfig, os.environ, **({"port": port} if port else {}))
+        drive = _checkable(robot_file(), base.drive)
+        _require_folder(svg)
+    except (ConfigError, OSError, ValueError) as error:
+        return _complain(str(error), NOT_BEGUN), {}
+    port, human = port or base.port, Terminal()
+    wheels = dict[Side, _Wheel]()
+    try:
+        if not ask_lifted(human, port):
+            return _complain("not begun", NOT_BEGUN), {}
+        bench = WheelBench(port, drive.board_type, robot.ticks_per_metre)
+        try:
+            bench.open()
+            for side in SIDES:
+                wheels[side] = _look(bench, human, side, drive)
+        finally:
+            bench.close()
+    except MuteBoardError:
+        flash = f"make -C firmware flash BOARD={drive.board_type.name} PORT={port}"
+        return _complain(f"{port}: the board's firmware does not tell transitions; flash it: {flash}", NOT_BEGUN), {}
+    except (BenchError, DoubtError) as error:
+        return _complain(str(error), NOT_BEGUN), {}
+    except KeyboardInterrupt:
+        return _complain("interrupted; the motors are off.", INTERRUPTED), {}
+    return _conclude(wheels, svg), wheels
+
+
+def _checkable(path: Path, drive: object) -> WheelsConfig:
+    """ConfigError unless the encoders of this drive can be looked at."""
+    if not isinstance(drive, WheelsConfig):
+        raise ConfigError(f"{path}: [base.drive] is not of type wheels, whose encoders this looks at")
+    if not FRAME_CLASSES.keys() <= drive.board_type.frames.keys():
+        raise ConfigError(
+            f"{path}: a board of type {drive.board} cannot tell its encoders' transitions; "
+            "look at both channels with an oscilloscope, or a logic analyser"
+        )
+    if drive.unchecked:
+        raise ConfigError(f"{path}: {drive.unchecked}")
+    return drive
+
+
+def _require_folder(svg: Path | None) -> None:
+    if svg is not None and not svg.absolute().parent.is_dir():
+        raise ConfigError(f"{svg} cannot be written: there is no such folder; make it, or name another")
+
+
+def _look(bench: WheelBench, human: Human, side: Side, drive: WheelsConfig) -> _Wheel:
+    """Drive one wheel forward, and judge its encoder."""
+    human.tell(f"The {side} wheel turns forward for {_DRIVE_TIME:g} s.")
+    listener = Listener(SIDES.index(side) ^ int(Wiring.SWAP_ENCODERS in drive.wiring))
+    level = drive.stall_level
+    counted, latch = bench.drive(drive.wiring, levels_of(side, level), _DRIVE_TIME, level, listener)
+    figures = analyse(listener.transitions)
+    return _Wheel(figures, [each.of(f"{side} wheel") for each in _troubles(figures, side, counted, latch)])
+
+
+def _troubles(figures: Figures, side: Side, counted: Counted, latch: Latch) -> list[Trouble]:
+    """Name what is wrong with a wheel and its encoder, the cause before what follows from it."""
+    if not figures.is_enough and abs(getattr(counted, side)) < counted.fewest:
+        return [
+            Trouble(
+                "it was driven, and its encoder gave nothing",
+                "check battery, motor plug and encoder plug; raise stall_level if the wheel only hums",
+            )
+        ]
+    troubles = list(advice(figures))
+    if latch in (Latch.LEFT_OPPOSITE, Latch.RIGHT_OPPOSITE) and not troubles:
+        troubles.append(Trouble("it counts backward while it is driven forward", "run giraff check wheels"))
+    elif latch != Latch.NONE:
+        word = latch.name.lower()
+        troubles.append(Trouble(f"the board stopped it: {word}", "put right what is named before, and check once more"))
+    return troubles
+
+
+def _conclude(wheels: Mapping[Side, _Wheel], svg: Path | None) -> int:
+    """Show what was found; return the exit code."""
+    captions = {side: _caption(side, wheel.figures) for side, wheel in wheels.items()}
+    drawn = {side: trace for side, wheel in wheels.items() if (trace := Trace.of(wheel.figures)) is not None}
+    for side, trace in drawn.items():
+        print(f"\n{captions[side]}")
+        for line in traces(trace, dots=takes_dots()):
+            print(line)
+    print()
+    print_table(_HEADINGS, [(side, *_cells(wheel.figures)) for side, wheel in wheels.items()])
+    print()
+    troubles = [trouble for wheel in wheels.values() for trouble in wheel.troubles]
+    for trouble in troubles:
+        print_wrapped(f"{trouble}.")
+    if not troubles:
+        print("Both encoders are fine.")
+    if svg is not None and drawn:
+        try:
+            svg.write_text(drawing([(captions[side], trace) for side, trace in drawn.items()]), encoding="utf-8")
+        except OSError as error:
+            return _complain(f"{svg} cannot be written: {error.strerror}", IN_DOUBT)
+        print(f"{svg}: the traces of A and B.")
+    return IN_DOUBT if troubles else DONE
+
+
+def _caption(side: Side, figures: Figures) -> str:
+    phase = "" if figures.phase is None else f": {figures.leads} leads by {figures.phase:.0f} of 360 degrees"
+    return f"{side} wheel{phase}"
+
+
+def _cells(figures: Figures) -> list[str]:
+    phase = "-" if figures.phase is None else f"{figures.phase:.0f} ± {figures.spread * 360:.0f}°"
+    duties = [
+        "-" if each.duty is None else f"{each.duty * 100:.0f} ± {each.duty_spread * 100:.0f} %"
+        for _, each in figures.channels
+    ]
+    missing = [_missing(name, channel, figures) for name, channel in figures.channels]
+    return [phase, *duties, *missing, f"{figures.period_ms:.1f} ms" if figures.period_ms else "-"]
+
+
+def _missing(name: str, channel: Channel, figures: Figures) -> str:
+    if figures.silent == name or not figures.is_enough:
+        return "-"
+    if channel.turn is not None:
+        return f"{channel.turn.marks} in {channel.turn.states} states"
+    return str(channel.missing)
+
+
+def _as_json(wheel: _Wheel) -> dict[str, Any]:
+    figures = wheel.figures
+    return {
+        "transitions": figures.transitions,
+        "losses": max(0, figures.runs - 1),
+        "period_ms": figures.period_ms,
+        "b_after_a": figures.b_after_a,
+        "b_after_a_spread": figures.spread,
+        **{
+            name.lower(): channel._asdict() | {"turn": channel.turn and channel.turn._asdict()}
+            for name, channel in figures.channels
+        },
+        "troubles": wheel.troubles,
+    }
+
+
+def _complain(text: str, code: int) -> int:
+    print(f"giraff check encoders: {text}", file=sys.stderr)
+    return code
