@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from giraff_cli.check.quadrature import Channel, Figures
+from giraff_cli.check.quadrature import FEWEST, Channel, Figures
 from giraff_cli.terminal.text import counted
 from giraff_schemas.trouble import Trouble
 
@@ -16,13 +16,19 @@ PHASE_OFF: Final = 20.0
 """Degrees of a period by which the phase may differ from 90."""
 DUTY_OFF: Final = 0.08
 """Share of a period by which a channel's high part may differ from a half."""
+_AT_ONCE: Final = 0.25  # of all transitions: the board calls each before which another was too short a loss
 _FLICKERS: Final = 3  # in a whole drive; fewer can be chance
 _FLICKERING: Final = 0.01  # of all edges
 
 
 def advice(figures: Figures) -> Iterator[Trouble]:
     """Name each thing that is wrong, after its figure. Nothing: the encoder is fine."""
-    if not figures.is_enough:
+    if not figures.is_enough and figures.losses > _AT_ONCE * max(FEWEST, figures.transitions):
+        yield Trouble(
+            "A and B change at the same moment, or faster than the board can tell",
+            "move sensor B by a quarter of a pitch (one black and one white mark together), and check once more",
+        )
+    elif not figures.is_enough:
         yield Trouble(
             f"too few changes to judge: {figures.edges} at an even speed",
             "let the wheel turn freely, and raise stall_level if it turns by fits",

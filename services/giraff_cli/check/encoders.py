@@ -178,7 +178,7 @@ def _as_json(wheel: _Wheel) -> dict[str, Any]:
     figures = wheel.figures
     return {
         "transitions": figures.transitions,
-        "losses": max(0, figures.runs - 1),
+        "losses": figures.losses,
         "period_ms": figures.period_ms,
         "b_after_a": figures.b_after_a,
         "b_after_a_spread": figures.spread,

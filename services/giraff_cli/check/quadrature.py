@@ -55,8 +55,8 @@ class Figures(NamedTuple):
     """What was seen of one encoder."""
 
     transitions: int
-    runs: int
-    """Runs without a loss. One: the board lost nothing."""
+    losses: int
+    """Places where transitions before were lost, or were too short for the board."""
     edges: int
     """Edges at an even speed, which the other figures are made of."""
     period_ms: float
@@ -137,7 +137,7 @@ def analyse(transitions: Sequence[Transition]) -> Figures:
     gaps = [[list(_gaps(stretch, channel, period)) for stretch in edges] for channel in (A, B)]
     return Figures(
         transitions=len(transitions),
-        runs=len(runs),
+        losses=sum(each.after_ms is None for each in transitions[1:]),
         edges=sum(map(len, edges)),
         period_ms=period,
         b_after_a=b_after_a,

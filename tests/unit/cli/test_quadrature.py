@@ -95,7 +95,7 @@ def test_what_came_before_a_loss_is_not_counted_on() -> None:
         if number % 300 < 280
     ]
     figures = analyse(told)
-    assert figures.runs == 13
+    assert figures.losses == 12
     assert not list(advice(figures))
 
 
@@ -111,6 +111,13 @@ def test_a_few_transitions_are_too_few(count: int) -> None:
     figures = analyse(turned(disk())[:count])
     (told,) = advice(figures)
     assert "too few changes to judge" in told.what
+
+
+def test_channels_that_change_at_once_are_not_called_slow() -> None:
+    """The board sees both changed, and calls what was between them a loss."""
+    told = [Transition(None, (number % 2 == 0, number % 2 == 0)) for number in range(200)]
+    (found,) = advice(analyse(told))
+    assert "A and B change at the same moment" in found.what
 
 
 def test_whatever_a_board_tells_is_judged_without_an_error() -> None:
