@@ -19,6 +19,7 @@ from giraff_cli.check.quadrature import Channel, Figures, analyse
 from giraff_cli.check.traces import Trace, drawing, traces
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Side
 from giraff_cli.terminal.dots import takes_dots
+from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.page import print_table, print_wrapped
 from giraff_cli.terminal.text import json_page
 from giraff_core.robot import RobotConfig
@@ -40,12 +41,16 @@ class _Wheel(NamedTuple):
 
 def check_encoders(port: str | None, svg: Path | None, *, as_json: bool = False) -> int:
     """Do the whole command; return its exit code. `as_json`: the talk goes to standard error."""
-    out = sys.stdout
-    with contextlib.redirect_stdout(sys.stderr if as_json else out):
-        code, wheels = _check(port, svg)
-    if as_json and wheels:
-        print(json_page({side: _as_json(wheel) for side, wheel in wheels.items()}), file=out)
-    return code
+
+    def look() -> int:
+        out = sys.stdout
+        with contextlib.redirect_stdout(sys.stderr if as_json else out):
+            code, wheels = _check(port, svg)
+        if as_json and wheels:
+            print(json_page({side: _as_json(wheel) for side, wheel in wheels.items()}), file=out)
+        return code
+
+    return guard_stdout(look)
 
 
 def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Wheel]]:

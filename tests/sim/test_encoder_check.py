@@ -1,0 +1,148 @@
+"""`giraff check encoders` on the real firmware: it finds what is wrong with the disks that the world was given."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+from collections.abc import Iterator
+from math import inf
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Final
+
+import pytest
+import tomlkit
+
+from giraff_cli.check import bench, encoders
+from giraff_core.robot import WIRING, RobotConfig
+from giraff_node.boards.board_link import BoardLink
+from giraff_node.boards.serial_link import SerialLink
+from giraff_node.config.robot_file import load
+from giraff_schemas.boards import BASE_BOARD, BoardType
+from giraff_schemas.trouble import WELL, Trouble
+from giraff_sim.board import ROOT, Board, Implementation, open_board
+from tests.support.encoder_disks import disk
+
+STEP_MS: Final = 10
+MOTOR_MS: Final = 150.0
+
+
+class SimulatedPort(SerialLink):
+    """The port of a simulated board whose wheels turn by what their motors get. Its time goes on while it is read."""
+
+    def __init__(self, board: Board, robot: RobotConfig) -> None:
+        super().__init__("simulated", BASE_BOARD.baud)
+        self.fault = WELL
+        self.now_ms = 0
+        self.interrupt_ms = inf
+        """When somebody presses Ctrl-C."""
+        self.is_closed = False
+        self.driven: list[tuple[float, float]] = []
+        """PWM counts of both motors in each millisecond."""
+        self._board = board
+        self._speed = [0.0, 0.0]
+        self._states_per_count = 2.0 * robot.ticks_per_metre * robot.max_wheel_speed / 70.0
+        self._always_ready = os.open(os.devnull, os.O_RDONLY)
+
+    def keep_open(self, now: float) -> bool:
+        del now
+        self.opened += 1
+        return self.opened == 1
+
+    def descriptor(self) -> int:
+        return self._always_ready
+
+    def flush(self) -> None:
+        pass
+
+    def send(self, frame: bytes) -> None:
+        assert self._board.write(frame) == len(frame)
+
+    def close(self, why: Trouble) -> None:
+        del why
+        self.is_closed = True
+        self.run(STEP_MS)
+        os.close(self._always_ready)
+
+    def read(self) -> bytes:
+        if self.now_ms >= self.interrupt_ms:
+            raise KeyboardInterrupt
+        return self.run(STEP_MS)
+
+    def run(self, milliseconds: int) -> bytes:
+        """Let so much time pass; return what the board sends."""
+        data = b""
+        for _ in range(milliseconds):
+            for number, motor in enumerate(self._board.model.motor):
+                self._speed[number] += (motor.drive * self._states_per_count - self._speed[number]) / MOTOR_MS
+                motor.position += self._speed[number] / 1000.0
+            self.now_ms += 1
+            self._board.run(self.now_ms * 1000)
+            self.driven.append((self._board.model.motor[0].drive, self._board.model.motor[1].drive))
+            data += self._board.read()
+        return data
+
+
+@pytest.fixture
+def board() -> Iterator[Board]:
+    made = open_board(BASE_BOARD, Implementation.HOST)
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def port(board: Board, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[SimulatedPort]:
+    """The port of a robot whose wiring is checked, with a human who has lifted its wheels."""
+    path = tmp_path / "robot.toml"
+    tables = tomlkit.parse((ROOT / "deploy" / "robot.toml").read_text())
+    tables["base"]["drive"].update(dict.fromkeys(WIRING, False))
+    path.write_text(tomlkit.dumps(tables))
+    monkeypatch.setenv("GIRAFF_CONFIG", str(path))
+    monkeypatch.setattr("builtins.input", lambda _question: "lifted")
+    made = SimulatedPort(board, load("robot", RobotConfig))
+
+    def link(path: str, board: BoardType) -> BoardLink:
+        return BoardLink(path, board, made)
+
+    monkeypatch.setattr(bench, "BoardLink", link)
+    monkeypatch.setattr(bench, "time", SimpleNamespace(monotonic=lambda: made.now_ms / 1000.0))
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    yield made
+    for number, handler in handlers.items():
+        signal.signal(number, handler)
+
+
+def test_each_wheel_turns_alone_and_its_disk_is_judged_rightly(
+    board: Board, port: SimulatedPort, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The pins of encoder 1 have channel B the other way round: 60 degrees are 240 there."""
+    board.set_disk(0, disk(phase=60.0, b=0.4))
+    board.set_disk(1, disk(no_a={11}))
+    assert encoders.check_encoders(None, None, as_json=True) == 1
+    told = capsys.readouterr()
+    found = json.loads(told.out)
+    left, right = found["left"], found["right"]
+    assert left["b_after_a"] == pytest.approx(60 / 360, abs=0.01)
+    assert (left["a"]["duty"], left["b"]["duty"]) == (pytest.approx(0.5, abs=0.01), pytest.approx(0.4, abs=0.01))
+    assert right["b_after_a"] == pytest.approx(270 / 360, abs=0.01)
+    assert right["a"]["turn"] == {"states": 160, "marks": 1}
+    assert [left["a"]["missing"], left["b"]["missing"], right["b"]["missing"]] == [0, 0, 0]
+    assert [len(left["troubles"]), len(right["troubles"])] == [2, 1], told.err
+    assert all(left >= 0 <= right and not (left and right) for left, right in port.driven)
+    assert {max(drives) for drives in zip(*port.driven, strict=True)} == {25.0}
+    assert port.is_closed
+    assert port.driven[-1] == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("at_ms", [20, 900, 4300])
+def test_interrupted_at_any_moment_both_motors_are_at_zero_at_once(
+    port: SimulatedPort, capsys: pytest.CaptureFixture[str], at_ms: int
+) -> None:
+    """While the session opens, while a wheel is driven, and while it coasts."""
+    port.interrupt_ms = at_ms
+    assert encoders.check_encoders(None, None) == 130
+    assert "interrupted; the motors are off." in capsys.readouterr().err
+    assert any(left for left, _ in port.driven) == (at_ms > 100)
+    port.run(100)
+    assert port.driven[at_ms + 2 * STEP_MS :].count((0.0, 0.0)) == len(port.driven) - at_ms - 2 * STEP_MS
