@@ -10,7 +10,7 @@ from giraff_cli.terminal.text import counted
 from giraff_schemas.trouble import Trouble
 
 # The board counts each change of A by the level of B at that moment, so no edge of B may come near one of A. Ideally
-# they are a quarter of a pitch apart. With both of these limits used up, a ninth is left: 90 - 20 - 0.08 * 360 = 41 of
+# they are a quarter of a pair apart. With both of these limits used up, a ninth is left: 90 - 20 - 0.08 * 360 = 41 of
 # 360 degrees. At 2000 edges a second of one channel that is 0.11 ms, about ten times what the board's interrupts take.
 PHASE_OFF: Final = 20.0
 """Degrees of a period by which the phase may differ from 90."""
@@ -26,7 +26,7 @@ def advice(figures: Figures) -> Iterator[Trouble]:
     if not figures.is_enough and figures.losses > _AT_ONCE * max(FEWEST, figures.transitions):
         yield Trouble(
             "A and B change at the same moment, or faster than the board can tell",
-            "move sensor B by a quarter of a pitch (one black and one white mark together), and check once more",
+            "move sensor B by a quarter of a pair (one black and one white mark together), and check once more",
         )
     elif not figures.is_enough:
         yield Trouble(
@@ -57,7 +57,7 @@ def _phase(figures: Figures) -> Iterator[Trouble]:
         way = "with" if figures.late > 0 else "against"
         yield Trouble(
             f"the phase between A and B is {figures.phase:.0f} of 360 degrees, not 90",
-            f"move sensor B by {abs(figures.late) / 360:.2f} of a pitch (one black and one white mark), {way} the way "
+            f"move sensor B by {abs(figures.late) / 360:.2f} of a pair (one black and one white mark), {way} the way "
             "in which the disk turns when the wheel drives forward",
         )
 
@@ -67,7 +67,7 @@ def _duty(name: str, channel: Channel) -> Iterator[Trouble]:
         return
     long, short = ("high", "low") if channel.duty > 0.5 else ("low", "high")
     yield Trouble(
-        f"sensor {name} is high for {channel.duty * 100:.0f} % of a pitch, not 50 %: it sees its {long} mark too long "
+        f"sensor {name} is high for {channel.duty * 100:.0f} % of a pair, not 50 %: it sees its {long} mark too long "
         f"and its {short} one too short",
         f"turn its threshold, or move sensor {name} nearer to or farther from the disk",
     )
@@ -82,7 +82,7 @@ def _missing(name: str, channel: Channel) -> Iterator[Trouble]:
         of_ring = "one mark is" if marks == 1 else f"{marks} marks are"
         yield Trouble(
             f"{seen}: of the ring of {name} {of_ring} missing or dirty, once in {states} states (a turn of "
-            f"{states // 4} pitches)",
+            f"{states // 4} pairs)",
             "clean the disk, or print it anew",
         )
     elif channel.missing > 2:

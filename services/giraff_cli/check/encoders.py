@@ -29,7 +29,7 @@ from giraff_schemas.wire import Latch, Wiring
 from giraff_schemas.wires.transitions import FRAME_CLASSES
 
 _DRIVE_TIME: Final = 4.0  # s, 0.8 m at 0.2 m/s: a turn of a disk on the wheel's own shaft, many of one on the motor's
-_HEADINGS: Final = ("wheel", ">phase", ">A high", ">B high", ">A missing", ">B missing", ">pitch")
+_HEADINGS: Final = ("wheel", ">phase", ">A high", ">B high", ">A missing", ">B missing", ">pair")
 
 
 class _Wheel(NamedTuple):

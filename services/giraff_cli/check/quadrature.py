@@ -1,6 +1,6 @@
 """How well an encoder's two channels follow each other while its wheel turns one way at an even speed. Pure.
 
-A pitch is one black and one white mark together: one period of each channel.
+A pair is one black and one white mark of the disk, and so one period of each channel.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Final, NamedTuple
 from giraff_cli.check.transitions import CHANNELS, A, B, Edge, Run, Transition, runs_of
 
 FEWEST: Final = 40
-"""Edges, of ten pitches: fewer are not judged."""
+"""Edges, of ten pairs: fewer are not judged."""
 _STRETCH: Final = 16  # edges at least of a stretch of even speed: a wheel that trembles gives fewer in a row
 _EVEN: Final = (0.6, 1.6)  # of the usual period: the wheel speeds up, or a mark is missing, outside of it
 _SILENT: Final = 0.05  # of the other channel's edges, at most
@@ -28,7 +28,7 @@ class Turn(NamedTuple):
     """Marks that are missing at the same places of each turn."""
 
     states: int
-    """States of a turn: four a pitch."""
+    """States of a turn: four a pair."""
     marks: int
     """Marks that are missing in each."""
 
@@ -60,7 +60,7 @@ class Figures(NamedTuple):
     edges: int
     """Edges at an even speed, which the other figures are made of."""
     period_ms: float
-    """ms. Usual time of a pitch."""
+    """ms. Usual time of a pair."""
     b_after_a: float | None
     """Share of a period by which B follows A: 0.25 or 0.75 is ideal. None: unknown."""
     spread: float

@@ -1,4 +1,4 @@
-"""What two channels did over a few pitches, in characters and as SVG. Pure."""
+"""What two channels did over a few pairs, in characters and as SVG. Pure."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from giraff_cli.check.quadrature import Figures
 from giraff_cli.check.transitions import CHANNELS, Run, levels_between
 from giraff_cli.terminal.dots import ACROSS, Dots
 
-_PITCHES: Final = 6.0
+_PAIRS: Final = 6.0
 _COLUMNS: Final = 72
 _HIGH, _LOW = 1, 6  # dots of the two lines of a channel
 
@@ -24,7 +24,7 @@ _COLOURS: Final = ("#0b62a8", "#b3480b")
 
 
 class Trace(NamedTuple):
-    """A few pitches of one encoder."""
+    """A few pairs of one encoder."""
 
     run: Run
     begin: float
@@ -37,7 +37,7 @@ class Trace(NamedTuple):
         if figures.worst is None or not figures.period_ms:
             return None
         run, at = figures.worst
-        half = _PITCHES / 2.0 * figures.period_ms
+        half = _PAIRS / 2.0 * figures.period_ms
         begin = max(0.0, at - half)
         return cls(run, begin, begin + 2.0 * half)
 

@@ -137,7 +137,7 @@ def test_what_is_wrong_is_said_drawn_and_written(
     assert encoders.check_encoders("port", svg, as_json=True) == 1
     told = capsys.readouterr()
     assert "left wheel: the phase between A and B is 60 of 360 degrees, not 90; move sensor B by 0.08" in told.err
-    assert "left wheel: sensor B is high for 40 % of a pitch" in told.err
+    assert "left wheel: sensor B is high for 40 % of a pair" in told.err
     assert "right wheel: the" not in told.err
     assert "1 in 160 states" in told.err
     found = json.loads(told.out)

@@ -20,11 +20,11 @@ from tests.support.encoder_disks import PAIRS, disk, turned
     [
         ({}, 90, (50, 50), ""),
         ({"phase": 75, "a": 0.55, "b": 0.45}, 75, (55, 45), ""),
-        ({"phase": 60}, 60, (50, 50), "is 60 of 360 degrees, not 90; move sensor B by 0.08 of a pitch"),
-        ({"phase": -60}, 60, (50, 50), "is 60 of 360 degrees, not 90; move sensor B by 0.08 of a pitch"),
-        ({"phase": 120}, 120, (50, 50), "is 120 of 360 degrees, not 90; move sensor B by 0.08 of a pitch"),
-        ({"b": 0.4}, 90, (50, 40), "sensor B is high for 40 % of a pitch, not 50 %: it sees its low mark too long"),
-        ({"a": 0.62}, 90, (62, 50), "sensor A is high for 62 % of a pitch, not 50 %: it sees its high mark too long"),
+        ({"phase": 60}, 60, (50, 50), "is 60 of 360 degrees, not 90; move sensor B by 0.08 of a pair"),
+        ({"phase": -60}, 60, (50, 50), "is 60 of 360 degrees, not 90; move sensor B by 0.08 of a pair"),
+        ({"phase": 120}, 120, (50, 50), "is 120 of 360 degrees, not 90; move sensor B by 0.08 of a pair"),
+        ({"b": 0.4}, 90, (50, 40), "sensor B is high for 40 % of a pair, not 50 %: it sees its low mark too long"),
+        ({"a": 0.62}, 90, (62, 50), "sensor A is high for 62 % of a pair, not 50 %: it sees its high mark too long"),
         (
             {"no_a": {7}},
             90,
@@ -62,8 +62,8 @@ def test_each_fault_is_named_alone_with_its_figure(
 def test_moving_sensor_b_as_is_said_puts_the_phase_right(phase: float, backward: bool) -> None:
     """A sensor that is moved the way in which a disk turns sees each mark later."""
     (told,) = map(str, advice(analyse(turned(disk(phase), backward=backward))))
-    pitches = float(told.split("move sensor B by ")[1].split()[0])
-    later = pitches if " with the way" in told else -pitches
+    pairs = float(told.split("move sensor B by ")[1].split()[0])
+    later = pairs if " with the way" in told else -pairs
     moved = phase + 360.0 * (-later if backward else later)
     assert not list(advice(analyse(turned(disk(moved), backward=backward))))
 
