@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import datetime as dt
 import os
 import sys
 from collections.abc import Mapping
@@ -72,7 +73,8 @@ def _check(port: str | None) -> tuple[int, dict[str, Any]]:
             fields = find_wiring(bench, human, drive.stall_level)
         finally:
             bench.close()
-        record(path, table, fields)
+        date = dt.datetime.now().astimezone().date().isoformat()
+        kept = record(path, table, fields, kept_as=f"before-{date}")
     except BenchError as error:
         return _complain(f"{error}. Nothing was written.", NOT_BEGUN), {}
     except DoubtError as error:
@@ -81,7 +83,7 @@ def _check(port: str | None) -> tuple[int, dict[str, Any]]:
         return _complain(str(error), IN_DOUBT), {}
     except KeyboardInterrupt:
         return _complain("interrupted; the motors are off. Nothing was written.", INTERRUPTED), {}
-    human.tell(_after(path, fields, os.environ))
+    human.tell(_after(path, kept, fields, os.environ))
     return DONE, {"robot_file": str(path), "table": table, "wiring": fields}
 
 
@@ -152,9 +154,9 @@ def _choice(human: Human, question: str, answers: tuple[AnswerT, ...]) -> Answer
     raise DoubtError(f"no answer was one of {', '.join(answers)}")
 
 
-def _after(path: Path, fields: Mapping[str, bool], environment: Mapping[str, str]) -> str:
+def _after(path: Path, kept: Path | None, fields: Mapping[str, bool], environment: Mapping[str, str]) -> str:
     lines = [
-        f"Proved, and written into {path}:",
+        f"Proved, and written into {path}; as it was before: {kept}:",
         *(f"    {name} = {str(is_set).lower()}" for name, is_set in fields.items()),
     ]
     names = {f"GIRAFF_BASE_DRIVE__{name.upper()}" for name in fields}

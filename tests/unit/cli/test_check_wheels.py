@@ -113,9 +113,11 @@ def test_any_wiring_is_found_proved_and_written(
     truth = Wiring(bits)
     monkeypatch.setattr(Bench, "truth", truth)
     answer(monkeypatch, *honest(truth))
+    before = path.read_bytes()
     assert check_wheels.check_wheels("port", as_json=True) == 0
     robot = tomllib.loads(path.read_text(encoding="utf-8"))["base"]["drive"]
     assert {name: robot[name] for name in FIELDS} == {name: Wiring[name.upper()] in truth for name in FIELDS}
+    assert [kept.read_bytes() for kept in path.parent.glob("robot.toml.before-*")] == [before]
     told = {"robot_file": str(path), "table": "base.drive", "wiring": {name: robot[name] for name in FIELDS}}
     assert json.loads(capsys.readouterr().out) == told
     assert Bench.made.board is ARDROS_BOARD

@@ -208,6 +208,7 @@ def test_no_stop_and_nothing_that_is_for_the_robot_of_the_file_alone_takes_the_s
         "calibrate camera",
         "calibrate odometry",
         "calibrate ranger",
+        "tune speed",
         "doctor",
         "topic pub",
         "play",
