@@ -20,7 +20,7 @@ _TRACK_SD: Final = 0.018
 """Of a robot that nobody has calibrated: wheels within 2 % of their file, track within 3 %, up to 1 % lost in turns."""
 _MOST_SD: Final = 0.1
 """Of each scale. Whoever is less sure than that has measured nothing, and six robots drawn by it would be none."""
-_SURE: Final = 1e-12
+_SURE: Final = 1e-10
 """Variance below which a combination of the three counts as known: rounding makes as much."""
 
 
