@@ -12,17 +12,20 @@ from giraff_schemas.requests import EStopEngage
 from giraff_schemas.trouble import WELL, Trouble
 
 _HELD_NS: Final = 5_000_000_000  # motors that start pull any battery down; what lasts is not that
+_LONGEST_NS: Final = 1_000_000_000  # from one reading to the next; a longer gap tells nothing
 _RISE: Final = 0.5  # V above the limit: what a battery regains by mere rest is no charge
 _LOW_SHARE: Final = 0.5
 _CHARGE: Final = 1.0  # V by which a battery of a robot that rests rises when it is charged
 _RESTED_NS: Final = 60_000_000_000  # a battery regains volts for about a minute after a load: an estimate
-
-BY: Final = "battery"
-"""Who engages the emergency stop when the battery is empty."""
+_MEAN_NS: Final = 10_000_000_000  # whose readings give one voltage of a robot that rests: they are noisy
+_BY: Final = "battery"
 
 
 class _Held:
-    """A condition that comes and goes only after every reading of 5 s has said so."""
+    """A condition that comes and goes when the readings for it are 5 s ahead of those against it.
+
+    So a robot that stops for a moment, again and again, does not hide an empty battery.
+    """
 
     def __init__(self, *, holds: bool = False) -> None:
         self.holds = holds
@@ -30,25 +33,21 @@ class _Held:
         self._last_ns: int | None = None  # when the last such reading came; None: there was none just before
 
     def judge(self, comes: bool, goes: bool, robot_ns: int) -> None:
-        if not (goes if self.holds else comes):
-            self._held_ns, self._last_ns = 0, None
-            return
-        if self._last_ns is not None:
-            self._held_ns += robot_ns - self._last_ns
+        since_ns = 0 if self._last_ns is None else robot_ns - self._last_ns
         self._last_ns = robot_ns
+        if not 0 <= since_ns <= _LONGEST_NS:
+            return
+        self._held_ns = max(0, self._held_ns + (since_ns if (goes if self.holds else comes) else -since_ns))
         if self._held_ns >= _HELD_NS:
             self.holds, self._held_ns, self._last_ns = not self.holds, 0, None
-
-    def pause(self) -> None:
-        """Nothing is measured now. That counts as neither, so that a link that comes and goes cannot hide it."""
-        self._last_ns = None
 
 
 class _SinceCharge:
     """Sees a charge by the volts of a robot that rests. A load pulls them down, and they rise again after it."""
 
     def __init__(self) -> None:
-        self._rests_ns: int | None = None  # since when; None: it does not
+        self._sum, self._count = 0.0, 0  # V, of readings whose mean counts
+        self._mean_from_ns: int | None = None  # when the first of these readings came; None: it does not rest
         self._lowest = math.inf
         self._charged_ns: int | None = None
         self._newest_ns = 0
@@ -56,15 +55,21 @@ class _SinceCharge:
     def take(self, volts: float, robot_ns: int, *, rests: bool) -> None:
         self._newest_ns = robot_ns
         if not rests:
-            self._rests_ns = None
+            self._mean_from_ns = None
             return
-        if self._rests_ns is None:
-            self._rests_ns = robot_ns
-        if robot_ns - self._rests_ns < _RESTED_NS:
+        if self._mean_from_ns is None:
+            self._sum, self._count, self._mean_from_ns = 0.0, 0, robot_ns + _RESTED_NS
+        if robot_ns < self._mean_from_ns:
             return
-        if volts >= self._lowest + _CHARGE:
-            self._charged_ns, self._lowest = robot_ns, volts
-        self._lowest = min(self._lowest, volts)
+        self._sum += volts
+        self._count += 1
+        if robot_ns - self._mean_from_ns < _MEAN_NS:
+            return
+        mean = self._sum / self._count
+        self._sum, self._count, self._mean_from_ns = 0.0, 0, robot_ns
+        if mean >= self._lowest + _CHARGE:
+            self._charged_ns, self._lowest = robot_ns, mean
+        self._lowest = min(self._lowest, mean)
 
     @property
     def seconds(self) -> float | None:
@@ -91,6 +96,8 @@ class BatteryWatch:
         """Why base engages the emergency stop, and why nobody may reset it."""
         if not self._empty.holds or self._volts is None:
             return WELL
+        if self._volts >= self._recharged:
+            return Trouble(f"the battery was empty and has {self._volts:.1f} V", f"wait {_HELD_NS // 1_000_000_000} s")
         return Trouble(f"the battery is empty at {self._volts:.1f} V", f"charge it to {self._recharged:g} V")
 
     @property
@@ -103,7 +110,7 @@ class BatteryWatch:
     def emergency_stop(self) -> EStopEngage:
         """The emergency stop that an empty battery engages."""
         why = self.stops
-        return EStopEngage(by=BY, reason=f"{why.what}; {why.remedy}, then {RESET_COMMAND}")
+        return EStopEngage(by=_BY, reason=f"{why.what}; {why.remedy}, then {RESET_COMMAND}")
 
     @property
     def since_charge(self) -> float | None:
@@ -117,11 +124,6 @@ class BatteryWatch:
         self._low.judge(volts < low, volts >= low + _RISE, robot_ns)
         self._empty.judge(volts < cutoff, volts >= self._recharged, robot_ns)
         self._since.take(volts, robot_ns, rests=rests)
-
-    def pause(self) -> None:
-        """The readings have stopped."""
-        self._low.pause()
-        self._empty.pause()
 
     @property
     def _recharged(self) -> float:

@@ -27,7 +27,8 @@ class EStopControl:
         # An older base has kept texts as they came.
         by, reason = printable(latch.by), printable(latch.reason)
         off = latch.engaged and latch.off and knows_off
-        self.latch = msgspec.structs.replace(latch, by=by, reason=reason, off=off)
+        empty = latch.engaged and latch.empty
+        self.latch = msgspec.structs.replace(latch, by=by, reason=reason, off=off, empty=empty)
         self._knows_off = knows_off
         self._reset_budget = reset_budget
         self._engaged_ns = 0
@@ -39,19 +40,21 @@ class EStopControl:
         latch = self.latch
         return latch.trouble.of(f"emergency stop by {latch.by}") if latch.engaged else WELL
 
-    def engage(self, asked: EStopEngage, now: RobotTime) -> None:
+    def engage(self, asked: EStopEngage, now: RobotTime, *, empty: bool = False) -> None:
         """Engage. Repeating keeps the latch; another cause makes another one, which a reset of the first leaves.
 
-        Only a request for off makes it off, however often a stop is asked for. Only a reset ends that.
+        Only a request for off makes it off, however often a stop is asked for. Only a reset ends that, and that the
+        battery was `empty`.
         """
         self._engaged_ns = now.robot_ns
         by, reason = _clean(asked.by), _clean(asked.reason)
         if RESET_COMMAND not in reason:
             reason = f"{reason}; to go on: {RESET_COMMAND}"
         off = self.latch.off or (asked.off and self._knows_off)
-        if self.latch.engaged and (self.latch.by, self.latch.reason, self.latch.off) == (by, reason, off):
-            return
-        self.latch = EStopLatch(engaged=True, id=self.latch.id % _IDS + 1, by=by, reason=reason, off=off)
+        empty = self.latch.empty or empty
+        latch = EStopLatch(engaged=True, id=self.latch.id, by=by, reason=reason, off=off, empty=empty)
+        if self.latch != latch:
+            self.latch = msgspec.structs.replace(latch, id=self.latch.id % _IDS + 1)
 
     def is_news(self, latched: EStopEngage) -> bool:
         """Whether the board has latched more by itself than base asks of it."""

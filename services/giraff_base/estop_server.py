@@ -119,10 +119,12 @@ class EStopServer:
             self._refuse(self._failure.of("the robot is stopped, and a restart may not know"))
 
     def _confirm(self) -> None:
-        """What they wait for is on disk."""
+        """What they wait for is on disk. A reset may be refused by now: then it is written back."""
+        refusal = WELL
         if self._reset is not None:
+            refusal = self._policy.reset_refusal(*self._reset)
             self._policy.on_reset(*self._reset)
-        self._answer(WELL)
+        self._answer(refusal)
 
     def _refuse(self, why: Trouble) -> None:
         """Give up what they wait for. A reset then never was; an engaged stop stays, and is written when it can be."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, Final
 
-from giraff_base import battery
 from giraff_base.authority import Authority
 from giraff_base.config import BaseConfig
 from giraff_base.drive import Report
@@ -38,7 +37,7 @@ class BasePolicy:
         self._estop = EStopControl(latch, live.config.reset_budget, knows_off=self._drive.knows_off)
         if self._estop.latch.engaged:
             self._drive.hold(off=self._estop.latch.off)
-        was_empty = self._estop.latch.engaged and self._estop.latch.by == battery.BY
+        was_empty = self._estop.latch.engaged and self._estop.latch.empty
         self._authority = Authority(live, self._estop, self._drive, battery_was_empty=was_empty)
         self._ramp = Ramp(live)
         self._reported_ns: int | None = None  # None: there is no board
@@ -157,14 +156,13 @@ class BasePolicy:
 
     @property
     def _uncharged(self) -> Trouble:
-        """Why a stop that the battery has engaged cannot be reset. WELL: it can, or it is another one."""
-        latch = self._estop.latch
-        if not latch.engaged or latch.by != battery.BY:
+        """Why a stop under which the battery was empty cannot be reset. WELL: it can."""
+        if not self._estop.latch.empty:
             return WELL
         return self._authority.battery.stops or (_UNMEASURED if self._reported_ns is None else WELL)
 
     def _engage(self, asked: EStopEngage, now: RobotTime) -> None:
-        self._estop.engage(asked, now)
+        self._estop.engage(asked, now, empty=bool(self._authority.battery.stops))
         self._authority.arming.disarm("the emergency stop")
         self._drive.hold(off=self._estop.latch.off)
         self._stand_still(WELL)
@@ -173,7 +171,6 @@ class BasePolicy:
     def _lose_board(self, why: str) -> None:
         self._reported_ns = None
         self._stand_still(_NO_REPORT)
-        self._authority.battery.pause()
         self._authority.arming.disarm(why)
 
     def _hear(self, report: Report, now: RobotTime) -> None:
@@ -192,7 +189,7 @@ class BasePolicy:
         if (voltage := self._drive.voltage) is not None:
             watch = self._authority.battery
             watch.take(voltage, now.robot_ns, rests=self._drive.at_rest and not self._driving)
-            if watch.stops and not self._estop.latch.engaged:
+            if watch.stops and not self._estop.latch.empty:
                 self._engage(watch.emergency_stop, now)
 
     def _drive_frame(self, now: RobotTime) -> Frame | None:

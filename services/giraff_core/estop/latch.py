@@ -30,6 +30,8 @@ class EStopLatch(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     off: bool = False
     """The stop is off. Written only where it is true: an older base takes a file with it for damaged, and stays
     stopped."""
+    empty: bool = False
+    """The battery was empty, whoever engaged the stop: base refuses a reset until it is charged. Written as `off`."""
 
     @property
     def trouble(self) -> Trouble:

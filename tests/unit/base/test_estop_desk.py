@@ -10,8 +10,9 @@ import pytest
 from giraff_base.estop import RELEASED, EStopLatch
 from giraff_base.estop_server import EStopServer
 from giraff_schemas.requests import EStopAnswer, EStopEngage, EStopReset
-from giraff_schemas.trouble import WELL
+from giraff_schemas.trouble import WELL, Trouble
 from giraff_schemas.wire import EstopFrame, Latch
+from tests.support.robots import DRIVE
 from tests.unit.base.rig import Rig, moving
 
 RequestT = TypeVar("RequestT")
@@ -251,6 +252,23 @@ def test_a_reset_that_the_disk_is_too_slow_for_is_given_up() -> None:
     assert office.rig.base.latch.engaged
     assert office.disk.content == office.rig.base.latch
     assert office.desk.fault == WELL
+
+
+def test_a_reset_that_is_refused_by_the_time_it_is_on_disk_is_answered_so_and_written_back() -> None:
+    office = Office()
+    for volts in (19.0, 24.0):
+        office.rig.board.battery_adc_counts = round(volts / DRIVE.battery_volts_per_count)
+        office.go_on(5.5)
+    office.disk.hangs = True
+    asked = office.reset()
+    office.go_on()
+    office.rig.base.on_link_lost(Trouble("unplugged"))
+    office.rig.connected = office.disk.hangs = False
+    office.go_on()
+    assert (asked.only.done, asked.only.engaged) == (False, True)
+    assert "not measured now" in asked.only.reason
+    office.go_on()
+    assert office.disk.content == office.rig.base.latch
 
 
 def test_a_disk_that_hangs_stops_no_frames_and_is_told_to_who_asked() -> None:
