@@ -19,6 +19,7 @@ from giraff_cli.doctor.inspection import (
     as_lines,
 )
 from giraff_cli.terminal.text import json_page
+from giraff_core.estop.latch import RESET_COMMAND
 from giraff_core.kinematics.calibration import Calibration
 from giraff_core.lease import unranked_notice
 from giraff_core.network import HAND_PORTS, IPV4_ALONE
@@ -370,9 +371,11 @@ def _of_rate(rate: Rate) -> Iterator[Finding]:
 
 def _of_state(robot: Robot) -> Iterator[Finding]:
     if robot.estop is not None and robot.estop.engaged:
-        why = trouble_of(robot.estop).what
-        what = f"the emergency stop is engaged by {robot.estop.by or 'nobody known'}: {why}"
-        yield Finding(severity="note", about="e-stop", what=what, fix="see that the robot may move: giraff estop reset")
+        why = trouble_of(robot.estop)
+        what = f"the emergency stop is engaged by {robot.estop.by or 'nobody known'}: {why.what}"
+        is_plain = not why.remedy or why.remedy == f"to go on: {RESET_COMMAND}"
+        fix = f"see that the robot may move: {RESET_COMMAND}" if is_plain else why.remedy
+        yield Finding(severity="note", about="e-stop", what=what, fix=fix)
 
 
 def _told(severity: Severity, about: str, trouble: Trouble) -> Finding:
