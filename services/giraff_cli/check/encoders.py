@@ -19,6 +19,7 @@ from giraff_cli.check.quadrature import Channel, Figures, analyse
 from giraff_cli.check.traces import Trace, drawing, traces
 from giraff_cli.check.wiring import SIDES, Counted, DoubtError, Side
 from giraff_cli.terminal.dots import takes_dots
+from giraff_cli.terminal.fresh_file import require_fresh, write_fresh
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.page import print_table, print_wrapped
 from giraff_cli.terminal.text import json_page
@@ -59,7 +60,8 @@ def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Whee
         robot = load("robot", RobotConfig)
         base = load("base", BaseConfig, os.environ, **({"port": port} if port else {}))
         drive = _checkable(robot_file(), base.drive)
-        _require_folder(svg)
+        if svg is not None:
+            require_fresh(svg)
     except (ConfigError, OSError, ValueError) as error:
         return _complain(str(error), NOT_BEGUN), {}
     port, human = port or base.port, Terminal()
@@ -96,11 +98,6 @@ def _checkable(path: Path, drive: object) -> WheelsConfig:
     if drive.unchecked:
         raise ConfigError(f"{path}: {drive.unchecked}")
     return drive
-
-
-def _require_folder(svg: Path | None) -> None:
-    if svg is not None and not svg.absolute().parent.is_dir():
-        raise ConfigError(f"{svg} cannot be written: there is no such folder; make it, or name another")
 
 
 def _look(bench: WheelBench, human: Human, side: Side, drive: WheelsConfig) -> _Wheel:
@@ -149,7 +146,7 @@ def _conclude(wheels: Mapping[Side, _Wheel], svg: Path | None) -> int:
         print("Both encoders are fine.")
     if svg is not None and drawn:
         try:
-            svg.write_text(drawing([(captions[side], trace) for side, trace in drawn.items()]), encoding="utf-8")
+            write_fresh(svg, drawing([(captions[side], trace) for side, trace in drawn.items()]))
         except OSError as error:
             return _complain(f"{svg} cannot be written: {error.strerror}", IN_DOUBT)
         print(f"{svg}: the traces of A and B.")

@@ -7,6 +7,7 @@ from typing import Final
 
 import typer
 
+from giraff_cli.terminal.fresh_file import write_fresh
 from giraff_core.encoder.disk import Disk, drawing
 
 _COMMAND: Final = "giraff encoder disk"
@@ -23,7 +24,7 @@ def print_disk(file: Path | None, pairs: int, outer: float, inner: float, hole: 
         if file is None:
             typer.echo(drawing(disk), nl=False)
             return 0
-        _write(file, drawing(disk))
+        write_fresh(file, drawing(disk))
     except FileExistsError:
         typer.echo(f"{_COMMAND}: {file} is there already: name another file, or delete it first", err=True)
         return 1
@@ -32,17 +33,6 @@ def print_disk(file: Path | None, pairs: int, outer: float, inner: float, hole: 
         return 1
     typer.echo("\n".join((f"{file}: a disk of {disk.outer:g} mm with {disk.pairs} pairs", *_steps(disk))))
     return 0
-
-
-def _write(file: Path, text: str) -> None:
-    """Write a file that is not there yet. A piece of a drawing serves nobody and is deleted."""
-    with file.open("x", encoding="utf-8") as fresh:
-        try:
-            fresh.write(text)
-            fresh.flush()
-        except OSError:
-            file.unlink()
-            raise
 
 
 def _steps(disk: Disk) -> tuple[str, ...]:

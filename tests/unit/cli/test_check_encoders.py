@@ -216,7 +216,8 @@ def test_a_wheel_that_the_board_stops_is_named_with_the_cause(
         ({"board": "ardros"}, None, "a board of type ardros cannot tell its encoders' transitions"),
         ({"swap_encoders": None}, None, "the wiring is not checked; lift the wheels and run giraff check wheels"),
         ({"type": "balancer"}, None, "[base"),
-        ({}, "none/traces.svg", "cannot be written: there is no such folder"),
+        ({}, "none/traces.svg", "cannot be written: there is no such folder; make it"),
+        ({}, "robot.toml", "robot.toml is there already: name another file, or delete it first"),
     ],
 )
 def test_what_cannot_be_looked_at_is_refused_before_anything_moves(
@@ -229,9 +230,11 @@ def test_what_cannot_be_looked_at_is_refused_before_anything_moves(
         else:
             tables["base"]["drive"][name] = value
     path.write_text(tomlkit.dumps(tables), encoding="utf-8")
+    before = path.read_bytes()
     monkeypatch.setattr("builtins.input", lambda _question: pytest.fail("nobody is asked"))
-    assert encoders.check_encoders("port", path.with_name("x") / svg if svg else None) == 2
+    assert encoders.check_encoders("port", path.parent / svg if svg else None) == 2
     assert told in capsys.readouterr().err
+    assert path.read_bytes() == before
 
 
 @pytest.mark.parametrize("answer", ["no", "", None])
