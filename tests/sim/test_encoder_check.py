@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import signal
 from collections.abc import Iterator
-from math import inf
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Final
@@ -26,6 +26,7 @@ from tests.support.encoder_disks import disk
 
 STEP_MS: Final = 10
 MOTOR_MS: Final = 150.0
+FLICKER_MS: Final = 20
 
 
 class SimulatedPort(SerialLink):
@@ -35,13 +36,18 @@ class SimulatedPort(SerialLink):
         super().__init__("simulated", BASE_BOARD.baud)
         self.fault = WELL
         self.now_ms = 0
-        self.interrupt_ms = inf
+        self.interrupt_ms = math.inf
         """When somebody presses Ctrl-C."""
+        self.flickers: int | None = None
+        """Number of the encoder that counts to and fro while its wheel stands."""
+        self.runs_on = False
+        """A motor that has turned does not stop, whatever it gets."""
         self.is_closed = False
         self.driven: list[tuple[float, float]] = []
         """PWM counts of both motors in each millisecond."""
         self._board = board
         self._speed = [0.0, 0.0]
+        self._turned = [0.0, 0.0]
         self._states_per_count = 2.0 * robot.ticks_per_metre * robot.max_wheel_speed / 70.0
         self._always_ready = os.open(os.devnull, os.O_RDONLY)
 
@@ -75,8 +81,14 @@ class SimulatedPort(SerialLink):
         data = b""
         for _ in range(milliseconds):
             for number, motor in enumerate(self._board.model.motor):
-                self._speed[number] += (motor.drive * self._states_per_count - self._speed[number]) / MOTOR_MS
-                motor.position += self._speed[number] / 1000.0
+                if motor.drive or not self.runs_on:
+                    self._speed[number] += (motor.drive * self._states_per_count - self._speed[number]) / MOTOR_MS
+                if abs(self._speed[number]) < 1.0:
+                    self._speed[number] = 0.0
+                self._turned[number] += self._speed[number] / 1000.0
+                motor.position = self._turned[number]
+                if self.flickers == number and not self._speed[number] and self.now_ms // FLICKER_MS % 2:
+                    motor.position = (math.floor(motor.position) ^ 1) + 0.5  # beyond the edge of A that is next to it
             self.now_ms += 1
             self._board.run(self.now_ms * 1000)
             self.driven.append((self._board.model.motor[0].drive, self._board.model.motor[1].drive))
@@ -146,3 +158,29 @@ def test_interrupted_at_any_moment_both_motors_are_at_zero_at_once(
     assert any(left for left, _ in port.driven) == (at_ms > 100)
     port.run(100)
     assert port.driven[at_ms + 2 * STEP_MS :].count((0.0, 0.0)) == len(port.driven) - at_ms - 2 * STEP_MS
+
+
+@pytest.mark.parametrize("encoder", [0, 1])
+def test_an_encoder_that_counts_on_while_its_wheel_stands_is_named_and_both_are_judged(
+    board: Board, port: SimulatedPort, capsys: pytest.CaptureFixture[str], encoder: int
+) -> None:
+    board.set_disk(0, disk(phase=60.0))
+    port.flickers = encoder
+    assert encoders.check_encoders(None, None) == 1
+    told = capsys.readouterr().out
+    assert told.count("counts on while the wheel stands; check the wire") == 1
+    assert f"{('left', 'right')[encoder]} wheel: it counts on while the wheel stands" in told
+    assert told.count("left wheel: the phase between A and B is 60 of 360 degrees") == 1
+    assert "right wheel: B leads by 90 of 360 degrees" in told
+    assert port.is_closed
+    assert port.driven[-1] == (0.0, 0.0)
+
+
+def test_the_other_wheel_is_not_driven_while_one_goes_on_turning_by_itself(
+    port: SimulatedPort, capsys: pytest.CaptureFixture[str]
+) -> None:
+    port.runs_on = True
+    assert encoders.check_encoders(None, None) == 2
+    assert "the wheels do not come to rest at zero; keep hands off them" in capsys.readouterr().err
+    assert not any(right for _, right in port.driven)
+    assert port.driven[-1] == (0.0, 0.0)

@@ -8,16 +8,17 @@ from __future__ import annotations
 import random
 import select
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final, NamedTuple
 
 from giraff_base.drives.wheels.commands import WheelsCommands
 from giraff_base.drives.wheels.config import by_levels
-from giraff_cli.check.wiring import Counted
+from giraff_cli.check.wiring import Counted, Side
 from giraff_core.counters import signed32
 from giraff_core.estop.latch import RESET_COMMAND
 from giraff_node.boards.board_link import BoardLink
 from giraff_schemas.boards import BoardType
+from giraff_schemas.trouble import Trouble
 from giraff_schemas.wire import (
     DriveState,
     Frame,
@@ -34,8 +35,24 @@ _REST_US: Final = 200_000  # without a tick: at rest
 _COAST_WITHIN: Final = 5.0  # s
 
 
+RESTLESS: Final = Trouble(
+    "counts on while the wheel stands",
+    "check the wire and the plug of each of its sensors, and that they are firm; keep hands off the wheel",
+)
+"""Said of an encoder."""
+
+
 class BenchError(Exception):
     """The board cannot be driven. The message says why, and the way out."""
+
+
+class RestlessError(BenchError):
+    """Encoders count to and fro though their wheels stand. The motors are at zero."""
+
+    def __init__(self, sides: Sequence[Side], counted: Counted, latch: Latch) -> None:
+        """`counted` and `latch`: as `WheelBench.drive` returns them."""
+        super().__init__(f"the encoder of the {' and of the '.join(sides)} wheel {RESTLESS}")
+        self.sides, self.counted, self.latch = sides, counted, latch
 
 
 class Levels(NamedTuple):
@@ -93,9 +110,11 @@ class WheelBench:
         finally:
             self._watch = None
             self.stop()
-        end = self._at_rest()
-        left = signed32(end.left_ticks - start.left_ticks)
-        return Counted.at(left, signed32(end.right_ticks - start.right_ticks), self._ticks_per_metre), latch
+        end, restless = self._at_rest()
+        counted = self._counted(start, end)
+        if restless:
+            raise RestlessError(restless, counted, latch)
+        return counted, latch
 
     def stop(self) -> None:
         """Zero, now."""
@@ -138,19 +157,38 @@ class WheelBench:
         refusal = Refusal(self._report.last_refusal).name.lower() if self._report is not None else ""
         raise BenchError(f"{self._port}: the board {trouble} (last refusal: {refusal}); reset it, or reflash it")
 
-    def _at_rest(self) -> WheelsFrame:
-        """Keep at zero until no tick has come for a while."""
-        deadline = time.monotonic() + _COAST_WITHIN
+    def _at_rest(self) -> tuple[WheelsFrame, list[Side]]:
+        """Keep at zero until no tick has come for a while, or long enough to name the encoders that count to and fro.
+
+        BenchError where a wheel itself goes on turning.
+        """
+        begin = time.monotonic()
         newest: WheelsFrame | None = None
+        late = list[WheelsFrame]()
         for report in self._reports():
             self._send_zero(report)
             if newest is None or (report.left_ticks, report.right_ticks) != (newest.left_ticks, newest.right_ticks):
                 newest = report
             elif (report.board_us - newest.board_us) & 0xFFFFFFFF >= _REST_US:
-                return report
-            if time.monotonic() > deadline:
+                return report, []
+            waited = time.monotonic() - begin
+            if waited > _COAST_WITHIN / 2.0:
+                late.append(report)
+            if waited > _COAST_WITHIN:
                 break
-        raise BenchError("the wheels do not come to rest at zero; keep hands off them, and check the motor drivers")
+        ways = [self._counted(late[0], report) for report in late]
+        counts: dict[Side, list[int]] = {"left": [way.left for way in ways], "right": [way.right for way in ways]}
+        spans: dict[Side, int] = {side: max(each) - min(each) for side, each in counts.items()}
+        if max(spans.values()) >= ways[0].fewest:
+            raise BenchError(
+                "the wheels do not come to rest at zero; keep hands off them, and check the motor drivers and "
+                "the encoders' wires"
+            )
+        return late[-1], [side for side, span in spans.items() if span]
+
+    def _counted(self, start: WheelsFrame, end: WheelsFrame) -> Counted:
+        left = signed32(end.left_ticks - start.left_ticks)
+        return Counted.at(left, signed32(end.right_ticks - start.right_ticks), self._ticks_per_metre)
 
     def _reports(self) -> Iterator[WheelsFrame]:
         """The board's newest report, again and again. BenchError when it falls silent, or was reset."""

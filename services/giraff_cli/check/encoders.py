@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from giraff_base.config import BaseConfig
 from giraff_base.drives.wheels.config import WheelsConfig
 from giraff_cli.check.advice import advice
-from giraff_cli.check.bench import BenchError, WheelBench
+from giraff_cli.check.bench import RESTLESS, BenchError, RestlessError, WheelBench
 from giraff_cli.check.lifted import DONE, IN_DOUBT, INTERRUPTED, NOT_BEGUN, Human, Terminal, ask_lifted, levels_of
 from giraff_cli.check.listener import Listener, MuteBoardError
 from giraff_cli.check.quadrature import Channel, Figures, analyse
@@ -38,6 +38,8 @@ class _Wheel(NamedTuple):
 
     figures: Figures
     troubles: list[Trouble]
+    restless: Sequence[Side]
+    """Wheels whose encoders counted on after it was driven."""
 
 
 def check_encoders(port: str | None, svg: Path | None, *, as_json: bool = False) -> int:
@@ -74,6 +76,9 @@ def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Whee
             bench.open()
             for side in SIDES:
                 wheels[side] = _look(bench, human, side, drive)
+            for side in SIDES:
+                if any(side in wheel.restless for wheel in wheels.values()):
+                    wheels[side].troubles.append(Trouble(f"it {RESTLESS.what}", RESTLESS.remedy).of(f"{side} wheel"))
         finally:
             bench.close()
     except MuteBoardError:
@@ -105,9 +110,14 @@ def _look(bench: WheelBench, human: Human, side: Side, drive: WheelsConfig) -> _
     human.tell(f"The {side} wheel turns forward for {_DRIVE_TIME:g} s.")
     listener = Listener(SIDES.index(side) ^ int(Wiring.SWAP_ENCODERS in drive.wiring))
     level = drive.stall_level
-    counted, latch = bench.drive(drive.wiring, levels_of(side, level), _DRIVE_TIME, level, listener)
+    restless: Sequence[Side] = ()
+    try:
+        counted, latch = bench.drive(drive.wiring, levels_of(side, level), _DRIVE_TIME, level, listener)
+    except RestlessError as error:
+        counted, latch, restless = error.counted, error.latch, error.sides
     figures = analyse(listener.transitions)
-    return _Wheel(figures, [each.of(f"{side} wheel") for each in _troubles(figures, side, counted, latch)])
+    troubles = [each.of(f"{side} wheel") for each in _troubles(figures, side, counted, latch)]
+    return _Wheel(figures, troubles, restless)
 
 
 def _troubles(figures: Figures, side: Side, counted: Counted, latch: Latch) -> list[Trouble]:
