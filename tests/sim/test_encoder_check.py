@@ -184,3 +184,15 @@ def test_the_other_wheel_is_not_driven_while_one_goes_on_turning_by_itself(
     assert "the wheels do not come to rest at zero; keep hands off them" in capsys.readouterr().err
     assert not any(right for _, right in port.driven)
     assert port.driven[-1] == (0.0, 0.0)
+
+
+def test_encoders_that_are_swapped_are_named(
+    port: SimulatedPort, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("GIRAFF_BASE_DRIVE__SWAP_ENCODERS", "true")
+    assert encoders.check_encoders(None, None) == 1
+    told = capsys.readouterr().out
+    for side, other in (("left", "right"), ("right", "left")):
+        assert f"{side} wheel: it was driven, and the encoder of the {other} wheel counted; run giraff check" in told
+    assert "stall_level" not in told
+    assert port.driven[-1] == (0.0, 0.0)

@@ -123,6 +123,10 @@ def _look(bench: WheelBench, human: Human, side: Side, drive: WheelsConfig) -> _
 def _troubles(figures: Figures, side: Side, counted: Counted, latch: Latch) -> list[Trouble]:
     """Name what is wrong with a wheel and its encoder, the cause before what follows from it."""
     if not figures.is_enough and abs(getattr(counted, side)) < counted.fewest:
+        other: Side = "right" if side == "left" else "left"
+        if abs(getattr(counted, other)) >= counted.fewest:
+            what = f"it was driven, and the encoder of the {other} wheel counted"
+            return [Trouble(what, "run giraff check wheels")]
         return [
             Trouble(
                 "it was driven, and its encoder gave nothing",

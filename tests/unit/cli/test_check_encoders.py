@@ -202,7 +202,7 @@ def test_a_wheel_that_the_board_stops_is_named_with_the_cause(
     told: str,
 ) -> None:
     monkeypatch.setattr(Bench, "latch", latch)
-    monkeypatch.setattr(Bench, "counted", Counted(counted, 500))
+    monkeypatch.setattr(Bench, "counted", Counted(counted, 0))
     tell(monkeypatch, **(made or {}))
     if made is None:
         monkeypatch.setattr(Bench, "told", {**Bench.told, 1: words(turned(disk()))[:3]})
