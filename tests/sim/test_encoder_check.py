@@ -6,7 +6,8 @@ import json
 import math
 import os
 import signal
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Final
@@ -38,6 +39,8 @@ class SimulatedPort(SerialLink):
         self.now_ms = 0
         self.interrupt_ms = math.inf
         """When somebody presses Ctrl-C."""
+        self.on_drive: Callable[[], None] = lambda: None
+        """Called while a motor is driven."""
         self.flickers: int | None = None
         """Number of the encoder that counts to and fro while its wheel stands."""
         self.runs_on = False
@@ -93,6 +96,8 @@ class SimulatedPort(SerialLink):
             self._board.run(self.now_ms * 1000)
             self.driven.append((self._board.model.motor[0].drive, self._board.model.motor[1].drive))
             data += self._board.read()
+        if any(self.driven[-1]):
+            self.on_drive()
         return data
 
 
@@ -195,4 +200,20 @@ def test_encoders_that_are_swapped_are_named(
     for side, other in (("left", "right"), ("right", "left")):
         assert f"{side} wheel: it was driven, and the encoder of the {other} wheel counted; run giraff check" in told
     assert "stall_level" not in told
+    assert port.driven[-1] == (0.0, 0.0)
+
+
+def test_an_output_that_is_closed_meanwhile_is_not_taken_for_two_fine_encoders(
+    port: SimulatedPort, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    reader, writer = os.pipe()
+    closing = [reader]
+    port.on_drive = lambda: os.close(closing.pop()) if closing else None
+    with os.fdopen(writer, "w") as piped, monkeypatch.context() as patch:
+        patch.setattr(sys, "stdout", piped)
+        assert encoders.check_encoders(None, None) == 1
+    assert "standard output was closed before both wheels were judged" in capsys.readouterr().err
+    assert any(left for left, _ in port.driven)
+    assert not any(right for _, right in port.driven)
+    assert port.is_closed
     assert port.driven[-1] == (0.0, 0.0)

@@ -53,7 +53,8 @@ def check_encoders(port: str | None, svg: Path | None, *, as_json: bool = False)
             print(json_page({side: _as_json(wheel) for side, wheel in wheels.items()}), file=out)
         return code
 
-    return guard_stdout(look)
+    gone = "standard output was closed before both wheels were judged; the motors are off"
+    return guard_stdout(look, unfinished=f"giraff check encoders: {gone}")
 
 
 def _check(port: str | None, svg: Path | None) -> tuple[int, Mapping[Side, _Wheel]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import sys
@@ -13,12 +14,13 @@ UNWRITABLE: Final = 1
 _READER_GONE: Final = (errno.EPIPE, errno.EIO)  # a pipe's, a terminal's
 
 
-def guard_stdout(act: Callable[[], int]) -> int:
+def guard_stdout(act: Callable[[], int], *, unfinished: str = "") -> int:
     """The exit code of `act`, which prints: DONE if it has lost its reader, which is no fault.
 
-    UNWRITABLE, and a word, if standard output takes nothing for another reason.
+    UNWRITABLE, and a word, if standard output takes nothing for another reason. `unfinished`: said where the reader
+    goes before `act` has ended, which then is UNWRITABLE, too.
     """
-    code = DONE
+    code: int | None = None
     try:
         code = act()
         sys.stdout.flush()
@@ -29,7 +31,11 @@ def guard_stdout(act: Callable[[], int]) -> int:
         if error.errno not in _READER_GONE:
             print(f"giraff: cannot write to standard output: {error.strerror}", file=sys.stderr, flush=True)
             return UNWRITABLE
-    return code
+        if code is None and unfinished:
+            with contextlib.suppress(OSError):  # both may have had one reader
+                print(unfinished, file=sys.stderr, flush=True)
+            return UNWRITABLE
+    return DONE if code is None else code
 
 
 def discard_stdout() -> None:
