@@ -4,15 +4,30 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
-from giraff_cli.commission.steps import STEPS, Found, Step
+import msgspec
+
+from giraff_base.config import BaseConfig
+from giraff_cli.commission.steps import STEPS, WHOLE_FILE, Found, Step
 from giraff_cli.network.command import print_error
 from giraff_cli.terminal.output import guard_stdout
 from giraff_cli.terminal.page import print_json, print_table, print_wrapped
-from giraff_node.config.robot_file import ConfigError, read
+from giraff_core.robot import RobotConfig
+from giraff_guard.config import GuardConfig
+from giraff_joystick.config import JoystickConfig
+from giraff_node.config.robot_file import ConfigError, RawSettings, read
+from giraff_ranger.config import RangerConfig
 
 _LEFT: Final = 1
+_CONFIGS: Final[dict[str, type[msgspec.Struct]]] = {
+    "robot": RobotConfig,
+    "base": BaseConfig,
+    "guard": GuardConfig,
+    "joystick": JoystickConfig,
+    "ranger": RangerConfig,
+}
+"""By table, what a service takes it for."""
 
 
 def show(file: Path | None, *, as_json: bool) -> int:
@@ -22,7 +37,8 @@ def show(file: Path | None, *, as_json: bool) -> int:
         settings = read(environment)
     except ConfigError as error:
         return print_error(f"commission: {error}")
-    found = [(step, told) for step in STEPS if (told := step.find(settings.tables)) is not None]
+    refused = _refused(settings)
+    found = [(step, told) for step in STEPS if (told := step.judge(settings.tables, refused)) is not None]
     left = [step for step, told in found if told.standing == "left"]
 
     def tell() -> int:
@@ -33,6 +49,23 @@ def show(file: Path | None, *, as_json: bool) -> int:
         return _LEFT if left else 0
 
     return guard_stdout(tell)
+
+
+def _refused(settings: RawSettings) -> dict[str, str]:
+    """Return why services refuse tables of the robot file, by table."""
+    refused = {WHOLE_FILE: settings.strange[0].what} if settings.strange else {}
+    loaded = dict[str, Any]()
+    for table, config in _CONFIGS.items():
+        try:
+            loaded[table] = settings.table(table, config)
+        except ConfigError as error:
+            refused[table] = str(error)
+    if loaded.keys() >= {"robot", "base"}:
+        try:
+            loaded["base"].drive.require_countable(loaded["robot"])
+        except ValueError as error:
+            refused["base"] = f"{settings.place('base')}: {error}"
+    return {table: why.removeprefix(f"{settings.where}: ") for table, why in refused.items()}
 
 
 def _row(step: Step, told: Found) -> dict[str, str]:

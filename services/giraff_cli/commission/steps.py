@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, Literal, NamedTuple
 
 from giraff_core.robot import WIRING
@@ -30,8 +31,18 @@ class Step(NamedTuple):
     """A command, or a page."""
     find: Callable[[Tables], Found | None]
     """What the tables of a robot file tell of it. None: this robot does not need it."""
+    needs: Sequence[str] = ()
+    """Tables that it is told by. Where services refuse one of them, it is left."""
+
+    def judge(self, tables: Tables, refused: Mapping[str, str]) -> Found | None:
+        """Return what is known of it. `refused`: why services refuse a table, by its name."""
+        told = self.find(tables)
+        why = next((refused[table] for table in self.needs if table in refused), "")
+        return Found("left", why) if told is not None and why else told
 
 
+WHOLE_FILE: Final = "*"
+"""Stands for all tables, where services refuse the file as a whole."""
 _PAGE: Final = "docs/commissioning.md"
 
 
@@ -40,22 +51,14 @@ def _drive(tables: Tables) -> Mapping[str, Any]:
     return drive if isinstance(drive, Mapping) else {}
 
 
-def _is_on_wheels(tables: Tables) -> bool:
-    return _drive(tables).get("type") == "wheels"
-
-
-def _sensors(tables: Tables, kind: str) -> dict[str, Mapping[str, Any]]:
-    sensors = tables.get("robot", {}).get("sensors")
-    entries = sensors.items() if isinstance(sensors, Mapping) else ()
-    return {
-        name: entry for name, entry in entries if isinstance(entry, Mapping) and entry.get("type", ULTRASONIC) == kind
-    }
+def _balances(tables: Tables) -> bool:
+    return _drive(tables).get("type") == "balancer"
 
 
 def _has(fields: Mapping[str, Any], name: str, table: str) -> Found:
     """Tell of a field that the step writes."""
     value = fields.get(name)
-    is_set = value is not None and value not in ("", 0)
+    is_set = value is not None and re.fullmatch(r"[-+]?0*\.?0*", str(value)) is None  # a variable's 0 is text
     return Found("done", f"{table} has {name}") if is_set else Found("left", f"{table} has no {name}")
 
 
@@ -63,7 +66,11 @@ def _each(kind: str, name: str) -> Callable[[Tables], Found | None]:
     """Tell of a field that the step writes for each sensor of a type."""
 
     def find(tables: Tables) -> Found | None:
-        sensors = _sensors(tables, kind)
+        entries = tables.get("robot", {}).get("sensors")
+        if not isinstance(entries, Mapping):
+            return Found("left", "[robot] has no sensors")
+        tables_of = {sensor: entry for sensor, entry in entries.items() if isinstance(entry, Mapping)}
+        sensors = {sensor: entry for sensor, entry in tables_of.items() if entry.get("type", ULTRASONIC) == kind}
         missing = [sensor for sensor, entry in sensors.items() if name not in entry]
         if not sensors:
             return None
@@ -86,7 +93,7 @@ def _ports(tables: Tables) -> Found:
 
 def _wiring(tables: Tables) -> Found:
     drive, robot = _drive(tables), tables.get("robot", {})
-    if not _is_on_wheels(tables):
+    if _balances(tables):
         return Found("look", "a robot that balances: its wiring is written by hand")
     missing = [name for name in WIRING if drive.get(name) is None and robot.get(name) is None]
     if missing:
@@ -95,11 +102,11 @@ def _wiring(tables: Tables) -> Found:
 
 
 def _encoders(tables: Tables) -> Found | None:
-    return Found("look", "it draws them, and writes nothing") if _is_on_wheels(tables) else None
+    return None if _balances(tables) else Found("look", "it draws them, and writes nothing")
 
 
 def _speed_control(tables: Tables) -> Found | None:
-    if not _is_on_wheels(tables):
+    if _balances(tables):
         return None
     drive = _drive(tables)
     if drive.get("wheel_control") != "speed":
@@ -120,18 +127,26 @@ def _joystick(tables: Tables) -> Found:
     return Found("left", "[joystick] has no mount_yaw; nothing to do for a robot without a joystick")
 
 
+def _brakes(tables: Tables) -> Found:
+    return _has(tables.get("guard", {}), "deceleration", "[guard]")
+
+
+def _battery(tables: Tables) -> Found:
+    return _has(_drive(tables), "battery_volts_per_count", "[base.drive]")
+
+
 STEPS: Final = (
-    Step("Boards and ports", f"{_PAGE}, firmware/README.md", _ports),
-    Step("How the wheels are wired", "giraff check wheels", _wiring),
-    Step("What the encoders give", "giraff check encoders", _encoders),
-    Step("The joystick's level and axes", "giraff calibrate joystick", _joystick),
+    Step("Boards and ports", f"{_PAGE}, firmware/README.md", _ports, (WHOLE_FILE, "robot", "base", "ranger")),
+    Step("How the wheels are wired", "giraff check wheels", _wiring, ("base",)),
+    Step("What the encoders give", "giraff check encoders", _encoders, ("base",)),
+    Step("The joystick's level and axes", "giraff calibrate joystick", _joystick, ("joystick",)),
     Step("First start", f"giraff estop reset; {_PAGE}", lambda _: Found("look", "the robot drives, and creeps")),
-    Step("How well it brakes", _PAGE, lambda tables: _has(tables.get("guard", {}), "deceleration", "[guard]")),
-    Step("The battery", _PAGE, lambda tables: _has(_drive(tables), "battery_volts_per_count", "[base.drive]")),
-    Step("Speeds that are held", "giraff tune speed", _speed_control),
-    Step("Odometry", "giraff calibrate odometry", _odometry),
-    Step("Sensors by a wall", "giraff calibrate ranger", _each(ULTRASONIC, "scale")),
-    Step("The camera", "giraff calibrate camera", _each("camera", "distortion")),
+    Step("How well it brakes", _PAGE, _brakes, ("guard",)),
+    Step("The battery", _PAGE, _battery, ("base",)),
+    Step("Speeds that are held", "giraff tune speed", _speed_control, ("base",)),
+    Step("Odometry", "giraff calibrate odometry", _odometry, ("robot",)),
+    Step("Sensors by a wall", "giraff calibrate ranger", _each(ULTRASONIC, "scale"), ("robot",)),
+    Step("The camera", "giraff calibrate camera", _each("camera", "distortion"), ("robot",)),
     Step("Before it is left to others", _PAGE, lambda _: Found("look", "cardboard, cables, and the emergency stop")),
 )
 """In their order."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 import tomlkit
@@ -20,12 +21,27 @@ TITLES = [step.title for step in STEPS]
 
 def standings(
     path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> tuple[int, dict[str, str]]:
+) -> tuple[int, dict[str, str], dict[str, dict[str, str]]]:
     code, out, err = typed(monkeypatch, capsys, "commission", "--file", str(path), "--json")
     assert not err
     told = json.loads(out)
     assert told["robot_file"] == str(path)
-    return code, {row["step"]: row["standing"] for row in told["steps"]}
+    rows = {row["step"]: row for row in told["steps"]}
+    return code, {title: row["standing"] for title, row in rows.items()}, rows
+
+
+def done() -> tomlkit.TOMLDocument:
+    """Return the file of a robot that has gone through all steps."""
+    document = tomlkit.parse(STOCK)
+    drive = {**dict.fromkeys(WIRING, False), "battery_volts_per_count": 0.03, "wheel_control": "speed"}
+    document["base"]["drive"].update(drive)
+    document["base"]["drive"]["speed_control"]["speed_p"] = 160.0
+    document["robot"]["calibration"] = {"date": "2026-11-28"}
+    for sensor in document["robot"]["sensors"].values():
+        sensor.update({"distortion": [0.0] * 5} if sensor.get("type") == "camera" else {"scale": 1.0})
+    document["joystick"]["mount_yaw"] = 0.0
+    document["guard"]["deceleration"] = 0.8
+    return document
 
 
 def test_the_page_has_the_steps_in_their_order() -> None:
@@ -39,32 +55,86 @@ def test_what_is_left_is_told_until_the_file_has_it(
 ) -> None:
     path = tmp_path / "robot.toml"
     path.write_text(STOCK, encoding="utf-8")
-    code, told = standings(path, monkeypatch, capsys)
+    code, told, _ = standings(path, monkeypatch, capsys)
     assert (code, list(told)) == (1, TITLES)
     assert [title for title, standing in told.items() if standing == "done"] == ["Boards and ports"]
     _, out, _ = typed(monkeypatch, capsys, "commission", "--file", str(path))
     assert f"{path}: 8 left. Next: how the wheels are wired, by giraff check wheels." in " ".join(out.split())
 
-    document = tomlkit.parse(STOCK)
-    drive = {**dict.fromkeys(WIRING, False), "battery_volts_per_count": 0.03, "wheel_control": "speed"}
-    document["base"]["drive"].update(drive)
-    document["base"]["drive"]["speed_control"]["speed_p"] = 160.0
-    document["robot"]["calibration"] = {"date": "2026-11-28"}
-    for sensor in document["robot"]["sensors"].values():
-        sensor["distortion" if sensor.get("type") == "camera" else "scale"] = 1.0
-    document["joystick"]["mount_yaw"] = 0.0
-    document["guard"]["deceleration"] = 0.8
-    path.write_text(tomlkit.dumps(document), encoding="utf-8")
-    code, told = standings(path, monkeypatch, capsys)
+    path.write_text(tomlkit.dumps(done()), encoding="utf-8")
+    code, told, _ = standings(path, monkeypatch, capsys)
     assert (code, set(told.values())) == (0, {"done", "look"})
 
 
 def test_a_robot_that_balances_has_no_steps_of_wheels(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    _, told = standings(ROOT / "deploy" / "robots" / "balancer.toml", monkeypatch, capsys)
+    _, told, _ = standings(ROOT / "deploy" / "robots" / "balancer.toml", monkeypatch, capsys)
     assert not {"What the encoders give", "Speeds that are held"} & told.keys()
     assert told["The battery"] == "done"
+
+
+@pytest.mark.parametrize(
+    ("fields", "steps", "why"),
+    [
+        (
+            {"base.drive.invert_left_motor": "maybe"},
+            ("Boards and ports", "How the wheels are wired", "What the encoders give", "The battery"),
+            "[base]: drive.invert_left_motor must be true or false or none, and is text",
+        ),
+        ({"base.drive.battery_volts_per_count": "lots"}, ("The battery",), "battery_volts_per_count must be a number"),
+        ({"base.drive.type": "weels"}, ("What the encoders give", "Speeds that are held"), "did you mean 'wheels'?"),
+        (
+            {"base.drive.board": "ardros", "robot.max_wheel_speed": 5.0, "robot.ticks_per_metre": 2e5},
+            ("Boards and ports",),
+            "the board ardros counts",
+        ),
+        ({"guard.deceleration": float("nan")}, ("How well it brakes",), "deceleration is nan: it must be within"),
+        ({"robot.name": ["x"]}, ("Boards and ports", "Odometry", "Sensors by a wall"), "name must be text"),
+        ({"robot.sensors": 3}, ("Sensors by a wall", "The camera"), "sensors"),
+        ({"joystick.mount_yaw": 90.0}, ("The joystick's level and axes",), "are these degrees?"),
+        ({"ranger.port": 3}, ("Boards and ports",), "port must be text"),
+        ({"rangr": {}}, ("Boards and ports",), "unknown table [rangr]; did you mean 'ranger'?"),
+    ],
+)
+def test_what_the_services_refuse_is_left_with_the_reason(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    fields: dict[str, Any],
+    steps: tuple[str, ...],
+    why: str,
+) -> None:
+    path = tmp_path / "robot.toml"
+    document = done()
+    for place, value in fields.items():
+        *tables, name = place.split(".")
+        within: Any = document
+        for table in tables:
+            within = within[table]
+        within[name] = value
+    path.write_text(tomlkit.dumps(document), encoding="utf-8")
+    code, _, rows = standings(path, monkeypatch, capsys)
+    left = {title: row["why"] for title, row in rows.items() if row["standing"] == "left"}
+    assert code == 1
+    assert left.keys() >= set(steps)
+    assert all(why in left[title] for title in steps), left
+
+
+@pytest.mark.parametrize(
+    ("text", "why"), [("", "[base]: `port` is missing"), ('[base]\nport = "x"', "there is no [base.drive]")]
+)
+def test_a_file_that_says_nothing_of_the_drive_hides_no_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], text: str, why: str
+) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text(text, encoding="utf-8")
+    _, told, rows = standings(path, monkeypatch, capsys)
+    assert list(told) == TITLES
+    assert why in rows["How the wheels are wired"]["why"]
+    look = ["First start", "Before it is left to others"]
+    assert [title for title, standing in told.items() if standing == "look"] == look
+    assert "done" not in told.values()
 
 
 def test_a_file_that_is_none_is_named(
