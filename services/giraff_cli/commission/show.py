@@ -33,19 +33,22 @@ _CONFIGS: Final[dict[str, type[msgspec.Struct]]] = {
 def show(file: Path | None, *, as_json: bool) -> int:
     """Return the exit code."""
     environment = os.environ if file is None else {**os.environ, "GIRAFF_CONFIG": str(file)}
+    if file is not None and not file.is_file():
+        return print_error(f"commission: {file} is {'a folder' if file.is_dir() else 'not there'}; name a robot file")
     try:
         settings = read(environment)
     except ConfigError as error:
         return print_error(f"commission: {error}")
     refused = _refused(settings)
-    found = [(step, told) for step in STEPS if (told := step.judge(settings.tables, refused)) is not None]
-    left = [step for step, told in found if told.standing == "left"]
+    judged = [(number, step, step.judge(settings.tables, refused)) for number, step in enumerate(STEPS, 1)]
+    rows = [_row(number, step, told) for number, step, told in judged if told is not None]
+    left = [row for row in rows if row["standing"] == "left"]
 
     def tell() -> int:
         if as_json:
-            print_json({"robot_file": settings.where, "steps": [_row(step, told) for step, told in found]})
+            print_json({"robot_file": settings.where, "steps": rows})
         else:
-            _tell(settings.where, found, left)
+            _tell(settings.where, rows, left)
         return _LEFT if left else 0
 
     return guard_stdout(tell)
@@ -68,17 +71,17 @@ def _refused(settings: RawSettings) -> dict[str, str]:
     return {table: why.removeprefix(f"{settings.where}: ") for table, why in refused.items()}
 
 
-def _row(step: Step, told: Found) -> dict[str, str]:
-    return {"step": step.title, "standing": told.standing, "why": told.told, "how": step.how}
+def _row(number: int, step: Step, told: Found) -> dict[str, str]:
+    """Return a step under the number that it has in the page."""
+    how = told.how or step.how
+    return {"number": str(number), "step": step.title, "standing": told.standing, "why": told.told, "how": how}
 
 
-def _tell(where: str, found: list[tuple[Step, Found]], left: list[Step]) -> None:
-    rows = [
-        (str(number), told.standing, step.title, told.told, step.how) for number, (step, told) in enumerate(found, 1)
-    ]
-    print_table((">", "", "step", "by the robot file", "how"), rows)
+def _tell(where: str, rows: list[dict[str, str]], left: list[dict[str, str]]) -> None:
+    columns = ("number", "standing", "step", "why", "how")
+    print_table((">", "", "step", "by the robot file", "how"), [[row[column] for column in columns] for row in rows])
     print()
     if left:
-        print_wrapped(f"{where}: {len(left)} left. Next: {left[0].title.lower()}, by {left[0].how}.")
+        print_wrapped(f"{where}: {len(left)} left. Next: {left[0]['step'].lower()}, by {left[0]['how']}.")
     else:
-        print_wrapped(f"{where}: nothing is left. Steps that say look leave nothing in the file; do them once more.")
+        print_wrapped(f"{where}: nothing is left. Of a step that says look, the file does not tell: see for yourself.")

@@ -10,7 +10,7 @@ from giraff_core.robot import WIRING
 from giraff_core.sensors import ULTRASONIC
 
 Standing = Literal["done", "left", "look"]
-"""`look`: it leaves nothing in the robot file, so that only a person knows."""
+"""`look`: the robot file does not tell, so that only a person knows."""
 Tables = Mapping[str, Mapping[str, Any]]
 
 
@@ -20,6 +20,8 @@ class Found(NamedTuple):
     standing: Standing
     told: str
     """How it is known, or what is missing."""
+    how: str = ""
+    """A command, or a page, for this robot; empty: the step's own."""
 
 
 class Step(NamedTuple):
@@ -84,17 +86,15 @@ def _ports(tables: Tables) -> Found:
     name = tables.get("robot", {}).get("name", "")
     missing = [table for table in ("base", "ranger") if not tables.get(table, {}).get("port")]
     if name and not missing:
-        return Found(
-            "done",
-            f"the robot is {name}; boards on " + ", ".join(str(tables[table]["port"]) for table in ("base", "ranger")),
-        )
+        boards = ", ".join(str(tables[table]["port"]) for table in ("base", "ranger"))
+        return Found("look", f"the robot is {name}; boards on {boards}: do they answer?")
     return Found("left", "no name" if not name else f"no port in {' and '.join(f'[{table}]' for table in missing)}")
 
 
 def _wiring(tables: Tables) -> Found:
     drive, robot = _drive(tables), tables.get("robot", {})
     if _balances(tables):
-        return Found("look", "a robot that balances: its wiring is written by hand")
+        return Found("look", "a robot that balances: its wiring is written by hand", "docs/build-a-balancer.md")
     missing = [name for name in WIRING if drive.get(name) is None and robot.get(name) is None]
     if missing:
         return Found("left", f"not known: {', '.join(missing)}; base does not arm")
@@ -102,7 +102,9 @@ def _wiring(tables: Tables) -> Found:
 
 
 def _encoders(tables: Tables) -> Found | None:
-    return None if _balances(tables) else Found("look", "it draws them, and writes nothing")
+    if _balances(tables) or _drive(tables).get("board") == "ardros":
+        return None
+    return Found("look", "it draws them, and writes nothing")
 
 
 def _speed_control(tables: Tables) -> Found | None:
@@ -110,9 +112,12 @@ def _speed_control(tables: Tables) -> Found | None:
         return None
     drive = _drive(tables)
     if drive.get("wheel_control") != "speed":
-        return Found("left", 'wheel_control is "level": a low battery or a carpet makes the robot slower')
+        why = 'wheel_control is "level", by which a low battery or a carpet makes the robot slower; write "speed"'
+        return Found("left", why, _PAGE)
     gains = drive.get("speed_control")
-    return _has(gains if isinstance(gains, Mapping) else {}, "speed_p", "[base.drive.speed_control]")
+    if isinstance(gains, Mapping) and "speed_p" in gains:
+        return Found("done", "[base.drive.speed_control] has speed_p")
+    return Found("look", "the board goes by default gains: do they fit?")
 
 
 def _odometry(tables: Tables) -> Found:
@@ -124,7 +129,7 @@ def _joystick(tables: Tables) -> Found:
     fields = tables.get("joystick", {})
     if "mount_yaw" in fields:
         return Found("done", "[joystick] has mount_yaw")
-    return Found("left", "[joystick] has no mount_yaw; nothing to do for a robot without a joystick")
+    return Found("look", "[joystick] has no mount_yaw: is there a joystick?")
 
 
 def _brakes(tables: Tables) -> Found:
