@@ -192,10 +192,7 @@ def test_a_healthy_robot_has_no_findings() -> None:
             "base goes by the geometry from before: track_width 0.47, now 0.48 -> end giraff run, and start it again",
         ),
         (of_robot(estop=estop(engaged=True)), "note e-stop: the emergency stop is engaged by ann@desk: smoke"),
-        (
-            of_robot(estop=msgspec.structs.replace(estop(engaged=True), reason="empty; charge it", remedy="charge it")),
-            "engaged by ann@desk: empty -> charge it",
-        ),
+        (of_robot(estop=msgspec.structs.replace(estop(engaged=True), remedy="charge it")), "ann@desk: smoke -> charge"),
         (of_network(is_found=False), "fault network: multicast does not get through"),
         (of_network(untold=("10.72.1.2",)), "fault door: 10.72.1.2 of this machine came after its door, which"),
         (of_network(untold=("10.72.1.2",)), "restart the door: systemctl restart giraff@door"),
